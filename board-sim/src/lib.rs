@@ -1,0 +1,2 @@
+//! The simulated plant.
+#![no_std]

@@ -1,0 +1,228 @@
+//! What leaves the text: one [`Call`] for each thing a machine is to do.
+//!
+//! All coordinates are machine coordinates, X as a radius. Word-level mistakes (missing, negative, out of the printed
+//! range, twice) have been refused before a call exists; what follows from geometry is refused by `cycle`, what follows
+//! from physics by `feasible`.
+
+use crate::alarm::{At, Span};
+use crate::units::{Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle};
+
+/// A point in machine coordinates; X is a radius.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Position {
+    /// Radius.
+    pub x: Length,
+    /// Along the spindle.
+    pub z: Length,
+    /// Rotary axis.
+    pub c: Angle,
+}
+
+/// One thing to do, and where in the text it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Call {
+    /// The G (or other leading) word; its line is the block's.
+    pub span: Span,
+    /// Work coordinates = machine coordinates − origin; for printing only.
+    pub origin: Position,
+    /// What to do.
+    pub kind: CallKind,
+}
+
+/// What a call asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CallKind {
+    /// Straight rapid to a point (G00, G53).
+    Rapid(Position),
+    /// Straight cut to a point (G01).
+    Line(Position, FeedRate),
+    /// Circular cut in X–Z (G02, G03).
+    Arc(ArcCall),
+    /// Stand still (G04).
+    Dwell(Millis),
+    /// Spindle to a speed, or stopped (M03, M04, M05, S).
+    Spindle(SpindleCall),
+    /// Machine function without motion.
+    Aux(Aux),
+    /// G76, G78.
+    Thread(ThreadCall),
+    /// G75.
+    Groove(GrooveCall),
+    /// M30, M02: the program is over. Also an [`Aux`] for the machine; no call follows.
+    End(u16),
+}
+
+/// Cutting speed on the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedRate {
+    /// G98.
+    PerMinute(Feed),
+    /// G99: the speed follows the measured spindle.
+    PerTurn(FeedPerTurn, Rpm),
+}
+
+impl FeedRate {
+    /// The speed at the commanded spindle speed.
+    #[must_use]
+    pub const fn nominal(self) -> Feed {
+        match self {
+            Self::PerMinute(feed) => feed,
+            Self::PerTurn(feed, rpm) => feed.at(rpm),
+        }
+    }
+}
+
+/// A circle in the X–Z plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArcCall {
+    /// Where it ends.
+    pub end: Position,
+    /// Centre minus start, on the radius.
+    pub i: Length,
+    /// Centre minus start, along Z.
+    pub k: Length,
+    /// G02 (clockwise as programmed in the trade's X–Z convention), else G03.
+    pub clockwise: bool,
+    /// Speed on the path.
+    pub feed: FeedRate,
+}
+
+/// Spindle in speed mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpindleCall {
+    /// Commanded speed, signed; zero to stop.
+    pub rpm: Rpm,
+}
+
+/// A machine function that moves no axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aux {
+    /// An M code.
+    M(u16),
+    /// A tool call as written (`T0101` is 101).
+    T(u16),
+}
+
+/// Which thread cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThreadCycle {
+    /// [G76 sheet].
+    G76,
+    /// [G78 sheet].
+    G78,
+}
+
+/// How the tool enters from pass to pass (G78 P(r); cycles.md section 4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutIn {
+    /// 0: down the centre, no shift along Z.
+    Centre,
+    /// 1: down the −Z flank.
+    Left,
+    /// 2: down the +Z flank.
+    Right,
+    /// 3: right flank and centre in turn.
+    RightCentre,
+    /// 4: left and right flank in turn.
+    LeftRight,
+    /// G76: down the flank that trails the feed, rough and finish by the depth of the pass.
+    Trailing,
+}
+
+/// How depth grows from pass to pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Infeed {
+    /// G78 D0: equal steps Δd.
+    Equal,
+    /// G76, G78 D1: √n·Δd with the smallest step Δdmin.
+    Decreasing,
+}
+
+/// Run-out (chamfer) of a thread, before it is clipped at the start level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunOut {
+    /// Displacement of the short axis (J), positive.
+    pub short: At<Length>,
+    /// Length on the long axis (K), positive.
+    pub long: At<Length>,
+}
+
+/// A G76 or G78 cycle with every word resolved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadCall {
+    /// Which cycle.
+    pub cycle: ThreadCycle,
+    /// A: where the tool stands.
+    pub start: Position,
+    /// D, X word (radius).
+    pub end_x: At<Length>,
+    /// D, Z word.
+    pub end_z: At<Length>,
+    /// i: radius at C minus radius at D.
+    pub taper: At<Length>,
+    /// k: depth on the radius, positive.
+    pub height: At<Length>,
+    /// Δd, positive.
+    pub first_depth: At<Length>,
+    /// Δdmin, not negative.
+    pub min_step: At<Length>,
+    /// d, not negative.
+    pub allowance: At<Length>,
+    /// m, finishing passes as written (0 still makes one [D3]).
+    pub finish_passes: At<u8>,
+    /// a, whole degrees 0…99.
+    pub angle: At<u8>,
+    /// D word or parameter.
+    pub infeed: Infeed,
+    /// P(r) of G78 or parameter.
+    pub cut_in: At<CutIn>,
+    /// L: starts, 1…99.
+    pub starts: At<u8>,
+    /// E: run-in on the radius, zero for none.
+    pub run_in: At<Length>,
+    /// J, K after all defaults; `None`: the thread runs to D's plane without one.
+    pub run_out: Option<RunOut>,
+    /// F or I.
+    pub lead: At<Lead>,
+    /// Input increment as a length on the radius axis of depths (IS-C metric: 100 nm): depths are rounded to it.
+    pub increment: Length,
+    /// Commanded spindle speed, signed; zero when it stands (`expand` does not mind).
+    pub rpm: Rpm,
+}
+
+/// A G75 cycle with every word resolved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrooveCall {
+    /// A: where the tool stands.
+    pub start: Position,
+    /// Bottom, X word (radius).
+    pub end_x: At<Length>,
+    /// Last column; equal to the start where Z is not written.
+    pub end_z: At<Length>,
+    /// True where Z or W is written (decides the side of the relief, [G75 sheet], step 4).
+    pub z_written: bool,
+    /// Δi: peck on the radius (half the P word), positive; `None` where P is missing.
+    pub peck: Option<At<Length>>,
+    /// Δk: step along Z, positive; `None` where Q is missing.
+    pub step: Option<At<Length>>,
+    /// Δd: relief at the bottom along Z, not negative.
+    pub relief: At<Length>,
+    /// e: retract on the radius, not negative.
+    pub retract: At<Length>,
+    /// Speed of the pecks.
+    pub feed: FeedRate,
+}
+
+/// The start angle of start `index` of `starts`: `round(index · 360 000 / starts)` thousandths of a degree after the
+/// index, ties away from zero [D8].
+#[must_use]
+pub const fn start_angle(index: u8, starts: u8) -> StartAngle {
+    let starts = if starts == 0 { 1 } else { starts as u32 };
+    let twice = (index as u32)
+        .wrapping_mul(2 * StartAngle::FULL)
+        .wrapping_add(starts);
+    match twice.checked_div(starts.wrapping_mul(2)) {
+        Some(mdeg) => StartAngle::from_mdeg(mdeg),
+        None => StartAngle::INDEX,
+    }
+}

@@ -1,0 +1,120 @@
+//! Angles: rotary axes ([`Angle`]), the spindle ([`Turns`]) and the start angle of a thread ([`StartAngle`]).
+
+use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
+
+/// Position of a rotary axis in millionths of a degree (C words; 1 µ° to a degree is what a nanometre is to a
+/// millimetre).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Angle(i64);
+
+/// Spindle angle in 2⁻³² turns, continuous (never wrapped), positive in the direction of M03.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Turns(i64);
+
+macro_rules! saturating_ops {
+    ($type:ident) => {
+        impl Add for $type {
+            type Output = Self;
+            fn add(self, other: Self) -> Self {
+                Self(self.0.saturating_add(other.0))
+            }
+        }
+        impl Sub for $type {
+            type Output = Self;
+            fn sub(self, other: Self) -> Self {
+                Self(self.0.saturating_sub(other.0))
+            }
+        }
+        impl Neg for $type {
+            type Output = Self;
+            fn neg(self) -> Self {
+                Self(self.0.saturating_neg())
+            }
+        }
+        impl AddAssign for $type {
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
+        impl SubAssign for $type {
+            fn sub_assign(&mut self, other: Self) {
+                *self = *self - other;
+            }
+        }
+    };
+}
+saturating_ops!(Angle);
+saturating_ops!(Turns);
+
+impl Angle {
+    /// The zero of the axis.
+    pub const ZERO: Self = Self(0);
+
+    /// An angle of `udeg` millionths of a degree.
+    #[must_use]
+    pub const fn from_udeg(udeg: i64) -> Self {
+        Self(udeg)
+    }
+
+    /// The angle in millionths of a degree.
+    #[must_use]
+    pub const fn udeg(self) -> i64 {
+        self.0
+    }
+}
+
+impl Turns {
+    /// The index at start-up.
+    pub const ZERO: Self = Self(0);
+    /// One turn.
+    pub const ONE: Self = Self(1 << 32);
+
+    /// An angle of `raw` · 2⁻³² turns.
+    #[must_use]
+    pub const fn from_raw(raw: i64) -> Self {
+        Self(raw)
+    }
+
+    /// The angle in 2⁻³² turns.
+    #[must_use]
+    pub const fn raw(self) -> i64 {
+        self.0
+    }
+
+    /// `n` whole turns.
+    #[must_use]
+    pub const fn whole(n: i32) -> Self {
+        Self((n as i64) << 32)
+    }
+}
+
+/// Angle of a thread start after the spindle index, in thousandths of a degree, 0…359 999, counted in the direction
+/// the spindle turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StartAngle(u32);
+
+impl StartAngle {
+    /// A full turn in thousandths of a degree.
+    pub const FULL: u32 = 360_000;
+    /// At the index.
+    pub const INDEX: Self = Self(0);
+
+    /// `mdeg` thousandths of a degree, wrapped into one turn.
+    #[must_use]
+    pub const fn from_mdeg(mdeg: u32) -> Self {
+        Self(mdeg % Self::FULL)
+    }
+
+    /// The angle in thousandths of a degree.
+    #[must_use]
+    pub const fn mdeg(self) -> u32 {
+        self.0
+    }
+
+    /// The same angle in 2⁻³² turns, rounded to the nearest.
+    #[must_use]
+    pub const fn turns(self) -> Turns {
+        // (mdeg · 2³² + 180 000) / 360 000; mdeg < 360 000 keeps this below 2⁵¹.
+        Turns((((self.0 as u64) << 32).wrapping_add(180_000) / 360_000) as i64)
+    }
+}

@@ -1,0 +1,2 @@
+//! The `leadscrew` command line.
+fn main() {}
