@@ -1,0 +1,329 @@
+//! What can be typed: commands, options, and their help. Parsing only; nothing is done here.
+
+use std::path::PathBuf;
+
+use clap::builder::Styles;
+use clap::builder::styling::AnsiColor;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::values::{At, Bus, Percent, Ripple, Signal, Tolerance};
+
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default().bold())
+    .placeholder(AnsiColor::Cyan.on_default());
+
+const EXAMPLES: &str = "\
+Examples:
+  leadscrew check examples/o0013-g76-m68x6.nc      find mistakes before anything moves
+  leadscrew expand examples/o0013-g76-m68x6.nc     see every move of the cycle
+  leadscrew plot examples/shaft.nc -o shaft.svg    a picture of path, speed and synchronism
+  leadscrew run examples/shaft.nc                  run it on the simulated machine
+  leadscrew simulate PROG -o setpoints.csv         the setpoints, tick by tick
+
+Exit codes:
+  0    done, warnings included
+  1    the program or the parameters are wrong, or a check asked for has failed
+  2    the command line is wrong
+  3    no bus, no board, or the link was lost
+  4    the machine stopped on an alarm while running
+  130  interrupted; the board was brought to a controlled stop first";
+
+/// Lathe threading and grooving cycles: from program text to drive setpoints.
+#[derive(Debug, Parser)]
+#[command(name = "leadscrew", version, about = "Lathe threading and grooving cycles: from program text to drive setpoints", after_help = EXAMPLES, styles = STYLES, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// What holds for every command.
+    #[command(flatten)]
+    pub global: Global,
+}
+
+/// Options that every command takes.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of every command")]
+pub struct Global {
+    /// Where the machine is: `sim`, a SocketCAN interface (`can0`, `socketcan:can0`) or `slcan:…`
+    ///
+    /// `sim` is a simulated board with drives and a spindle inside this process; it needs no device and no privileges.
+    /// The others are not available yet.
+    #[arg(long, global = true, value_name = "BUS", default_value = "sim")]
+    pub bus: Bus,
+    /// CANopen node of the board, 1 to 127
+    #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=127))]
+    pub node: u8,
+    /// Parameter file of the machine (repeatable; later files win)
+    #[arg(long, global = true, value_name = "FILE")]
+    pub params: Vec<PathBuf>,
+    /// One parameter, after all files: `182.7=1`, `1420.X=12000` (repeatable)
+    #[arg(long, global = true, value_name = "NO[.BIT|.AXIS]=VALUE")]
+    pub set: Vec<String>,
+    /// Control family: settles words the two families write alike and mean differently
+    #[arg(long, global = true, value_enum, default_value_t)]
+    pub dialect: DialectName,
+    /// Block skip: leave out blocks that begin with `/`
+    #[arg(long, global = true)]
+    pub skip: bool,
+    /// Stop at M01 (with `sim` it passes at once)
+    #[arg(long, global = true)]
+    pub optional_stop: bool,
+    /// Stop after every block and every pass (with `sim` it passes at once)
+    #[arg(long, global = true)]
+    pub single_block: bool,
+    /// Use the dry-run feed for every feed; thread strokes keep their lead
+    #[arg(long, global = true)]
+    pub dry_run: bool,
+    /// Language of messages
+    #[arg(long, global = true, value_enum, default_value_t)]
+    pub lang: LangName,
+    /// One machine-readable result on stdout
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Seed of every noise source
+    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Where the machine powers up, in machine coordinates, X a diameter: `X=100,Z=50`
+    #[arg(
+        long,
+        global = true,
+        value_name = "X=…,Z=…",
+        allow_hyphen_values = true
+    )]
+    pub at: Option<At>,
+    /// File that keeps the simulated flash between runs (not available yet)
+    #[arg(long, global = true, value_name = "FILE")]
+    pub state: Option<PathBuf>,
+    /// An input at the start (repeatable; not available yet)
+    #[arg(long, global = true, value_name = "NAME=0|1")]
+    pub signal: Vec<Signal>,
+    /// Takes the simulated board's power away at this tick (not available yet)
+    #[arg(long, global = true, value_name = "TICK")]
+    pub cut_power: Option<u64>,
+}
+
+/// `--dialect`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DialectName {
+    /// GSK 980TD.
+    #[default]
+    Gsk980td,
+    /// GSK 988.
+    Gsk988,
+}
+
+/// `--lang`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum LangName {
+    /// English.
+    #[default]
+    En,
+    /// Chinese.
+    Zh,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Verify programs against parameters and physics, without a machine
+    #[command(after_help = CHECK_EXAMPLES)]
+    Check(Check),
+    /// Print the move list
+    #[command(after_help = EXPAND_EXAMPLES)]
+    Expand(Expand),
+    /// Compute the setpoints, tick by tick, in virtual time
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Simulate),
+    /// Draw the X–Z tool path, and speed and synchronism over time
+    #[command(after_help = PLOT_EXAMPLES)]
+    Plot(Plot),
+    /// Check all of a program, upload it and run it
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(Run),
+    /// One look at the board (not available yet)
+    Status,
+    /// A live view of the board (not available yet)
+    Monitor,
+    /// Feed hold (not available yet)
+    Hold,
+    /// Go on after a hold (not available yet)
+    Resume,
+    /// Reset the board (not available yet)
+    Reset,
+    /// Controlled stop (not available yet)
+    Stop,
+    /// Set an override (not available yet)
+    Override {
+        /// Which one
+        #[arg(value_enum)]
+        what: OverrideName,
+        /// Percent
+        percent: Percent,
+    },
+    /// Set an input (not available yet)
+    Signal {
+        /// `NAME=0` or `NAME=1`
+        #[arg(value_name = "NAME=0|1")]
+        signal: Signal,
+    },
+    /// Tapping return, the same as G30 P99 (not available yet)
+    Retract {
+        /// Spindle speed in turns per minute
+        #[arg(long, value_name = "RPM")]
+        speed: Option<u32>,
+        /// Drop the record instead
+        #[arg(long)]
+        discard: bool,
+    },
+    /// Capture the bus (not available yet)
+    Record {
+        /// Where to: a candump log or a CSV file
+        #[arg(short, long, value_name = "FILE.{log,csv}")]
+        output: PathBuf,
+    },
+    /// Print a completion script for a shell
+    #[command(
+        after_help = "Example:\n  leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew"
+    )]
+    Completions {
+        /// Which shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+}
+
+const CHECK_EXAMPLES: &str = "\
+Examples:
+  leadscrew check part.nc
+  leadscrew check --strict *.nc            a lead-in that is too short fails too
+  leadscrew check --json part.nc           for editors and scripts
+  leadscrew check --set 1430.Z=4000 part.nc";
+
+/// `check`.
+#[derive(Args, Debug)]
+pub struct Check {
+    /// Programs
+    #[arg(required = true, value_name = "PROG")]
+    pub programs: Vec<PathBuf>,
+    /// Fail (exit 1) when a thread starts too close to the material for its lead-in
+    #[arg(long)]
+    pub strict: bool,
+}
+
+const EXPAND_EXAMPLES: &str = "\
+Examples:
+  leadscrew expand part.nc
+  leadscrew expand part.nc --format jsonl | jq 'select(.cycle == \"G76\")'
+  leadscrew expand part.nc --format csv > moves.csv";
+
+/// `expand`.
+#[derive(Args, Debug)]
+pub struct Expand {
+    /// Program
+    #[arg(value_name = "PROG")]
+    pub program: PathBuf,
+    /// How to print the moves (`--json` is the same as `--format jsonl`)
+    #[arg(long, value_enum)]
+    pub format: Option<Format>,
+}
+
+/// `--format` of `expand`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A table to read.
+    Text,
+    /// One JSON object a line.
+    Jsonl,
+    /// Comma-separated, with a header.
+    Csv,
+}
+
+/// What drives the virtual machine.
+#[derive(Args, Debug)]
+pub struct Drive {
+    /// Spindle speed ripple: a sine of PERCENT of the commanded speed, as `10@5`
+    #[arg(long, value_name = "PERCENT@HZ")]
+    pub spindle_ripple: Option<Ripple>,
+    /// Interpolation tick in microseconds, instead of parameter 9000
+    #[arg(long, value_name = "N")]
+    pub tick_us: Option<u32>,
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  leadscrew simulate part.nc                                    only the summary
+  leadscrew simulate part.nc -o setpoints.csv
+  leadscrew simulate part.nc --spindle-ripple 10@5 --tolerance 1.3
+  leadscrew simulate part.nc --at X=100,Z=50 --json";
+
+/// `simulate`.
+#[derive(Args, Debug)]
+pub struct Simulate {
+    /// Program
+    #[arg(value_name = "PROG")]
+    pub program: PathBuf,
+    /// Where the setpoints go, one row a tick
+    #[arg(short, long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+    /// The plant.
+    #[command(flatten)]
+    pub drive: Drive,
+    /// Fail (exit 1) when the worst synchronism error is above this many micrometres
+    #[arg(long, value_name = "UM")]
+    pub tolerance: Option<Tolerance>,
+}
+
+const PLOT_EXAMPLES: &str = "\
+Examples:
+  leadscrew plot examples/shaft.nc -o shaft.svg
+  leadscrew plot part.nc -o part.svg --spindle-ripple 10@5";
+
+/// `plot`.
+#[derive(Args, Debug)]
+pub struct Plot {
+    /// Program
+    #[arg(value_name = "PROG")]
+    pub program: PathBuf,
+    /// Where the picture goes; the ending chooses the format (`svg`; `png` and `html` are not available yet)
+    #[arg(short, long, value_name = "FILE.svg")]
+    pub output: PathBuf,
+    /// The plant.
+    #[command(flatten)]
+    pub drive: Drive,
+}
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  leadscrew run examples/shaft.nc
+  leadscrew run part.nc --tolerance 1.0 --json
+  leadscrew run part.nc --spindle-ripple 10@5 --tolerance 1.3";
+
+/// `run`.
+#[derive(Args, Debug)]
+pub struct Run {
+    /// Program
+    #[arg(value_name = "PROG")]
+    pub program: PathBuf,
+    /// Write the bus traffic as a candump log
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// The plant.
+    #[command(flatten)]
+    pub drive: Drive,
+    /// Fail (exit 1) when the worst synchronism error is above this many micrometres
+    #[arg(long, value_name = "UM")]
+    pub tolerance: Option<Tolerance>,
+}
+
+/// The overrides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum OverrideName {
+    /// Feed.
+    Feed,
+    /// Rapid.
+    Rapid,
+    /// Spindle.
+    Spindle,
+}

@@ -1,0 +1,16 @@
+//! One file a command.
+
+mod completions;
+mod unavailable;
+
+use crate::cli::{Cli, Command};
+use crate::failure::Outcome;
+
+/// Does what was typed.
+pub fn dispatch(cli: &Cli) -> Outcome {
+    unavailable::refuse(cli)?;
+    match &cli.command {
+        Command::Completions { shell } => completions::print(*shell),
+        _ => unavailable::command(cli),
+    }
+}

@@ -1,0 +1,282 @@
+//! Words for alarms and warnings: a template of the core's table, its figures in the reader's units, and the place in
+//! the source with a caret under it.
+
+use std::io::Write as _;
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use leadscrew_core::alarm::{Alarm, Arg, Lang};
+
+use crate::json::Json;
+use crate::number;
+use crate::source::SourceFile;
+
+/// An alarm or a warning in words.
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    /// The file as it was named.
+    pub file: String,
+    /// The alarm's number.
+    pub number: u16,
+    /// Reported, and nothing stops.
+    pub warning: bool,
+    /// Line from 1; 0 where no place in the text is meant.
+    pub line: u32,
+    /// First column from 1, in characters.
+    pub column: usize,
+    /// Column after the last character.
+    pub end_column: usize,
+    /// The word's letter.
+    pub word: Option<char>,
+    /// The cause.
+    pub message: String,
+    /// What to change.
+    pub help: String,
+    /// The line it stands in, tabs and undecodable bytes replaced one for one.
+    text: Option<String>,
+    lang: Lang,
+}
+
+impl Diagnostic {
+    /// Puts `alarm` into words. `inch`: the program is in inches where the alarm stands.
+    pub fn new(alarm: &Alarm, source: &SourceFile, lang: Lang, inch: bool) -> Self {
+        let raw = source.line(alarm.span.line);
+        let columns = |byte: u16| {
+            let bytes = usize::from(byte).saturating_sub(1);
+            let Some(raw) = &raw else { return bytes + 1 };
+            String::from_utf8_lossy(&raw[..bytes.min(raw.len())])
+                .chars()
+                .count()
+                + 1
+        };
+        let column = columns(alarm.span.column);
+        Self {
+            file: source.name(),
+            number: alarm.number(),
+            warning: alarm.code.is_warning(),
+            line: alarm.span.line,
+            column,
+            end_column: columns(alarm.span.end).max(column + 1),
+            word: alarm.word.map(char::from),
+            message: fill(alarm.code.cause(lang), alarm, lang, inch),
+            help: fill(alarm.code.help(lang), alarm, lang, inch),
+            text: raw.map(|raw| printable(&raw)),
+            lang,
+        }
+    }
+
+    /// The fields of the machine formats; `file` where the caller wants it.
+    pub fn fields(&self, json: &mut Json, with_file: bool) {
+        if with_file {
+            json.text("file", &self.file);
+        }
+        json.integer("no", i64::from(self.number));
+        json.integer("line", i64::from(self.line));
+        json.integer("column", self.column as i64);
+        json.integer("end_column", self.end_column as i64);
+        if let Some(word) = self.word {
+            json.text("word", word.encode_utf8(&mut [0; 4]));
+        }
+        json.text("message", &self.message);
+        json.text("help", &self.help);
+    }
+
+    /// For a person: number, cause, place with a caret, remedy.
+    pub fn render(&self, colour: bool) -> String {
+        let (level, name) = match (self.warning, self.lang) {
+            (false, Lang::En) => (Level::ERROR, "alarm"),
+            (false, Lang::Zh) => (Level::ERROR, "报警"),
+            (true, Lang::En) => (Level::WARNING, "warning"),
+            (true, Lang::Zh) => (Level::WARNING, "警告"),
+        };
+        let help = match self.lang {
+            Lang::En => Level::HELP,
+            Lang::Zh => Level::HELP.with_name("措施"),
+        };
+        let renderer = if colour {
+            Renderer::styled()
+        } else {
+            Renderer::plain()
+        };
+        let title = level
+            .with_name(name)
+            .primary_title(&self.message)
+            .id(format!("{:04}", self.number));
+        let text = self.text.as_deref().unwrap_or_default();
+        let group = match &self.text {
+            Some(_) if self.line > 0 => {
+                let byte = |column: usize| {
+                    text.char_indices()
+                        .nth(column - 1)
+                        .map_or(text.len(), |(at, _)| at)
+                };
+                let span = byte(self.column)..byte(self.end_column);
+                title.element(
+                    Snippet::source(text)
+                        .line_start(self.line as usize)
+                        .path(&self.file)
+                        .annotation(AnnotationKind::Primary.span(span)),
+                )
+            }
+            _ => title.element(annotate_snippets::Origin::path(&self.file)),
+        };
+        renderer.render(&[group.element(help.message(&self.help))])
+    }
+}
+
+/// Where diagnostics for people go: standard error.
+pub fn print(diagnostic: &Diagnostic, colour: bool) {
+    // A closed standard error leaves nobody to tell.
+    let _ = writeln!(std::io::stderr(), "{}", diagnostic.render(colour));
+}
+
+/// The line as it can be shown: tabs become one space each, so that columns stay columns, and control characters and
+/// undecodable bytes one replacement character each.
+fn printable(raw: &[u8]) -> String {
+    String::from_utf8_lossy(raw)
+        .chars()
+        .map(|c| match c {
+            '\t' => ' ',
+            c if c.is_control() => char::REPLACEMENT_CHARACTER,
+            c => c,
+        })
+        .collect()
+}
+
+/// Replaces `{0}`…`{3}` and `{w}` in a template.
+fn fill(template: &str, alarm: &Alarm, lang: Lang, inch: bool) -> String {
+    let mut out = String::with_capacity(template.len() + 32);
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once('{') {
+        out.push_str(before);
+        let Some((key, after)) = after.split_once('}') else {
+            out.push('{');
+            rest = after;
+            continue;
+        };
+        match key {
+            "w" => out.push(alarm.word.map_or('?', char::from)),
+            key => match key.parse::<usize>().ok().and_then(|n| alarm.args.get(n)) {
+                Some(arg) => out.push_str(&figure(*arg, lang, inch)),
+                // Not a figure: the braces are part of the text.
+                None => out.extend(["{", key, "}"]),
+            },
+        }
+        rest = after;
+    }
+    out.push_str(rest);
+    out
+}
+
+/// One figure with its unit.
+pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
+    match arg {
+        Arg::None => String::new(),
+        Arg::Int(value) => value.to_string(),
+        Arg::Length(value) => length(value.nm(), inch),
+        Arg::Diameter(value) => length(value.nm(), inch),
+        Arg::Angle(value) => format!("{}°", number::text::<6>(value.udeg())),
+        Arg::Feed(value) => format!("{}/min", length(value.nm_per_min(), inch)),
+        Arg::Rpm(value) => match lang {
+            Lang::En => format!("{} rpm", value.get()),
+            Lang::Zh => format!("{} r/min", value.get()),
+        },
+        Arg::Lead(value) => length(value.rounded().nm(), inch),
+        Arg::Percent(value) => format!("{value} %"),
+        Arg::Decimal(mantissa, decimals) => written(mantissa, decimals),
+        Arg::Letter(letter) => char::from(letter).to_string(),
+        Arg::GCode(tenths) if tenths % 10 == 0 => format!("G{:02}", tenths / 10),
+        Arg::GCode(tenths) => format!("G{:02}.{}", tenths / 10, tenths % 10),
+    }
+}
+
+/// A length in the program's unit: exact in millimetres, to the tenth of a micro-inch in inches.
+fn length(nm: i64, inch: bool) -> String {
+    if !inch {
+        return format!("{} mm", number::text::<6>(nm));
+    }
+    // 10⁷ / 25 400 000 = 100 / 254 ten-millionths of an inch to the nanometre.
+    let scaled = i128::from(nm) * 100;
+    let half = 127 * scaled.signum();
+    let value = i64::try_from((scaled + half) / 254).unwrap_or(i64::MAX);
+    format!("{} in", number::text::<7>(value))
+}
+
+/// A decimal with the digits it was written with.
+fn written(mantissa: i64, decimals: u8) -> String {
+    let digits = format!(
+        "{:0width$}",
+        mantissa.unsigned_abs(),
+        width = usize::from(decimals) + 1
+    );
+    let (whole, fraction) = digits.split_at(digits.len() - usize::from(decimals));
+    let sign = if mantissa < 0 { "-" } else { "" };
+    let point = if fraction.is_empty() { "" } else { "." };
+    format!("{sign}{whole}{point}{fraction}")
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_core::alarm::{Code, Span};
+    use leadscrew_core::units::{Diameter, Length, Rpm};
+
+    use super::*;
+
+    fn alarm() -> Alarm {
+        Alarm::new(
+            Code::LeadMissing,
+            Span {
+                line: 1,
+                column: 1,
+                end: 4,
+            },
+        )
+        .word(b'F')
+        .with([
+            Arg::Length(Length::from_nm(1_500_000)),
+            Arg::Diameter(Diameter::from_nm(60_640_000)),
+            Arg::Rpm(Rpm::new(-300)),
+            Arg::GCode(760),
+        ])
+    }
+
+    #[test]
+    fn figures_take_their_places() {
+        let text = fill(
+            "{w}: {0} of {1} at {2} in {3}, {9} {x}",
+            &alarm(),
+            Lang::En,
+            false,
+        );
+        assert_eq!(text, "F: 1.5 mm of 60.64 mm at -300 rpm in G76, {9} {x}");
+        assert_eq!(fill("open {", &alarm(), Lang::En, false), "open {");
+    }
+
+    #[test]
+    fn inches_are_rounded_only_in_print() {
+        assert_eq!(length(25_400_000, true), "1 in");
+        assert_eq!(length(1_000_000, true), "0.0393701 in");
+        assert_eq!(length(-1_000_000, true), "-0.0393701 in");
+    }
+
+    #[test]
+    fn decimals_keep_their_digits() {
+        assert_eq!(written(1500, 3), "1.500");
+        assert_eq!(written(-5, 2), "-0.05");
+        assert_eq!(written(7, 0), "7");
+    }
+
+    #[test]
+    fn every_template_names_only_figures_that_can_be_filled() {
+        for code in Code::ALL {
+            for lang in [Lang::En, Lang::Zh] {
+                for template in [code.cause(lang), code.help(lang)] {
+                    let filled = fill(template, &alarm(), lang, false);
+                    assert!(
+                        !template.is_empty() && !filled.contains(['{', '}']),
+                        "{code:?}: {template}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! The `leadscrew` command line: programs in; moves, setpoints, pictures and diagnostics out.
+//!
+//! One file a command ([`commands`]); what several share has a room of its own: words for alarms ([`diagnostics`]), the
+//! move list's formats ([`movelist`]), exact numbers ([`number`]) and JSON ([`json`]). Data goes to standard output,
+//! words for people to standard error. Knows nothing of how motion is made.
+
+pub mod cli;
+pub mod commands;
+pub mod diagnostics;
+pub mod failure;
+pub mod json;
+pub mod movelist;
+pub mod number;
+pub mod session;
+pub mod source;
+pub mod values;
