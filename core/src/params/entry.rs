@@ -1,0 +1,174 @@
+//! Definitions as data: what each number is, and how to find it by number, alias or name.
+
+use core::fmt;
+
+use super::{ENTRIES, TEXTS, Unit};
+use crate::units::Axis;
+
+/// Which value of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The number has one value.
+    Whole,
+    /// One bit, 0–7.
+    Bit(u8),
+    /// One axis.
+    Axis(Axis),
+}
+
+/// One value of the table: what a machine must know to take or refuse it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Number.
+    pub no: u16,
+    /// Second number of the same record [D17].
+    pub alias: Option<u16>,
+    /// Which value of the number.
+    pub part: Part,
+    /// Unit; raw values are whole numbers of its smallest step.
+    pub unit: Unit,
+    /// Smallest raw value.
+    pub min: i64,
+    /// Largest raw value.
+    pub max: i64,
+    /// Raw value that stands for "none", where that is allowed.
+    pub none: Option<i64>,
+    /// Place in the set.
+    pub(super) slot: u16,
+    /// Place in the texts.
+    pub(super) text: u16,
+}
+
+/// What a person reads about a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Text {
+    /// Key in machine files and on the command line.
+    pub name: &'static str,
+    /// What it is, in English.
+    pub en: &'static str,
+    /// What it is, in Chinese.
+    pub zh: &'static str,
+    /// Where it comes from: sheets and decisions.
+    pub sheet: &'static str,
+}
+
+/// Why no single value was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FindError {
+    /// No parameter has this number or name.
+    Unknown,
+    /// The number has bits or axes, and none is named; the entry is the first of them.
+    PartMissing(&'static Entry),
+    /// The number exists, but not with this bit or axis; the entry is the first it has.
+    NoSuchPart(&'static Entry),
+}
+
+static NO_TEXT: Text = Text {
+    name: "",
+    en: "",
+    zh: "",
+    sheet: "",
+};
+
+impl Entry {
+    /// The whole table, by number, then bit or axis.
+    #[must_use]
+    pub fn all() -> &'static [Self] {
+        &ENTRIES
+    }
+
+    /// Name, meaning and source.
+    #[must_use]
+    pub fn text(&self) -> &'static Text {
+        TEXTS.get(usize::from(self.text)).unwrap_or(&NO_TEXT)
+    }
+
+    /// The value of a number or alias, as a bus asks for it.
+    ///
+    /// # Errors
+    /// [`FindError`].
+    pub fn find(no: u16, part: Option<Part>) -> Result<&'static Self, FindError> {
+        Self::pick(part, false, |e| e.no == no || e.alias == Some(no))
+    }
+
+    /// The value that `NO`, `NO.BIT`, `NO.AXIS`, or the same with a name for the number, means. Zeros before a number
+    /// do not count; letters may be small.
+    ///
+    /// # Errors
+    /// [`FindError`].
+    pub fn find_text(key: &str) -> Result<&'static Self, FindError> {
+        let (head, tail) = match key.trim().split_once('.') {
+            Some((head, tail)) => (head, Some(tail)),
+            None => (key.trim(), None),
+        };
+        Self::find_key(head, tail)
+    }
+
+    /// As [`Entry::find_text`], with the part behind the point apart.
+    ///
+    /// # Errors
+    /// [`FindError`].
+    pub fn find_key(head: &str, tail: Option<&str>) -> Result<&'static Self, FindError> {
+        // A part that is none at all is looked for all the same: an unknown number is the graver mistake.
+        let part = tail.map(|tail| parse_part(tail).unwrap_or(Part::Bit(u8::MAX)));
+        match parse_number(head) {
+            Some(no) => Self::find(no, part),
+            None => Self::pick(part, true, |e| e.text().name.eq_ignore_ascii_case(head)),
+        }
+    }
+
+    /// `by_name`: a name says which bit it means, a number does not.
+    fn pick(
+        part: Option<Part>,
+        by_name: bool,
+        matches: impl Fn(&Self) -> bool,
+    ) -> Result<&'static Self, FindError> {
+        let mut candidates = ENTRIES.iter().filter(|e| matches(e));
+        let first = candidates.next().ok_or(FindError::Unknown)?;
+        match part {
+            Some(part) if first.part == part => Ok(first),
+            Some(part) => candidates
+                .find(|e| e.part == part)
+                .ok_or(FindError::NoSuchPart(first)),
+            None if first.part == Part::Whole => Ok(first),
+            None if by_name && matches!(first.part, Part::Bit(_)) => Ok(first),
+            None => Err(FindError::PartMissing(first)),
+        }
+    }
+
+    /// True where the number or alias is `no`.
+    #[must_use]
+    pub fn is_number(&self, no: u16) -> bool {
+        self.no == no || self.alias == Some(no)
+    }
+}
+
+/// Prints the number as users write it: `019`, `182.7`, `1420.X`.
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:03}", self.no)?;
+        match self.part {
+            Part::Whole => Ok(()),
+            Part::Bit(bit) => write!(f, ".{bit}"),
+            Part::Axis(axis) => write!(f, ".{}", char::from(axis.letter())),
+        }
+    }
+}
+
+fn parse_number(text: &str) -> Option<u16> {
+    // `parse` alone would take a sign.
+    (!text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())).then_some(())?;
+    text.parse().ok()
+}
+
+fn parse_part(text: &str) -> Option<Part> {
+    let mut bytes = text.bytes();
+    let part = match bytes.next()? {
+        b @ b'0'..=b'7' => Part::Bit(b.wrapping_sub(b'0')),
+        b'X' | b'x' => Part::Axis(Axis::X),
+        b'Z' | b'z' => Part::Axis(Axis::Z),
+        b'C' | b'c' => Part::Axis(Axis::C),
+        _ => return None,
+    };
+    bytes.next().is_none().then_some(part)
+}

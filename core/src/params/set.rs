@@ -1,0 +1,79 @@
+//! Reading and writing one value of a set, with its range.
+
+use super::{Entry, Params, Part, ValueError, Writing};
+
+/// Why a value was not taken; the set is unchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetError {
+    /// The text is no value of the unit.
+    Value(ValueError),
+    /// The value is outside the range of the entry.
+    OutOfRange,
+}
+
+impl Entry {
+    /// Whether `raw` may be stored.
+    #[must_use]
+    pub fn allows(&self, raw: i64) -> bool {
+        (self.min..=self.max).contains(&raw) || self.none == Some(raw)
+    }
+
+    /// The raw value of a text; `none` where the entry allows that.
+    ///
+    /// # Errors
+    /// [`SetError`].
+    pub fn parse(&self, text: &str, writing: Writing) -> Result<i64, SetError> {
+        if let Some(none) = self.none
+            && text.trim().eq_ignore_ascii_case("none")
+        {
+            return Ok(none);
+        }
+        let raw = match self.unit.parse(text, writing) {
+            Ok(raw) => raw,
+            Err(ValueError::TooLarge) => return Err(SetError::OutOfRange),
+            Err(e) => return Err(SetError::Value(e)),
+        };
+        // The value that stands for "none" has no number.
+        if (self.min..=self.max).contains(&raw) {
+            Ok(raw)
+        } else {
+            Err(SetError::OutOfRange)
+        }
+    }
+}
+
+impl Params {
+    /// The raw value of an entry: whole steps of its unit; a bit is 0 or 1.
+    #[must_use]
+    pub fn get(&self, entry: &Entry) -> i64 {
+        let raw = self.raw.get(usize::from(entry.slot)).copied().unwrap_or(0);
+        match entry.part {
+            Part::Bit(bit) => raw.wrapping_shr(u32::from(bit)) & 1,
+            Part::Whole | Part::Axis(_) => raw,
+        }
+    }
+
+    /// Stores a raw value.
+    ///
+    /// # Errors
+    /// [`SetError::OutOfRange`]; the set is unchanged.
+    pub fn set(&mut self, entry: &Entry, raw: i64) -> Result<(), SetError> {
+        if !entry.allows(raw) {
+            return Err(SetError::OutOfRange);
+        }
+        if let Some(place) = self.raw.get_mut(usize::from(entry.slot)) {
+            *place = match entry.part {
+                Part::Bit(bit) => {
+                    let mask = 1_i64.wrapping_shl(u32::from(bit));
+                    if raw == 0 {
+                        *place & !mask
+                    } else {
+                        *place | mask
+                    }
+                }
+                Part::Whole | Part::Axis(_) => raw,
+            };
+        }
+        Ok(())
+    }
+}
