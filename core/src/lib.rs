@@ -21,6 +21,7 @@
 //! reads it.
 
 pub mod alarm;
+pub mod bus;
 pub mod cycle;
 pub mod params;
 pub mod program;

@@ -70,6 +70,10 @@ pub enum Arg {
     Letter(u8),
     /// A G code in tenths (`G5.1` is 51).
     GCode(u16),
+    /// A number printed as four hexadecimal digits and an `h` (an error code).
+    Hex(u16),
+    /// A CiA 402 statusword, printed like [`Arg::Hex`] with the name of its state behind it.
+    Statusword(u16),
 }
 
 /// An alarm or a warning: what ([`Code`]), where, at which word, and up to four figures for the template.

@@ -77,6 +77,57 @@ codes! {
 
     // -- 4300–4399 machine: board/, bus/ -----------------------------------------------------------------------------
 
+    // 4350–4399: drives. {0} is the drive's letter, {1} its node.
+    /// No status from a drive after it was started.
+    DriveNoAnswer = 4350, "drive {0} (node {1}) does not answer",
+        "check its supply, the bus wiring and termination, its node number and bit rate",
+        "驱动器 {0}（节点 {1}）无应答", "请检查供电、总线接线与终端电阻、节点号和波特率";
+    /// A drive stays in not ready to switch on, or in fault reaction.
+    DriveNotInitialised = 4351, "drive {0} (node {1}) does not finish starting: statusword {2}",
+        "wait for it to start; read the message on the drive", "驱动器 {0}（节点 {1}）未完成启动：状态字 {2}",
+        "请等待其启动；查看驱动器上的信息";
+    /// A drive does not leave quick stop.
+    DriveNotReleased = 4352, "drive {0} (node {1}) stays in quick stop: statusword {2}",
+        "read the message on the drive", "驱动器 {0}（节点 {1}）停留在快速停止状态：状态字 {2}", "请查看驱动器上的信息";
+    /// A drive does not reach ready to switch on.
+    DriveNotReady = 4353, "drive {0} (node {1}) did not become ready to switch on: statusword {2}",
+        "check its enable and safe-torque-off inputs", "驱动器 {0}（节点 {1}）未进入准备接通状态：状态字 {2}",
+        "请检查使能输入和安全转矩关断输入";
+    /// A drive does not reach switched on.
+    DriveNotSwitchedOn = 4354, "drive {0} (node {1}) did not switch on: statusword {2}",
+        "check its power supply", "驱动器 {0}（节点 {1}）未接通：状态字 {2}", "请检查动力电源";
+    /// A drive does not reach operation enabled.
+    DriveNotEnabled = 4355, "drive {0} (node {1}) did not enable operation: statusword {2}",
+        "check its enable input, brake and motor feedback", "驱动器 {0}（节点 {1}）未使能运行：状态字 {2}",
+        "请检查使能输入、制动器和电机反馈";
+    /// A drive stays in fault although it was reset.
+    DriveFaultNotReset = 4356, "the fault of drive {0} (node {1}) stays after the reset: statusword {2}",
+        "remove its cause, which the drive shows, and reset again", "驱动器 {0}（节点 {1}）复位后故障仍在：状态字 {2}",
+        "请排除驱动器显示的故障原因后再复位";
+    /// A drive reports a fault.
+    DriveFault = 4357, "drive {0} (node {1}) has a fault: statusword {2}, error code {3}",
+        "look the error code up in the drive's manual, remove the cause, then reset",
+        "驱动器 {0}（节点 {1}）故障：状态字 {2}，错误代码 {3}", "请在驱动器手册中查找错误代码，排除原因后复位";
+    /// A drive left operation enabled without being told to.
+    DriveLost = 4358, "drive {0} (node {1}) left operation enabled by itself: statusword {2}",
+        "check its enable and safe-torque-off inputs and its supply, then reset",
+        "驱动器 {0}（节点 {1}）自行退出运行使能：状态字 {2}", "请检查使能输入、安全转矩关断输入和供电，然后复位";
+    /// A drive restarted while it was in use.
+    DriveRestarted = 4359, "drive {0} (node {1}) restarted", "check its supply, then reset",
+        "驱动器 {0}（节点 {1}）重新启动", "请检查供电，然后复位";
+    /// No status from an enabled drive.
+    DriveSilent = 4360, "drive {0} (node {1}) has sent no status for {2} ticks",
+        "check the bus wiring and the drive's TPDO1 (transmission type), then reset",
+        "驱动器 {0}（节点 {1}）已有 {2} 个周期未发送状态", "请检查总线接线和驱动器的 TPDO1（传输类型），然后复位";
+    /// An enabled drive is too far from its target for too long.
+    FollowingError = 4361, "following error of drive {0} (node {1}): {2}, limit {3} (parameter 1828)",
+        "check for a collision and the drive's tuning, or lower acceleration and feed, then reset",
+        "驱动器 {0}（节点 {1}）跟随误差 {2}，极限 {3}（参数 1828）", "请检查是否碰撞及驱动器参数，或降低加速度和进给，然后复位";
+    /// A position does not fit the 32 bits of the drive's target.
+    DriveRange = 4362, "position {1} of drive {0} is beyond the 32 bits of its increments",
+        "use a coarser increment (parameters 9001, 9002) or less travel",
+        "驱动器 {0} 的位置 {1} 超出 32 位增量范围", "请使用更粗的增量（参数 9001、9002）或减小行程";
+
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------

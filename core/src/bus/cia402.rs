@@ -1,0 +1,167 @@
+//! The power state machine of CiA 402 as its master sees it: what a statusword says and what a controlword asks.
+
+/// 6041h.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Statusword(u16);
+
+impl Statusword {
+    /// The word as it came.
+    #[must_use]
+    pub const fn from_raw(raw: u16) -> Self {
+        Self(raw)
+    }
+
+    /// The word.
+    #[must_use]
+    pub const fn raw(self) -> u16 {
+        self.0
+    }
+
+    /// The state it stands for; `None` for a pattern that CiA 402 does not have.
+    #[must_use]
+    pub const fn state(self) -> Option<State> {
+        // Bits 3–0 and 6 name the state; bit 5 (quick stop, active low) only where the drive may be switched on.
+        match self.0 & 0x4F {
+            0x00 => return Some(State::NotReadyToSwitchOn),
+            0x40 => return Some(State::SwitchOnDisabled),
+            0x0F => return Some(State::FaultReactionActive),
+            0x08 => return Some(State::Fault),
+            _ => {}
+        }
+        match self.0 & 0x6F {
+            0x21 => Some(State::ReadyToSwitchOn),
+            0x23 => Some(State::SwitchedOn),
+            0x27 => Some(State::OperationEnabled),
+            0x07 => Some(State::QuickStopActive),
+            _ => None,
+        }
+    }
+}
+
+/// A state of the power state machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum State {
+    /// Initialising.
+    NotReadyToSwitchOn,
+    /// Waiting to be allowed.
+    SwitchOnDisabled,
+    /// High voltage may be applied.
+    ReadyToSwitchOn,
+    /// High voltage is applied.
+    SwitchedOn,
+    /// Torque is on; the target is followed.
+    OperationEnabled,
+    /// Braking, or standing after it.
+    QuickStopActive,
+    /// Reacting to a fault.
+    FaultReactionActive,
+    /// Stopped by a fault.
+    Fault,
+}
+
+impl State {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::NotReadyToSwitchOn,
+        Self::SwitchOnDisabled,
+        Self::ReadyToSwitchOn,
+        Self::SwitchedOn,
+        Self::OperationEnabled,
+        Self::QuickStopActive,
+        Self::FaultReactionActive,
+        Self::Fault,
+    ];
+
+    /// The name of the state in CiA 402.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotReadyToSwitchOn => "not ready to switch on",
+            Self::SwitchOnDisabled => "switch on disabled",
+            Self::ReadyToSwitchOn => "ready to switch on",
+            Self::SwitchedOn => "switched on",
+            Self::OperationEnabled => "operation enabled",
+            Self::QuickStopActive => "quick stop active",
+            Self::FaultReactionActive => "fault reaction active",
+            Self::Fault => "fault",
+        }
+    }
+}
+
+/// 6040h.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Controlword(u16);
+
+impl Controlword {
+    /// Voltage off, from any state: to switch on disabled.
+    pub const DISABLE_VOLTAGE: Self = Self(0x0000);
+    /// To ready to switch on.
+    pub const SHUTDOWN: Self = Self(0x0006);
+    /// To switched on.
+    pub const SWITCH_ON: Self = Self(0x0007);
+    /// To operation enabled.
+    pub const ENABLE_OPERATION: Self = Self(0x000F);
+    /// Out of fault, where bit 7 rises.
+    pub const FAULT_RESET: Self = Self(0x0080);
+
+    /// The word as it came.
+    #[must_use]
+    pub const fn from_raw(raw: u16) -> Self {
+        Self(raw)
+    }
+
+    /// The word.
+    #[must_use]
+    pub const fn raw(self) -> u16 {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_statusword_is_in_one_state_or_none() {
+        // Pattern and mask of each state as CiA 402 prints them.
+        let table = [
+            (State::NotReadyToSwitchOn, 0x4F, 0x00),
+            (State::SwitchOnDisabled, 0x4F, 0x40),
+            (State::ReadyToSwitchOn, 0x6F, 0x21),
+            (State::SwitchedOn, 0x6F, 0x23),
+            (State::OperationEnabled, 0x6F, 0x27),
+            (State::QuickStopActive, 0x6F, 0x07),
+            (State::FaultReactionActive, 0x4F, 0x0F),
+            (State::Fault, 0x4F, 0x08),
+        ];
+        let mut named = 0;
+        for raw in 0..=u16::MAX {
+            let mut matching = table
+                .iter()
+                .filter(|(_, mask, pattern)| raw & mask == *pattern)
+                .map(|(state, ..)| *state);
+            let wanted = matching.next();
+            assert_eq!(matching.next(), None, "{raw:04X}h stands for two states");
+            assert_eq!(Statusword::from_raw(raw).state(), wanted, "{raw:04X}h");
+            named += u32::from(wanted.is_some());
+        }
+        // Of the 64 patterns in bits 6–5 and 3–0, four states own two each and four own one.
+        assert_eq!(named, 12 * 1024);
+    }
+
+    #[test]
+    fn statuswords_drives_really_send() {
+        for (raw, state) in [
+            (0x0250, State::SwitchOnDisabled),
+            (0x0231, State::ReadyToSwitchOn),
+            (0x0233, State::SwitchedOn),
+            (0x1237, State::OperationEnabled),
+            (0x0217, State::QuickStopActive),
+            (0x0218, State::Fault),
+            (0x021F, State::FaultReactionActive),
+            (0x0200, State::NotReadyToSwitchOn),
+        ] {
+            assert_eq!(Statusword::from_raw(raw).state(), Some(state));
+        }
+    }
+}

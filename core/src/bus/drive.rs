@@ -1,0 +1,518 @@
+//! The master of one drive: brings it to operation enabled and watches it while it is there.
+//!
+//! Terms. *Enabled* means operation enabled: the drive has torque and follows its target. *Contact* is the first status
+//! of a drive that has just been started. *Demand* is the position the board wants; it reaches the drive only while it is
+//! enabled. In every other phase the target is the drive's own actual position, so that there is nothing to jump to at
+//! the moment torque comes.
+//!
+//! ```text
+//! offline ─enable─► contact ─► (release) ─► shutdown 0006h ─► switch on 0007h ─► enable operation 000Fh ─► enabled
+//!                   NMT start   quick stop                                                                  │
+//!                               only                      standby 0006h ◄── disable, fault, loss ───────────┘
+//! ```
+//!
+//! Each step has the same time; what does not answer within it is a [`DriveFailure`] that names the step and the
+//! statusword. A failure is latched until [`DriveMaster::reset`]; nothing is enabled again by itself. A fault or a loss of
+//! operation enabled ends the command at once, since there is nobody left to command. A following error or silence
+//! does not: the drive may still follow, and the board brakes all axes together before it disables them.
+
+use super::cia402::{Controlword, State, Statusword};
+use super::emcy::Emcy;
+use super::frame::{Frame, NodeId};
+use super::increments::{Increments, Scale};
+use super::nmt::{NmtCommand, NmtState};
+use super::pdo::{DriveCommand, DriveStatus};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::units::{Angle, Length};
+
+/// A time in SYNC periods.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticks(u32);
+
+impl Ticks {
+    /// `count` SYNC periods.
+    #[must_use]
+    pub const fn new(count: u32) -> Self {
+        Self(count)
+    }
+
+    /// `ms` milliseconds at a SYNC period of `tick_us` microseconds, rounded up; `None` for a period of 0.
+    #[must_use]
+    pub const fn from_ms(ms: u32, tick_us: u32) -> Option<Self> {
+        let rounded_up = (ms as u64)
+            .wrapping_mul(1000)
+            .wrapping_add((tick_us as u64).saturating_sub(1));
+        match rounded_up.checked_div(tick_us as u64) {
+            Some(ticks) if ticks <= u32::MAX as u64 => Some(Self(ticks as u32)),
+            Some(_) => Some(Self(u32::MAX)),
+            None => None,
+        }
+    }
+
+    /// The number of SYNC periods.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+
+    const fn one_more(self) -> Self {
+        Self(self.0.saturating_add(1))
+    }
+}
+
+/// What there is to know about a drive beforehand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveConfig {
+    /// Letter of the axis in messages: `b'X'`, `b'Z'`, `b'C'`, `b'S'` for a spindle.
+    pub letter: u8,
+    /// Its node.
+    pub node: NodeId,
+    /// Its increments; used here only to put positions into messages.
+    pub scale: Scale,
+    /// Time for each step of enabling, and for a fault reset.
+    pub step: Ticks,
+    /// Time without a status after which an enabled drive counts as lost.
+    pub silence: Ticks,
+    /// Following error; `None` for a drive that is not in position mode.
+    pub following: Option<FollowingLimit>,
+}
+
+/// How far an enabled drive may be from its target, and for how long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FollowingLimit {
+    /// The largest distance, in increments.
+    pub increments: u32,
+    /// How long a greater one is tolerated.
+    pub time: Ticks,
+}
+
+/// A step on the way to operation enabled, or out of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// NMT start; waits for a status that shows the drive initialised.
+    Contact,
+    /// 0000h out of quick stop; waits for switch on disabled.
+    Release,
+    /// 0006h; waits for ready to switch on.
+    Shutdown,
+    /// 0007h; waits for switched on.
+    SwitchOn,
+    /// 000Fh; waits for operation enabled.
+    EnableOperation,
+    /// 0080h; waits for the fault to be gone.
+    FaultReset,
+}
+
+/// Where the master is with its drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Not started: nothing is sent.
+    Offline,
+    /// Started and without torque.
+    Standby,
+    /// On the way.
+    Step(Step),
+    /// Operation enabled; demands are followed.
+    Enabled,
+}
+
+/// What went wrong with a drive. Latched until [`DriveMaster::reset`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveFailure {
+    /// No status at all after NMT start.
+    NoAnswer,
+    /// A step took too long; the last statusword tells where the drive stays.
+    Step(Step, Statusword),
+    /// The drive reports a fault.
+    Fault {
+        /// The statusword that says so.
+        status: Statusword,
+        /// Error code of the drive's last emergency message; 0 where there was none.
+        code: u16,
+    },
+    /// The drive left operation enabled without being told.
+    Lost(Statusword),
+    /// The drive restarted.
+    Restarted,
+    /// No status for too long while enabled.
+    Silent,
+    /// The drive is too far from its target.
+    Following {
+        /// Where it was to be.
+        target: Increments,
+        /// Where it is.
+        actual: Increments,
+    },
+}
+
+/// The frames a master wants sent, in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DriveOutput {
+    /// An NMT command.
+    pub network: Option<Frame>,
+    /// RPDO1.
+    pub command: Option<Frame>,
+}
+
+/// The master of one drive. Frames from the bus go into [`DriveMaster::receive`]; once in every SYNC period, after the
+/// drive's answer and before the next SYNC, [`DriveMaster::tick`] gives the frames to send.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveMaster {
+    config: DriveConfig,
+    phase: Phase,
+    failure: Option<DriveFailure>,
+    /// Ticks since the step began.
+    waited: Ticks,
+    /// Ticks since the last status.
+    quiet: Ticks,
+    /// Ticks for which the following error has been too great.
+    astray: Ticks,
+    /// The last status.
+    status: Option<DriveStatus>,
+    /// A status came after the step began.
+    answered: bool,
+    /// Error code of the last emergency message.
+    error_code: u16,
+    /// What the next RPDO1 says unless a demand replaces it; while enabled, what the last one said.
+    target: Increments,
+    /// The NMT start is still to be sent.
+    start: bool,
+}
+
+impl DriveMaster {
+    /// A master that has not spoken to its drive yet.
+    #[must_use]
+    pub const fn new(config: DriveConfig) -> Self {
+        Self {
+            config,
+            phase: Phase::Offline,
+            failure: None,
+            waited: Ticks(0),
+            quiet: Ticks(0),
+            astray: Ticks(0),
+            status: None,
+            answered: false,
+            error_code: 0,
+            target: Increments::new(0),
+            start: false,
+        }
+    }
+
+    /// What it was made with.
+    #[must_use]
+    pub const fn config(&self) -> &DriveConfig {
+        &self.config
+    }
+
+    /// Where it is with its drive.
+    #[must_use]
+    pub const fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// True while demands are followed.
+    #[must_use]
+    pub const fn is_enabled(&self) -> bool {
+        matches!(self.phase, Phase::Enabled)
+    }
+
+    /// What went wrong, until [`DriveMaster::reset`].
+    #[must_use]
+    pub const fn failure(&self) -> Option<DriveFailure> {
+        self.failure
+    }
+
+    /// The drive's last status.
+    #[must_use]
+    pub const fn status(&self) -> Option<DriveStatus> {
+        self.status
+    }
+
+    /// Where the drive is told to be: its actual position until it is enabled, then the last demand. A path starts from
+    /// here.
+    #[must_use]
+    pub const fn target(&self) -> Increments {
+        self.target
+    }
+
+    /// Asks for operation enabled. Refused, with the failure, while one is latched; already enabled or on the way,
+    /// nothing changes.
+    pub const fn enable(&mut self) -> Result<(), DriveFailure> {
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
+        if matches!(self.phase, Phase::Offline | Phase::Standby) {
+            self.start = true;
+            self.enter(Step::Contact);
+        }
+        Ok(())
+    }
+
+    /// Takes the torque away (0006h), also in the middle of enabling. The axis must stand: this does not brake.
+    pub const fn disable(&mut self) {
+        match self.phase {
+            Phase::Offline | Phase::Standby => {}
+            Phase::Step(Step::Contact) => self.phase = Phase::Offline,
+            Phase::Step(_) | Phase::Enabled => self.phase = Phase::Standby,
+        }
+    }
+
+    /// Forgets a latched failure and, where the drive is in fault, resets that. Without a failure nothing happens. The
+    /// drive is not enabled by it; one that still was is disabled.
+    pub const fn reset(&mut self) {
+        let Some(failure) = self.failure else {
+            return;
+        };
+        self.failure = None;
+        self.error_code = 0;
+        self.disable();
+        match failure {
+            DriveFailure::Fault { .. } | DriveFailure::Step(Step::FaultReset, _) => {
+                self.enter(Step::FaultReset);
+            }
+            DriveFailure::Restarted | DriveFailure::NoAnswer => self.phase = Phase::Offline,
+            _ => {}
+        }
+    }
+
+    /// Takes a frame from the bus. True if it came from this drive.
+    pub fn receive(&mut self, frame: &Frame) -> bool {
+        if let Some((node, status)) = DriveStatus::decode(frame) {
+            if node == self.config.node {
+                self.hear(status);
+                return true;
+            }
+        } else if let Some((node, state)) = NmtState::decode(frame) {
+            if node == self.config.node {
+                self.hear_state(state);
+                return true;
+            }
+        } else if let Some((node, emcy)) = Emcy::decode(frame)
+            && node == self.config.node
+        {
+            self.error_code = emcy.code;
+            return true;
+        }
+        false
+    }
+
+    fn hear(&mut self, status: DriveStatus) {
+        self.status = Some(status);
+        self.quiet = Ticks(0);
+        self.answered = true;
+        let state = status.status.state();
+        if self.phase == Phase::Enabled {
+            match state {
+                Some(State::OperationEnabled) => self.measure(status.actual),
+                Some(State::Fault | State::FaultReactionActive) => self.fault(status.status),
+                _ => self.fail(DriveFailure::Lost(status.status), Phase::Standby),
+            }
+            return;
+        }
+        if let Phase::Step(step) = self.phase {
+            self.advance(step, status.status, state);
+        }
+        // Until the drive is enabled its target is where it is. At the very moment it is, its target is what it was
+        // enabled with, and stays.
+        if self.phase != Phase::Enabled {
+            self.target = status.actual;
+        }
+    }
+
+    fn advance(&mut self, step: Step, status: Statusword, state: Option<State>) {
+        let in_fault = matches!(state, Some(State::Fault | State::FaultReactionActive));
+        match (step, state) {
+            (Step::FaultReset, Some(_)) if !in_fault => self.phase = Phase::Standby,
+            (Step::FaultReset, _) => {}
+            (_, Some(State::Fault)) => self.fault(status),
+            (_, None | Some(State::NotReadyToSwitchOn | State::FaultReactionActive)) => {}
+            (Step::Contact, Some(State::QuickStopActive)) => self.enter(Step::Release),
+            (Step::Contact, Some(_)) => self.enter(Step::Shutdown),
+            (Step::Release, Some(State::SwitchOnDisabled)) => self.enter(Step::Shutdown),
+            (Step::Shutdown, Some(State::ReadyToSwitchOn)) => self.enter(Step::SwitchOn),
+            (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
+            (Step::EnableOperation, Some(State::OperationEnabled)) => {
+                self.phase = Phase::Enabled;
+                self.astray = Ticks(0);
+            }
+            _ => {}
+        }
+    }
+
+    /// The target is still that of the RPDO latched at the SYNC at which the drive sampled `actual`.
+    fn measure(&mut self, actual: Increments) {
+        let astray = self
+            .config
+            .following
+            .is_some_and(|limit| actual.distance(self.target) > limit.increments);
+        if !astray {
+            self.astray = Ticks(0);
+        } else if self.astray == Ticks(0) {
+            self.astray = Ticks(1);
+        }
+    }
+
+    fn hear_state(&mut self, state: NmtState) {
+        if state != NmtState::BootUp {
+            return;
+        }
+        match self.phase {
+            Phase::Offline => {}
+            // It came up only now: it has not heard the first start.
+            Phase::Step(Step::Contact) => self.start = true,
+            Phase::Standby | Phase::Step(_) | Phase::Enabled => {
+                self.fail(DriveFailure::Restarted, Phase::Offline);
+            }
+        }
+    }
+
+    /// One SYNC period: checks the times and gives the frames to send. `demand` is where the axis is to be at the next
+    /// SYNC; `None` holds it where it is, and so does every demand while the drive is not enabled.
+    pub fn tick(&mut self, demand: Option<Increments>) -> DriveOutput {
+        self.check_times();
+        let network = core::mem::take(&mut self.start)
+            .then(|| NmtCommand::Start.frame(Some(self.config.node)));
+        if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
+            self.target = demand;
+        }
+        let control = match self.phase {
+            // A drive that has not answered has no position to be held at.
+            Phase::Offline | Phase::Step(Step::Contact) => None,
+            Phase::Step(Step::Release) => Some(Controlword::DISABLE_VOLTAGE),
+            Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
+            Phase::Step(Step::SwitchOn) => Some(Controlword::SWITCH_ON),
+            Phase::Step(Step::EnableOperation) | Phase::Enabled => {
+                Some(Controlword::ENABLE_OPERATION)
+            }
+            // The bit must rise: the first word of this step has it low.
+            Phase::Step(Step::FaultReset) if self.waited <= Ticks(1) => {
+                Some(Controlword::DISABLE_VOLTAGE)
+            }
+            Phase::Step(Step::FaultReset) => Some(Controlword::FAULT_RESET),
+        };
+        DriveOutput {
+            network,
+            command: control.map(|control| {
+                DriveCommand {
+                    control,
+                    target: self.target,
+                }
+                .frame(self.config.node)
+            }),
+        }
+    }
+
+    fn check_times(&mut self) {
+        self.quiet = self.quiet.one_more();
+        match self.phase {
+            Phase::Step(step) => {
+                self.waited = self.waited.one_more();
+                if self.waited > self.config.step {
+                    self.step_failed(step);
+                }
+            }
+            Phase::Enabled if self.quiet > self.config.silence => {
+                self.latch(DriveFailure::Silent);
+            }
+            Phase::Enabled if self.astray > Ticks(0) => self.check_following(),
+            Phase::Enabled | Phase::Standby | Phase::Offline => {}
+        }
+    }
+
+    fn check_following(&mut self) {
+        let (Some(limit), Some(status)) = (self.config.following, self.status) else {
+            return;
+        };
+        if self.astray > limit.time {
+            self.latch(DriveFailure::Following {
+                target: self.target,
+                actual: status.actual,
+            });
+        }
+        self.astray = self.astray.one_more();
+    }
+
+    fn step_failed(&mut self, step: Step) {
+        match self.status {
+            Some(status) if self.answered => {
+                self.fail(DriveFailure::Step(step, status.status), Phase::Standby);
+            }
+            _ => self.fail(DriveFailure::NoAnswer, Phase::Offline),
+        }
+    }
+
+    const fn enter(&mut self, step: Step) {
+        self.phase = Phase::Step(step);
+        self.waited = Ticks(0);
+        self.answered = false;
+    }
+
+    fn fault(&mut self, status: Statusword) {
+        let code = self.error_code;
+        self.fail(DriveFailure::Fault { status, code }, Phase::Standby);
+    }
+
+    fn fail(&mut self, failure: DriveFailure, phase: Phase) {
+        self.latch(failure);
+        self.phase = phase;
+    }
+
+    /// The first failure is the cause; what follows from it does not replace it.
+    fn latch(&mut self, failure: DriveFailure) {
+        self.failure = self.failure.or(Some(failure));
+    }
+
+    /// The latched failure as an alarm that names drive, node and figures.
+    #[must_use]
+    pub fn alarm(&self) -> Option<Alarm> {
+        let failure = self.failure?;
+        let (third, fourth) = match failure {
+            DriveFailure::NoAnswer | DriveFailure::Restarted => (Arg::None, Arg::None),
+            DriveFailure::Silent => (Arg::Int(i64::from(self.config.silence.get())), Arg::None),
+            DriveFailure::Step(_, status) | DriveFailure::Lost(status) => {
+                (Arg::Statusword(status.raw()), Arg::None)
+            }
+            DriveFailure::Fault { status, code } => (Arg::Statusword(status.raw()), Arg::Hex(code)),
+            DriveFailure::Following { target, actual } => {
+                let limit = self.config.following.map_or(0, |limit| limit.increments);
+                (self.distance(actual.distance(target)), self.distance(limit))
+            }
+        };
+        Some(Alarm::new(failure.code(), Span::default()).with([
+            Arg::Letter(self.config.letter),
+            Arg::Int(i64::from(self.config.node.get())),
+            third,
+            fourth,
+        ]))
+    }
+
+    fn distance(&self, increments: u32) -> Arg {
+        let distance = self.config.scale.length(increments);
+        match self.config.letter {
+            b'X' | b'Y' | b'Z' => Arg::Length(Length::from_nm(distance)),
+            _ => Arg::Angle(Angle::from_udeg(distance)),
+        }
+    }
+}
+
+impl DriveFailure {
+    const fn code(self) -> Code {
+        match self {
+            Self::NoAnswer => Code::DriveNoAnswer,
+            Self::Step(Step::Contact, _) => Code::DriveNotInitialised,
+            Self::Step(Step::Release, _) => Code::DriveNotReleased,
+            Self::Step(Step::Shutdown, _) => Code::DriveNotReady,
+            Self::Step(Step::SwitchOn, _) => Code::DriveNotSwitchedOn,
+            Self::Step(Step::EnableOperation, _) => Code::DriveNotEnabled,
+            Self::Step(Step::FaultReset, _) => Code::DriveFaultNotReset,
+            Self::Fault { .. } => Code::DriveFault,
+            Self::Lost(_) => Code::DriveLost,
+            Self::Restarted => Code::DriveRestarted,
+            Self::Silent => Code::DriveSilent,
+            Self::Following { .. } => Code::FollowingError,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,361 @@
+#![allow(clippy::arithmetic_side_effects)]
+extern crate std;
+
+use super::*;
+use crate::bus::{CobId, Service};
+use std::string::String;
+use std::vec::Vec;
+use std::{format, vec};
+
+const NODE: NodeId = NodeId::DRIVE_X;
+
+fn master() -> DriveMaster {
+    DriveMaster::new(DriveConfig {
+        letter: b'X',
+        node: NODE,
+        scale: Scale::new(1, 100).unwrap(),
+        step: Ticks::new(20),
+        silence: Ticks::new(8),
+        following: Some(FollowingLimit {
+            increments: 1000,
+            time: Ticks::new(5),
+        }),
+    })
+}
+
+fn answer(master: &mut DriveMaster, status: u16, actual: i32) {
+    let frame = DriveStatus {
+        status: Statusword::from_raw(status),
+        actual: Increments::new(actual),
+    }
+    .frame(NODE);
+    assert!(master.receive(&frame));
+}
+
+/// `210#0600D2040000 …` as candump prints frames.
+fn sent(output: DriveOutput) -> String {
+    [output.network, output.command]
+        .iter()
+        .flatten()
+        .map(|frame| {
+            let bytes: String = frame.payload().iter().map(|b| format!("{b:02X}")).collect();
+            format!("{:03X}#{bytes} ", frame.id().get())
+        })
+        .collect::<String>()
+        .trim_end()
+        .into()
+}
+
+fn enabled() -> DriveMaster {
+    let mut m = master();
+    m.enable().unwrap();
+    m.tick(None);
+    for status in [0x0250, 0x0231, 0x0233, 0x0237] {
+        answer(&mut m, status, 1234);
+        m.tick(None);
+    }
+    assert!(m.is_enabled());
+    m
+}
+
+#[test]
+fn start_up_frame_by_frame() {
+    let mut m = master();
+    let mut log = vec![sent(m.tick(Some(Increments::new(777))))];
+    m.enable().unwrap();
+    log.push(sent(m.tick(None)));
+    log.push(sent(m.tick(None)));
+    for (status, actual) in [
+        (0x0250, 1234),
+        (0x0231, 1235),
+        (0x0231, 1236),
+        (0x0233, 1236),
+        (0x0233, 1230),
+        (0x0237, 1229),
+        (0x0237, 1230),
+    ] {
+        answer(&mut m, status, actual);
+        log.push(sent(m.tick(None)));
+    }
+    log.push(sent(m.tick(Some(Increments::new(1231)))));
+    log.push(sent(m.tick(None)));
+    let expected = [
+        "",
+        "000#0110",
+        "",
+        // 0250h: switch on disabled, at 1234 (4D2h).
+        "210#0600D2040000",
+        // Ready, at 1235.
+        "210#0700D3040000",
+        "210#0700D4040000",
+        // Switched on, at 1236; then at 1230.
+        "210#0F00D4040000",
+        "210#0F00CE040000",
+        // Enabled: it was enabled with 1230 and stays there, whatever it reports.
+        "210#0F00CE040000",
+        "210#0F00CE040000",
+        // The first demand.
+        "210#0F00CF040000",
+        "210#0F00CF040000",
+    ];
+    assert_eq!(log, expected);
+}
+
+#[test]
+fn demands_before_torque_are_not_sent() {
+    let mut m = master();
+    m.enable().unwrap();
+    m.tick(Some(Increments::new(999_999)));
+    for status in [0x0250, 0x0231, 0x0233] {
+        answer(&mut m, status, -50);
+        let output = m.tick(Some(Increments::new(999_999)));
+        let (_, command) = DriveCommand::decode(&output.command.unwrap()).unwrap();
+        assert_eq!(command.target, Increments::new(-50));
+    }
+    answer(&mut m, 0x0237, -51);
+    assert_eq!(m.target(), Increments::new(-50));
+}
+
+#[test]
+fn each_step_has_its_time_and_its_name() {
+    // How far the drive comes, and what is then the matter.
+    let cases: [(&[u16], DriveFailure, u16); 6] = [
+        (&[], DriveFailure::NoAnswer, 4350),
+        (&[0x0200], step(Step::Contact, 0x0200), 4351),
+        (&[0x0217], step(Step::Release, 0x0217), 4352),
+        (&[0x0250], step(Step::Shutdown, 0x0250), 4353),
+        (&[0x0250, 0x0231], step(Step::SwitchOn, 0x0231), 4354),
+        (
+            &[0x0250, 0x0231, 0x0233],
+            step(Step::EnableOperation, 0x0233),
+            4355,
+        ),
+    ];
+    for (statuswords, failure, number) in cases {
+        let mut m = master();
+        m.enable().unwrap();
+        m.tick(None);
+        for status in statuswords {
+            answer(&mut m, *status, 0);
+            m.tick(None);
+        }
+        // One of the step's twenty ticks is spent; two where the answer did not end contact.
+        let spent = match failure {
+            DriveFailure::Step(Step::Contact, _) => 2,
+            _ => 1,
+        };
+        for tick in spent..20 {
+            assert_eq!(m.failure(), None, "{failure:?} at tick {tick}");
+            if let Some(last) = statuswords.last() {
+                answer(&mut m, *last, 0);
+            }
+            m.tick(None);
+        }
+        assert_eq!(m.failure(), None);
+        m.tick(None);
+        assert_eq!(m.failure(), Some(failure));
+        let alarm = m.alarm().unwrap();
+        assert_eq!(alarm.number(), number);
+        assert_eq!(alarm.args[..2], [Arg::Letter(b'X'), Arg::Int(16)]);
+        assert_eq!(m.enable(), Err(failure));
+        let control = m.tick(None).command.map(|frame| frame.payload()[0]);
+        let without_torque = (!statuswords.is_empty()).then_some(0x06);
+        assert_eq!(control, without_torque);
+    }
+}
+
+fn step(step: Step, status: u16) -> DriveFailure {
+    DriveFailure::Step(step, Statusword::from_raw(status))
+}
+
+#[test]
+fn a_drive_found_in_any_state_is_brought_to_enabled() {
+    // Statusword found at contact, then what the drive answers, and the low bytes of the controlwords.
+    let cases: [(u16, &[u16], &[u8]); 4] = [
+        (0x0231, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),
+        (0x0233, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),
+        (0x0237, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),
+        (
+            0x0217,
+            &[0x0250, 0x0231, 0x0233, 0x0237],
+            &[0, 6, 7, 15, 15],
+        ),
+    ];
+    for (found, answers, controls) in cases {
+        let mut m = master();
+        m.enable().unwrap();
+        m.tick(None);
+        let mut seen = Vec::new();
+        for status in [&[found], answers].concat() {
+            answer(&mut m, status, 5);
+            seen.push(m.tick(None).command.unwrap().payload()[0]);
+        }
+        assert_eq!(seen, controls, "found at {found:04X}h");
+        assert!(m.is_enabled());
+    }
+}
+
+#[test]
+fn a_fault_is_reset_on_request_only() {
+    let mut m = enabled();
+    let emcy = Emcy {
+        code: 0x7305,
+        register: 0x21,
+        detail: [0; 5],
+    };
+    assert!(m.receive(&emcy.frame(NODE)));
+    answer(&mut m, 0x0218, 1300);
+    let failure = DriveFailure::Fault {
+        status: Statusword::from_raw(0x0218),
+        code: 0x7305,
+    };
+    assert_eq!(m.failure(), Some(failure));
+    assert_eq!(
+        m.alarm().unwrap().args[2..],
+        [Arg::Statusword(0x0218), Arg::Hex(0x7305)]
+    );
+    for _ in 0..100 {
+        answer(&mut m, 0x0218, 1300);
+        let control = m.tick(Some(Increments::new(0))).command.unwrap();
+        assert_eq!(control.payload(), [6, 0, 0x14, 5, 0, 0]);
+    }
+    assert_eq!(m.enable(), Err(failure));
+
+    m.reset();
+    assert_eq!(m.failure(), None);
+    assert_eq!(sent(m.tick(None)), "210#000014050000");
+    assert_eq!(sent(m.tick(None)), "210#800014050000");
+    answer(&mut m, 0x0250, 1300);
+    assert_eq!(m.phase(), Phase::Standby);
+    assert_eq!(sent(m.tick(None)), "210#060014050000");
+    assert!(!m.is_enabled());
+    m.enable().unwrap();
+    assert_eq!(sent(m.tick(None)), "000#0110");
+}
+
+#[test]
+fn a_fault_that_stays_is_named() {
+    let mut m = enabled();
+    answer(&mut m, 0x0218, 0);
+    m.reset();
+    for _ in 0..21 {
+        assert_eq!(m.failure(), None);
+        answer(&mut m, 0x0218, 0);
+        m.tick(None);
+    }
+    assert_eq!(m.failure(), Some(step(Step::FaultReset, 0x0218)));
+    assert_eq!(m.alarm().unwrap().number(), 4356);
+}
+
+#[test]
+fn leaving_operation_enabled_by_itself_is_a_loss() {
+    for status in [0x0250, 0x0231, 0x0233, 0x0217, 0x0200, 0x0221 & 0xFFBE] {
+        let mut m = enabled();
+        answer(&mut m, status, 1234);
+        let lost = DriveFailure::Lost(Statusword::from_raw(status));
+        assert_eq!(m.failure(), Some(lost), "{status:04X}h");
+        assert_eq!(m.tick(None).command.unwrap().payload()[0], 0x06);
+    }
+}
+
+#[test]
+fn silence_is_found_and_the_command_goes_on() {
+    let mut m = enabled();
+    answer(&mut m, 0x0237, 1234);
+    for _ in 0..8 {
+        m.tick(None);
+        assert_eq!(m.failure(), None);
+    }
+    m.tick(None);
+    assert_eq!(m.failure(), Some(DriveFailure::Silent));
+    // The board brakes on: demands still reach the drive.
+    let output = m.tick(Some(Increments::new(1240)));
+    assert_eq!(sent(output), "210#0F00D8040000");
+    m.disable();
+    assert_eq!(m.tick(None).command.unwrap().payload()[0], 0x06);
+}
+
+#[test]
+fn following_error_has_a_limit_and_a_time() {
+    let mut m = enabled();
+    m.tick(Some(Increments::new(3000)));
+    // Just at the limit, for ever.
+    for _ in 0..50 {
+        answer(&mut m, 0x0237, 2000);
+        m.tick(None);
+        assert_eq!(m.failure(), None);
+    }
+    // Beyond it for five ticks, then back.
+    for _ in 0..5 {
+        answer(&mut m, 0x0237, 1999);
+        m.tick(None);
+    }
+    answer(&mut m, 0x0237, 2000);
+    m.tick(None);
+    assert_eq!(m.failure(), None);
+    // Six ticks, told once in four.
+    answer(&mut m, 0x0237, 4001);
+    for _ in 0..5 {
+        m.tick(None);
+        assert_eq!(m.failure(), None);
+    }
+    m.tick(None);
+    assert_eq!(
+        m.failure(),
+        Some(DriveFailure::Following {
+            target: Increments::new(3000),
+            actual: Increments::new(4001),
+        })
+    );
+    let alarm = m.alarm().unwrap();
+    assert_eq!(alarm.code, Code::FollowingError);
+    assert_eq!(
+        alarm.args[2..],
+        [
+            Arg::Length(Length::from_nm(100_100)),
+            Arg::Length(Length::from_nm(100_000))
+        ]
+    );
+    assert!(m.is_enabled());
+}
+
+#[test]
+fn a_restart_is_not_taken_for_normal() {
+    let mut m = enabled();
+    assert!(m.receive(&NmtState::BootUp.frame(NODE)));
+    assert_eq!(m.failure(), Some(DriveFailure::Restarted));
+    assert_eq!(m.tick(Some(Increments::new(0))), DriveOutput::default());
+
+    // At contact it only means that the start has to be said again.
+    let mut m = master();
+    m.enable().unwrap();
+    assert_eq!(sent(m.tick(None)), "000#0110");
+    assert!(m.receive(&NmtState::BootUp.frame(NODE)));
+    assert_eq!(sent(m.tick(None)), "000#0110");
+    assert_eq!(m.failure(), None);
+}
+
+#[test]
+fn frames_of_others_are_not_its_own() {
+    let mut m = enabled();
+    let before = m;
+    let other = DriveStatus {
+        status: Statusword::from_raw(0x0218),
+        actual: Increments::new(0),
+    };
+    assert!(!m.receive(&other.frame(NodeId::DRIVE_Z)));
+    assert!(!m.receive(&NmtState::BootUp.frame(NodeId::DRIVE_Z)));
+    assert!(!m.receive(&Emcy::of_alarm(1).frame(NodeId::DRIVE_Z)));
+    assert!(!m.receive(&Frame::new(CobId::of(Service::Tpdo1, NODE), &[1, 2]).unwrap()));
+    assert!(!m.receive(&Frame::new(CobId::SYNC, &[1]).unwrap()));
+    assert_eq!(m, before);
+}
+
+#[test]
+fn ticks_from_milliseconds_round_up() {
+    assert_eq!(Ticks::from_ms(500, 1000), Some(Ticks::new(500)));
+    assert_eq!(Ticks::from_ms(1, 3000), Some(Ticks::new(1)));
+    assert_eq!(Ticks::from_ms(10, 750), Some(Ticks::new(14)));
+    assert_eq!(Ticks::from_ms(u32::MAX, 1), Some(Ticks::new(u32::MAX)));
+    assert_eq!(Ticks::from_ms(1, 0), None);
+}

@@ -1,0 +1,238 @@
+//! A classical CAN frame with an 11-bit identifier, and who it is from or for.
+//!
+//! Node numbers and COB-IDs are the defaults of CiA 301.
+
+/// A CANopen node number, 1–127.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(u8);
+
+impl NodeId {
+    /// The board, unless it is given another number.
+    pub const BOARD: Self = Self(1);
+    /// The X drive, unless the parameters say otherwise.
+    pub const DRIVE_X: Self = Self(16);
+    /// The Z drive, unless the parameters say otherwise.
+    pub const DRIVE_Z: Self = Self(17);
+    /// The C drive, unless the parameters say otherwise.
+    pub const DRIVE_C: Self = Self(18);
+    /// The drive of spindle 1, unless the parameters say otherwise.
+    pub const SPINDLE_1: Self = Self(32);
+    /// The gateway.
+    pub const GATEWAY: Self = Self(127);
+
+    /// Node `number`; `None` outside 1–127.
+    #[must_use]
+    pub const fn new(number: u8) -> Option<Self> {
+        match number {
+            1..=127 => Some(Self(number)),
+            _ => None,
+        }
+    }
+
+    /// The number, 1–127.
+    #[must_use]
+    pub const fn get(self) -> u8 {
+        self.0
+    }
+}
+
+/// An 11-bit identifier; a smaller one wins the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CobId(u16);
+
+impl CobId {
+    /// Network management commands, for all nodes.
+    pub const NMT: Self = Self(0x000);
+    /// SYNC.
+    pub const SYNC: Self = Self(0x080);
+
+    /// The identifier `raw`; `None` above 7FFh.
+    #[must_use]
+    pub const fn new(raw: u16) -> Option<Self> {
+        match raw {
+            0..=0x7FF => Some(Self(raw)),
+            _ => None,
+        }
+    }
+
+    /// The identifier as a number, 0–7FFh.
+    #[must_use]
+    pub const fn get(self) -> u16 {
+        self.0
+    }
+
+    /// A service of one node: the function code's base plus the node number.
+    #[must_use]
+    pub const fn of(service: Service, node: NodeId) -> Self {
+        // Bases end at 700h and nodes at 7Fh: at most 77Fh.
+        Self(service as u16 | node.0 as u16)
+    }
+
+    /// The service and the node of this identifier in the CiA 301 default set; `None` for NMT, SYNC, the time stamp and
+    /// the identifiers nobody owns.
+    #[must_use]
+    pub const fn service(self) -> Option<(Service, NodeId)> {
+        let service = match self.0 & 0x780 {
+            0x080 => Service::Emcy,
+            0x180 => Service::Tpdo1,
+            0x200 => Service::Rpdo1,
+            0x280 => Service::Tpdo2,
+            0x300 => Service::Rpdo2,
+            0x380 => Service::Tpdo3,
+            0x400 => Service::Rpdo3,
+            0x480 => Service::Tpdo4,
+            0x500 => Service::Rpdo4,
+            0x580 => Service::SdoReply,
+            0x600 => Service::SdoRequest,
+            0x700 => Service::Heartbeat,
+            _ => return None,
+        };
+        match NodeId::new((self.0 & 0x7F) as u8) {
+            Some(node) => Some((service, node)),
+            None => None,
+        }
+    }
+}
+
+/// The services a node has in the CiA 301 default set, with their function codes. PDOs are named as the node sees them:
+/// it sends a TPDO and receives an RPDO.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u16)]
+pub enum Service {
+    /// Emergency.
+    Emcy = 0x080,
+    /// First process data it sends.
+    Tpdo1 = 0x180,
+    /// First process data it receives.
+    Rpdo1 = 0x200,
+    /// Second process data it sends.
+    Tpdo2 = 0x280,
+    /// Second process data it receives.
+    Rpdo2 = 0x300,
+    /// Third process data it sends.
+    Tpdo3 = 0x380,
+    /// Third process data it receives.
+    Rpdo3 = 0x400,
+    /// Fourth process data it sends.
+    Tpdo4 = 0x480,
+    /// Fourth process data it receives.
+    Rpdo4 = 0x500,
+    /// Answers of its SDO server.
+    SdoReply = 0x580,
+    /// Requests to its SDO server.
+    SdoRequest = 0x600,
+    /// Heartbeat and boot-up.
+    Heartbeat = 0x700,
+}
+
+/// A data frame of classical CAN. Bytes from `len` on are zero, so that equal frames compare equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Frame {
+    id: CobId,
+    len: u8,
+    data: [u8; 8],
+}
+
+impl Frame {
+    /// A frame with the bytes of `payload`; `None` if there are more than eight.
+    #[must_use]
+    pub fn new(id: CobId, payload: &[u8]) -> Option<Self> {
+        let mut data = [0; 8];
+        data.get_mut(..payload.len())?.copy_from_slice(payload);
+        Some(Self {
+            id,
+            len: payload.len() as u8,
+            data,
+        })
+    }
+
+    /// A frame with a payload whose size is known at compile time: at most eight bytes, or the program does not build.
+    pub(crate) const fn of<const N: usize>(id: CobId, payload: [u8; N]) -> Self {
+        const { assert!(N <= 8, "a classical CAN frame has at most eight bytes") };
+        let mut data = [0; 8];
+        if let Some((head, _)) = data.split_first_chunk_mut::<N>() {
+            *head = payload;
+        }
+        Self {
+            id,
+            len: N as u8,
+            data,
+        }
+    }
+
+    /// The identifier.
+    #[must_use]
+    pub const fn id(&self) -> CobId {
+        self.id
+    }
+
+    /// The payload, up to eight bytes.
+    #[must_use]
+    pub fn payload(&self) -> &[u8] {
+        self.data.get(..usize::from(self.len)).unwrap_or(&self.data)
+    }
+
+    /// The payload if it has exactly `N` bytes.
+    #[must_use]
+    pub fn exactly<const N: usize>(&self) -> Option<[u8; N]> {
+        self.payload().try_into().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identifiers_are_the_defaults_of_cia_301() {
+        let n = NodeId::new(0x10).unwrap();
+        for (service, id) in [
+            (Service::Emcy, 0x090),
+            (Service::Tpdo1, 0x190),
+            (Service::Rpdo1, 0x210),
+            (Service::Tpdo2, 0x290),
+            (Service::Rpdo2, 0x310),
+            (Service::Tpdo3, 0x390),
+            (Service::Rpdo3, 0x410),
+            (Service::Tpdo4, 0x490),
+            (Service::Rpdo4, 0x510),
+            (Service::SdoReply, 0x590),
+            (Service::SdoRequest, 0x610),
+            (Service::Heartbeat, 0x710),
+        ] {
+            assert_eq!(CobId::of(service, n).get(), id);
+            assert_eq!(CobId::of(service, n).service(), Some((service, n)));
+        }
+    }
+
+    #[test]
+    fn every_identifier_is_read_back_or_belongs_to_nobody() {
+        let mut owned = 0;
+        for raw in 0..=0x7FF {
+            let id = CobId::new(raw).unwrap();
+            if let Some((service, node)) = id.service() {
+                assert_eq!(CobId::of(service, node), id);
+                owned += 1;
+            }
+        }
+        assert_eq!(owned, 12 * 127);
+        assert_eq!(CobId::NMT.service(), None);
+        assert_eq!(CobId::SYNC.service(), None);
+        assert_eq!(CobId::new(0x800), None);
+        assert_eq!(NodeId::new(0), None);
+        assert_eq!(NodeId::new(128), None);
+    }
+
+    #[test]
+    fn a_frame_keeps_its_bytes_and_refuses_a_ninth() {
+        let id = CobId::new(0x123).unwrap();
+        for len in 0..=8 {
+            let bytes: [u8; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
+            let frame = Frame::new(id, &bytes[..len]).unwrap();
+            assert_eq!(frame.payload(), &bytes[..len]);
+        }
+        assert_eq!(Frame::new(id, &[0; 9]), None);
+        assert_eq!(Frame::of(id, [1, 2]), Frame::new(id, &[1, 2]).unwrap());
+        assert_eq!(Frame::of(id, [1, 2]).exactly::<3>(), None);
+    }
+}

@@ -1,0 +1,283 @@
+//! Positions on the wire: drive increments, and the exact way there from nanometres.
+//!
+//! A drive counts in increments of its own. [`Scale`] is the ratio between both as CiA 402 has it (6091h, 6092h): so many
+//! increments for so many nanometres. An increment value is always made from the absolute position, so nothing is
+//! carried from tick to tick that could be lost: after any path the drive stands within half an increment of the exact
+//! position.
+
+use core::num::NonZeroU32;
+
+/// A position in drive increments, as objects 607Ah and 6064h hold it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Increments(i32);
+
+impl Increments {
+    /// `count` increments.
+    #[must_use]
+    pub const fn new(count: i32) -> Self {
+        Self(count)
+    }
+
+    /// The number of increments.
+    #[must_use]
+    pub const fn get(self) -> i32 {
+        self.0
+    }
+
+    /// How far apart two positions are, in increments.
+    #[must_use]
+    pub const fn distance(self, other: Self) -> u32 {
+        self.0.abs_diff(other.0)
+    }
+}
+
+/// Increments per nanometre (rotary axes: per millionth of a degree), as an exact ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scale {
+    numerator: NonZeroU32,
+    denominator: NonZeroU32,
+    /// ⌊numerator · 2⁵⁹ / denominator⌋, below 2⁶³.
+    reciprocal: i64,
+}
+
+impl Scale {
+    /// The largest ratio: an increment of a sixteenth of a nanometre is finer than any drive's.
+    const FINEST: u64 = 16;
+    /// Binary places of the reciprocal.
+    const PLACES: u32 = 59;
+    /// Largest magnitude of a position: 2⁴³ nm. Below it the reciprocal misses the quotient by less than one.
+    const RANGE: i64 = 1 << 43;
+
+    /// `numerator` increments for every `denominator` nanometres (µ°). `None` if one of them is 0 or there would be 16
+    /// or more increments to a nanometre.
+    #[must_use]
+    pub const fn new(numerator: u32, denominator: u32) -> Option<Self> {
+        let (Some(n), Some(d)) = (NonZeroU32::new(numerator), NonZeroU32::new(denominator)) else {
+            return None;
+        };
+        if numerator as u64 >= Self::FINEST.wrapping_mul(denominator as u64) {
+            return None;
+        }
+        // numerator · 2⁵⁹ is below 2⁹¹, and the quotient below 16 · 2⁵⁹.
+        match ((numerator as u128) << Self::PLACES).checked_div(denominator as u128) {
+            Some(reciprocal) => Some(Self {
+                numerator: n,
+                denominator: d,
+                reciprocal: reciprocal as i64,
+            }),
+            None => None,
+        }
+    }
+
+    /// The increment value nearest to a position in nanometres (µ°), halves upwards; `None` where it is beyond 32 bits.
+    /// Two multiplications, no division: made for the tick.
+    #[must_use]
+    pub const fn increments(&self, position: i64) -> Option<Increments> {
+        if position > Self::RANGE || position < -Self::RANGE {
+            return None;
+        }
+        // The floor of the reciprocal makes the product too small in magnitude by less than |position| / 2⁵⁹ < 2⁻¹⁶, so
+        // the quotient misses the floor of (position · n + d/2) / d by one at most, on either side.
+        let estimate =
+            ((position as i128).wrapping_mul(self.reciprocal as i128) >> Self::PLACES) as i64;
+        let denominator = self.denominator.get() as i64;
+        // Both products wrap alike; their difference is small.
+        let rest = position
+            .wrapping_mul(self.numerator.get() as i64)
+            .wrapping_add(denominator >> 1)
+            .wrapping_sub(estimate.wrapping_mul(denominator));
+        let exact = if rest < 0 {
+            estimate.wrapping_sub(1)
+        } else if rest >= denominator {
+            estimate.wrapping_add(1)
+        } else {
+            estimate
+        };
+        if exact > i32::MAX as i64 || exact < i32::MIN as i64 {
+            return None;
+        }
+        Some(Increments(exact as i32))
+    }
+
+    /// The position in nanometres (µ°) nearest to an increment value, halves upwards. One division: for starting and for
+    /// messages, not for the tick. Where an increment is a nanometre or more, [`Scale::increments`] gives the same
+    /// increment value back.
+    #[must_use]
+    pub const fn position(&self, increments: Increments) -> i64 {
+        let numerator = self.numerator.get() as i64;
+        // |i32| · u32 is below 2⁶³.
+        match (increments.0 as i64)
+            .wrapping_mul(self.denominator.get() as i64)
+            .saturating_add(numerator >> 1)
+            .checked_div_euclid(numerator)
+        {
+            Some(position) => position,
+            None => 0,
+        }
+    }
+
+    /// A distance in increments as nanometres (µ°), rounded to the nearest.
+    #[must_use]
+    pub const fn length(&self, increments: u32) -> i64 {
+        let numerator = self.numerator.get() as u64;
+        // u32 · u32 + u32 is below 2⁶⁴.
+        match (increments as u64)
+            .wrapping_mul(self.denominator.get() as u64)
+            .wrapping_add(numerator >> 1)
+            .checked_div(numerator)
+        {
+            Some(length) if length <= i64::MAX as u64 => length as i64,
+            _ => i64::MAX,
+        }
+    }
+
+    /// A distance in nanometres (µ°) as whole increments, rounded down; saturates at both ends.
+    #[must_use]
+    pub const fn limit(&self, distance: i64) -> u32 {
+        if distance <= 0 {
+            return 0;
+        }
+        match (distance as u128)
+            .wrapping_mul(self.numerator.get() as u128)
+            .checked_div(self.denominator.get() as u128)
+        {
+            Some(increments) if increments <= u32::MAX as u128 => increments as u32,
+            _ => u32::MAX,
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
+mod tests {
+    use super::*;
+
+    /// A fixed stream of 64-bit numbers (SplitMix64).
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> u64 {
+            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            z ^ (z >> 31)
+        }
+
+        fn within(&mut self, magnitude: i64) -> i64 {
+            (self.next() % (2 * magnitude as u64 + 1)) as i64 - magnitude
+        }
+    }
+
+    /// ⌊position · n / d + ½⌋ in numbers wide enough for anything.
+    fn exact(position: i64, n: u32, d: u32) -> i128 {
+        (2 * i128::from(position) * i128::from(n) + i128::from(d)).div_euclid(2 * i128::from(d))
+    }
+
+    #[test]
+    fn the_built_in_drives_count_100_nm() {
+        let scale = Scale::new(1, 100).unwrap();
+        for (nm, inc) in [
+            (0, 0),
+            (49, 0),
+            (50, 1),
+            (-50, 0),
+            (-51, -1),
+            (300_000_000, 3_000_000),
+            (-1_000_000_000, -10_000_000),
+        ] {
+            assert_eq!(scale.increments(nm), Some(Increments(inc)), "{nm} nm");
+        }
+        assert_eq!(scale.position(Increments(-7)), -700);
+        assert_eq!(scale.limit(1_000_000), 10_000);
+        assert_eq!(scale.limit(99), 0);
+        assert_eq!(scale.length(10_000), 1_000_000);
+    }
+
+    #[test]
+    fn an_impossible_ratio_is_none() {
+        assert_eq!(Scale::new(0, 1), None);
+        assert_eq!(Scale::new(1, 0), None);
+        assert_eq!(Scale::new(16, 1), None);
+        assert!(Scale::new(u32::MAX, u32::MAX / 16 + 1).is_some());
+        assert!(Scale::new(1, u32::MAX).is_some());
+    }
+
+    #[test]
+    fn any_position_in_any_scale_is_the_nearest_increment() {
+        let mut random = Random(1);
+        let mut refused = 0;
+        for _ in 0..200_000 {
+            let bits = 1 + random.next() % 32;
+            let d = (random.next() >> (64 - bits)).max(1) as u32;
+            let bits = 1 + random.next() % 32;
+            let n = (random.next() >> (64 - bits)).max(1) as u32;
+            let Some(scale) = Scale::new(n, d) else {
+                assert!(u64::from(n) >= 16 * u64::from(d));
+                continue;
+            };
+            let bits = random.next() % 44;
+            let position = random.within(1 << bits);
+            let wanted = exact(position, n, d);
+            match scale.increments(position) {
+                Some(Increments(inc)) => {
+                    assert_eq!(i128::from(inc), wanted, "{position} · {n}/{d}");
+                }
+                None => {
+                    assert!(i32::try_from(wanted).is_err(), "{position} · {n}/{d}");
+                    refused += 1;
+                }
+            }
+        }
+        assert!(refused > 100);
+    }
+
+    #[test]
+    fn halves_and_both_ends_of_the_range() {
+        let scale = Scale::new(1, 2048).unwrap();
+        let last = i64::from(i32::MAX) * 2048;
+        assert_eq!(scale.increments(last), Some(Increments(i32::MAX)));
+        assert_eq!(scale.increments(last + 1023), Some(Increments(i32::MAX)));
+        assert_eq!(scale.increments(last + 1024), None);
+        let first = i64::from(i32::MIN) * 2048;
+        assert_eq!(scale.increments(first), Some(Increments(i32::MIN)));
+        assert_eq!(scale.increments(first - 1024), Some(Increments(i32::MIN)));
+        assert_eq!(scale.increments(first - 1025), None);
+        assert_eq!(scale.increments(i64::MAX), None);
+        assert_eq!(scale.increments(i64::MIN), None);
+    }
+
+    #[test]
+    fn a_random_walk_never_drifts() {
+        let mut random = Random(2);
+        for (n, d) in [(1, 100), (7, 1000), (65_536, 5_000_000), (10, 1), (3, 7)] {
+            let scale = Scale::new(n, d).unwrap();
+            let mut position = 0i64;
+            for _ in 0..100_000 {
+                position += random.within(300_000);
+                let Increments(inc) = scale.increments(position).unwrap();
+                // |inc · d − position · n| ≤ d/2: half an increment.
+                let miss = i128::from(inc) * i128::from(d) - i128::from(position) * i128::from(n);
+                assert!(2 * miss.abs() <= i128::from(d), "{position} · {n}/{d}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_increment_value_survives_the_way_to_nanometres_and_back() {
+        let mut random = Random(3);
+        for (n, d) in [
+            (1, 100),
+            (7, 1000),
+            (65_536, 5_000_000),
+            (1, 1),
+            (999, 1000),
+        ] {
+            let scale = Scale::new(n, d).unwrap();
+            for _ in 0..20_000 {
+                let start = Increments(random.next() as i32);
+                assert_eq!(scale.increments(scale.position(start)), Some(start));
+            }
+        }
+    }
+}

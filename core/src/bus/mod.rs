@@ -1,0 +1,31 @@
+//! CANopen, as much of it as a cyclic master of drives needs: CiA 301 frames and services, CiA 402 drives.
+//!
+//! Terms: a *node* has a number; a *PDO* is process data in one frame, named as the drive sees it (RPDO in, TPDO out);
+//! *SYNC* is the beat on which drives latch the last RPDO and sample what they answer.
+//!
+//! ```text
+//! SYNC(k) ─► drives latch RPDO(k−1), sample, answer ─► the board computes and sends RPDO(k) ─► SYNC(k+1)
+//! ```
+//!
+//! Everything here is sans-IO: frames and ticks go in, frames and events come out. It must not know what the positions
+//! are for: no motion, no program text.
+
+mod cia402;
+mod drive;
+mod emcy;
+mod frame;
+mod increments;
+mod nmt;
+mod pdo;
+mod sync;
+
+pub use cia402::{Controlword, State, Statusword};
+pub use drive::{
+    DriveConfig, DriveFailure, DriveMaster, DriveOutput, FollowingLimit, Phase, Step, Ticks,
+};
+pub use emcy::Emcy;
+pub use frame::{CobId, Frame, NodeId, Service};
+pub use increments::{Increments, Scale};
+pub use nmt::{NmtCommand, NmtState};
+pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
+pub use sync::{SyncProducer, is_sync};

@@ -1,0 +1,246 @@
+//! The process data of a drive, byte by byte.
+//!
+//! | PDO | content |
+//! |---|---|
+//! | RPDO1 | 6040h controlword (16 bit), 607Ah target position (32 bit, drive increments) |
+//! | RPDO2, spindles | 6060h mode of operation (8 bit), 60FFh target velocity (32 bit, 0.001 rpm) |
+//! | TPDO1 | 6041h statusword (16 bit), 6064h actual position (32 bit, drive increments) |
+//!
+//! All little-endian. The spindle's velocity unit is what object 60A9h = FDB44700h (milli-revolutions per minute) stands
+//! for; a drive with another unit scales it by its own factors.
+
+use super::cia402::{Controlword, Statusword};
+use super::frame::{CobId, Frame, NodeId, Service};
+use super::increments::Increments;
+use crate::units::Rpm;
+
+/// RPDO1 of a drive: what it is to do and where it is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveCommand {
+    /// 6040h.
+    pub control: Controlword,
+    /// 607Ah.
+    pub target: Increments,
+}
+
+impl DriveCommand {
+    /// The frame to `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        Frame::of(
+            CobId::of(Service::Rpdo1, node),
+            word_and_long(self.control.raw(), self.target.get()),
+        )
+    }
+
+    /// The node and its command, if `frame` is one.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (node, word, long) = decode_word_and_long(frame, Service::Rpdo1)?;
+        Some((
+            node,
+            Self {
+                control: Controlword::from_raw(word),
+                target: Increments::new(long),
+            },
+        ))
+    }
+}
+
+/// TPDO1 of a drive: how it is and where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveStatus {
+    /// 6041h.
+    pub status: Statusword,
+    /// 6064h.
+    pub actual: Increments,
+}
+
+impl DriveStatus {
+    /// The frame from `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        Frame::of(
+            CobId::of(Service::Tpdo1, node),
+            word_and_long(self.status.raw(), self.actual.get()),
+        )
+    }
+
+    /// The node and its status, if `frame` is one.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (node, word, long) = decode_word_and_long(frame, Service::Tpdo1)?;
+        Some((
+            node,
+            Self {
+                status: Statusword::from_raw(word),
+                actual: Increments::new(long),
+            },
+        ))
+    }
+}
+
+/// RPDO2 of a spindle drive: mode and speed, sent when one of them changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpindleCommand {
+    /// 6060h.
+    pub mode: Mode,
+    /// 60FFh.
+    pub velocity: MilliRpm,
+}
+
+impl SpindleCommand {
+    /// The frame to `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        let [a, b, c, d] = self.velocity.get().to_le_bytes();
+        Frame::of(
+            CobId::of(Service::Rpdo2, node),
+            [self.mode as u8, a, b, c, d],
+        )
+    }
+
+    /// The node and its command, if `frame` is one with a mode that is known here.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (Service::Rpdo2, node) = frame.id().service()? else {
+            return None;
+        };
+        let [mode, a, b, c, d] = frame.exactly()?;
+        let mode = match mode {
+            8 => Mode::Position,
+            9 => Mode::Velocity,
+            _ => return None,
+        };
+        Some((
+            node,
+            Self {
+                mode,
+                velocity: MilliRpm::new(i32::from_le_bytes([a, b, c, d])),
+            },
+        ))
+    }
+}
+
+/// Mode of operation, 6060h: the cyclic synchronous ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Mode {
+    /// Cyclic synchronous position (CSP): axes, and a spindle that taps.
+    Position = 8,
+    /// Cyclic synchronous velocity (CSV): a spindle that turns.
+    Velocity = 9,
+}
+
+/// Spindle speed on the bus, in thousandths of a turn per minute; positive M03.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MilliRpm(i32);
+
+impl MilliRpm {
+    /// Standing.
+    pub const STOPPED: Self = Self(0);
+
+    /// `value` thousandths of a turn per minute.
+    #[must_use]
+    pub const fn new(value: i32) -> Self {
+        Self(value)
+    }
+
+    /// Thousandths of a turn per minute.
+    #[must_use]
+    pub const fn get(self) -> i32 {
+        self.0
+    }
+
+    /// `rpm` at an override of `percent` (100: as programmed). Exact; saturates beyond 2.1 million rpm.
+    #[must_use]
+    pub const fn of(rpm: Rpm, percent: u16) -> Self {
+        Self(
+            rpm.get()
+                .saturating_mul(percent as i32)
+                .saturating_mul(1000 / 100),
+        )
+    }
+}
+
+const fn word_and_long(word: u16, long: i32) -> [u8; 6] {
+    let [a, b] = word.to_le_bytes();
+    let [c, d, e, f] = long.to_le_bytes();
+    [a, b, c, d, e, f]
+}
+
+fn decode_word_and_long(frame: &Frame, wanted: Service) -> Option<(NodeId, u16, i32)> {
+    let (service, node) = frame.id().service()?;
+    if service != wanted {
+        return None;
+    }
+    let [a, b, c, d, e, f] = frame.exactly()?;
+    Some((
+        node,
+        u16::from_le_bytes([a, b]),
+        i32::from_le_bytes([c, d, e, f]),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_bytes() {
+        let command = DriveCommand {
+            control: Controlword::ENABLE_OPERATION,
+            target: Increments::new(-2),
+        };
+        let frame = command.frame(NodeId::DRIVE_X);
+        assert_eq!(frame.id().get(), 0x210);
+        assert_eq!(frame.payload(), [0x0F, 0x00, 0xFE, 0xFF, 0xFF, 0xFF]);
+        assert_eq!(
+            DriveCommand::decode(&frame),
+            Some((NodeId::DRIVE_X, command))
+        );
+
+        let status = DriveStatus {
+            status: Statusword::from_raw(0x1237),
+            actual: Increments::new(0x0102_0304),
+        };
+        let frame = status.frame(NodeId::DRIVE_Z);
+        assert_eq!(frame.id().get(), 0x191);
+        assert_eq!(frame.payload(), [0x37, 0x12, 0x04, 0x03, 0x02, 0x01]);
+        assert_eq!(DriveStatus::decode(&frame), Some((NodeId::DRIVE_Z, status)));
+
+        let spindle = SpindleCommand {
+            mode: Mode::Velocity,
+            velocity: MilliRpm::of(Rpm::new(-300), 100),
+        };
+        let frame = spindle.frame(NodeId::SPINDLE_1);
+        assert_eq!(frame.id().get(), 0x320);
+        assert_eq!(frame.payload(), [0x09, 0x20, 0x6C, 0xFB, 0xFF]);
+        assert_eq!(
+            SpindleCommand::decode(&frame),
+            Some((NodeId::SPINDLE_1, spindle))
+        );
+    }
+
+    #[test]
+    fn a_frame_of_another_kind_or_size_is_none() {
+        let long = Frame::new(CobId::of(Service::Tpdo1, NodeId::DRIVE_X), &[0; 8]).unwrap();
+        assert_eq!(DriveStatus::decode(&long), None);
+        let other = Frame::new(CobId::of(Service::Tpdo2, NodeId::DRIVE_X), &[0; 6]).unwrap();
+        assert_eq!(DriveStatus::decode(&other), None);
+        assert_eq!(DriveCommand::decode(&other), None);
+        let homing = Frame::new(
+            CobId::of(Service::Rpdo2, NodeId::SPINDLE_1),
+            &[6, 0, 0, 0, 0],
+        )
+        .unwrap();
+        assert_eq!(SpindleCommand::decode(&homing), None);
+    }
+
+    #[test]
+    fn override_is_exact_and_saturates() {
+        assert_eq!(MilliRpm::of(Rpm::new(333), 110).get(), 366_300);
+        assert_eq!(MilliRpm::of(Rpm::new(i32::MAX), 200).get(), i32::MAX);
+        assert_eq!(MilliRpm::of(Rpm::new(i32::MIN), 200).get(), i32::MIN);
+    }
+}
