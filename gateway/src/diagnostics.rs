@@ -5,6 +5,7 @@ use std::io::Write as _;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Lang};
+use leadscrew_core::bus::Statusword;
 
 use crate::json::Json;
 use crate::number;
@@ -186,6 +187,11 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
         Arg::Letter(letter) => char::from(letter).to_string(),
         Arg::GCode(tenths) if tenths % 10 == 0 => format!("G{:02}", tenths / 10),
         Arg::GCode(tenths) => format!("G{:02}.{}", tenths / 10, tenths % 10),
+        Arg::Hex(value) => format!("{value:04X}h"),
+        Arg::Statusword(value) => match Statusword::from_raw(value).state() {
+            Some(state) => format!("{value:04X}h ({})", state.name()),
+            None => format!("{value:04X}h"),
+        },
     }
 }
 
