@@ -1,1 +1,58 @@
-fn main() {}
+//! The habits of the project, one command for each: `cargo xtask setup | test | ci | bench …`.
+//!
+//! Each command prints what it does, stops at the first thing that is wrong, and says what to do about it. Nothing
+//! here is needed to build or run Leadscrew itself: `cargo build` and `cargo run` work alone.
+
+mod audit;
+mod callgraph;
+mod emulator;
+mod licences;
+mod rules;
+mod run;
+mod setup;
+mod target;
+mod test;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+usage: cargo xtask COMMAND
+
+  setup      what the other commands need: Debian packages, the ARM target
+  test       everything a change must pass; installs what it needs first
+  ci         the same with the settings of a build server: nothing incremental, lock files as committed
+  audit      the link test: no panic is reachable from what runs on the board
+  ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
+  licences   the licence of every dependency
+  rules      the house rules that no compiler checks
+";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let result = match args.as_slice() {
+        ["setup"] => setup::everything(),
+        ["test"] => test::test(),
+        ["ci"] => test::ci(),
+        ["audit"] => target::ensure().and_then(|()| audit::audit()),
+        ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),
+        ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),
+        ["licences"] => licences::check(),
+        ["rules"] => rules::check(),
+        ["help" | "--help" | "-h"] => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprint!("{HELP}");
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("\nxtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

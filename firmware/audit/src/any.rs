@@ -1,0 +1,138 @@
+//! Arbitrary values. Each is made from volatile reads through the public constructors of the core, so that the
+//! optimiser must reckon with every value that the type can have.
+
+use core::hint::black_box;
+
+use leadscrew_core::alarm::{At, Span};
+use leadscrew_core::program::{
+    ArcCall, Aux, Call, CallKind, CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut,
+    SpindleCall, ThreadCall, ThreadCycle,
+};
+use leadscrew_core::units::{
+    Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, Turns,
+};
+
+static SOURCE: u64 = 0;
+
+/// A value nobody knows.
+pub trait Any: Sized {
+    /// One of all that the type can hold.
+    fn any() -> Self;
+}
+
+/// Any value of a type that the place of use tells.
+pub fn any<T: Any>() -> T {
+    T::any()
+}
+
+/// Takes a result away, so that computing it cannot be dropped.
+pub fn sink<T>(value: T) {
+    black_box(value);
+}
+
+macro_rules! integers {
+    ($($type:ty)*) => {$(
+        impl Any for $type {
+            fn any() -> Self {
+                // SAFETY: a reference to a static is valid for a read.
+                let bits = unsafe { core::ptr::read_volatile(&SOURCE) };
+                bits as Self
+            }
+        }
+    )*};
+}
+integers!(u8 u16 u32 u64 usize i8 i16 i32 i64);
+
+impl Any for bool {
+    fn any() -> Self {
+        u8::any() & 1 == 1
+    }
+}
+
+impl<T: Any> Any for Option<T> {
+    fn any() -> Self {
+        bool::any().then(T::any)
+    }
+}
+
+impl<T: Any, const N: usize> Any for [T; N] {
+    fn any() -> Self {
+        core::array::from_fn(|_| T::any())
+    }
+}
+
+impl<T: Any> Any for At<T> {
+    fn any() -> Self {
+        Self::new(any(), any())
+    }
+}
+
+/// Types with one constructor from an integer.
+macro_rules! wrapped {
+    ($($type:ident::$new:ident)*) => {$(
+        impl Any for $type {
+            fn any() -> Self {
+                Self::$new(any())
+            }
+        }
+    )*};
+}
+wrapped!(Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
+    FeedPerTurn::from_nm Rpm::new Millis::new);
+
+/// Types that are the sum of their public fields.
+macro_rules! records {
+    ($($type:ident { $($field:ident)* })*) => {$(
+        impl Any for $type {
+            fn any() -> Self {
+                Self { $($field: any(),)* }
+            }
+        }
+    )*};
+}
+records! {
+    Span { line column end }
+    Position { x z c }
+    Call { span origin kind }
+    ArcCall { end i k clockwise feed }
+    SpindleCall { rpm }
+    RunOut { short long }
+    ThreadCall {
+        cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
+        run_in run_out lead increment rpm
+    }
+    GrooveCall { start end_x end_z z_written peck step relief retract feed }
+}
+
+/// Types that are one of several.
+macro_rules! choices {
+    ($($type:ident { $($choice:expr),* $(,)? } or $last:expr;)*) => {$(
+        impl Any for $type {
+            fn any() -> Self {
+                $(if bool::any() { return $choice; })*
+                $last
+            }
+        }
+    )*};
+}
+choices! {
+    FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
+    Aux { Aux::M(any()) } or Aux::T(any());
+    ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
+    CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
+    Infeed { Infeed::Equal } or Infeed::Decreasing;
+    CallKind {
+        CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
+        CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
+    } or CallKind::End(any());
+}
+
+impl Any for Lead {
+    fn any() -> Self {
+        loop {
+            if let Some(lead) = Self::new(any(), any()) {
+                return lead;
+            }
+        }
+    }
+}

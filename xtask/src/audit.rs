@@ -1,0 +1,97 @@
+//! The link test: an image whose panic handler is an undefined function links only if no panic is reachable.
+
+use std::path::PathBuf;
+use std::process::Stdio;
+
+use anyhow::{Context, Result, bail};
+use object::{Object, ObjectSection, SectionFlags};
+
+use crate::{callgraph, run, target};
+
+/// The function that the panic handler of the image calls and that nobody defines.
+const UNDEFINED: &str = "a_panic_is_reachable";
+
+/// Links the image at both optimisation levels, and once with a panic in it to see that the test can fail.
+pub fn audit() -> Result<()> {
+    for profile in ["release", "small"] {
+        match link(profile, None)? {
+            Outcome::Linked => println!("{profile}: no panic is reachable ({})", size(profile)?),
+            Outcome::PanicReachable => {
+                println!("{profile}: a panic is reachable");
+                link(profile, Some("diagnose"))?;
+                let ways = callgraph::ways_to_panic(&image(profile))?;
+                bail!("what runs on a board can panic:\n{}", ways.join("\n"));
+            }
+        }
+    }
+    match link("release", Some("self-test"))? {
+        Outcome::PanicReachable => println!("self-test: a panic put in on purpose is found"),
+        Outcome::Linked => {
+            bail!("the image links with a reachable panic in it: the test proves nothing")
+        }
+    }
+    Ok(())
+}
+
+enum Outcome {
+    Linked,
+    PanicReachable,
+}
+
+fn link(profile: &str, feature: Option<&str>) -> Result<Outcome> {
+    let mut args = vec![
+        "build",
+        "--quiet",
+        "--package",
+        "audit",
+        "--bin",
+        "link",
+        "--profile",
+        profile,
+    ];
+    if let Some(feature) = feature {
+        args.extend(["--features", feature]);
+    }
+    let mut build = run::cargo(&run::firmware(), &args);
+    build.stdin(Stdio::null()).env("CARGO_TERM_COLOR", "never");
+    let output = build.output().context("cannot start cargo")?;
+    if output.status.success() {
+        return Ok(Outcome::Linked);
+    }
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if errors.contains(&format!("undefined symbol: {UNDEFINED}")) {
+        return Ok(Outcome::PanicReachable);
+    }
+    bail!("the link image does not build:\n{errors}")
+}
+
+fn image(profile: &str) -> PathBuf {
+    run::firmware()
+        .join("target")
+        .join(target::TARGET)
+        .join(profile)
+        .join("link")
+}
+
+/// Bytes of flash and RAM that the image takes, for reading along.
+fn size(profile: &str) -> Result<String> {
+    let data = std::fs::read(image(profile))?;
+    let file = object::File::parse(data.as_slice())?;
+    let (mut flash, mut ram) = (0_u64, 0_u64);
+    for section in file.sections() {
+        let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
+            continue;
+        };
+        if sh_flags.0 & object::elf::SHF_ALLOC.0 == 0 {
+            continue;
+        }
+        if sh_flags.0 & object::elf::SHF_WRITE.0 != 0 {
+            ram += section.size();
+        } else {
+            flash += section.size();
+        }
+    }
+    Ok(format!(
+        "{flash} bytes of code and constants, {ram} of variables"
+    ))
+}

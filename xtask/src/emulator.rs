@@ -1,0 +1,198 @@
+//! Instructions per tick on the emulated Cortex-M4F, held against the table under version control.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context, Result, anyhow, bail};
+
+use crate::{run, target};
+
+/// More than this in one whole tick and the board does not keep its time.
+const TICK_LIMIT: u64 = 2000;
+/// Rows of this name count whole ticks of the board.
+const WHOLE_TICK: &str = "board/";
+/// A row may grow by this much, in percent, before the table has to be renewed on purpose.
+const GROWTH_PERCENT: u64 = 5;
+/// The loop of known length that shows that the emulated clock counts instructions.
+const KNOWN_LOOP: &str = "known-loop-2000";
+
+/// Instructions of one kind of step.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Row {
+    /// What was run.
+    pub name: String,
+    /// Mean over the run.
+    pub mean: u64,
+    /// The most expensive step of the run.
+    pub worst: u64,
+}
+
+/// Measures, and compares with the table or (`write`) renews it.
+pub fn ticks(write: bool) -> Result<()> {
+    let rows = measure()?;
+    print!("{}", table(&rows));
+    let path = run::firmware().join("audit").join("ticks.txt");
+    if write {
+        std::fs::write(&path, table(&rows))?;
+        println!("written to {}", path.display());
+    } else {
+        let text = std::fs::read_to_string(&path).context("there is no table to compare with")?;
+        let complaints = compare(&parse(&text)?, &rows);
+        if !complaints.is_empty() {
+            bail!(
+                "{}\nwhere that is meant, renew firmware/audit/ticks.txt with `cargo xtask ticks --write`",
+                complaints.join("\n")
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Builds the image and runs it in the emulator.
+pub fn measure() -> Result<Vec<Row>> {
+    let firmware = run::firmware();
+    run::show(run::cargo(
+        &firmware,
+        &[
+            "build",
+            "--quiet",
+            "--release",
+            "--package",
+            "audit",
+            "--bin",
+            "ticks",
+        ],
+    ))?;
+    let image = firmware
+        .join("target")
+        .join(target::TARGET)
+        .join("release")
+        .join("ticks");
+    let image = image.to_string_lossy();
+    // One nanosecond of virtual time an instruction; the limit of ten minutes is for an image that hangs.
+    let args = [
+        "600",
+        "qemu-system-arm",
+        "-M",
+        "mps2-an386",
+        "-nographic",
+        "-monitor",
+        "none",
+        "-serial",
+        "none",
+        "-semihosting-config",
+        "enable=on,target=native",
+        "-icount",
+        "shift=0",
+        "-kernel",
+        &image,
+    ];
+    let rows = parse(&run::read(run::command(&firmware, "timeout", &args))?)?;
+    let known = rows
+        .iter()
+        .find(|row| row.name == KNOWN_LOOP)
+        .ok_or_else(|| anyhow!("no row {KNOWN_LOOP}"))?;
+    if known.mean.abs_diff(2000) > 20 {
+        bail!(
+            "a loop of 2000 instructions counts {}: the emulated clock does not count instructions",
+            known.mean
+        );
+    }
+    Ok(rows)
+}
+
+fn parse(text: &str) -> Result<Vec<Row>> {
+    text.lines()
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .map(|line| {
+            let mut words = line.split_whitespace();
+            match (
+                words.next(),
+                words.next().map(str::parse),
+                words.next().map(str::parse),
+                words.next(),
+            ) {
+                (Some(name), Some(Ok(mean)), Some(Ok(worst)), None) => Ok(Row {
+                    name: name.into(),
+                    mean,
+                    worst,
+                }),
+                _ => bail!("not a row of `name mean worst`: {line}"),
+            }
+        })
+        .collect()
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "# Instructions a step on a Cortex-M4F: mps2-an386 in QEMU, -icount shift=0, opt-level 3, fat LTO.\n",
+    );
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "# {:<30} {:>7} {:>7}", "step", "mean", "worst");
+    for row in rows {
+        let _ = writeln!(text, "{:<32} {:>7} {:>7}", row.name, row.mean, row.worst);
+    }
+    text
+}
+
+fn compare(table: &[Row], now: &[Row]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for row in now {
+        if row.name.starts_with(WHOLE_TICK) && row.worst > TICK_LIMIT {
+            complaints.push(format!(
+                "{}: {} instructions, and a tick has {TICK_LIMIT}",
+                row.name, row.worst
+            ));
+        }
+        match table.iter().find(|old| old.name == row.name) {
+            None => complaints.push(format!("{}: not in the table", row.name)),
+            Some(old) if row.worst * 100 > old.worst * (100 + GROWTH_PERCENT) => complaints.push(format!(
+                "{}: worst {} instructions, more than {GROWTH_PERCENT} % above the {} of the table",
+                row.name, row.worst, old.worst
+            )),
+            Some(_) => {}
+        }
+    }
+    for old in table
+        .iter()
+        .filter(|old| !now.iter().any(|row| row.name == old.name))
+    {
+        complaints.push(format!("{}: in the table and no longer measured", old.name));
+    }
+    complaints
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, worst: u64) -> Row {
+        Row {
+            name: name.into(),
+            mean: 1,
+            worst,
+        }
+    }
+
+    #[test]
+    fn a_table_reads_back() {
+        let rows = [row("line", 300), row("board/idle", 12)];
+        assert_eq!(parse(&table(&rows)).unwrap(), rows);
+        assert!(parse("line 1\n").is_err());
+        assert!(parse("panicked at 3 5 7\n").is_err());
+    }
+
+    #[test]
+    fn growth_limit_and_missing_rows_are_found() {
+        let table = [row("line", 100), row("board/arc", 1990), row("gone", 5)];
+        let now = [row("line", 106), row("board/arc", 2001), row("new", 1)];
+        let complaints = compare(&table, &now);
+        assert_eq!(complaints.len(), 4, "{complaints:?}");
+        assert!(
+            compare(
+                &table,
+                &[row("line", 105), row("board/arc", 2000), row("gone", 1)]
+            )
+            .is_empty()
+        );
+    }
+}

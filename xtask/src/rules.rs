@@ -1,0 +1,171 @@
+//! The house rules that neither compiler nor clippy checks, found by reading the files as text.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+
+use crate::run;
+
+/// Folders that an absolute path may begin with: those of every machine. Anything else is somebody's own.
+const COMMON_FOLDERS: &[&str] = &[
+    "bin", "dev", "etc", "lib", "proc", "run", "sys", "tmp", "usr", "var",
+];
+
+/// Checks all files under version control.
+pub fn check() -> Result<()> {
+    let root = run::root();
+    let files = run::read(run::command(
+        &root,
+        "git",
+        &["ls-files", "--cached", "--others", "--exclude-standard"],
+    ))
+    .context("the list of files comes from git")?;
+    let mut found = Vec::new();
+    let mut count = 0_usize;
+    for name in files.lines().filter(|name| is_ours(name)) {
+        // Listed and deleted in the working folder: nothing to read.
+        let Ok(text) = fs::read_to_string(root.join(name)) else {
+            continue;
+        };
+        count += 1;
+        found.extend(
+            complaints(name, &text)
+                .into_iter()
+                .map(|(line, what)| format!("{name}:{line}: {what}")),
+        );
+    }
+    if found.is_empty() {
+        println!("{count} files keep the rules");
+        return Ok(());
+    }
+    bail!(
+        "{} places break the house rules:\n{}",
+        found.len(),
+        found.join("\n")
+    )
+}
+
+fn is_ours(name: &str) -> bool {
+    let extension = Path::new(name)
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or("");
+    matches!(extension, "rs" | "toml" | "md" | "x") || name.starts_with(".ci/")
+}
+
+fn complaints(name: &str, text: &str) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    let in_core = name.starts_with("core/src/") && !name.ends_with("tests.rs");
+    for (number, line) in (1..).zip(text.lines()) {
+        // Written in two parts, so that this file keeps its own rule.
+        for word in [
+            concat!("TO", "DO"),
+            concat!("FIX", "ME"),
+            concat!("X", "XX"),
+        ] {
+            if has_word(line, word) {
+                found.push((number, format!("unfinished: `{word}`")));
+            }
+        }
+        if name.ends_with(".rs") && line.trim_start().starts_with(concat!("#[ig", "nore")) {
+            found.push((number, "a test that is switched off".into()));
+        }
+        if let Some(path) = private_path(line) {
+            found.push((number, format!("a path of one machine: `{path}`")));
+        }
+    }
+    if in_core {
+        for (number, line) in product_lines(text) {
+            let code = line.split("//").next().unwrap_or("");
+            for word in ["f32", "f64"] {
+                if has_word(code, word) {
+                    found.push((number, format!("floating point in the core: `{word}`")));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The numbered lines outside `#[cfg(test)]` items.
+fn product_lines(text: &str) -> Vec<(usize, &str)> {
+    let mut kept = Vec::new();
+    let mut lines = (1..).zip(text.lines());
+    while let Some((number, line)) = lines.next() {
+        if line.trim() != "#[cfg(test)]" {
+            kept.push((number, line));
+            continue;
+        }
+        // The item ends with the line that closes it at the attribute's own indentation, or is one line long.
+        let indent = line.len() - line.trim_start().len();
+        for (_, line) in lines.by_ref() {
+            let here = line.len() - line.trim_start().len();
+            let end = here == indent
+                && (line.trim_end().ends_with(';') || line.trim_start().starts_with('}'));
+            if end && !line.trim().is_empty() {
+                break;
+            }
+        }
+    }
+    kept
+}
+
+/// True where `word` stands alone in `line`.
+fn has_word(line: &str, word: &str) -> bool {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    line.match_indices(word).any(|(at, _)| {
+        let before = line.get(..at).and_then(|text| text.chars().next_back());
+        let after = line
+            .get(at + word.len()..)
+            .and_then(|text| text.chars().next());
+        !before.is_some_and(is_part) && !after.is_some_and(is_part)
+    })
+}
+
+/// An absolute path (after a space, a quote or a bracket) below a folder that not every machine has.
+fn private_path(line: &str) -> Option<&str> {
+    line.match_indices('/').find_map(|(at, _)| {
+        let before = line.get(..at)?.chars().next_back();
+        if !before.is_none_or(|c| c == '"' || c == '`' || c == '(' || c == '=' || c.is_whitespace())
+        {
+            return None;
+        }
+        let path = line.get(at..)?;
+        let folder = path.get(1..)?.split('/').next()?;
+        let is_name = !folder.is_empty() && folder.bytes().all(|b| b.is_ascii_lowercase());
+        let goes_on = path.get(1 + folder.len()..)?.starts_with('/');
+        (is_name && goes_on && !COMMON_FOLDERS.contains(&folder)).then_some(path)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_count_outside_tests_only() {
+        let text = "fn a(b: f64) {}\n#[cfg(test)]\nuse x::f64;\nfn c() -> f32 {}\n// f64\n\
+                    #[cfg(test)]\nmod tests {\n    fn d() -> f64 {}\n}\n";
+        let lines: Vec<usize> = complaints("core/src/a.rs", text)
+            .iter()
+            .map(|(line, _)| *line)
+            .collect();
+        assert_eq!(lines, [1, 4]);
+        assert!(complaints("gateway/src/a.rs", text).is_empty());
+    }
+
+    #[test]
+    fn private_paths_are_found_and_common_ones_are_not() {
+        assert!(private_path(concat!("see \"", "/home", "/", "me/x\"")).is_some());
+        assert!(private_path("open /dev/ttyACM0 or /usr/share/x").is_none());
+        assert!(private_path("X/Z/C and and/or/not, //! text, `/N10 G01`").is_none());
+    }
+
+    #[test]
+    fn words_stand_alone() {
+        assert!(has_word("a word here", "word"));
+        assert!(!has_word("a sword here", "word"));
+        assert!(!has_word("wordy", "word"));
+    }
+}

@@ -1,0 +1,142 @@
+//! Starting other programs: each is named when it fails, with what it printed.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+
+/// The folder of the workspace.
+pub fn root() -> PathBuf {
+    let mut path = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    path.pop();
+    path
+}
+
+/// The workspace of the board images.
+pub fn firmware() -> PathBuf {
+    root().join("firmware")
+}
+
+/// `program` with `args`, run in `dir`.
+pub fn command(dir: &Path, program: &str, args: &[&str]) -> Command {
+    let mut command = Command::new(program);
+    command.args(args).current_dir(dir);
+    command
+}
+
+/// Cargo, run in `dir` (whose `.cargo/config.toml` then counts).
+pub fn cargo(dir: &Path, args: &[&str]) -> Command {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let mut command = command(dir, &cargo, args);
+    // What cargo told this program about itself must not be taken for settings of the inner build.
+    for (name, _) in std::env::vars() {
+        if name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_") {
+            command.env_remove(name);
+        }
+    }
+    command
+}
+
+fn line_of(command: &Command) -> String {
+    let program = Path::new(command.get_program());
+    let mut line = program
+        .file_name()
+        .unwrap_or(program.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    for arg in command.get_args() {
+        line.push(' ');
+        line.push_str(&arg.to_string_lossy());
+    }
+    line
+}
+
+/// Runs to the end with its output shown.
+pub fn show(mut command: Command) -> Result<()> {
+    let line = line_of(&command);
+    let status = command
+        .status()
+        .with_context(|| format!("cannot start `{line}`"))?;
+    if !status.success() {
+        bail!("`{line}` failed ({status})");
+    }
+    Ok(())
+}
+
+/// Runs to the end with its output kept; what it printed is shown only when it fails.
+pub fn read(mut command: Command) -> Result<String> {
+    let line = line_of(&command);
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .with_context(|| format!("cannot start `{line}`"))?;
+    if !output.status.success() {
+        bail!(
+            "`{line}` failed ({})\n{}{}",
+            output.status,
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed what is not UTF-8"))
+}
+
+/// Runs to the end, shows its standard output line by line and hands each line to `seen`; true where it succeeded.
+pub fn watch(mut command: Command, mut seen: impl FnMut(&str)) -> Result<bool> {
+    let line = line_of(&command);
+    let mut child = command
+        .stdout(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("cannot start `{line}`"))?;
+    if let Some(stdout) = child.stdout.take() {
+        for text in BufReader::new(stdout).lines() {
+            let text = text?;
+            println!("{text}");
+            seen(&text);
+        }
+    }
+    Ok(child.wait()?.success())
+}
+
+/// Runs for at most `limit` with nothing shown; true where it succeeded in time.
+pub fn try_quietly(mut command: Command, limit: Duration) -> bool {
+    let started = Instant::now();
+    let child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let Ok(mut child) = child else { return false };
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return status.success(),
+            Ok(None) if started.elapsed() < limit => std::thread::sleep(Duration::from_millis(50)),
+            _ => {
+                // It has ended by itself or is ended here; either way it did not succeed in time.
+                let _ = child.kill();
+                let _ = child.wait();
+                return false;
+            }
+        }
+    }
+}
+
+/// True where a program of this name is on the path.
+pub fn have(program: &str) -> bool {
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|dir| dir.join(program).is_file()))
+}
+
+/// True where this process may install packages.
+pub fn is_root() -> bool {
+    read(command(Path::new("/"), "id", &["-u"])).is_ok_and(|id| id.trim() == "0")
+}
+
+/// A folder for downloads and scratch images, below the build folder.
+pub fn scratch(name: &str) -> Result<PathBuf> {
+    let dir = root().join("target").join("xtask").join(name);
+    std::fs::create_dir_all(&dir).with_context(|| format!("cannot make {}", dir.display()))?;
+    Ok(dir)
+}

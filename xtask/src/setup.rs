@@ -1,0 +1,73 @@
+//! What the commands need from the machine, installed where that is possible and named where it is not.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+
+use crate::{run, target};
+
+/// A program and the Debian package it comes in.
+pub struct Tool {
+    program: &'static str,
+    package: &'static str,
+}
+
+/// Runs the Cortex-M4F images.
+pub const EMULATOR: Tool = Tool {
+    program: "qemu-system-arm",
+    package: "qemu-system-arm",
+};
+/// Counts instructions on the host.
+pub const VALGRIND: Tool = Tool {
+    program: "valgrind",
+    package: "valgrind",
+};
+
+/// All that any command needs. Quick where it is already there.
+pub fn everything() -> Result<()> {
+    tools(&[EMULATOR, VALGRIND])?;
+    target::ensure()
+}
+
+/// Installs the packages of the programs that are missing; without the right to, says what to type.
+pub fn tools(wanted: &[Tool]) -> Result<()> {
+    let missing = || -> Vec<&str> {
+        wanted
+            .iter()
+            .filter(|tool| !run::have(tool.program))
+            .map(|tool| tool.package)
+            .collect()
+    };
+    let packages = missing();
+    if packages.is_empty() {
+        return Ok(());
+    }
+    let line = format!(
+        "apt-get update && apt-get install -y --no-install-recommends {}",
+        packages.join(" ")
+    );
+    if !run::have("apt-get") {
+        bail!(
+            "not installed: {}; this is not Debian, so install them its own way",
+            packages.join(", ")
+        );
+    }
+    if !run::is_root() {
+        bail!(
+            "not installed: {}; type this, then start again:\n\n    sudo sh -c '{line}'\n",
+            packages.join(", ")
+        );
+    }
+    println!("installing {}", packages.join(", "));
+    let mut install = run::command(Path::new("/"), "sh", &["-c", &line]);
+    install.env("DEBIAN_FRONTEND", "noninteractive");
+    run::read(install).with_context(|| {
+        format!("the packages did not install; see that the package mirror is reachable, then type: {line}")
+    })?;
+    let still = missing();
+    if still.is_empty() {
+        Ok(())
+    } else {
+        bail!("installed, and still not on the path: {}", still.join(", "))
+    }
+}

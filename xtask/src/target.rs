@@ -1,0 +1,291 @@
+//! The ARM target's `core` for exactly the compiler in use.
+//!
+//! Normally rustup has fetched it already, because `rust-toolchain.toml` names it. Where rustup cannot (no server within
+//! reach, or a compiler that did not come from it), the same three libraries come from an archive whose folder the
+//! variable [`ARCHIVE_VARIABLE`] names, or are built here from the library source that Debian packages. Whatever the
+//! way, the compiler itself says whether the result fits: it refuses libraries that another compiler made.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, Result, anyhow, bail};
+
+use crate::run;
+
+/// Cortex-M4F, hardware floating point registers.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+/// Names a folder with `thumbv7em-none-eabihf-rust-VERSION.tar.xz`.
+pub const ARCHIVE_VARIABLE: &str = "LEADSCREW_TOOLCHAIN_DIR";
+
+/// The compiler of `rust-toolchain.toml`, and the Debian package of its library source.
+const COMPILER: &str = "1.95.0";
+const SOURCE_PACKAGE: &str = "rust-src";
+const SOURCE_VERSION: &str = "1.95.0+dfsg1-2~bpo13+1";
+const SOURCE_SUITE: &str = "trixie-backports";
+
+/// Sees to it that the target builds.
+pub fn ensure() -> Result<()> {
+    if works() {
+        return Ok(());
+    }
+    let compiler = run::read(run::command(&run::root(), "rustc", &["--version"]))?;
+    println!("the target {TARGET} is missing: trying rustup");
+    let rustup = run::command(&run::root(), "rustup", &["target", "add", TARGET]);
+    if run::try_quietly(rustup, Duration::from_secs(180)) && works() {
+        return Ok(());
+    }
+    if compiler.split_whitespace().nth(1) != Some(COMPILER) {
+        bail!(
+            "rustup cannot add {TARGET}, and the other ways serve rustc {COMPILER} only, while this is {}; \
+             use the compiler that rust-toolchain.toml names",
+            compiler.trim()
+        );
+    }
+    let archive = match from_archive() {
+        Ok(()) => return Ok(()),
+        Err(error) => error,
+    };
+    let source = match from_source() {
+        Ok(()) => return Ok(()),
+        Err(error) => error,
+    };
+    bail!(
+        "there is no {TARGET} for rustc {COMPILER}:\n\
+         - rustup: `rustup target add {TARGET}` fails; with a connection to its server it is all that is needed\n\
+         - archive: {archive:#}\n\
+         - library source: {source:#}"
+    )
+}
+
+/// True where the compiler accepts the target's `core`.
+fn works() -> bool {
+    // The result goes into a folder of its own: a compiler that runs as root replaces what it is given as a file.
+    let Ok(dir) = run::scratch("probe") else {
+        return false;
+    };
+    let source = dir.join("probe.rs");
+    if fs::write(
+        &source,
+        "#![no_std]\npub fn probe(a: Option<u8>) -> u8 { a.unwrap_or(0) }\n",
+    )
+    .is_err()
+    {
+        return false;
+    }
+    let args = [
+        "--target",
+        TARGET,
+        "--crate-type",
+        "lib",
+        "--emit",
+        "metadata",
+        "--out-dir",
+    ];
+    let mut probe = run::command(&run::root(), "rustc", &args);
+    probe.arg(&dir).arg(&source);
+    run::try_quietly(probe, Duration::from_secs(60))
+}
+
+fn rustlib() -> Result<PathBuf> {
+    let sysroot = run::read(run::command(&run::root(), "rustc", &["--print", "sysroot"]))?;
+    Ok(Path::new(sysroot.trim()).join("lib").join("rustlib"))
+}
+
+fn from_archive() -> Result<()> {
+    let dir = std::env::var_os(ARCHIVE_VARIABLE)
+        .ok_or_else(|| anyhow!("{ARCHIVE_VARIABLE} names no folder with {}", archive_name()))?;
+    let archive = Path::new(&dir).join(archive_name());
+    if !archive.is_file() {
+        bail!("{} is not there", archive.display());
+    }
+    println!("taking the target from {}", archive.display());
+    let rustlib = rustlib()?;
+    let unpack = run::command(
+        &rustlib,
+        "tar",
+        &["-xJf", &archive.to_string_lossy(), TARGET],
+    );
+    run::read(unpack).context("the archive does not unpack into the compiler's folder")?;
+    if works() {
+        return Ok(());
+    }
+    fs::remove_dir_all(rustlib.join(TARGET))
+        .context("cannot take the unfit libraries away again")?;
+    bail!(
+        "{} was made by another compiler than this one",
+        archive.display()
+    )
+}
+
+fn archive_name() -> String {
+    format!("{TARGET}-rust-{COMPILER}.tar.xz")
+}
+
+fn from_source() -> Result<()> {
+    let rustlib = rustlib()?;
+    let library = rustlib.join("src").join("rust").join("library");
+    if !library.join("core").join("Cargo.toml").is_file() {
+        let unpacked = debian_source()?;
+        copy_tree(&unpacked, &library)
+            .context("cannot put the library source into the compiler's folder")?;
+    }
+    println!("building core for {TARGET} from its source");
+    let dir = run::scratch("build-std")?;
+    fs::create_dir_all(dir.join("src"))?;
+    fs::write(
+        dir.join("Cargo.toml"),
+        "[package]\nname = \"probe\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n",
+    )?;
+    fs::write(dir.join("src").join("lib.rs"), "#![no_std]\n")?;
+    let args = [
+        "build",
+        "--release",
+        "--target",
+        TARGET,
+        "-Z",
+        "build-std=core,alloc,compiler_builtins",
+    ];
+    let mut build = run::cargo(
+        &dir,
+        &[
+            &args[..],
+            &["-Z", "build-std-features=compiler-builtins-mem"],
+        ]
+        .concat(),
+    );
+    build
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("CARGO_TARGET_DIR", dir.join("target"));
+    run::read(build).context("core does not build")?;
+
+    let built = dir.join("target").join(TARGET).join("release").join("deps");
+    let into = rustlib.join(TARGET).join("lib");
+    fs::create_dir_all(&into).with_context(|| format!("cannot write into {}", into.display()))?;
+    for entry in fs::read_dir(&built)? {
+        let path = entry?.path();
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let wanted = ["libcore-", "liballoc-", "libcompiler_builtins-"]
+            .iter()
+            .any(|start| name.starts_with(start));
+        if wanted && name.ends_with(".rlib") {
+            fs::copy(&path, into.join(&name))?;
+        }
+    }
+    if works() {
+        Ok(())
+    } else {
+        bail!(
+            "what was built in {} does not fit this compiler",
+            built.display()
+        )
+    }
+}
+
+/// Fetches and unpacks Debian's package of the library source, without touching the machine's own package lists.
+fn debian_source() -> Result<PathBuf> {
+    for program in ["apt-get", "dpkg-deb"] {
+        if !run::have(program) {
+            bail!("the library source comes from Debian, and there is no {program} here");
+        }
+    }
+    let mirror = debian_mirror()?;
+    let dir = run::scratch("rust-src")?;
+    for part in ["lists/partial", "cache/archives/partial", "unpacked"] {
+        fs::create_dir_all(dir.join(part))?;
+    }
+    let keyring = "/usr/share/keyrings/debian-archive-keyring.gpg";
+    let list = dir.join("sources.list");
+    fs::write(
+        &list,
+        format!("deb [signed-by={keyring}] {mirror} {SOURCE_SUITE} main\n"),
+    )?;
+    let option = |name: &str, path: PathBuf| format!("{name}={}", path.display());
+    let options = [
+        option("Dir::Etc::SourceList", list),
+        "Dir::Etc::SourceParts=/dev/null".into(),
+        option("Dir::State::Lists", dir.join("lists")),
+        option("Dir::Cache", dir.join("cache")),
+        "APT::Sandbox::User=".into(),
+        // Hooks of the machine belong to its own lists, not to these.
+        "APT::Update::Post-Invoke::=true".into(),
+    ];
+    let apt_get = |what: &[&str]| {
+        let mut args: Vec<&str> = options
+            .iter()
+            .flat_map(|option| ["-o", option.as_str()])
+            .collect();
+        args.extend_from_slice(what);
+        run::read(run::command(&dir, "apt-get", &args))
+    };
+    let wanted = format!("{SOURCE_PACKAGE}={SOURCE_VERSION}");
+    println!("fetching {wanted}");
+    apt_get(&["update"]).with_context(|| format!("cannot read {SOURCE_SUITE} from the mirror"))?;
+    apt_get(&["download", &wanted])
+        .with_context(|| format!("the mirror does not give {wanted}"))?;
+    let package = fs::read_dir(&dir)?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .find(|path| path.extension().is_some_and(|extension| extension == "deb"))
+        .ok_or_else(|| anyhow!("apt-get left no package in {}", dir.display()))?;
+    let unpacked = dir.join("unpacked");
+    run::read(run::command(
+        &dir,
+        "dpkg-deb",
+        &[
+            "-x",
+            &package.to_string_lossy(),
+            &unpacked.to_string_lossy(),
+        ],
+    ))?;
+    let library = unpacked
+        .join("usr/src")
+        .join(format!("rustc-{COMPILER}"))
+        .join("library");
+    if library.join("core").join("Cargo.toml").is_file() {
+        Ok(library)
+    } else {
+        bail!("{wanted} holds no {}", library.display())
+    }
+}
+
+/// The Debian mirror that this machine uses.
+fn debian_mirror() -> Result<String> {
+    let format = "$(CREATED_BY) $(ORIGIN) $(REPO_URI)";
+    let targets = run::read(run::command(
+        Path::new("/"),
+        "apt-get",
+        &["indextargets", "--format", format],
+    ))?;
+    let mut words = targets.lines().map(|line| line.split_whitespace());
+    words
+        .find_map(|mut line| match (line.next(), line.next(), line.next()) {
+            (Some("Packages"), Some("Debian"), Some(uri)) if !uri.contains("security") => {
+                Some(uri.to_owned())
+            }
+            _ => None,
+        })
+        .ok_or_else(|| {
+            anyhow!(
+                "this machine's apt knows no Debian mirror (is `apt-get update` still to be done?)"
+            )
+        })
+}
+
+fn copy_tree(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let path = entry?.path();
+        let target = to.join(path.file_name().unwrap_or_default());
+        // Follows links: the package links to folders it shares with others.
+        if path.is_dir() {
+            copy_tree(&path, &target)?;
+        } else if path.is_file() {
+            fs::copy(&path, &target)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,184 @@
+//! Everything a change must pass, in the order that finds most mistakes soonest.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+
+use crate::{audit, emulator, licences, rules, run, setup, target};
+
+/// The whole test, as the README names it.
+pub fn test() -> Result<()> {
+    let mut counts = Counts::default();
+    let mut clock = Clock::default();
+    let root = run::root();
+    let firmware = run::firmware();
+
+    clock.step("set-up", setup::everything)?;
+    clock.step("format", || {
+        run::show(run::cargo(&root, &["fmt", "--all", "--check"]))?;
+        run::show(run::cargo(&firmware, &["fmt", "--all", "--check"]))
+    })?;
+    clock.step("house rules", rules::check)?;
+    clock.step("licences", licences::check)?;
+    clock.step("clippy", || {
+        run::show(run::cargo(
+            &root,
+            &[
+                "clippy",
+                "--workspace",
+                "--all-targets",
+                "--quiet",
+                "--",
+                "-D",
+                "warnings",
+            ],
+        ))?;
+        run::show(run::cargo(
+            &firmware,
+            &[
+                "clippy",
+                "--release",
+                "--workspace",
+                "--quiet",
+                "--",
+                "-D",
+                "warnings",
+            ],
+        ))
+    })?;
+    clock.step("tests with overflow checks", || tests(&mut counts, &[]))?;
+    clock.step("core for the microcontroller", || {
+        run::show(run::cargo(
+            &root,
+            &[
+                "build",
+                "--quiet",
+                "--release",
+                "-p",
+                "leadscrew-core",
+                "--target",
+                target::TARGET,
+            ],
+        ))
+    })?;
+    clock.step("no panic is reachable", audit::audit)?;
+    clock.step("instructions per tick", || emulator::ticks(false))?;
+    clock.step("documentation", || {
+        let mut doc = run::cargo(
+            &root,
+            &[
+                "doc",
+                "--workspace",
+                "--no-deps",
+                "--document-private-items",
+                "--quiet",
+            ],
+        );
+        doc.env("RUSTDOCFLAGS", "-D warnings");
+        run::show(doc)
+    })?;
+    clock.step("tests in release, full volume", || {
+        tests(&mut counts, &["--release"])
+    })?;
+
+    clock.report();
+    println!("{} passed, {} failed", counts.passed, counts.failed);
+    Ok(())
+}
+
+/// The test with the settings of a build server.
+pub fn ci() -> Result<()> {
+    for dir in [run::root(), run::firmware()] {
+        run::read(run::cargo(
+            &dir,
+            &["metadata", "--locked", "--format-version", "1"],
+        ))?;
+    }
+    let mut again = run::cargo(&run::root(), &["xtask", "test"]);
+    again
+        .env("CARGO_INCREMENTAL", "0")
+        .env("CARGO_TERM_COLOR", "never");
+    run::show(again)
+}
+
+/// All tests of the workspace, documentation examples included, counted.
+fn tests(counts: &mut Counts, profile: &[&str]) -> Result<()> {
+    // Never coloured: the counts are read from what is printed.
+    let mut args = vec!["test", "--workspace", "--no-fail-fast", "--color", "never"];
+    args.extend_from_slice(profile);
+    let before = counts.failed;
+    let ok = run::watch(run::cargo(&run::root(), &args), |line| counts.take(line))?;
+    if !ok {
+        println!("{} passed, {} failed", counts.passed, counts.failed);
+        match counts.failed.saturating_sub(before) {
+            0 => bail!("the tests did not build, or one ended without a result"),
+            failed => bail!("{failed} tests failed"),
+        }
+    }
+    Ok(())
+}
+
+#[derive(Default)]
+struct Counts {
+    passed: u64,
+    failed: u64,
+}
+
+impl Counts {
+    /// Adds up the summaries: `test result: ok. 12 passed; 0 failed; …`.
+    fn take(&mut self, line: &str) {
+        let Some(summary) = line.trim_start().strip_prefix("test result: ") else {
+            return;
+        };
+        let words: Vec<&str> = summary.split_whitespace().collect();
+        for pair in words.windows(2) {
+            if let [number, word] = pair
+                && let Ok(number) = number.parse::<u64>()
+            {
+                match word.trim_end_matches(';') {
+                    "passed" => self.passed += number,
+                    "failed" => self.failed += number,
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+/// Times the steps.
+#[derive(Default)]
+struct Clock {
+    steps: Vec<(&'static str, Duration)>,
+}
+
+impl Clock {
+    fn step(&mut self, name: &'static str, what: impl FnOnce() -> Result<()>) -> Result<()> {
+        println!("\n== {name}");
+        let started = Instant::now();
+        let result = what();
+        self.steps.push((name, started.elapsed()));
+        result
+    }
+
+    fn report(&self) {
+        println!();
+        for (name, took) in &self.steps {
+            println!("{:>6.1} s  {name}", took.as_secs_f64());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summaries_add_up_and_other_lines_do_not_count() {
+        let mut counts = Counts::default();
+        counts.take("test result: ok. 12 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s");
+        counts.take("test cycle::thread::tests::three passed ... ok");
+        counts
+            .take("test result: FAILED. 3 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out");
+        assert_eq!((counts.passed, counts.failed), (15, 2));
+    }
+}
