@@ -3,7 +3,7 @@
 use crate::number;
 
 /// Writes one object or array element by element. Commas are its business, braces are the caller's through
-/// [`Json::object`] and [`Json::array`].
+/// [`Json::object`] and [`Json::array_at`].
 #[derive(Debug, Default)]
 pub struct Json {
     out: Vec<u8>,
