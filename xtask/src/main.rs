@@ -5,6 +5,7 @@
 
 mod audit;
 mod callgraph;
+mod docs;
 mod emulator;
 mod licences;
 mod rules;
@@ -23,6 +24,7 @@ usage: cargo xtask COMMAND
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
+  docs       the documentation, without warnings and with every link alive
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
 ";
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),
+        ["docs"] => docs::check(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),
         ["help" | "--help" | "-h"] => {

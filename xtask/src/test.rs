@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 
-use crate::{audit, emulator, licences, rules, run, setup, target};
+use crate::{audit, docs, emulator, licences, rules, run, setup, target};
 
 /// The whole test, as the README names it.
 pub fn test() -> Result<()> {
@@ -63,15 +63,7 @@ pub fn test() -> Result<()> {
     })?;
     clock.step("no panic is reachable", audit::audit)?;
     clock.step("instructions per tick", || emulator::ticks(false))?;
-    clock.step("documentation", || {
-        let mut doc = run::cargo(&root, &["doc", "--workspace", "--no-deps", "--quiet"]);
-        // A program's own documentation is read with its private items.
-        doc.env(
-            "RUSTDOCFLAGS",
-            "-D warnings -A rustdoc::private-intra-doc-links",
-        );
-        run::show(doc)
-    })?;
+    clock.step("documentation", docs::check)?;
     clock.step("tests in release, full volume", || {
         tests(&mut counts, &["--release"])
     })?;

@@ -1,7 +1,7 @@
 //! What can go wrong, as data: a number, where it is, and the figures that explain it.
 //!
 //! An [`Alarm`] is small and has no text in it, so the board can raise and send one; the text (cause and remedy, English
-//! and Chinese, with the figures put in) is made where a person reads it, from the templates in [`table`]. Warnings have
+//! and Chinese, with the figures put in) is made where a person reads it, from the templates in `table.rs`. Warnings have
 //! the same shape and numbers of their own.
 
 mod table;
