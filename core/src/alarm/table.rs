@@ -66,12 +66,68 @@ codes! {
     LeadMissing = 313, "the thread has no lead", "write F (lead per turn) or I (turns per inch) in a thread block",
         "螺纹没有导程", "请在螺纹程序段中写 F（每转导程）或 I（每英寸牙数）";
 
+    /// The thread angle is above 99°.
+    ThreadAngleRange = 315, "thread angle {0}° is outside 0–99°", "give the angle of the tool in the last two digits of P",
+        "螺纹角度 {0}° 超出 0–99°", "请在 P 的最后两位写刀具角度";
+    /// Δdmin is larger than the whole depth k.
+    MinStepAboveHeight = 316, "the smallest step {0} is larger than the thread height {1}",
+        "write a smaller Q in the first block, or a larger P (height)",
+        "最小切削量 {0} 大于牙高 {1}", "请减小第一段的 Q，或增大牙高 P";
+    /// A step of a groove is missing or zero where one is needed.
+    GrooveStepMissing = 319, "the groove needs a step here and has none",
+        "write P (peck along X), and Q (step along Z) where Z differs from the start",
+        "切槽缺少进刀量或进刀量为零", "请写 P（X 向每次进刀量）；Z 与起点不同时还要写 Q（Z 向进刀量）";
+
     // -- 4001–4099 text and words: program/ -------------------------------------------------------------------------
     /// A character that starts no word, comment or block.
     UnknownCharacter = 4001, "this character has no meaning here", "write a word: a letter and a number",
         "此处的字符没有意义", "请写一个字：字母加数字";
 
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
+
+    /// d leaves nothing to rough.
+    AllowanceTooLarge = 4100, "the finishing allowance {0} is not smaller than the thread height {1}",
+        "write a smaller R in the first block, or a larger P (height)",
+        "精车余量 {0} 不小于牙高 {1}", "请减小第一段的 R，或增大牙高 P";
+    /// W = 0.
+    ThreadWithoutLength = 4101, "the thread has no length along Z", "write a Z that differs from the start, or W other than 0",
+        "螺纹在 Z 向没有长度", "请写与起点不同的 Z，或不为 0 的 W";
+    /// U = 0.
+    ThreadWithoutSide = 4102, "start and end of the thread stand at one X: outside or inside cannot be told",
+        "start away from the thread's X, by more than its height",
+        "螺纹起点与终点 X 相同，无法判断内外螺纹", "请使起点 X 离开螺纹，距离大于牙高";
+    /// A lies deeper than a crest.
+    StartInsideThread = 4103, "the start X {0} lies inside the work: the crest of the thread is at X {1}",
+        "start further from the work, or correct X, P (height) or R (taper)",
+        "起点 X {0} 在工件内：螺纹牙顶在 X {1}", "请使起点远离工件，或修改 X、P（牙高）或 R（锥度）";
+    /// The stroke of a pass is used up by run-in and run-out.
+    StrokeTooShort = 4104, "pass {0} has no room to cut: stroke {1}, run-in {2}, run-out {3}",
+        "start further away, or shorten the run-out (K) or the run-in (E)",
+        "第 {0} 刀没有切削行程：行程 {1}，旋进 {2}，退尾 {3}", "请使起点更远，或缩短退尾（K）或旋进（E）";
+    /// The shift along the flank reaches the end of the thread.
+    PassStartsBeyondEnd = 4105, "pass {0} would start {1} from the start point, and the thread is only {2} long",
+        "start further away along Z, or use a smaller angle",
+        "第 {0} 刀的切入点距起点 {1}，而螺纹长度只有 {2}", "请使起点沿 Z 向更远，或减小角度";
+    /// The taper rises as fast as the run-out.
+    RunOutIntoThread = 4106, "the run-out retracts {0} over {1}, but the taper rises {2} there: it would cut into the thread",
+        "write a larger J or a smaller K",
+        "退尾在 {1} 内退 {0}，而锥面在此上升 {2}，将切入螺纹", "请增大 J 或减小 K";
+    /// E where X is the long axis.
+    RunInWithLongX = 4107, "a run-in E is not possible where X is the long axis", "leave E out, or reduce the taper R",
+        "X 为长轴时不能使用旋进 E", "请去掉 E，或减小锥度 R";
+    /// More rough passes than the sequence may have.
+    TooManyPasses = 4108, "the thread would take more than {0} rough passes", "write a larger Q (first depth) or a larger smallest step",
+        "粗车次数将超过 {0} 次", "请增大第一刀切深 Q 或最小切削量";
+    /// X_D = X_A in a groove.
+    GrooveWithoutDepth = 4109, "the groove has no depth: its bottom is at the start X", "write an X that differs from the start, or U other than 0",
+        "切槽没有深度：槽底 X 与起点相同", "请写与起点不同的 X，或不为 0 的 U";
+    /// A length in a cycle is negative, zero or beyond the range of the machine arithmetic.
+    CycleLengthRange = 4110, "{0} is not possible here: it must be a real length within ±4398 m",
+        "correct the value", "此处不能为 {0}：必须是 ±4398 m 以内的有效长度", "请修改该值";
+
+    /// L = 0.
+    CycleStartsRange = 4111, "a thread has at least one start", "write L1 to L99, or leave L out",
+        "螺纹至少有一个头", "请写 L1 至 L99，或省略 L";
 
     // -- 4200–4299 physics: feasible/, motion/, spindle/ -------------------------------------------------------------
 
@@ -133,6 +189,11 @@ codes! {
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
 
     // -- 4920–4939 warnings: cycle/ ----------------------------------------------------------------------------------
+
+    /// Δd moves the tool sideways at the bottom of a full slot.
+    ReliefInSlot = 4920, "the relief of {0} at the bottom has no room in the first column of a groove",
+        "leave R out of the block with X, unless the material beside the first column is gone",
+        "槽底退刀 {0}：第一列没有退刀空间", "请在含 X 的程序段中省略 R，除非第一列旁边已无材料";
 
     // -- 4940–4959 warnings: feasible/, motion/, spindle/ --------------------------------------------------------------
 

@@ -1,8 +1,18 @@
 //! Calls in, moves out: what each cycle does with its words, move by move.
 //!
-//! One file a family; each is a lazy iterator of [`Move`]s with constant memory. Refuses what geometry forbids before
-//! the first move. Knows nothing of program text, motion or the bus.
+//! One file a family; each is a lazy iterator of [`Move`]s with constant memory, and [`expand`] is the door to all of
+//! them. Refuses what geometry forbids before the first move. Knows nothing of program text, motion or the bus.
 
+mod check;
+mod depth;
+mod expand;
+mod groove;
 mod moves;
+mod shape;
+mod slope;
+mod thread;
 
+pub use expand::{Moves, expand};
+pub use groove::GrooveMoves;
 pub use moves::*;
+pub use thread::{ThreadMoves, ThreadSummary};

@@ -1,0 +1,203 @@
+//! The depths of the rough passes ([G76 sheet], steps 5 and 6, and its Q word; [G78 sheet], D word).
+//!
+//! Knows lengths only: nothing of angles, tapers or moves. All comparisons are exact.
+
+use core::num::NonZero;
+
+use crate::program::Infeed;
+use crate::units::Length;
+
+/// Rough passes of one cycle at most; more is an alarm.
+pub(crate) const MOST_PASSES: u32 = 9999;
+
+/// The rough depths of a thread, one after the other, each larger than the one before; the last is height − allowance.
+///
+/// Decreasing infeed: `√n·Δd`, computed from n each time and rounded once to the nearest input increment. From the first
+/// n whose step would be smaller than Δdmin on, every step is Δdmin [D1] (at least one increment). The first depth is Δd,
+/// however small [D22].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Depths {
+    /// Where the sequence ends: k − d.
+    limit: u64,
+    /// Depth of the pass before; `limit` at the end.
+    previous: u64,
+    /// Number of the next pass.
+    n: u32,
+    /// From this pass on the step is constant.
+    constant_from: u32,
+    /// The constant step: Δdmin or Δd.
+    step: u64,
+    /// Input increment.
+    increment: NonZero<u64>,
+    /// How to find √n·Δd.
+    root: Root,
+}
+
+/// `4·n·Δd²` in increments: its root is twice the depth.
+#[derive(Clone, Copy, Debug)]
+enum Root {
+    /// Δd is a whole number of increments and small enough: (value for the next n, what to add per pass).
+    Narrow(u64, u64),
+    /// Anything else: Δd.
+    Wide(u64),
+}
+
+impl Depths {
+    /// The sequence down to `limit` (k − d, positive) in first steps of `first` (Δd, positive) and last ones of
+    /// `min_step` (Δdmin), rounded to `increment`. Lengths are within the input limit.
+    pub(crate) fn new(
+        infeed: Infeed,
+        limit: Length,
+        first: Length,
+        min_step: Length,
+        increment: Length,
+    ) -> Self {
+        let first = magnitude(first).max(1);
+        let min_step = magnitude(min_step);
+        let increment = NonZero::new(magnitude(increment)).unwrap_or(NonZero::<u64>::MIN);
+        let (constant_from, step) = match infeed {
+            // n·Δd is a constant step from the start.
+            Infeed::Equal => (1, first),
+            Infeed::Decreasing => (
+                first_clamped(first, min_step),
+                min_step.max(increment.get()),
+            ),
+        };
+        let units = first / increment;
+        let exact = first % increment == 0;
+        // 4·n·units² < 2⁶⁴ for every n up to 9999.
+        let root = if exact && units < 1 << 24 {
+            let four_squares = units.wrapping_mul(units).wrapping_mul(4);
+            Root::Narrow(four_squares, four_squares)
+        } else {
+            Root::Wide(first)
+        };
+        Self {
+            limit: magnitude(limit),
+            previous: 0,
+            n: 1,
+            constant_from,
+            step,
+            increment,
+            root,
+        }
+    }
+
+    /// The depth of the next pass; `None` after the one at the limit.
+    #[inline]
+    pub(crate) fn next_depth(&mut self) -> Option<Length> {
+        if self.previous >= self.limit {
+            return None;
+        }
+        let n = self.n;
+        let depth = if n >= self.constant_from {
+            self.previous.wrapping_add(self.step)
+        } else {
+            let least = if n == 1 {
+                0
+            } else {
+                self.previous.wrapping_add(self.increment.get())
+            };
+            self.root_depth(n).max(least)
+        };
+        self.n = n.wrapping_add(1);
+        self.previous = depth.min(self.limit);
+        Some(Length::from_nm(self.previous as i64))
+    }
+
+    /// `√n·Δd` to the nearest increment.
+    #[inline]
+    fn root_depth(&mut self, n: u32) -> u64 {
+        let twice = match &mut self.root {
+            Root::Narrow(value, per_pass) => {
+                let root = value.isqrt();
+                *value = value.wrapping_add(*per_pass);
+                root
+            }
+            Root::Wide(first) => wide_root(*first, n, self.increment),
+        };
+        // floor(2x) decides to which side x is rounded; a half goes up.
+        (twice.wrapping_add(1) >> 1).saturating_mul(self.increment.get())
+    }
+
+    /// How many passes the sequence has, or `None` when more than [`MOST_PASSES`].
+    pub(crate) fn count(mut self) -> Option<u32> {
+        let mut passes = 0u32;
+        while self.next_depth().is_some() {
+            passes = passes.wrapping_add(1);
+            if passes > MOST_PASSES {
+                return None;
+            }
+        }
+        Some(passes)
+    }
+
+    /// True where the sequence has certainly no more than [`MOST_PASSES`]: it is never shallower than `√n·Δd` less half
+    /// an increment, and √9999 > 99.99.
+    pub(crate) fn is_surely_short(&self, first: Length) -> bool {
+        self.limit <= magnitude(first).saturating_mul(99)
+    }
+}
+
+/// `floor(2·√n·first / increment)`.
+#[cold]
+fn wide_root(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
+    // 4·n·first² < 2² · 2¹⁴ · 2⁸⁴; the root of a floor is the floor of the root.
+    let square = u128::from(first).wrapping_mul(u128::from(first));
+    let value = square.wrapping_mul(u128::from(n)).wrapping_mul(4);
+    let increment = NonZero::<u128>::from(increment);
+    (value / increment / increment).isqrt() as u64
+}
+
+/// The first n > 1 with `(√n − √(n−1))·Δd < Δdmin`; beyond every pass where there is none.
+///
+/// `Δd·√n < Δdmin + Δd·√(n−1)`; squared (both sides are positive) `Δd² − Δdmin² < 2·Δd·Δdmin·√(n−1)`; squared again where
+/// the left side is positive. The steps decrease, so once true it stays true.
+fn first_clamped(first: u64, min_step: u64) -> u32 {
+    if min_step == 0 {
+        return u32::MAX;
+    }
+    if min_step >= first {
+        return 2;
+    }
+    let (d, m) = (u128::from(first), u128::from(min_step));
+    let left = d.wrapping_mul(d).wrapping_sub(m.wrapping_mul(m));
+    let right = d.wrapping_mul(m).wrapping_mul(2);
+    let left_squared = product(left, left);
+    let right_squared = product(right, right);
+    // The smallest c = n − 1 in 1…MOST_PASSES for which left² < c · right², by bisection.
+    let (mut low, mut high) = (0u32, MOST_PASSES.wrapping_add(1));
+    while high.wrapping_sub(low) > 1 {
+        let middle = low.wrapping_add(high) >> 1;
+        if left_squared < times(right_squared, middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high.wrapping_add(1)
+}
+
+/// A 256-bit product: (high, low). The factors here are below 2⁸⁶.
+const fn product(a: u128, b: u128) -> (u128, u128) {
+    let mask = u64::MAX as u128;
+    let (a1, a0, b1, b0) = (a >> 64, a & mask, b >> 64, b & mask);
+    let low = a0.wrapping_mul(b0);
+    let middle = a1
+        .wrapping_mul(b0)
+        .wrapping_add(a0.wrapping_mul(b1))
+        .wrapping_add(low >> 64);
+    let high = a1.wrapping_mul(b1).wrapping_add(middle >> 64);
+    (high, (middle << 64) | (low & mask))
+}
+
+/// A 256-bit value times a small number.
+const fn times(value: (u128, u128), n: u32) -> (u128, u128) {
+    let (carry, low) = product(value.1, n as u128);
+    (value.0.wrapping_mul(n as u128).wrapping_add(carry), low)
+}
+
+/// A length's magnitude as a number of nanometres.
+const fn magnitude(length: Length) -> u64 {
+    length.nm().unsigned_abs()
+}

@@ -1,0 +1,84 @@
+//! Any call to its moves.
+
+use super::{GrooveMoves, Move, MoveKind, ThreadMoves};
+use crate::alarm::Alarm;
+use crate::program::{Aux, Call, CallKind, Position};
+
+/// The moves of one call. Constant memory, whatever the call; nothing can fail once it is made.
+#[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one lives at a time and there is no heap to put the large one on"
+)]
+pub enum Moves {
+    /// At most one move.
+    One(Option<Move>),
+    /// G76, G78.
+    Thread(ThreadMoves),
+    /// G75.
+    Groove(GrooveMoves),
+}
+
+/// The moves of `call` for a tool that stands at `at`. A straight move of no length is none. Dwells, spindle commands and
+/// machine functions carry the standing position; the end of the program is a machine function too.
+///
+/// # Errors
+/// What the geometry of a cycle forbids, before any of its moves.
+pub fn expand(call: &Call, at: Position) -> Result<Moves, Alarm> {
+    let (to, kind) = match call.kind {
+        CallKind::Thread(ref thread) => {
+            return Ok(Moves::Thread(ThreadMoves::new(thread, call.span)?));
+        }
+        CallKind::Groove(ref groove) => {
+            return Ok(Moves::Groove(GrooveMoves::new(groove, call.span)?));
+        }
+        CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(Moves::One(None)),
+        CallKind::Rapid(to) => (to, MoveKind::Rapid),
+        CallKind::Line(to, feed) => (to, MoveKind::Feed(feed)),
+        CallKind::Arc(arc) => {
+            let kind = MoveKind::Arc {
+                i: arc.i,
+                k: arc.k,
+                clockwise: arc.clockwise,
+                feed: arc.feed,
+            };
+            (arc.end, kind)
+        }
+        CallKind::Dwell(time) => (at, MoveKind::Dwell(time)),
+        CallKind::Spindle(spindle) => (at, MoveKind::Spindle(spindle.rpm)),
+        CallKind::Aux(aux) => (at, MoveKind::Aux(aux)),
+        CallKind::End(code) => (at, MoveKind::Aux(Aux::M(code))),
+    };
+    Ok(Moves::One(Some(Move {
+        span: call.span,
+        to,
+        kind,
+        tag: None,
+    })))
+}
+
+impl Moves {
+    /// Warnings that come before the moves; some calls have one.
+    #[must_use]
+    pub const fn warning(&self) -> Option<Alarm> {
+        match self {
+            Self::Groove(groove) => groove.warning(),
+            Self::One(_) | Self::Thread(_) => None,
+        }
+    }
+}
+
+impl Iterator for Moves {
+    type Item = Move;
+
+    #[inline]
+    fn next(&mut self) -> Option<Move> {
+        match self {
+            Self::One(one) => one.take(),
+            Self::Thread(thread) => thread.next(),
+            Self::Groove(groove) => groove.next(),
+        }
+    }
+}
+
+impl core::iter::FusedIterator for Moves {}

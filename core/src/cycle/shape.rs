@@ -1,0 +1,528 @@
+//! Where the points of a thread pass lie (cycles.md, sections 3 and 4): pure geometry of one depth.
+//!
+//! Every coordinate is one closed expression of the pass's depth, rounded once to the nearest nanometre on the radius.
+//! Displacements are rounded, halves away from zero, so a mirrored program gives mirrored points wherever its zero is.
+//! Knows nothing of the order of passes' moves.
+
+use core::num::NonZero;
+
+use super::check::{blame, thread_ranges};
+use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::program::{CutIn, ThreadCall};
+use crate::units::{Diameter, Length};
+
+/// A point in the X–Z plane; X is a radius.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Point {
+    pub(crate) x: Length,
+    pub(crate) z: Length,
+}
+
+/// The corners of one pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Corners {
+    /// Where the synchronous motion begins: B, or the run-in's start.
+    pub(crate) begin: Point,
+    /// Where the pass's line is met: the end of the run-in, else `begin`.
+    pub(crate) line: Point,
+    /// Where the line is left: the run-out's start, else `end`.
+    pub(crate) leave: Point,
+    /// Where the synchronous motion ends.
+    pub(crate) end: Point,
+}
+
+/// How far a pass's start is shifted along Z, as the number `u` of nanometres of depth whose `u·tan(a/2)` is the shift:
+/// `base + slope · depth`, with one rule for odd passes, one for even ones and a fixed value for finishing.
+#[derive(Clone, Copy, Debug)]
+struct Flanks {
+    odd: (i64, i64),
+    even: (i64, i64),
+    finish: i64,
+}
+
+/// The constants of a thread cycle's geometry.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shape {
+    /// A.
+    start: Point,
+    /// D.
+    end: Point,
+    /// Sign of Z_D − Z_A.
+    pub(crate) sigma: i64,
+    /// +1 external, −1 internal.
+    pub(crate) side: i64,
+    /// |Z_D − Z_A|.
+    travel: u64,
+    /// k.
+    height: u64,
+    /// True where X is the long axis.
+    pub(crate) long_x: bool,
+    tangent: HalfAngle,
+    flanks: Flanks,
+    taper: Option<Taper>,
+    /// E, zero for none.
+    run_in: u64,
+    run_out: Option<Leave>,
+}
+
+/// What a taper adds.
+#[derive(Clone, Copy, Debug)]
+struct Taper {
+    /// Sign of i.
+    sign: i64,
+    /// |i|.
+    size: u64,
+    /// True where the thread gets nearer to A towards its start (s·i > 0).
+    towards_start: bool,
+    /// |i|·tan(a/2)/|W|: radius lost per nanometre of u.
+    per_depth: Fine,
+    /// |i|/|W|, used by run-ins only.
+    per_travel: Fine,
+    /// |i|·(tan(a/2) ± |i|·tan(a/2)/|W|)/|W|, used by clipped run-ins only.
+    per_clipped: Fine,
+}
+
+/// What a run-out needs.
+#[derive(Clone, Copy, Debug)]
+struct Leave {
+    /// X of its start less X of the pass's own D.
+    x: Length,
+    /// Z of its start.
+    z: Length,
+    /// J, not clipped yet.
+    short: Length,
+    /// K.
+    long: u64,
+}
+
+impl Shape {
+    /// The geometry of a call, or the alarm that forbids it whatever the depths are.
+    pub(crate) fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
+        thread_ranges(call, span)?;
+        let start = Point {
+            x: call.start.x,
+            z: call.start.z,
+        };
+        let end = Point {
+            x: call.end_x.value,
+            z: call.end_z.value,
+        };
+        let stroke = end.z - start.z;
+        let Some(travel) = NonZero::new(stroke.nm().unsigned_abs()) else {
+            return Err(blame(
+                Code::ThreadWithoutLength,
+                span,
+                call.end_z.span,
+                b'Z',
+            ));
+        };
+        if start.x == end.x {
+            return Err(blame(Code::ThreadWithoutSide, span, call.end_x.span, b'X'));
+        }
+        let (sigma, side) = (stroke.signum(), (start.x - end.x).signum());
+        let height = call.height.value;
+        if call.allowance.value >= height {
+            return Err(
+                blame(Code::AllowanceTooLarge, span, call.allowance.span, b'R').with([
+                    Arg::Length(call.allowance.value),
+                    Arg::Length(height),
+                    Arg::None,
+                    Arg::None,
+                ]),
+            );
+        }
+        if call.min_step.value > height {
+            return Err(
+                blame(Code::MinStepAboveHeight, span, call.min_step.span, b'Q').with([
+                    Arg::Length(call.min_step.value),
+                    Arg::Length(height),
+                    Arg::None,
+                    Arg::None,
+                ]),
+            );
+        }
+        let Some(tangent) = HalfAngle::of(call.angle.value) else {
+            return Err(
+                blame(Code::ThreadAngleRange, span, call.angle.span, b'P').with([
+                    Arg::Int(i64::from(call.angle.value)),
+                    Arg::None,
+                    Arg::None,
+                    Arg::None,
+                ]),
+            );
+        };
+        let slant = call.taper.value;
+        let long_x = travel.get() <= slant.nm().unsigned_abs();
+        if long_x && call.run_in.value != Length::ZERO {
+            return Err(blame(Code::RunInWithLongX, span, call.run_in.span, b'E'));
+        }
+        // Both ends of the crest line must lie between the work and A.
+        let crest = end.x + height.times(side);
+        for x in [crest, crest + slant] {
+            if (start.x - x).times(side) < Length::ZERO {
+                return Err(
+                    blame(Code::StartInsideThread, span, call.end_x.span, b'X').with([
+                        Arg::Diameter(Diameter::of_radius(start.x)),
+                        Arg::Diameter(Diameter::of_radius(x)),
+                        Arg::None,
+                        Arg::None,
+                    ]),
+                );
+            }
+        }
+        let taper = Taper::new(slant, side, travel, tangent);
+        let mut shape = Self {
+            start,
+            end,
+            sigma,
+            side,
+            travel: travel.get(),
+            height: height.nm().unsigned_abs(),
+            long_x,
+            tangent,
+            flanks: Flanks::new(
+                call.cut_in.value,
+                sigma,
+                height,
+                height - call.allowance.value,
+            ),
+            taper,
+            run_in: call.run_in.value.nm().unsigned_abs(),
+            run_out: None,
+        };
+        shape.run_out = shape.leave(call, span, travel)?;
+        Ok(shape)
+    }
+
+    /// The run-out's constants.
+    fn leave(
+        &self,
+        call: &ThreadCall,
+        span: Span,
+        travel: NonZero<u64>,
+    ) -> Result<Option<Leave>, Alarm> {
+        let Some(run_out) = call.run_out else {
+            return Ok(None);
+        };
+        let (short, long) = (run_out.short.value, run_out.long.value);
+        let length = long.nm().unsigned_abs();
+        let slant = call.taper.value;
+        let size = slant.nm().unsigned_abs();
+        let (x, z) = if self.long_x {
+            // |i| ≥ |W| > 0 here.
+            let size = NonZero::new(size).unwrap_or(NonZero::<u64>::MIN);
+            (
+                long.times(slant.signum()),
+                scaled(travel.get(), length, size).times(self.sigma),
+            )
+        } else {
+            (
+                scaled(size, length, travel).times(slant.signum()),
+                long.times(self.sigma),
+            )
+        };
+        // The line itself moves towards A by |i|·K/|W| when the thread grows from C to D: the tool must move faster.
+        let grows = slant.signum() == self.side.wrapping_neg();
+        let line = u128::from(size).wrapping_mul(u128::from(length));
+        let tool = u128::from(short.nm().unsigned_abs()).wrapping_mul(u128::from(travel.get()));
+        if !self.long_x && grows && line >= tool {
+            return Err(
+                blame(Code::RunOutIntoThread, span, run_out.short.span, b'J').with([
+                    Arg::Length(short),
+                    Arg::Length(long),
+                    Arg::Length(scaled(size, length, travel)),
+                    Arg::None,
+                ]),
+            );
+        }
+        Ok(Some(Leave {
+            x,
+            z: self.end.z - z,
+            short,
+            long: length,
+        }))
+    }
+
+    /// `u` of rough pass `n` at `depth`, or of the finishing passes.
+    #[inline]
+    pub(crate) fn flank(&self, n: u32, depth: Length, finishing: bool) -> u64 {
+        let flanks = &self.flanks;
+        let (base, slope) = match (finishing, n & 1) {
+            (true, _) => (flanks.finish, 0),
+            (false, 1) => flanks.odd,
+            (false, _) => flanks.even,
+        };
+        base.wrapping_add(slope.wrapping_mul(depth.nm()))
+            .unsigned_abs()
+    }
+
+    /// The corners of the pass at `depth` with the shift of `u`.
+    #[inline]
+    pub(crate) fn corners(&self, depth: Length, u: u64) -> Corners {
+        let above = (self.height as i64).wrapping_sub(depth.nm());
+        // X of the pass's own D.
+        let x_end = self.end.x + Length::from_nm(flip(above, self.side));
+        let shift = self.tangent.shift(u);
+        let z = self.start.z + Length::from_nm(flip(shift as i64, self.sigma));
+        let x = match &self.taper {
+            None => x_end,
+            Some(taper) => x_end + taper.left_after(u128::from(u).wrapping_mul(taper.per_depth)),
+        };
+        let at_line = Point { x, z };
+        let (begin, line) = if self.run_in == 0 {
+            (at_line, at_line)
+        } else {
+            self.run_in(at_line, x_end, shift, u)
+        };
+        let (leave, end) = match &self.run_out {
+            None => {
+                let end = Point {
+                    x: x_end,
+                    z: self.end.z,
+                };
+                (end, end)
+            }
+            Some(out) => {
+                let leave = Point {
+                    x: x_end + out.x,
+                    z: out.z,
+                };
+                let end = if self.long_x {
+                    let room = Length::from_nm(flip((leave.z - self.start.z).nm(), self.sigma));
+                    let back = out.short.min(room).nm();
+                    Point {
+                        x: x_end,
+                        z: leave.z - Length::from_nm(flip(back, self.sigma)),
+                    }
+                } else {
+                    let room = Length::from_nm(flip((self.start.x - leave.x).nm(), self.side));
+                    let back = out.short.min(room).nm();
+                    Point {
+                        x: leave.x + Length::from_nm(flip(back, self.side)),
+                        z: self.end.z,
+                    }
+                };
+                (leave, end)
+            }
+        };
+        Corners {
+            begin,
+            line,
+            leave,
+            end,
+        }
+    }
+
+    /// Begin and end of the run-in of E, clipped at the start level ([D9]: 45°).
+    #[cold]
+    fn run_in(&self, at_line: Point, x_end: Length, shift: u64, u: u64) -> (Point, Point) {
+        let u = u128::from(u);
+        let run_in = u128::from(self.run_in);
+        // Room between the line's start and A on the radius: a whole number where there is no taper, and
+        // `whole ± u·tan·|i|/|W|` where there is one.
+        let to_end = flip((self.start.x - x_end).nm(), self.side);
+        let along = |z: u64| self.start.z + Length::from_nm(flip(z as i64, self.sigma));
+        let Some(taper) = &self.taper else {
+            let length = (to_end.max(0) as u64).min(self.run_in);
+            let begin = Point {
+                x: at_line.x + Length::from_nm(flip(length as i64, self.side)),
+                z: at_line.z,
+            };
+            let line = Point {
+                x: at_line.x,
+                z: along(shift.wrapping_add(length)),
+            };
+            return (begin, line);
+        };
+        let size = taper.size as i64;
+        let (whole, room) = if taper.towards_start {
+            let whole = to_end.wrapping_sub(size).max(0) as u128;
+            (
+                whole,
+                (whole << FINE_BITS).wrapping_add(u.wrapping_mul(taper.per_depth)),
+            )
+        } else {
+            let whole = to_end.wrapping_add(size).max(0) as u128;
+            (
+                whole,
+                (whole << FINE_BITS).wrapping_sub(u.wrapping_mul(taper.per_depth)),
+            )
+        };
+        if run_in << FINE_BITS <= room {
+            let lost = run_in
+                .wrapping_mul(taper.per_travel)
+                .wrapping_add(u.wrapping_mul(taper.per_depth));
+            let begin = Point {
+                x: at_line.x + Length::from_nm(flip(self.run_in as i64, self.side)),
+                z: at_line.z,
+            };
+            let line = Point {
+                x: x_end + taper.left_after(lost),
+                z: along(shift.wrapping_add(self.run_in)),
+            };
+            (begin, line)
+        } else {
+            let begin = Point {
+                x: self.start.x,
+                z: at_line.z,
+            };
+            // Along Z the line is met after u·tan plus the room, in one expression.
+            let z = u.wrapping_mul(self.tangent.fine()).wrapping_add(room);
+            let lost = whole
+                .wrapping_mul(taper.per_travel)
+                .wrapping_add(u.wrapping_mul(taper.per_clipped));
+            let line = Point {
+                x: x_end + taper.left_after(lost),
+                z: along((z.wrapping_add(FINE_HALF) >> FINE_BITS) as u64),
+            };
+            (begin, line)
+        }
+    }
+
+    /// Refuses the pass where it starts at or beyond D, or has no stroke between run-in and run-out.
+    pub(crate) fn check_pass(&self, pass: u32, corners: &Corners, span: Span) -> Result<(), Alarm> {
+        let pass_number = Arg::Int(i64::from(pass));
+        if (self.end.z - corners.begin.z).times(self.sigma) <= Length::ZERO {
+            return Err(Alarm::new(Code::PassStartsBeyondEnd, span).with([
+                pass_number,
+                Arg::Length((corners.begin.z - self.start.z).abs()),
+                Arg::Length(Length::from_nm(self.travel as i64)),
+                Arg::None,
+            ]));
+        }
+        // Compared on the long axis, in the direction of travel.
+        let (cut, entry) = match &self.taper {
+            Some(taper) if self.long_x => (
+                (corners.line.x - corners.leave.x).times(taper.sign),
+                Length::ZERO,
+            ),
+            _ => (
+                (corners.leave.z - corners.line.z).times(self.sigma),
+                (corners.line.z - corners.begin.z).abs(),
+            ),
+        };
+        if cut <= Length::ZERO {
+            let out = self.run_out.map_or(0, |out| out.long);
+            return Err(Alarm::new(Code::StrokeTooShort, span).with([
+                pass_number,
+                Arg::Length(self.stroke(corners)),
+                Arg::Length(entry),
+                Arg::Length(Length::from_nm(out as i64)),
+            ]));
+        }
+        Ok(())
+    }
+
+    /// Way on the long axis from the pass's start to D.
+    pub(crate) fn stroke(&self, corners: &Corners) -> Length {
+        if self.long_x {
+            let x_end = corners.leave.x - self.run_out.map_or(Length::ZERO, |out| out.x);
+            (x_end - corners.begin.x).abs()
+        } else {
+            (self.end.z - corners.begin.z).abs()
+        }
+    }
+
+    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, a nanometre to
+    /// spare for rounding. False decides nothing.
+    pub(crate) fn is_surely_long_enough(&self) -> bool {
+        let flanks = &self.flanks;
+        let most = |(base, slope): (i64, i64)| {
+            let deepest = if slope > 0 { self.height as i64 } else { 0 };
+            base.wrapping_add(deepest)
+        };
+        let u = most(flanks.odd)
+            .max(most(flanks.even))
+            .max(flanks.finish)
+            .unsigned_abs();
+        let out = self.run_out.map_or(0, |out| out.long);
+        let shift = self.tangent.shift(u);
+        let taken = shift.saturating_add(self.run_in).saturating_add(2);
+        if self.long_x {
+            let Some(taper) = &self.taper else {
+                return false;
+            };
+            if self.travel <= taken {
+                return false;
+            }
+            let lost = (u128::from(u).wrapping_mul(taper.per_depth) >> FINE_BITS) as u64;
+            taper.size > lost.saturating_add(out).saturating_add(2)
+        } else {
+            self.travel > taken.saturating_add(out)
+        }
+    }
+}
+
+impl Flanks {
+    /// The rules of a cut-in mode ([G78 sheet], P(r); [D6]) for a thread cut towards `sigma`.
+    fn new(cut_in: CutIn, sigma: i64, height: Length, limit: Length) -> Self {
+        let limit = limit.nm();
+        let trailing = (0, 1);
+        let leading = (limit.wrapping_mul(2), -1);
+        let (left, right) = if sigma < 0 {
+            (leading, trailing)
+        } else {
+            (trailing, leading)
+        };
+        let middle = (limit, 0);
+        let (odd, even, finish) = match cut_in {
+            CutIn::Centre => ((0, 0), (0, 0), 0),
+            CutIn::Left => (left, left, limit),
+            CutIn::Right => (right, right, limit),
+            CutIn::RightCentre => (right, middle, limit),
+            CutIn::LeftRight => (left, right, limit),
+            CutIn::Trailing => (trailing, trailing, height.nm()),
+        };
+        Self { odd, even, finish }
+    }
+}
+
+impl Taper {
+    /// The slopes of a taper of `slant` (i) over `travel`; `None` for a straight thread.
+    fn new(slant: Length, side: i64, travel: NonZero<u64>, tangent: HalfAngle) -> Option<Self> {
+        if slant == Length::ZERO {
+            return None;
+        }
+        let size = slant.nm().unsigned_abs();
+        let wide = u128::from(size);
+        let travel = NonZero::<u128>::from(travel);
+        let towards_start = slant.signum() == side;
+        let per_depth = wide.wrapping_mul(tangent.fine()) / travel;
+        let both = if towards_start {
+            tangent.fine().wrapping_add(per_depth)
+        } else {
+            tangent.fine().wrapping_sub(per_depth)
+        };
+        Some(Self {
+            sign: slant.signum(),
+            size,
+            towards_start,
+            per_depth,
+            per_travel: (wide << FINE_BITS) / travel,
+            per_clipped: wide.wrapping_mul(both) / travel,
+        })
+    }
+
+    /// What is left of i after `lost` of its magnitude, rounded once. The slopes are rounded down, so an exact half in
+    /// `lost` never shows as more; taking it down leaves the larger remainder: halves away from zero.
+    #[inline]
+    fn left_after(&self, lost: Fine) -> Length {
+        let lost = lost.wrapping_add(FINE_HALF.wrapping_sub(1)) >> FINE_BITS;
+        Length::from_nm(flip(self.size.wrapping_sub(lost as u64) as i64, self.sign))
+    }
+}
+
+/// `value` with the sign of `sign` (±1).
+#[inline]
+const fn flip(value: i64, sign: i64) -> i64 {
+    value.wrapping_mul(sign)
+}
+
+/// `a·b/c` to the nearest nanometre, halves up.
+fn scaled(a: u64, b: u64, c: NonZero<u64>) -> Length {
+    let c = NonZero::<u128>::from(c);
+    let product = u128::from(a).wrapping_mul(u128::from(b)).wrapping_mul(2);
+    let rounded = (product.wrapping_add(c.get()) / c) >> 1;
+    Length::from_nm(rounded as i64)
+}
