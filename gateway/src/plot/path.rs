@@ -1,0 +1,190 @@
+//! The tool path in the trade's convention: Z to the right, X upwards as a diameter, both to one scale so that a 45°
+//! chamfer looks like one.
+
+use std::collections::HashSet;
+
+use svg::Node as _;
+use svg::node::element::{Circle, Group, Path};
+
+use super::frame::{self, LEFT, RIGHT};
+use super::scale::Scale;
+use super::{px, text};
+
+/// What a stroke is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Not cutting.
+    Rapid,
+    /// Cutting at a feed.
+    Feed,
+    /// Locked to the spindle.
+    Thread,
+}
+
+impl Kind {
+    fn class(self) -> &'static str {
+        match self {
+            Self::Rapid => "rapid",
+            Self::Feed => "feed",
+            Self::Thread => "thread",
+        }
+    }
+}
+
+/// One move: where it goes through, as (Z, radius) in millimetres, its start first.
+#[derive(Clone, Debug)]
+pub struct Stroke {
+    /// What it is.
+    pub kind: Kind,
+    /// At least two points.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// The tallest the drawing gets; a longer part is scaled to the width.
+const TALLEST: f64 = 470.0;
+const SHORTEST: f64 = 200.0;
+
+/// Draws the panel at `top` and returns its lower edge.
+pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke]) -> f64 {
+    let all = strokes.iter().flat_map(|stroke| &stroke.points);
+    let (mut low, mut high) = ((0.0f64, 0.0f64), (0.0f64, 0.0f64));
+    for (n, &(z, x)) in all.enumerate() {
+        if n == 0 {
+            (low, high) = ((z, x), (z, x));
+        }
+        low = (low.0.min(z), low.1.min(x));
+        high = (high.0.max(z), high.1.max(x));
+    }
+    // The centre line belongs to the picture unless the part is far away from it.
+    if low.1 > 0.0 && low.1 < 3.0 * (high.1 - low.1).max(1.0) {
+        low.1 = 0.0;
+    }
+    let (length, height) = ((high.0 - low.0).max(1.0), (high.1 - low.1).max(1.0));
+    let (pad, room) = (26.0, RIGHT - LEFT);
+    let mm = ((room - 2.0 * pad) / length).min((TALLEST - 2.0 * pad) / height);
+    let panel = (height * mm + 2.0 * pad).clamp(SHORTEST, TALLEST);
+    let bottom = top + panel;
+    // One scale for both axes, the drawing in the middle of the panel.
+    let middle = ((low.0 + high.0) / 2.0, (low.1 + high.1) / 2.0);
+    let (half_z, half_x) = (room / 2.0 / mm, panel / 2.0 / mm);
+    let z = Scale::new(middle.0 - half_z, middle.0 + half_z, LEFT, RIGHT);
+    // Labels are diameters, drawn radii.
+    let x = Scale::new(
+        2.0 * (middle.1 - half_x),
+        2.0 * (middle.1 + half_x),
+        bottom,
+        top,
+    );
+
+    frame::panel(document, top, bottom);
+    frame::columns(document, &z, top, bottom, true);
+    frame::rows(document, &x, panel / 45.0);
+    if middle.1 - half_x <= 0.0 && middle.1 + half_x >= 0.0 {
+        frame::line(document, "centre", [(LEFT, x.px(0.0)), (RIGHT, x.px(0.0))]);
+    }
+    strokes_in_layers(document, strokes, |(at_z, radius)| {
+        (z.px(at_z), x.px(2.0 * radius))
+    });
+
+    document.append(text(LEFT - 8.0, top - 8.0, "left name", "X ⌀ mm"));
+    document.append(text(RIGHT + 8.0, bottom + 18.0, "right name", "Z mm"));
+    legend(document, top - 8.0, strokes);
+    marks(document, strokes, |(at_z, radius)| {
+        (z.px(at_z), x.px(2.0 * radius))
+    });
+    bottom + 18.0
+}
+
+/// Rapids below, cuts above; neighbours of one kind share a path, and what has been drawn is not drawn again.
+fn strokes_in_layers(
+    document: &mut Group,
+    strokes: &[Stroke],
+    place: impl Fn((f64, f64)) -> (f64, f64),
+) {
+    for kind in [Kind::Rapid, Kind::Feed, Kind::Thread] {
+        let mut drawn: HashSet<[i64; 4]> = HashSet::new();
+        let mut run: Vec<(f64, f64)> = Vec::new();
+        let mut data = String::new();
+        let mut finish = |run: &mut Vec<(f64, f64)>| {
+            if run.len() > 1 {
+                data.push_str(&super::polyline(run.drain(..)));
+            }
+            run.clear();
+        };
+        for stroke in strokes.iter().filter(|stroke| stroke.kind == kind) {
+            for pair in stroke.points.windows(2) {
+                let (from, to) = (place(pair[0]), place(pair[1]));
+                let tenths = |value: f64| (value * 10.0).round() as i64;
+                let segment = [tenths(from.0), tenths(from.1), tenths(to.0), tenths(to.1)];
+                if segment[..2] == segment[2..] || !drawn.insert(segment) {
+                    continue;
+                }
+                if run.last() != Some(&from) {
+                    finish(&mut run);
+                    run.push(from);
+                }
+                run.push(to);
+            }
+        }
+        finish(&mut run);
+        if !data.is_empty() {
+            document.append(
+                Path::new()
+                    .set("class", format!("line {}", kind.class()))
+                    .set("d", data),
+            );
+        }
+    }
+}
+
+fn legend(document: &mut Group, y: f64, strokes: &[Stroke]) {
+    let entries = [
+        (Kind::Rapid, "rapid"),
+        (Kind::Feed, "feed"),
+        (Kind::Thread, "thread, locked to the spindle"),
+    ];
+    let present: Vec<_> = entries
+        .into_iter()
+        .filter(|(kind, _)| strokes.iter().any(|stroke| stroke.kind == *kind))
+        .collect();
+    let lines: f64 = present
+        .iter()
+        .map(|(_, name)| 57.0 + frame::width(name))
+        .sum();
+    let marks = [("start", "start"), ("end", "end")];
+    let dots: f64 = marks
+        .iter()
+        .map(|(_, name)| 38.0 + frame::width(name))
+        .sum();
+    let mut x = RIGHT - lines - dots + 24.0;
+    for (kind, name) in present {
+        x = frame::key(document, x, y, kind.class(), name);
+    }
+    for (class, name) in marks {
+        dot(document, (x + 5.0, y - 4.5), class);
+        document.append(text(x + 14.0, y, "key", name));
+        x += 38.0 + frame::width(name);
+    }
+}
+
+fn marks(document: &mut Group, strokes: &[Stroke], place: impl Fn((f64, f64)) -> (f64, f64)) {
+    let first = strokes.first().and_then(|stroke| stroke.points.first());
+    let last = strokes.last().and_then(|stroke| stroke.points.last());
+    if let Some(&start) = first {
+        dot(document, place(start), "start");
+    }
+    if let Some(&end) = last {
+        dot(document, place(end), "end");
+    }
+}
+
+fn dot(document: &mut Group, (x, y): (f64, f64), class: &str) {
+    let radius = if class == "start" { 6.0 } else { 4.0 };
+    document.append(
+        Circle::new()
+            .set("class", class)
+            .set("cx", px(x))
+            .set("cy", px(y))
+            .set("r", px(radius)),
+    );
+}
