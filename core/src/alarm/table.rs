@@ -185,6 +185,78 @@ codes! {
         "驱动器 {0} 的位置 {1} 超出 32 位增量范围", "请使用更粗的增量（参数 9001、9002）或减小行程";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
+    // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.
+    /// A parameter file that is not TOML; {0} what the reader says.
+    ParamSyntax = 4400, "this is not TOML: {0}", "write one value a line: `\"1420.X\" = \"12000 mm/min\"`",
+        "不符合 TOML 格式：{0}", "每行写一个值：`\"1420.X\" = \"12000 mm/min\"`";
+    /// A key that is no number, alias or name; {0} the key.
+    ParamUnknown = 4401, "there is no parameter `{0}`", "`leadscrew params list` prints all numbers and names",
+        "没有参数 `{0}`", "`leadscrew params list` 列出全部参数号和名称";
+    /// The same where a name is near; {0} the key, {1} the name.
+    ParamUnknownNear = 4402, "there is no parameter `{0}`", "did you mean `{1}`?",
+        "没有参数 `{0}`", "是否为 `{1}`？";
+    /// A number that has axes or bits, and none is named; {0} the key, {1} the choices.
+    ParamPartMissing = 4403, "`{0}` has more than one value", "write {1}",
+        "`{0}` 有多个值", "请写 {1}";
+    /// An axis or bit that the number does not have; {0} the key, {1} the choices.
+    ParamNoSuchPart = 4404, "there is no `{0}`", "write {1}",
+        "没有 `{0}`", "请写 {1}";
+    /// A value that is not a decimal number; {0} the parameter, {1} the text, {2} an example.
+    ParamNotANumber = 4405, "{0}: `{1}` is not a decimal number", "write a value such as {2}",
+        "{0}：`{1}` 不是十进制数", "请写如 {2} 的值";
+    /// A value with a unit of another kind; {0} the parameter, {1} the text, {2} the spellings.
+    ParamWrongUnit = 4406, "{0}: `{1}` has a unit that does not belong to it", "write one of these units: {2}",
+        "{0}：`{1}` 的单位不对", "请用下列单位之一：{2}";
+    /// A unit for a value that has none; {0} the parameter, {1} the text, {2} an example.
+    ParamNoUnit = 4407, "{0}: `{1}` is more than a number, and the value has no unit", "write a plain number such as {2}",
+        "{0}：`{1}` 不是单纯的数，而该值没有单位", "请写不带单位的数，如 {2}";
+    /// A value in a file without its unit; {0} the parameter, {1} the text, {2} what to write.
+    ParamUnitMissing = 4408, "{0}: `{1}` does not say its unit", "write {2}",
+        "{0}：`{1}` 没有写单位", "请写 {2}";
+    /// More digits than the smallest step has; {0} the parameter, {1} the text, {2} the step.
+    ParamTooFine = 4409, "{0}: `{1}` is finer than can be kept", "round it to steps of {2}",
+        "{0}：`{1}` 的位数超过可存储的精度", "请取整到 {2} 的倍数";
+    /// A value outside its range; {0} the parameter, {1} the text, {2} and {3} the range.
+    ParamOutOfRange = 4410, "{0}: `{1}` is out of range", "write a value from {2} to {3}",
+        "{0}：`{1}` 超出范围", "请写 {2} 到 {3} 之间的值";
+    /// One parameter twice in a file, under whichever of its names; {0} the parameter, {1} the line of the first.
+    ParamTwice = 4411, "{0} is already set in line {1}", "keep one of the two",
+        "{0} 已在第 {1} 行设定", "请只保留其中一个";
+    /// A value of a TOML kind that no parameter has; {0} the parameter, {1} an example.
+    ParamKind = 4412, "{0}: a value is a whole number, or a text with a unit", "write a value such as {1}",
+        "{0}：值应为整数，或带单位的文本", "请写如 {1} 的值";
+    /// A ramp does not fit a profile: axis, ticks, most ticks.
+    RampTooLong = 4420, "speeding {0} up to its rapid rate takes {1} ticks, and a profile holds {2}",
+        "raise 1620.{0} or 1622.{0}, lower 1420.{0}, or make the tick (9000) longer",
+        "{0} 轴加速到快移速度需要 {1} 个周期，超过上限 {2}", "请增大 1620.{0} 或 1622.{0}，减小 1420.{0}，或加长周期（9000）";
+    /// Travel limits the wrong way round: axis.
+    SoftLimitsInverted = 4421, "the travel limits of {0} leave no room: 1321.{0} is not below 1320.{0}",
+        "make 1320.{0} larger than 1321.{0}, or write \"none\" for no limit",
+        "{0} 轴软限位之间没有行程：1321.{0} 不小于 1320.{0}", "1320.{0} 须大于 1321.{0}；不设限位请写 \"none\"";
+    /// Cutting faster than rapid: axis.
+    FeedAboveRapid = 4422, "the cutting feed of {0} (1430.{0}) is above its rapid rate (1420.{0})",
+        "lower 1430.{0} or raise 1420.{0}",
+        "{0} 轴最大切削进给（1430.{0}）高于快移速度（1420.{0}）", "请减小 1430.{0} 或增大 1420.{0}";
+    /// The observer cannot be that fast: bandwidth, tick in µs, highest bandwidth.
+    ObserverTooFast = 4423, "an observer of {0} Hz is not stable with a tick of {1} µs",
+        "set 9005 to {2} Hz at most, or make the tick (9000) shorter",
+        "周期 {1} µs 时带宽 {0} Hz 的观测器不稳定", "9005 最大设为 {2} Hz，或缩短周期（9000）";
+    /// The spindle turns half a turn in a tick: highest speed of 3772, tick in µs, highest possible.
+    SpindleTooFastForTick = 4424, "at {0} the spindle turns half a turn or more in one tick of {1} µs",
+        "lower 3772 to {2}, or make the tick (9000) shorter",
+        "{0} 时主轴在一个周期（{1} µs）内转过半圈以上", "请将 3772 减小到 {2}，或缩短周期（9000）";
+    /// Travel beyond the 32 bits of a drive's target: axis.
+    TravelBeyondDrive = 4425, "the travel of {0} in drive increments does not fit the 32 bits of the target position",
+        "make the increments coarser (9001.{0} / 9002.{0}) or the travel (1320.{0}, 1321.{0}) shorter",
+        "{0} 轴行程的驱动脉冲数超过目标位置的 32 位", "请加大驱动当量（9001.{0}／9002.{0}）或缩短行程（1320.{0}、1321.{0}）";
+    /// A following-error limit below one increment: axis.
+    IncrementAboveLimit = 4426, "one drive increment of {0} is larger than its following-error limit (1828.{0})",
+        "make the increments finer (9001.{0} / 9002.{0}) or the limit larger",
+        "{0} 轴一个驱动脉冲大于跟随误差极限（1828.{0}）", "请减小驱动当量（9001.{0}／9002.{0}）或增大极限";
+    /// 9007 above 9010: both in per cent.
+    ToleranceAboveVariation = 4427, "a spindle counts as arrived within {0} (9007), and threads keep room for {1} only (9010)",
+        "lower 9007 or raise 9010",
+        "主轴到达判据为 {0}（9007），而螺纹只为 {1}（9010）预留余地", "请减小 9007 或增大 9010";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
 
@@ -198,4 +270,16 @@ codes! {
     // -- 4940–4959 warnings: feasible/, motion/, spindle/ --------------------------------------------------------------
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
+    /// 5241 above 3772: both speeds.
+    TapSpeedAboveSpindle = 4960, "the highest tapping speed {0} (5241) is above that of the spindle, {1} (3772)",
+        "lower 5241; the spindle's limit holds",
+        "攻丝最高转速 {0}（5241）高于主轴最高转速 {1}（3772）", "请减小 5241；以主轴限制为准";
+    /// 5213 is 0.
+    NoPeckReturn = 4961, "peck tapping does not come back between its infeeds (5213 is 0)",
+        "set 5213 to the length that breaks the chip, less than Q",
+        "深孔攻丝每次进刀后不退刀（5213 为 0）", "请将 5213 设为断屑所需长度（小于 Q）";
+    /// 5201.4 without 5200.4.
+    ExtractionOverrideOff = 4962, "J of a tapping cycle has no effect: 5201.4 is 1 and 5200.4 is 0",
+        "set 5200.4 to 1, or 5201.4 to 0",
+        "攻丝循环的 J 不起作用：5201.4 为 1 而 5200.4 为 0", "请将 5200.4 设为 1，或将 5201.4 设为 0";
 }

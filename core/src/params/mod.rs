@@ -8,12 +8,14 @@
 //! X: travel, speeds, accelerations and limits are those of the slide, on the radius. Offsets are written as diameters,
 //! as they are programmed, and handed out as radii.
 
+mod check;
 mod entry;
 mod set;
 #[cfg(test)]
 mod tests;
 pub mod unit;
 
+pub use check::PROFILE_TICKS;
 pub use entry::{Entry, FindError, Part, Text};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};

@@ -1,0 +1,323 @@
+//! Cross-checks: each value is in its range, and still the set as a whole may not work. Every reason is a condition
+//! with the figures and the parameters to change.
+
+use super::Params;
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::units::{Axis, Rpm};
+
+/// Ticks that the two ramps of a motion profile may have together.
+pub const PROFILE_TICKS: i64 = 2048;
+
+/// Bandwidth times tick, in Hz·µs, up to which the spindle observer is used: half a radian in a tick (10⁶ / 4π).
+const OBSERVER_LIMIT: u32 = 79_577;
+
+/// Half a turn in a tick, in rpm·µs: from there on the direction of turning is a guess.
+const HALF_TURN: u32 = 30_000_000;
+
+impl Params {
+    /// Reports everything that makes the set impossible (alarms) or doubtful (warnings).
+    pub fn check(&self, mut report: impl FnMut(Alarm)) {
+        for axis in Axis::ALL {
+            self.check_axis(axis, &mut report);
+        }
+        self.check_ramps(&mut report);
+        self.check_spindle(&mut report);
+        self.check_tapping(&mut report);
+    }
+
+    /// The first reason why the set cannot work.
+    ///
+    /// # Errors
+    /// That reason; warnings are none.
+    pub fn validate(&self) -> Result<(), Alarm> {
+        let mut first = Ok(());
+        self.check(|alarm| {
+            if first.is_ok() && !alarm.code.is_warning() {
+                first = Err(alarm);
+            }
+        });
+        first
+    }
+
+    fn check_axis(&self, axis: Axis, report: &mut impl FnMut(Alarm)) {
+        let (plus, minus) = (self.soft_limit_plus(axis), self.soft_limit_minus(axis));
+        let mut blame = |code| report(alarm(code, [letter(axis), Arg::None, Arg::None]));
+        if minus >= plus {
+            blame(Code::SoftLimitsInverted);
+        }
+        if self.max_feed(axis) > self.rapid(axis) {
+            blame(Code::FeedAboveRapid);
+        }
+        let numerator = i128::from(self.drive_numerator(axis));
+        let denominator = i128::from(self.drive_denominator(axis));
+        // An axis without a limit may turn for ever, and its target wraps.
+        let beyond = |limit: i64| {
+            let increments = i128::from(limit).saturating_mul(numerator);
+            increments.saturating_abs() > denominator.saturating_mul(i128::from(i32::MAX))
+        };
+        if (plus != i64::MAX && beyond(plus)) || (minus != i64::MIN && beyond(minus)) {
+            blame(Code::TravelBeyondDrive);
+        }
+        let limit = i128::from(self.following_error_limit(axis));
+        if limit.saturating_mul(numerator) < denominator {
+            blame(Code::IncrementAboveLimit);
+        }
+    }
+
+    /// On a slanted path one axis may set the speed, another the acceleration, a third the jerk; the path's ramps are
+    /// never longer than the longest of any axis, so those are what must fit.
+    fn check_ramps(&self, report: &mut impl FnMut(Alarm)) {
+        let (mut longest, mut speed_ticks, mut acceleration_ticks) = (Axis::X, 0, 0);
+        for axis in Axis::ALL {
+            let (to_speed, to_acceleration) = self.ramps(axis);
+            if to_speed > speed_ticks {
+                longest = axis;
+                speed_ticks = to_speed;
+            }
+            acceleration_ticks = acceleration_ticks.max(to_acceleration);
+        }
+        let ticks = speed_ticks.saturating_add(acceleration_ticks);
+        if ticks > PROFILE_TICKS {
+            report(alarm(
+                Code::RampTooLong,
+                [letter(longest), Arg::Int(ticks), Arg::Int(PROFILE_TICKS)],
+            ));
+        }
+    }
+
+    /// Ticks to rapid speed at full acceleration, and to full acceleration at full jerk, each rounded up.
+    fn ramps(&self, axis: Axis) -> (i64, i64) {
+        let tick = i64::from(self.tick_us());
+        let speed = self.rapid(axis).nm_per_min();
+        let acceleration = self.acceleration(axis).nm_per_s2();
+        let jerk = self.jerk(axis).nm_per_s3();
+        // v/60 / (a·T/10⁶) = 50 000·v / (3·a·T) with T in µs; the ranges keep every product below 2⁶³.
+        let to_speed = ceil(
+            speed.saturating_mul(50_000),
+            acceleration.saturating_mul(tick).saturating_mul(3),
+        );
+        let to_acceleration = ceil(
+            acceleration.saturating_mul(1_000_000),
+            jerk.saturating_mul(tick),
+        );
+        (to_speed, to_acceleration)
+    }
+
+    fn check_spindle(&self, report: &mut impl FnMut(Alarm)) {
+        let tick = self.tick_us();
+        let bandwidth = self.observer_bandwidth_hz();
+        if bandwidth.saturating_mul(tick) > OBSERVER_LIMIT {
+            let most = OBSERVER_LIMIT.checked_div(tick).unwrap_or(0);
+            let figures = [bandwidth, tick, most].map(|n| Arg::Int(i64::from(n)));
+            report(alarm(Code::ObserverTooFast, figures));
+        }
+        let rpm = self.spindle_max_rpm();
+        if rpm.saturating_mul(tick) >= HALF_TURN {
+            let most = HALF_TURN.saturating_sub(1).checked_div(tick).unwrap_or(0);
+            report(alarm(
+                Code::SpindleTooFastForTick,
+                [speed(rpm), Arg::Int(i64::from(tick)), speed(most)],
+            ));
+        }
+        let (arrived, room) = (
+            self.spindle_tolerance_percent(),
+            self.spindle_variation_percent(),
+        );
+        if arrived > room {
+            let percent = |p: u8| Arg::Percent(i32::from(p));
+            report(alarm(
+                Code::ToleranceAboveVariation,
+                [percent(arrived), percent(room), Arg::None],
+            ));
+        }
+    }
+
+    fn check_tapping(&self, report: &mut impl FnMut(Alarm)) {
+        let (tap, spindle) = (self.tap_max_rpm(), self.spindle_max_rpm());
+        if tap > spindle {
+            report(alarm(
+                Code::TapSpeedAboveSpindle,
+                [speed(tap), speed(spindle), Arg::None],
+            ));
+        }
+        let nothing = [Arg::None; 3];
+        if self.tap_peck_return().nm() == 0 {
+            report(alarm(Code::NoPeckReturn, nothing));
+        }
+        if self.tap_extract_by_j() && !self.tap_extract_override() {
+            report(alarm(Code::ExtractionOverrideOff, nothing));
+        }
+    }
+}
+
+fn alarm(code: Code, [a, b, c]: [Arg; 3]) -> Alarm {
+    Alarm::new(code, Span::default()).with([a, b, c, Arg::None])
+}
+
+const fn letter(axis: Axis) -> Arg {
+    Arg::Letter(axis.letter())
+}
+
+fn speed(rpm: u32) -> Arg {
+    Arg::Rpm(Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX)))
+}
+
+/// `n / d` rounded up; the largest integer where `d` is zero.
+fn ceil(n: i64, d: i64) -> i64 {
+    match (n.checked_div(d), n.checked_rem(d)) {
+        (Some(quotient), Some(rest)) => quotient.saturating_add(i64::from(rest > 0)),
+        _ => i64::MAX,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::super::{Entry, Writing};
+    use super::*;
+
+    fn with(values: &[(&str, &str)]) -> Params {
+        let mut params = Params::slant_bed();
+        for (key, text) in values {
+            let entry = Entry::find_text(key).unwrap();
+            let raw = entry.parse(text, Writing::UnitOptional).unwrap();
+            params.set(entry, raw).unwrap();
+        }
+        params
+    }
+
+    fn reasons(values: &[(&str, &str)]) -> Vec<(Code, [Arg; 4])> {
+        let mut found = Vec::new();
+        with(values).check(|alarm| found.push((alarm.code, alarm.args)));
+        found
+    }
+
+    #[test]
+    fn the_built_in_machine_works() {
+        assert_eq!(reasons(&[]), []);
+        assert_eq!(Params::slant_bed().validate(), Ok(()));
+    }
+
+    #[test]
+    fn every_reason_can_be_provoked_alone_and_ends_at_its_limit() {
+        let x = Arg::Letter(b'X');
+        let z = Arg::Letter(b'Z');
+        let none = Arg::None;
+        let rpm = |n| Arg::Rpm(Rpm::new(n));
+        // What provokes it, the reason with its figures, and the nearest set that is still good.
+        type Case<'a> = (
+            &'a [(&'a str, &'a str)],
+            Code,
+            [Arg; 4],
+            &'a [(&'a str, &'a str)],
+        );
+        let cases: &[Case] = &[
+            (
+                // 16 000 mm/min at 0.13 m/s²: 2052 ticks, and 50 ticks of C from its acceleration.
+                &[("1620.Z", "0.13")],
+                Code::RampTooLong,
+                [z, Arg::Int(2102), Arg::Int(2048), none],
+                // 1 998 ticks and the 50 of C: exactly what a profile holds.
+                &[("1620.Z", "0.13347")],
+            ),
+            (
+                &[("1320.X", "-300")],
+                Code::SoftLimitsInverted,
+                [x, none, none, none],
+                &[("1320.X", "-299.999")],
+            ),
+            (
+                &[("1430.X", "12000.000001")],
+                Code::FeedAboveRapid,
+                [x, none, none, none],
+                &[("1430.X", "12000")],
+            ),
+            (
+                &[("9005", "80")],
+                Code::ObserverTooFast,
+                [Arg::Int(80), Arg::Int(1000), Arg::Int(79), none],
+                &[("9005", "79")],
+            ),
+            (
+                &[("3772", "30000")],
+                Code::SpindleTooFastForTick,
+                [rpm(30_000), Arg::Int(1000), rpm(29_999), none],
+                &[("3772", "29999")],
+            ),
+            (
+                &[("9001.Z", "215")],
+                Code::TravelBeyondDrive,
+                [z, none, none, none],
+                &[("9001.Z", "214")],
+            ),
+            (
+                &[("1828.X", "0.001"), ("9002.X", "1001")],
+                Code::IncrementAboveLimit,
+                [x, none, none, none],
+                &[("1828.X", "0.001"), ("9002.X", "1000")],
+            ),
+            (
+                &[("9007", "16")],
+                Code::ToleranceAboveVariation,
+                [Arg::Percent(16), Arg::Percent(15), none, none],
+                &[("9007", "15")],
+            ),
+            (
+                &[("3772", "2999")],
+                Code::TapSpeedAboveSpindle,
+                [rpm(3000), rpm(2999), none, none],
+                &[("3772", "2999"), ("5241", "2999")],
+            ),
+            (
+                &[("5213", "0")],
+                Code::NoPeckReturn,
+                [none; 4],
+                &[("5213", "0.001")],
+            ),
+            (
+                &[("5201.4", "1")],
+                Code::ExtractionOverrideOff,
+                [none; 4],
+                &[("5201.4", "1"), ("5200.4", "1")],
+            ),
+        ];
+        for (bad, code, args, good) in cases {
+            assert_eq!(reasons(bad), [(*code, *args)], "{bad:?}");
+            assert_eq!(reasons(good), [], "{good:?}");
+            let refused = with(bad).validate().map_err(|alarm| alarm.code);
+            let expected = if code.is_warning() {
+                Ok(())
+            } else {
+                Err(*code)
+            };
+            assert_eq!(refused, expected);
+        }
+    }
+
+    #[test]
+    fn an_axis_without_limits_may_have_any_increment() {
+        let values = [("1320.Z", "none"), ("1321.Z", "none"), ("9001.Z", "1000")];
+        assert_eq!(reasons(&values), []);
+    }
+
+    #[test]
+    fn the_edges_of_every_range_are_checked_without_harm() {
+        for entry in Entry::all() {
+            for raw in [entry.min, entry.max] {
+                let mut params = Params::slant_bed();
+                params.set(entry, raw).unwrap();
+                params.check(|_| {});
+            }
+        }
+        // All at once: the largest and the smallest ramps there are.
+        for pick in [|e: &Entry| e.min, |e: &Entry| e.max] {
+            let mut params = Params::slant_bed();
+            for entry in Entry::all() {
+                params.set(entry, pick(entry)).unwrap();
+            }
+            assert!(params.validate().is_err());
+        }
+    }
+}
