@@ -23,6 +23,7 @@
 pub mod alarm;
 pub mod bus;
 pub mod cycle;
+pub mod motion;
 pub mod params;
 pub mod program;
 pub mod units;

@@ -1,0 +1,193 @@
+//! What the axes can bear, per tick, and what that leaves for a path.
+//!
+//! Knows parameters and directions; knows nothing of moves, profiles or time.
+
+use super::rate::PathRate;
+use crate::params::Params;
+use crate::units::{Acceleration, Axis, Feed, Jerk, mul_div};
+
+/// Whether a move is a rapid or cuts; they have different top speeds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// 1420.
+    Rapid,
+    /// 1430.
+    Cutting,
+}
+
+/// The limits of one axis, or of a path.
+///
+/// Acceleration and jerk are in 2⁻³² nm (rotary: µ°) per tick² and per tick³. All are rounded down and lack what the
+/// 2⁻¹⁶ nm of the path's resolution can add to a difference of setpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathLimits {
+    /// Top speed.
+    pub speed: PathRate,
+    /// Top acceleration, 2⁻³² nm/tick².
+    pub acceleration: u64,
+    /// Top jerk, 2⁻³² nm/tick³.
+    pub jerk: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct AxisLimits {
+    rapid: PathRate,
+    cutting: PathRate,
+    acceleration: u64,
+    jerk: u64,
+}
+
+/// The limits of all axes at one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    tick_us: u32,
+    x: AxisLimits,
+    z: AxisLimits,
+    c: AxisLimits,
+}
+
+impl Limits {
+    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis and the tick.
+    #[must_use]
+    pub fn from_params(params: &Params) -> Self {
+        let tick_us = params.tick_us();
+        let axis = |axis| {
+            AxisLimits::new(
+                params.rapid(axis),
+                params.max_feed(axis),
+                params.acceleration(axis),
+                params.jerk(axis),
+                tick_us,
+            )
+        };
+        Self {
+            tick_us,
+            x: axis(Axis::X),
+            z: axis(Axis::Z),
+            c: axis(Axis::C),
+        }
+    }
+
+    /// The tick in microseconds.
+    #[must_use]
+    pub const fn tick_us(&self) -> u32 {
+        self.tick_us
+    }
+
+    const fn axis(&self, axis: Axis) -> &AxisLimits {
+        match axis {
+            Axis::X => &self.x,
+            Axis::Z => &self.z,
+            Axis::C => &self.c,
+        }
+    }
+
+    /// Limits of one axis alone.
+    #[must_use]
+    pub const fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
+        let limits = self.axis(axis);
+        PathLimits {
+            speed: match pace {
+                Pace::Rapid => limits.rapid,
+                Pace::Cutting => limits.cutting,
+            },
+            acceleration: limits.acceleration,
+            jerk: limits.jerk,
+        }
+    }
+
+    /// Limits along a straight path of `length` on which the axes cover `distances` (X, Z, C): of every axis its limit
+    /// times length / distance, and the least of those.
+    #[must_use]
+    pub fn line(&self, length: u64, distances: [u64; 3], pace: Pace) -> PathLimits {
+        let mut path = PathLimits {
+            speed: PathRate::from_raw(u32::MAX),
+            acceleration: u64::MAX,
+            jerk: u64::MAX,
+        };
+        for (axis, distance) in Axis::ALL.into_iter().zip(distances) {
+            if distance == 0 {
+                continue;
+            }
+            let own = self.of_axis(axis, pace);
+            let speed = mul_div(u64::from(own.speed.raw()), length, distance);
+            path = path.least(PathLimits {
+                speed: PathRate::from_raw(u32::try_from(speed).unwrap_or(u32::MAX)),
+                acceleration: mul_div(own.acceleration, length, distance),
+                jerk: mul_div(own.jerk, length, distance),
+            });
+        }
+        path
+    }
+}
+
+impl PathLimits {
+    /// What both allow.
+    #[must_use]
+    pub fn least(self, other: Self) -> Self {
+        Self {
+            speed: self.speed.min(other.speed),
+            acceleration: self.acceleration.min(other.acceleration),
+            jerk: self.jerk.min(other.jerk),
+        }
+    }
+}
+
+impl AxisLimits {
+    fn new(
+        rapid: Feed,
+        cutting: Feed,
+        acceleration: Acceleration,
+        jerk: Jerk,
+        tick_us: u32,
+    ) -> Self {
+        // Two positions, each wrong by less than 2⁻¹⁶ nm: less than one unit of 1/256 nm.
+        let speed =
+            |feed| PathRate::from_raw(PathRate::of_feed(feed, tick_us).raw().saturating_sub(1));
+        Self {
+            rapid: speed(rapid),
+            cutting: speed(cutting),
+            acceleration: per_tick(acceleration.nm_per_s2(), tick_us, 2).saturating_sub(4 << 16),
+            jerk: per_tick(jerk.nm_per_s3(), tick_us, 3).saturating_sub(8 << 16),
+        }
+    }
+}
+
+/// `value` nm per s^power as 2⁻³² nm per tick^power, rounded down.
+fn per_tick(value: i64, tick_us: u32, power: u32) -> u64 {
+    let mut scaled = u128::from(u64::try_from(value).unwrap_or(0)) << 32;
+    for _ in 0..power {
+        scaled = scaled.saturating_mul(u128::from(tick_us)) / 1_000_000;
+    }
+    u64::try_from(scaled).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn per_tick_figures_of_the_built_in_machine() {
+        let limits = Limits::from_params(&Params::default());
+        let x = limits.of_axis(Axis::X, Pace::Rapid);
+        // 12 m/min = 200 mm/s = 200 000 nm per ms; 2 m/s² = 2000 nm/ms²; 60 m/s³ = 60 nm/ms³.
+        assert_eq!(x.speed.raw(), 200_000 * 256 - 1);
+        assert_eq!(x.acceleration, (2_000 << 32) - (4 << 16));
+        assert_eq!(x.jerk, (60 << 32) - (8 << 16));
+    }
+
+    #[test]
+    fn the_slower_axis_of_a_diagonal_counts_by_its_share() {
+        let limits = Limits::from_params(&Params::default());
+        // 3-4-5: X moves 3 of 5.
+        let path = limits.line(5_000, [3_000, 4_000, 0], Pace::Cutting);
+        let x = limits.of_axis(Axis::X, Pace::Cutting);
+        let z = limits.of_axis(Axis::Z, Pace::Cutting);
+        assert_eq!(path.speed.raw(), (z.speed.raw() as u64 * 5 / 4) as u32);
+        assert_eq!(
+            path.acceleration,
+            x.acceleration / 3 * 5 + (x.acceleration % 3) * 5 / 3
+        );
+        assert_eq!(path.jerk, (u128::from(z.jerk) * 5 / 4) as u64);
+    }
+}

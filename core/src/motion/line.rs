@@ -1,0 +1,198 @@
+//! Straight paths: three axes in proportion to one distance.
+
+use super::rate::Travel;
+use crate::program::Position;
+use crate::units::{Angle, Length, mul_high};
+
+/// A straight path in X, Z and C.
+///
+/// Its length is the distance in X and Z, and C follows in proportion. Where C turns further (1 µ° for 1 nm), or moves
+/// alone, C's angle is the length, so that no axis ever covers more than the path does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line {
+    from: Position,
+    to: Position,
+    length: Length,
+    /// Distance in X and Z alone: what a feed is measured on; the length where only C moves.
+    feed_length: Length,
+    /// Share of each axis, 2⁻⁶³.
+    x: u64,
+    z: u64,
+    c: u64,
+}
+
+impl Line {
+    /// From `from` to `to`; positions within [`Length::INPUT_LIMIT`].
+    #[must_use]
+    pub fn new(from: Position, to: Position) -> Self {
+        let dx = magnitude(from.x.nm(), to.x.nm());
+        let dz = magnitude(from.z.nm(), to.z.nm());
+        let dc = magnitude(from.c.udeg(), to.c.udeg());
+        let square = |d: u64| u128::from(d).saturating_mul(u128::from(d));
+        // Rounded up, so that no share is above one.
+        let flat = ceil_sqrt(square(dx).saturating_add(square(dz)));
+        let length = flat.max(dc);
+        Self {
+            from,
+            to,
+            length: nm(length),
+            feed_length: nm(if flat == 0 { length } else { flat }),
+            x: share(dx, length),
+            z: share(dz, length),
+            c: share(dc, length),
+        }
+    }
+
+    /// Length in nm; in µ° where C covers more.
+    #[must_use]
+    pub const fn length(&self) -> Length {
+        self.length
+    }
+
+    /// The part of the length a feed is measured on.
+    #[must_use]
+    pub const fn feed_length(&self) -> Length {
+        self.feed_length
+    }
+
+    /// What each axis covers (X, Z, C).
+    #[must_use]
+    pub const fn distances(&self) -> [u64; 3] {
+        [
+            magnitude(self.from.x.nm(), self.to.x.nm()),
+            magnitude(self.from.z.nm(), self.to.z.nm()),
+            magnitude(self.from.c.udeg(), self.to.c.udeg()),
+        ]
+    }
+
+    /// Where it ends.
+    #[must_use]
+    pub const fn end(&self) -> Position {
+        self.to
+    }
+
+    /// The position at `travel`, rounded to the nearest nm or µ°; the end from the length on.
+    #[must_use]
+    pub fn at(&self, travel: Travel) -> Position {
+        if travel >= Travel::of(self.length) {
+            return self.to;
+        }
+        // Below 2⁶⁰ (4.4 km to either side): 2⁻²⁰ nm fit.
+        let way = travel.raw() << 4;
+        Position {
+            x: Length::from_nm(along(self.from.x.nm(), self.to.x.nm(), way, self.x)),
+            z: Length::from_nm(along(self.from.z.nm(), self.to.z.nm(), way, self.z)),
+            c: Angle::from_udeg(along(self.from.c.udeg(), self.to.c.udeg(), way, self.c)),
+        }
+    }
+}
+
+const fn magnitude(from: i64, to: i64) -> u64 {
+    to.abs_diff(from)
+}
+
+const fn nm(value: u64) -> Length {
+    Length::from_nm(value as i64)
+}
+
+/// `part / whole` in 2⁻⁶³, rounded to the nearest; `part` is not above `whole`.
+const fn share(part: u64, whole: u64) -> u64 {
+    let scaled = ((part as u128) << 63).saturating_add((whole >> 1) as u128);
+    match scaled.checked_div(whole as u128) {
+        Some(share) => share as u64,
+        None => 0,
+    }
+}
+
+/// `way` is in 2⁻²⁰ nm, so the product's high half is in 2⁻¹⁹ nm.
+const fn along(from: i64, to: i64, way: u64, share: u64) -> i64 {
+    let distance = (mul_high(way, share).wrapping_add(1 << 18) >> 19) as i64;
+    if to < from {
+        from.wrapping_sub(distance)
+    } else {
+        from.wrapping_add(distance)
+    }
+}
+
+/// The least integer whose square is not below `value`.
+pub(super) const fn ceil_sqrt(value: u128) -> u64 {
+    let root = value.isqrt();
+    if root.saturating_mul(root) < value {
+        root.saturating_add(1) as u64
+    } else {
+        root as u64
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
+mod tests {
+    use super::*;
+
+    fn position(x: i64, z: i64, c: i64) -> Position {
+        Position {
+            x: Length::from_nm(x),
+            z: Length::from_nm(z),
+            c: Angle::from_udeg(c),
+        }
+    }
+
+    #[test]
+    fn starts_and_ends_exactly_and_is_nearest_between() {
+        let mut state = 5_u64;
+        let mut random = move |bits: u32| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state as i64) >> (64 - bits)
+        };
+        for round in 0..20_000 {
+            let bits = 2 + round % 41;
+            let from = position(random(bits), random(bits), random(bits));
+            let to = position(random(bits), random(bits), random(bits));
+            let line = Line::new(from, to);
+            let length = line.length().nm();
+            assert_eq!(line.at(Travel::ZERO), from);
+            assert_eq!(line.at(Travel::of(line.length())), to);
+            if length == 0 {
+                continue;
+            }
+            let travel = (random(63) as u64) % ((length as u64) << 16);
+            let at = line.at(Travel::from_raw(travel));
+            for (at, from, to) in [
+                (at.x.nm(), from.x.nm(), to.x.nm()),
+                (at.z.nm(), from.z.nm(), to.z.nm()),
+                (at.c.udeg(), from.c.udeg(), to.c.udeg()),
+            ] {
+                // |at − from − (to − from)·travel/length| ≤ ½ + 2⁻¹⁶
+                let scale = i128::from(length) << 16;
+                let exact = i128::from(to - from) * i128::from(travel);
+                let error = i128::from(at - from) * scale - exact;
+                assert!(
+                    error.abs() <= scale / 2 + (scale >> 16),
+                    "{line:?} {travel}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_is_met_without_a_step() {
+        // One unit of travel before the end every axis is there already.
+        let line = Line::new(position(0, 0, 0), position(1 << 42, -(1 << 42), 3));
+        let last = Travel::from_raw(Travel::of(line.length()).raw() - 1);
+        assert_eq!(line.at(last), line.end());
+    }
+
+    #[test]
+    fn length_is_the_way_of_the_tool_unless_c_turns_further() {
+        let flat = Line::new(position(0, 0, 0), position(3_000, -4_000, 100));
+        assert_eq!(flat.length(), Length::from_nm(5_000));
+        assert_eq!(flat.feed_length(), Length::from_nm(5_000));
+        let turning = Line::new(position(0, 0, 0), position(3_000, -4_000, -90_000_000));
+        assert_eq!(turning.length(), Length::from_nm(90_000_000));
+        assert_eq!(turning.feed_length(), Length::from_nm(5_000));
+        let alone = Line::new(position(0, 0, 0), position(0, 0, 360_000_000));
+        assert_eq!(alone.feed_length(), alone.length());
+    }
+}

@@ -1,0 +1,25 @@
+//! Segments in, setpoints out, one for each tick.
+//!
+//! All motion is one idea: a path parameter driven by a master. Here the master is time: [`plan`] makes a move into a
+//! [`Path`], a speed and a ramp in the background; in the tick the [`Profile`] turns the rate the operator and the spindle
+//! leave into a distance, jerk-limited, and the path turns the distance into a position. Feed hold, override and abort
+//! are rates; nothing is replanned for them. The tick is integers, constant work and no division.
+//!
+//! Knows nothing of program text, cycles' insides or the bus.
+
+mod limits;
+mod line;
+mod path;
+pub mod plan;
+mod profile;
+mod rate;
+mod run;
+mod shape;
+
+pub use limits::{Limits, Pace, PathLimits};
+pub use line::Line;
+pub use path::Path;
+pub use plan::Timed;
+pub use profile::{CAPACITY, Profile, Progress, Ramp};
+pub use rate::{PathRate, Rate, Travel};
+pub use run::{Run, Step};

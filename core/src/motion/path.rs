@@ -1,0 +1,40 @@
+//! Where a distance along a path is.
+
+use super::line::Line;
+use super::rate::Travel;
+use crate::program::Position;
+use crate::units::Length;
+
+/// A path in space, driven by the distance covered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Straight.
+    Line(Line),
+}
+
+impl Path {
+    /// Length of the path.
+    #[must_use]
+    pub const fn length(&self) -> Length {
+        match self {
+            Self::Line(line) => line.length(),
+        }
+    }
+
+    /// The position at `travel`: the start at zero and the end from the length on, exactly; between them rounded to the
+    /// nearest nanometre (µ°).
+    #[must_use]
+    pub fn at(&self, travel: Travel) -> Position {
+        match self {
+            Self::Line(line) => line.at(travel),
+        }
+    }
+
+    /// Where it ends.
+    #[must_use]
+    pub const fn end(&self) -> Position {
+        match self {
+            Self::Line(line) => line.end(),
+        }
+    }
+}

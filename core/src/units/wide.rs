@@ -1,0 +1,116 @@
+//! Products that need 128 bits, for places that keep 64: the high half of a product, and `a · b / c`.
+
+/// The high 64 bits of `a · b`.
+///
+/// Four 32-bit multiplications, so that a 32-bit processor needs no library call and every target gives the same bits.
+#[must_use]
+pub const fn mul_high(a: u64, b: u64) -> u64 {
+    const LOW: u64 = 0xffff_ffff;
+    let (ah, al) = (a >> 32, a & LOW);
+    let (bh, bl) = (b >> 32, b & LOW);
+    // Each product is below 2⁶⁴ − 2³³, so a carry of 32 bits still fits.
+    let low = al.wrapping_mul(bl) >> 32;
+    let cross = al.wrapping_mul(bh).wrapping_add(low);
+    let other = ah.wrapping_mul(bl).wrapping_add(cross & LOW);
+    ah.wrapping_mul(bh)
+        .wrapping_add(cross >> 32)
+        .wrapping_add(other >> 32)
+}
+
+/// `a · b / c` rounded down; `u64::MAX` where that does not fit or `c` is zero. A 128-bit division: for the background,
+/// not for the tick.
+#[must_use]
+pub const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
+    let product = (a as u128).wrapping_mul(b as u128);
+    match product.checked_div(c as u128) {
+        Some(q) if q <= u64::MAX as u128 => q as u64,
+        _ => u64::MAX,
+    }
+}
+
+/// A divisor with its reciprocal, so that the tick divides by multiplying.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Divisor {
+    value: u32,
+    reciprocal: u64,
+}
+
+impl Divisor {
+    /// Prepares a division by `value`; zero counts as one.
+    #[must_use]
+    pub const fn new(value: u32) -> Self {
+        let value = if value == 0 { 1 } else { value };
+        let reciprocal = match u64::MAX.checked_div(value as u64) {
+            Some(r) => r,
+            None => u64::MAX,
+        };
+        Self { value, reciprocal }
+    }
+
+    /// Quotient and remainder of `dividend`, exact.
+    #[must_use]
+    pub const fn divide(self, dividend: u64) -> (u64, u32) {
+        // The reciprocal lacks less than one unit, so the estimate lacks less than dividend / 2⁶⁴ + 1: at most one.
+        let value = self.value as u64;
+        let estimate = mul_high(dividend, self.reciprocal);
+        let rest = dividend.wrapping_sub(estimate.wrapping_mul(value));
+        if rest >= value {
+            (estimate.wrapping_add(1), rest.wrapping_sub(value) as u32)
+        } else {
+            (estimate, rest as u32)
+        }
+    }
+
+    /// The divisor.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers with long runs of ones and zeros beside ordinary ones.
+    fn samples() -> impl Iterator<Item = u64> {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        (0..2_000).map(move |i| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            match i % 4 {
+                0 => state,
+                1 => state >> (i % 61),
+                2 => u64::MAX << (i % 63),
+                _ => u64::MAX >> (i % 63),
+            }
+        })
+    }
+
+    #[test]
+    fn mul_high_is_the_high_half() {
+        for (a, b) in samples().zip(samples().skip(1)) {
+            let exact = (u128::from(a) * u128::from(b)) >> 64;
+            assert_eq!(u128::from(mul_high(a, b)), exact, "{a} * {b}");
+        }
+    }
+
+    #[test]
+    fn divisor_divides_exactly() {
+        for (a, b) in samples().zip(samples().skip(1)) {
+            let b = ((b >> 32) as u32).max(1);
+            let (q, r) = Divisor::new(b).divide(a);
+            assert_eq!((q, r), (a / u64::from(b), (a % u64::from(b)) as u32));
+        }
+        assert_eq!(Divisor::new(1).divide(u64::MAX), (u64::MAX, 0));
+    }
+
+    #[test]
+    fn mul_div_rounds_down_and_saturates() {
+        assert_eq!(mul_div(7, 3, 2), 10);
+        assert_eq!(mul_div(u64::MAX, 2, 1), u64::MAX);
+        assert_eq!(mul_div(u64::MAX, 6, 7), 15_811_494_920_322_472_812);
+        assert_eq!(mul_div(1, 1, 0), u64::MAX);
+    }
+}
