@@ -131,7 +131,7 @@ codes! {
 
     // -- 4200–4299 physics: feasible/, motion/, spindle/ -------------------------------------------------------------
     /// A move would need a ramp longer than the profile can hold.
-    RampTooLong = 4200, "reaching {0} takes longer than {1} ticks", "raise acceleration (1620) or jerk (1622), or lower the rapid rate (1420) or the feed",
+    SpeedOutOfReach = 4200, "reaching {0} takes longer than {1} ticks", "raise acceleration (1620) or jerk (1622), or lower the rapid rate (1420) or the feed",
         "达到 {0} 需要超过 {1} 个插补周期", "请提高加速度（1620）或加加速度（1622），或降低快速速度（1420）或进给速度";
     /// A feed of zero, or too slow to be told from it.
     FeedZero = 4201, "the feed is zero", "write F; a feed per turn (G99) also needs a spindle speed S",

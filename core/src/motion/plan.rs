@@ -53,7 +53,7 @@ impl Timed {
 ///
 /// # Errors
 ///
-/// [`Code::MoveTooFar`], [`Code::FeedZero`], [`Code::RampTooLong`].
+/// [`Code::MoveTooFar`], [`Code::FeedZero`], [`Code::SpeedOutOfReach`].
 pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Timed>, Alarm> {
     let span = target.span;
     match target.kind {
@@ -136,7 +136,7 @@ fn plan(
     let length = path.length();
     let Some(ramp) = shape::ramp(length, nominal, &bounds) else {
         let speed: Feed = bounds.speed.feed(limits.tick_us());
-        return Err(Alarm::new(Code::RampTooLong, span).with([
+        return Err(Alarm::new(Code::SpeedOutOfReach, span).with([
             Arg::Feed(speed),
             Arg::Int(i64::from(CAPACITY)),
             Arg::None,
