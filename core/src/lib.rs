@@ -26,4 +26,5 @@ pub mod cycle;
 pub mod motion;
 pub mod params;
 pub mod program;
+pub mod spindle;
 pub mod units;

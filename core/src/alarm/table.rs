@@ -140,6 +140,44 @@ codes! {
     MoveTooFar = 4202, "this move starts or ends more than {0} from zero", "correct the coordinates or the offsets",
         "该移动的起点或终点距零点超过 {0}", "请修正坐标或偏置";
 
+    // 4250–4299: threads and the spindle.
+    /// A thread, or a feed per turn, with a spindle that does not turn (or turns the other way).
+    SpindleStopped = 4250, "the spindle does not turn", "start it before this block: M03 or M04 with S",
+        "主轴没有旋转", "请在此程序段之前用 M03 或 M04 加 S 启动主轴";
+    /// Lead times spindle speed above what the long axis may do.
+    LeadTooFast = 4251, "at {3} the lead asks {1} of {0}; it may do {2}", "lower S or the lead",
+        "主轴 {3} 时导程要求 {0} 轴达到 {1}，允许值为 {2}", "请降低 S 或减小导程";
+    /// The run-out asks more of the short axis than its feed.
+    RunOutTooFast = 4252, "at {3} the run-out asks {1} of {0}; it may do {2}", "lower S, or write a longer K or a smaller J",
+        "主轴 {3} 时退尾要求 {0} 轴达到 {1}，允许值为 {2}", "请降低 S，或加大 K、减小 J";
+    /// Less than one pitch in the shortest stroke.
+    PitchTooLong = 4253, "the pitch {0} is longer than the shortest stroke {1}", "F is the lead of the thread in length per turn, not a feed rate: write the lead",
+        "螺距 {0} 大于最短行程 {1}", "F 是每转导程而不是进给速度，请写导程";
+    /// Joining the helix and braking do not fit into the stroke.
+    StrokeTooShort = 4254, "at {3} the stroke {0} is too short: getting onto the lead takes {1} and leaving it {2}", "lower S or start further away",
+        "主轴 {3} 时行程 {0} 太短：进入导程需 {1}，离开需 {2}", "请降低 S 或加大起刀距离";
+    /// The run-in is too short for the short axis at this speed.
+    RunInTooFast = 4255, "at {1} the run-in needs a length of {0}", "lower S or write a larger E",
+        "主轴 {1} 时切入需要长度 {0}", "请降低 S 或加大 E";
+    /// Commanded speed above the spindle's greatest.
+    SpeedAboveSpindle = 4256, "S {0} is above the spindle's greatest speed {1}", "write a smaller S",
+        "S {0} 超过主轴最高转速 {1}", "请减小 S";
+    /// Measured speed above what the pass was planned for.
+    SpindleTooFast = 4257, "the spindle turns at {0}, the pass is planned for at most {1}", "wait until it has settled, or check spindle and parameter 9010",
+        "主轴转速为 {0}，该刀按不超过 {1} 规划", "请等待转速稳定，或检查主轴与参数 9010";
+    /// The end of a move, or an arc's extreme, is beyond a soft limit.
+    SoftLimit = 4258, "{0} would go to {1}; its soft limit is {2}", "keep the program within the machine's travel, or check offsets and parameters 1320 and 1321",
+        "{0} 轴将到达 {1}，软限位为 {2}", "请使程序在行程之内，或检查偏置与参数 1320、1321";
+    /// The moves handed over as one pass of a thread are not one.
+    ThreadMovesMixed = 4259, "these moves are not one pass of a thread", "this is a fault of the controller, not of the program: report it",
+        "这些动作不构成一刀螺纹", "这是控制器的故障而不是程序错误，请报告";
+    /// No index within two turns and a second.
+    NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
+        "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";
+    /// The index came where none belongs.
+    IndexSlipped = 4261, "the spindle encoder has lost or gained {0} counts", "check the encoder, its cable and parameter 3720",
+        "主轴编码器丢失或多出 {0} 个计数", "请检查编码器、电缆与参数 3720";
+
     // -- 4300–4399 machine: board/, bus/ -----------------------------------------------------------------------------
 
     // 4350–4399: drives. {0} is the drive's letter, {1} its node.
@@ -277,6 +315,18 @@ codes! {
         "槽底退刀 {0}：第一列没有退刀空间", "请在含 X 的程序段中省略 R，除非第一列旁边已无材料";
 
     // -- 4940–4959 warnings: feasible/, motion/, spindle/ --------------------------------------------------------------
+    /// The tool has to start far away to be on the lead at the material.
+    LeadInLong = 4940, "start at least {0} before the material: {1} to get onto the lead, {2} for the shift of the starts", "lower S, or start further away",
+        "起刀点距工件至少 {0}：进入导程 {1}，起点偏移 {2}", "请降低 S 或加大起刀距离";
+    /// The axis leaves the lead before the run-out begins.
+    FallingLead = 4941, "the last {0} before the end of the thread are cut with a falling lead", "lower S, or write a run-out with K of {1} or more",
+        "螺纹末端 {0} 的导程逐渐减小", "请降低 S，或写 K 不小于 {1} 的退尾";
+    /// The short axis cannot make up inside K what it lags.
+    RunOutLags = 4942, "the run-out is {0} short of J at the end of K", "lower S, or write K{1} or more",
+        "退尾在 K 结束时距 J 还差 {0}", "请降低 S，或写 K{1} 以上";
+    /// Parameter 107 is not followed.
+    RunOutSpeedIgnored = 4943, "parameter 107 is {0}, and the run-out stays as J and K say", "set parameter 107 to 0",
+        "参数 107 为 {0}，退尾仍按 J、K 执行", "请将参数 107 设为 0";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

@@ -1,12 +1,14 @@
 //! Segments in, setpoints out, one for each tick.
 //!
-//! All motion is one idea: a path parameter driven by a master. Here the master is time: [`plan`] makes a move into a
+//! All motion is one idea: a path parameter driven by a master, which is time or, for threads, the spindle's angle
+//! ([`ThreadPlan`], [`ThreadRun`]). Where it is time: [`plan`] makes a move into a
 //! [`Path`], a speed and a ramp in the background; in the tick the [`Profile`] turns the rate the operator and the spindle
 //! leave into a distance, jerk-limited, and the path turns the distance into a position. Feed hold, override and abort
 //! are rates; nothing is replanned for them. The tick is integers, constant work and no division.
 //!
 //! Knows nothing of program text, cycles' insides or the bus.
 
+mod ease;
 mod limits;
 mod line;
 mod path;
@@ -15,6 +17,8 @@ mod profile;
 mod rate;
 mod run;
 mod shape;
+mod thread;
+mod wide;
 
 pub use limits::{Limits, Pace, PathLimits};
 pub use line::Line;
@@ -23,3 +27,4 @@ pub use plan::Timed;
 pub use profile::{CAPACITY, Profile, Progress, Ramp};
 pub use rate::{PathRate, Rate, Travel};
 pub use run::{Run, Step};
+pub use thread::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};

@@ -10,10 +10,12 @@ mod angle;
 mod axis;
 mod feed;
 mod length;
+mod rate;
 mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
 pub use feed::{Feed, FeedPerTurn, Lead, Millis, Rpm};
 pub use length::{Diameter, Length};
+pub use rate::{Ticks, TurnRate};
 pub use wide::{Divisor, mul_div, mul_high};

@@ -1,0 +1,176 @@
+//! The ease: a curve that leaves rest and joins a straight line, smooth to the second derivative.
+//!
+//! `at(h)` is 0 for `h ≤ −H` and `h` for `h ≥ H`; between them the slope grows from 0 to 1 with a trapezoidal second
+//! derivative, so that an `h` that runs at constant speed gives a jerk-limited start. Because the curve is even about
+//! the corner it rounds, `at(h) = max(h, 0) + bulge(|h|)`: the line itself is never disturbed outside, and a mirror
+//! image of the same curve brakes. Threads use it on the long axis (join, brake) and on the short one (run-in, run-out).
+
+use super::wide::{mul_div, mul_div_up, root_mul_div_up};
+
+/// A length in 2⁻¹⁶ nm: what the laws of a thread are computed in before the one rounding to a setpoint.
+pub(crate) type Fine = i64;
+
+/// Speed, acceleration and jerk in nm/s, nm/s², nm/s³.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bounds {
+    pub acceleration: u64,
+    pub jerk: u64,
+}
+
+impl Bounds {
+    /// The tighter of both, figure by figure.
+    pub fn least(self, other: Self) -> Self {
+        Self {
+            acceleration: self.acceleration.min(other.acceleration),
+            jerk: self.jerk.min(other.jerk),
+        }
+    }
+
+    /// Time from rest to `speed` (nm/s) in ns, rounded up, and the part of it in which the acceleration rises.
+    pub fn time(self, speed: u64) -> (u64, u64) {
+        let (a, j) = (self.acceleration.max(1), self.jerk.max(1));
+        // a²/j ≤ v: the acceleration is reached.
+        let rise = mul_div_up(a, NS, j);
+        if mul_div(a, a, j) <= speed {
+            (mul_div_up(speed, NS, a).saturating_add(rise), rise)
+        } else {
+            // √(v/j) seconds up and as many down.
+            let rise = root_mul_div_up(speed, NS.wrapping_mul(NS), j);
+            (rise.saturating_mul(2), rise)
+        }
+    }
+}
+
+const NS: u64 = 1_000_000_000;
+
+/// A straight number scaled so that its size fits 32 bits, and its reciprocal: a division in the tick made a
+/// multiplication.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Fraction {
+    shift: u32,
+    inverse: u64,
+}
+
+impl Fraction {
+    /// Fractions of `whole`.
+    fn of(whole: Fine) -> Self {
+        let whole = whole.max(1).unsigned_abs();
+        let shift = u64::BITS
+            .wrapping_sub(whole.leading_zeros())
+            .saturating_sub(32);
+        let scaled = whole.wrapping_shr(shift).max(1);
+        Self {
+            shift,
+            inverse: (1_u64 << 63).checked_div(scaled).unwrap_or(0),
+        }
+    }
+
+    /// `part` / whole in 2⁻³¹, for 0 ≤ part ≤ whole.
+    fn get(self, part: Fine) -> u64 {
+        let part = part.unsigned_abs().wrapping_shr(self.shift);
+        (part.wrapping_mul(self.inverse) >> 32).min(1 << 31)
+    }
+
+    /// `size` · `fraction` (2⁻³¹), for a size not above the whole.
+    fn scale(self, size: Fine, fraction: u64) -> Fine {
+        let size = size.unsigned_abs().wrapping_shr(self.shift);
+        ((size.wrapping_mul(fraction) >> 31) as i64).wrapping_shl(self.shift)
+    }
+}
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Ease {
+    half: Fine,
+    rise: Fine,
+    of_half: Fraction,
+    of_rise: Fraction,
+    /// Bulge at the end of the rising part.
+    rise_gain: Fine,
+    /// H²/(2·(2H − R)): the parabola of the flat part.
+    flat_gain: Fine,
+}
+
+impl Ease {
+    /// No rounding at all: a corner.
+    pub const NONE: Self = Self {
+        half: 0,
+        rise: 0,
+        of_half: Fraction {
+            shift: 0,
+            inverse: 0,
+        },
+        of_rise: Fraction {
+            shift: 0,
+            inverse: 0,
+        },
+        rise_gain: 0,
+        flat_gain: 0,
+    };
+
+    /// The ease for something that runs at `speed` (nm/s) along `h` while its follower gains `follower` nm/s within
+    /// `bounds`.
+    pub fn new(speed: u64, follower: u64, bounds: Bounds) -> Self {
+        if speed == 0 || follower == 0 {
+            return Self::NONE;
+        }
+        let (time, rise) = bounds.time(follower);
+        // Half the way that h makes in that time, up to whole nanometres.
+        let half = mul_div_up(speed, time, 2 * NS).min(1 << 42);
+        let rise = mul_div(speed, rise, NS).clamp(1, half);
+        Self::of(half, rise)
+    }
+
+    /// The ease with half length `half` and rising part `rise` ≤ `half`, whole nanometres.
+    fn of(half: u64, rise: u64) -> Self {
+        // Gains in 2⁻¹⁶ nm; H ≤ 2⁴² leaves room for the shifts.
+        let whole = half.saturating_mul(2).saturating_sub(rise);
+        let rise_gain = mul_div(rise << 16, rise, whole.saturating_mul(6));
+        let flat_gain = mul_div(half << 15, half, whole);
+        let half = (half << 16) as i64;
+        let rise = (rise << 16) as i64;
+        Self {
+            half,
+            rise,
+            of_half: Fraction::of(half),
+            of_rise: Fraction::of(rise),
+            rise_gain: rise_gain as i64,
+            flat_gain: flat_gain as i64,
+        }
+    }
+
+    /// H.
+    pub const fn half(&self) -> Fine {
+        self.half
+    }
+
+    /// H in nanometres; exact.
+    pub const fn half_nm(&self) -> i64 {
+        self.half >> 16
+    }
+
+    /// The curve at `h`.
+    pub fn at(&self, h: Fine) -> Fine {
+        let line = h.max(0);
+        let inside = self.half.wrapping_sub(h.saturating_abs());
+        if inside <= 0 {
+            return line;
+        }
+        line.wrapping_add(self.bulge(inside))
+    }
+
+    /// How far the curve is from its two lines, `inside` after the nearer end.
+    fn bulge(&self, inside: Fine) -> Fine {
+        if inside < self.rise {
+            let u = self.of_rise.get(inside);
+            let cube = (u.wrapping_mul(u) >> 31).wrapping_mul(u) >> 31;
+            self.of_rise.scale(self.rise_gain, cube)
+        } else {
+            let u = self.of_half.get(inside.wrapping_sub(self.rise >> 1));
+            let square = u.wrapping_mul(u) >> 31;
+            self.of_half
+                .scale(self.flat_gain, square)
+                .wrapping_add(self.rise_gain >> 2)
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! How the short axis leaves the pass's line and comes back to it: ramps over the long axis' way.
+//!
+//! A ramp over the length K turns the slope from nothing to m over the first part ℓ (as fast as the axis' limits allow
+//! at the planned speed) and keeps m for the rest, so that the whole displacement `J = m·(K − ℓ/2)` is reached exactly
+//! at its end: what the axis lags behind in the corner it makes up inside K. The run-in is the same ramp backwards.
+
+use crate::motion::ease::{Bounds, Ease, Fine};
+use crate::motion::wide::{mul_div, mul_div_up, ratio, root_mul_div_up};
+
+/// Short-axis travel per long-axis travel in 2⁻⁴⁰.
+pub(crate) type Slope = i64;
+
+const SLOPE_BITS: u32 = 40;
+
+/// A slope of one: 45°.
+pub(crate) const DIAGONAL: u64 = 1 << SLOPE_BITS;
+
+/// `way` · `slope`, rounded to the nearest 2⁻¹⁶ nm.
+pub(crate) fn along(way: Fine, slope: Slope) -> Fine {
+    let product = i128::from(way).wrapping_mul(i128::from(slope));
+    (product.wrapping_add(1 << (SLOPE_BITS - 1)) >> SLOPE_BITS) as i64
+}
+
+/// The slope that makes `rise` over `way`; `way` positive.
+pub(crate) fn slope(rise: Fine, way: Fine) -> Slope {
+    ratio(rise, way.unsigned_abs(), SLOPE_BITS)
+}
+
+/// The inverse of a slope's magnitude, also in 2⁻⁴⁰.
+pub(crate) fn inverse(slope: u64) -> Slope {
+    i64::try_from(mul_div(DIAGONAL, DIAGONAL, slope.max(1))).unwrap_or(i64::MAX)
+}
+
+/// A speed of the long axis (nm/s) seen on the short one.
+pub(crate) fn seen(speed: u64, slope: u64) -> u64 {
+    mul_div_up(speed, slope, DIAGONAL)
+}
+
+/// What the long axis may do so that an axis which follows it with `slope` stays within `bounds`.
+pub(crate) fn through(bounds: Bounds, slope: u64) -> Bounds {
+    Bounds {
+        acceleration: mul_div(bounds.acceleration, DIAGONAL, slope),
+        jerk: mul_div(bounds.jerk, DIAGONAL, slope),
+    }
+}
+
+/// What a pass asks of its axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Machine {
+    /// The long axis' greatest speed in the pass, nm/s.
+    pub speed: u64,
+    /// Limits of the long axis.
+    pub long: Bounds,
+    /// Limits of the short axis.
+    pub short: Bounds,
+    /// Greatest speed of the short axis, nm/s.
+    pub short_speed: u64,
+    /// Magnitude of the taper's slope.
+    pub taper: u64,
+}
+
+/// A corner of the short axis together with the long axis' ease beside it (join or brake).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
+    /// Magnitude of the slope behind the corner, 2⁻⁴⁰.
+    pub slope: u64,
+    /// Rounds the corner; its `half` is ℓ/2.
+    pub ease: Ease,
+    /// The long axis' join or brake.
+    pub long: Ease,
+    /// True if the whole displacement is reached.
+    pub whole: bool,
+}
+
+impl Machine {
+    /// The steepest slope that the short axis' speed allows beside the taper.
+    pub fn steepest(&self) -> u64 {
+        mul_div(self.short_speed, DIAGONAL, self.speed.max(1)).saturating_sub(self.taper)
+    }
+
+    /// The long axis' ease where the short one follows nothing but the taper.
+    pub fn plain(&self) -> Ease {
+        let bounds = self.long.least(through(self.short, self.taper));
+        Ease::new(self.speed, self.speed, bounds)
+    }
+
+    /// The ramp that displaces the short axis by `rise` over `way`, next to a join or a brake.
+    ///
+    /// While only one of both works each has the short axis' limits to itself. Where the ramp's corner reaches into
+    /// the join or the brake, they share: half of the acceleration each, a third of the jerk each, and the last third
+    /// for the product of both.
+    pub fn corner(&self, rise: Fine, way: Fine) -> Corner {
+        let alone = self.fit(rise, way, false);
+        let used = alone
+            .ease
+            .half()
+            .saturating_mul(2)
+            .saturating_add(alone.long.half());
+        if alone.whole && used <= way {
+            alone
+        } else {
+            self.fit(rise, way, true)
+        }
+    }
+
+    /// The least way over which `rise` could be made, rounded up to a hundredth of a millimetre.
+    pub fn way_needed(&self, rise: Fine) -> Fine {
+        let mut way = 0;
+        for shared in [false, true] {
+            // The shortest way is all corner (rise = m·ℓ/2), or as steep as the speed allows.
+            let (mut low, mut high) = (0_u64, self.steepest());
+            if !self.is_corner(high, rise, shared) {
+                for _ in 0..STEPS {
+                    let middle = low.saturating_add(high) >> 1;
+                    if self.is_corner(middle, rise, shared) {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                high = low;
+            }
+            let half = self.round(high, shared).half();
+            let straight = mul_div_up(rise.unsigned_abs(), DIAGONAL, high);
+            way = i64::try_from(straight)
+                .unwrap_or(i64::MAX >> 4)
+                .saturating_add(half);
+            // A little more than the bisection found, to whole hundredths.
+            way = way.saturating_add(way >> 10);
+            way = mul_div_up(way.unsigned_abs(), 1, HUNDREDTH)
+                .saturating_mul(HUNDREDTH)
+                .min(1 << 60) as i64;
+            if self.corner(rise, way).whole {
+                break;
+            }
+        }
+        way
+    }
+
+    /// True while a corner into `slope` alone displaces less than `rise`.
+    fn is_corner(&self, slope: u64, rise: Fine, shared: bool) -> bool {
+        let half = self.round(slope, shared).half();
+        mul_div(half.unsigned_abs(), slope, DIAGONAL) <= rise.unsigned_abs()
+    }
+
+    fn fit(&self, rise: Fine, way: Fine, shared: bool) -> Corner {
+        let target = rise.unsigned_abs();
+        let way = way.max(1);
+        let mut low = 0_u64;
+        // A corner as long as the way needs twice the mean slope; nothing steeper can be of use.
+        let twice = slope(rise, way).unsigned_abs().saturating_mul(2);
+        let mut high = twice.min(self.steepest());
+        let mut found = None;
+        let mut middle = high;
+        for _ in 0..STEPS {
+            let half = self.round(middle, shared).half();
+            let fits = half.saturating_mul(2) <= way;
+            if fits && mul_div(way.saturating_sub(half).unsigned_abs(), middle, DIAGONAL) < target {
+                low = middle;
+                if middle == high {
+                    // As steep as the speed allows, and still not enough.
+                    break;
+                }
+            } else {
+                high = middle;
+                if fits {
+                    found = Some(middle);
+                }
+            }
+            middle = low.saturating_add(high) >> 1;
+        }
+        let (chosen, whole) = found.map_or((low, false), |found| (found, true));
+        let ease = self.round(chosen, shared);
+        let slope = if whole {
+            // Not steeper than what the corner was made for, and exactly at its target.
+            slope(rise, way.saturating_sub(ease.half()))
+                .unsigned_abs()
+                .min(chosen)
+        } else {
+            chosen
+        };
+        let (_, follow) = self.share(slope, shared);
+        let bounds = self
+            .long
+            .least(through(follow, slope.saturating_add(self.taper)));
+        Corner {
+            slope,
+            ease,
+            long: Ease::new(self.speed, self.speed, bounds),
+            whole,
+        }
+    }
+
+    /// The ease into `slope`.
+    pub fn round(&self, slope: u64, shared: bool) -> Ease {
+        let (turn, _) = self.share(slope, shared);
+        Ease::new(self.speed, seen(self.speed, slope), turn)
+    }
+
+    /// The short axis' limits for turning into a slope, and for following the long axis' acceleration along it.
+    fn share(&self, slope: u64, shared: bool) -> (Bounds, Bounds) {
+        if !shared {
+            return (self.short, self.short);
+        }
+        let jerk = self.short.jerk / 3;
+        // x‴ has the term 3·x″(turn)·x″(follow)/(slope·speed): kept below the last third.
+        let steep = slope.saturating_add(self.taper);
+        let product = root_mul_div_up(seen(self.speed, steep), self.short.jerk, 9);
+        let acceleration = (self.short.acceleration / 2).min(product);
+        let bounds = Bounds { acceleration, jerk };
+        (bounds, bounds)
+    }
+}
+
+/// Halvings of a slope's interval.
+const STEPS: u32 = 20;
+
+/// 0.01 mm in 2⁻¹⁶ nm.
+const HUNDREDTH: u64 = 10_000 << 16;

@@ -1,0 +1,342 @@
+//! The spindle observer: a third-order tracker (angle, speed, acceleration) over a quantised encoder.
+//!
+//! Encoder counts are coarse (a count of 4096 is 1.5 µm of a 6 mm lead) and a setpoint takes effect a tick after the
+//! sample, so the angle is filtered and predicted. The tracker predicts with constant acceleration and corrects with
+//! three gains of one design figure, the bandwidth: all three poles lie at `θ = exp(−2π·f·T)`, which is the discounted
+//! least-squares ("fading memory") fit of a parabola. It follows constant speed and constant acceleration without lag.
+//!
+//! What the sample says of the angle: the counter stands at `c` while the angle is within `[c, c + 1)` counts. Where the
+//! hardware captures the time of the last edge, the angle of that edge is known exactly (the lower boundary when the
+//! count rose, the upper one when it fell) and the speed carries it to the instant of the sample, never beyond the
+//! count's other boundary. Without the edge's time the middle of the count is the best guess.
+//!
+//! The tick is constant work on integers: no division of 64 bits, no loop. Angles are 2⁻³² turns, speed and
+//! acceleration 2⁻⁴⁸ turns per tick and per tick², so no rounding accumulates that a lead could show.
+
+use crate::units::{Ticks, TurnRate, Turns};
+
+/// What the encoder hardware delivers once a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EncoderSample {
+    /// The hardware counter at the sample, all edges counted, wrapping. It stands at `c` while the angle is within
+    /// `[c, c + 1)` counts of the counter's zero.
+    pub count: i32,
+    /// How long before the sample the counter last changed, in nanoseconds; `None` where the hardware does not
+    /// capture it (or nothing has moved yet).
+    pub edge_age_ns: Option<u32>,
+    /// The counter as latched by an index pulse since the last sample: the count within which the pulse lies, whatever
+    /// the direction. The lower boundary of that count is the spindle's zero.
+    pub index: Option<i32>,
+}
+
+/// What the observer found out at a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpindleEvent {
+    /// The first index: angles are absolute from here on.
+    Indexed,
+    /// An index came where none belongs: counts were lost or gained since the last one.
+    Slipped {
+        /// How many counts late (negative: early) the index came.
+        counts: i32,
+    },
+}
+
+/// Slower than this the spindle counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
+const STANDING: i64 = (1 << 32) / 240;
+
+/// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product.
+const LARGEST_SURPRISE: i64 = 1 << 30;
+
+/// Edges older than this many ticks are treated as this old: the speed is then far below one count a tick, and the
+/// count's boundary limits the extrapolation anyway.
+const OLDEST_EDGE_TICKS: u32 = 16;
+
+/// 2π in 2⁻³².
+const TWO_PI: u64 = 26_986_075_409;
+
+/// Angle, speed and acceleration of the spindle, one sample a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Observer {
+    // What the encoder is.
+    counts: u32,
+    /// 2⁶³ / counts: an angle within a turn is one multiplication and a shift.
+    scale: u64,
+    /// Width of a count, 2⁻³² turns.
+    width: i64,
+    /// Ticks per nanosecond, 2⁻⁵⁶.
+    ticks_per_ns: u64,
+    oldest_edge_ns: u32,
+    /// Ticks per second, 2⁻¹⁶.
+    ticks_per_second: u64,
+    // Gains, 2⁻³².
+    alpha: i64,
+    beta: i64,
+    gamma: i64,
+    // Where the counter is.
+    last: Option<i32>,
+    in_turn: u32,
+    turn: i64,
+    rising: Option<bool>,
+    zero: Option<i32>,
+    // The state: 2⁻³² turns, 2⁻⁴⁸ turns per tick, 2⁻⁴⁸ turns per tick².
+    angle: i64,
+    speed: i64,
+    acceleration: i64,
+}
+
+impl Observer {
+    /// An observer at rest for an encoder of `counts_per_turn` (after quadrature; 1…2²⁰), with a bandwidth in hertz
+    /// (1…200 is sensible; the poles of the tracker) and a tick in microseconds (250…10 000). Values outside are
+    /// taken as the nearest limit; the parameter table refuses them earlier.
+    #[must_use]
+    pub const fn new(counts_per_turn: u32, bandwidth_hz: u32, tick_us: u32) -> Self {
+        let counts = clamp(counts_per_turn, 1, 1 << 20);
+        let bandwidth = clamp(bandwidth_hz, 1, 1000);
+        let tick_us = clamp(tick_us, 250, 10_000);
+        let tick_ns = tick_us.wrapping_mul(1000);
+        let scale = divide(1 << 63, counts as u64);
+
+        // θ = exp(−2π·f·T): the exponent is at most 63, so 2⁻³² of it fits easily.
+        let exponent =
+            TWO_PI.wrapping_mul((bandwidth as u64).wrapping_mul(tick_us as u64)) / 1_000_000;
+        let theta = exp_of_minus(exponent);
+        let one = 1_u64 << 32;
+        let rest = one.wrapping_sub(theta);
+        let cube = mul(mul(theta, theta), theta);
+        let alpha = one.wrapping_sub(cube);
+        let beta = mul(mul(rest, rest), one.wrapping_add(theta));
+        let beta = beta.wrapping_add(beta >> 1);
+        let gamma = mul(mul(rest, rest), rest);
+
+        Self {
+            counts,
+            scale,
+            width: (scale >> 31) as i64,
+            ticks_per_ns: divide(1 << 56, tick_ns as u64),
+            oldest_edge_ns: tick_ns.wrapping_mul(OLDEST_EDGE_TICKS),
+            ticks_per_second: divide(1_000_000 << 16, tick_us as u64),
+            alpha: alpha as i64,
+            beta: beta as i64,
+            gamma: gamma as i64,
+            last: None,
+            in_turn: 0,
+            turn: 0,
+            rising: None,
+            zero: None,
+            angle: 0,
+            speed: 0,
+            acceleration: 0,
+        }
+    }
+
+    /// Takes the sample of one tick. The state then holds for the instant of the sample.
+    pub fn tick(&mut self, sample: EncoderSample) -> Option<SpindleEvent> {
+        let last = match self.last {
+            Some(last) => last,
+            None => {
+                // Where the spindle stands at the first sample is called count zero until the index says better.
+                self.last = Some(sample.count);
+                self.angle = self.boundary().wrapping_add(self.width >> 1);
+                sample.count
+            }
+        };
+        self.advance(sample.count.wrapping_sub(last));
+        self.last = Some(sample.count);
+        let event = sample
+            .index
+            .and_then(|latched| self.index(latched, sample.count));
+
+        // Predict one tick, look, correct.
+        let predicted = self
+            .angle
+            .wrapping_add(rounded(self.speed.wrapping_add(self.acceleration >> 1), 16));
+        let speed = self.speed.wrapping_add(self.acceleration);
+        let measured = self.measured(sample.edge_age_ns, speed);
+        let surprise = measured
+            .wrapping_sub(predicted)
+            .clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
+        self.angle = predicted.wrapping_add(rounded(self.alpha.wrapping_mul(surprise), 32));
+        self.speed = speed.wrapping_add(rounded(self.beta.wrapping_mul(surprise), 16));
+        self.acceleration = self
+            .acceleration
+            .wrapping_add(rounded(self.gamma.wrapping_mul(surprise), 16));
+        event
+    }
+
+    /// The angle at the last sample.
+    #[must_use]
+    pub const fn angle(&self) -> Turns {
+        Turns::from_raw(self.angle)
+    }
+
+    /// The angle `ahead` of the last sample, at the present speed and acceleration. Good for a few tens of ticks.
+    #[must_use]
+    pub const fn predict(&self, ahead: Ticks) -> Turns {
+        let ahead = ahead.raw() as i64;
+        let by_speed = rounded((self.speed >> 16).wrapping_mul(ahead), 16);
+        // ½·a·t²: t² ≤ 2⁴⁸ in 2⁻³², brought back to 2⁻¹⁶ before it meets the acceleration.
+        let half_square = ahead.wrapping_mul(ahead >> 1) >> 16;
+        let by_acceleration = rounded((self.acceleration >> 16).wrapping_mul(half_square), 16);
+        Turns::from_raw(
+            self.angle
+                .wrapping_add(by_speed)
+                .wrapping_add(by_acceleration),
+        )
+    }
+
+    /// The speed at the last sample.
+    #[must_use]
+    pub const fn speed(&self) -> TurnRate {
+        // 2⁻³² turns per tick times 2⁻¹⁶ ticks per second.
+        let per_tick = self.speed >> 16;
+        TurnRate::from_raw(rounded(
+            per_tick.wrapping_mul(self.ticks_per_second as i64),
+            16,
+        ))
+    }
+
+    /// True once an index has been seen: angle 0 and every whole turn is the index.
+    #[must_use]
+    pub const fn indexed(&self) -> bool {
+        self.zero.is_some()
+    }
+
+    /// True while the spindle turns faster than a quarter of a turn a minute, either way.
+    #[must_use]
+    pub const fn is_turning(&self) -> bool {
+        self.speed().abs().raw() > STANDING
+    }
+
+    /// Lower boundary of the present count.
+    const fn boundary(&self) -> i64 {
+        let within = (self.in_turn as u64).wrapping_mul(self.scale) >> 31;
+        (self.turn << 32).wrapping_add(within as i64)
+    }
+
+    /// Moves the counter by `delta` counts.
+    fn advance(&mut self, delta: i32) {
+        if delta == 0 {
+            return;
+        }
+        self.rising = Some(delta > 0);
+        let magnitude = delta.unsigned_abs();
+        let turns = magnitude.checked_div(self.counts).unwrap_or(0);
+        let rest = magnitude.wrapping_sub(turns.wrapping_mul(self.counts));
+        if delta > 0 {
+            self.turn = self.turn.wrapping_add(i64::from(turns));
+            self.in_turn = self.in_turn.wrapping_add(rest);
+            if self.in_turn >= self.counts {
+                self.in_turn = self.in_turn.wrapping_sub(self.counts);
+                self.turn = self.turn.wrapping_add(1);
+            }
+        } else {
+            self.turn = self.turn.wrapping_sub(i64::from(turns));
+            if self.in_turn < rest {
+                self.in_turn = self.in_turn.wrapping_add(self.counts);
+                self.turn = self.turn.wrapping_sub(1);
+            }
+            self.in_turn = self.in_turn.wrapping_sub(rest);
+        }
+    }
+
+    /// Uses an index: the first makes the zero, each later one must be whole turns from the last.
+    fn index(&mut self, latched: i32, count: i32) -> Option<SpindleEvent> {
+        let Some(zero) = self.zero else {
+            self.zero = Some(latched);
+            let before = self.boundary();
+            self.in_turn = 0;
+            self.turn = 0;
+            let rising = self.rising;
+            self.advance(count.wrapping_sub(latched));
+            self.rising = rising;
+            // Of all whole turns the nearest, so that the angle jumps by half a turn at most.
+            let jump = before.wrapping_sub(self.boundary());
+            self.turn = self.turn.wrapping_add(rounded(jump, 32));
+            self.angle = self
+                .angle
+                .wrapping_add(self.boundary().wrapping_sub(before));
+            return Some(SpindleEvent::Indexed);
+        };
+        let since = latched.wrapping_sub(zero);
+        let magnitude = since.unsigned_abs();
+        let half = self.counts >> 1;
+        let turns = magnitude
+            .wrapping_add(half)
+            .checked_div(self.counts)
+            .unwrap_or(0);
+        let whole = turns.wrapping_mul(self.counts);
+        let slip = magnitude.wrapping_sub(whole) as i32;
+        let (slip, whole) = if since < 0 {
+            (slip.wrapping_neg(), (whole as i32).wrapping_neg())
+        } else {
+            (slip, whole as i32)
+        };
+        self.zero = Some(zero.wrapping_add(whole));
+        // An index pulse may sit on a boundary of its count: one count either way is no slip.
+        (slip.unsigned_abs() > 1).then_some(SpindleEvent::Slipped { counts: slip })
+    }
+
+    /// The angle that the sample shows.
+    fn measured(&self, edge_age_ns: Option<u32>, speed: i64) -> i64 {
+        let lower = self.boundary();
+        let (Some(age), Some(rising)) = (edge_age_ns, self.rising) else {
+            return lower.wrapping_add(self.width >> 1);
+        };
+        let age = age.min(self.oldest_edge_ns);
+        // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again.
+        let age = (u64::from(age).wrapping_mul(self.ticks_per_ns) >> 32) as i64;
+        let way = (speed >> 16).wrapping_mul(age) >> 24;
+        let within = if rising {
+            way
+        } else {
+            self.width.wrapping_add(way)
+        };
+        lower.wrapping_add(within.clamp(0, self.width))
+    }
+}
+
+/// `value` / 2^`bits`, rounded to the nearest, halves up.
+const fn rounded(value: i64, bits: u32) -> i64 {
+    value
+        .wrapping_add(1_i64.wrapping_shl(bits.wrapping_sub(1)))
+        .wrapping_shr(bits)
+}
+
+/// Product of two numbers in 2⁻³², neither above 2.
+const fn mul(a: u64, b: u64) -> u64 {
+    ((a as u128).wrapping_mul(b as u128) >> 32) as u64
+}
+
+const fn clamp(value: u32, low: u32, high: u32) -> u32 {
+    if value < low {
+        low
+    } else if value > high {
+        high
+    } else {
+        value
+    }
+}
+
+const fn divide(a: u64, b: u64) -> u64 {
+    match a.checked_div(b) {
+        Some(quotient) => quotient,
+        None => 0,
+    }
+}
+
+/// exp(−x), both in 2⁻³², x ≤ 64: the series of x/256, squared eight times.
+const fn exp_of_minus(x: u64) -> u64 {
+    let one = 1_u64 << 32;
+    let y = x >> 8;
+    // 1 − y·(1 − y/2·(1 − y/3·(1 − y/4)))
+    let mut sum = one.wrapping_sub(y / 4);
+    sum = one.wrapping_sub(mul(y, sum) / 3);
+    sum = one.wrapping_sub(mul(y, sum) / 2);
+    sum = one.wrapping_sub(mul(y, sum));
+    let mut squarings = 0;
+    while squarings < 8 {
+        sum = mul(sum, sum);
+        squarings = 1_u32.wrapping_add(squarings);
+    }
+    sum
+}

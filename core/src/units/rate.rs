@@ -1,0 +1,81 @@
+//! How fast the spindle turns ([`TurnRate`]), and a span of ticks with a fraction ([`Ticks`]).
+
+use super::Rpm;
+
+/// Speed of the spindle in 2⁻³² turns per second, positive in the direction of M03. 1 rpm is about 7·10⁷.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TurnRate(i64);
+
+impl TurnRate {
+    /// Standing.
+    pub const ZERO: Self = Self(0);
+
+    /// A speed of `raw` · 2⁻³² turns per second.
+    #[must_use]
+    pub const fn from_raw(raw: i64) -> Self {
+        Self(raw)
+    }
+
+    /// The speed in 2⁻³² turns per second.
+    #[must_use]
+    pub const fn raw(self) -> i64 {
+        self.0
+    }
+
+    /// The speed of `rpm` turns per minute, rounded towards zero (by less than 2⁻³² turns per second).
+    #[must_use]
+    pub const fn of_rpm(rpm: Rpm) -> Self {
+        Self(((rpm.get() as i64) << 32) / 60)
+    }
+
+    /// Whole turns per minute, rounded to the nearest.
+    #[must_use]
+    pub const fn rpm(self) -> Rpm {
+        // 60 · 2¹⁶ keeps the product inside 64 bits for every speed below 2⁴¹ turns per second.
+        let scaled = (self.0 >> 16).saturating_mul(60);
+        Rpm::new((scaled.saturating_add(1 << 15) >> 16) as i32)
+    }
+
+    /// The magnitude.
+    #[must_use]
+    pub const fn abs(self) -> Self {
+        Self(self.0.saturating_abs())
+    }
+
+    /// True for M04's direction.
+    #[must_use]
+    pub const fn is_negative(self) -> bool {
+        self.0 < 0
+    }
+}
+
+/// A span of time in ticks, in 2⁻¹⁶ ticks, never negative, below 65 536 ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticks(u32);
+
+impl Ticks {
+    /// The next tick.
+    pub const ONE: Self = Self(1 << 16);
+
+    /// `whole` ticks.
+    #[must_use]
+    pub const fn whole(whole: u16) -> Self {
+        Self((whole as u32) << 16)
+    }
+
+    /// One tick plus a latency of `us` microseconds, where a tick is `tick_us` long: how far ahead of the sample a
+    /// setpoint takes effect. A tick of no length counts as one tick in all.
+    #[must_use]
+    pub const fn one_and(us: u32, tick_us: u32) -> Self {
+        match ((us as u64) << 16).checked_div(tick_us as u64) {
+            Some(extra) if extra < (1 << 31) => Self(Self::ONE.0.saturating_add(extra as u32)),
+            _ => Self::ONE,
+        }
+    }
+
+    /// The span in 2⁻¹⁶ ticks.
+    #[must_use]
+    pub const fn raw(self) -> u32 {
+        self.0
+    }
+}
