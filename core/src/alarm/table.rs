@@ -154,7 +154,7 @@ codes! {
     PitchTooLong = 4253, "the pitch {0} is longer than the shortest stroke {1}", "F is the lead of the thread in length per turn, not a feed rate: write the lead",
         "螺距 {0} 大于最短行程 {1}", "F 是每转导程而不是进给速度，请写导程";
     /// Joining the helix and braking do not fit into the stroke.
-    StrokeTooShort = 4254, "at {3} the stroke {0} is too short: getting onto the lead takes {1} and leaving it {2}", "lower S or start further away",
+    StrokeTooShortForSpeed = 4254, "at {3} the stroke {0} is too short: getting onto the lead takes {1} and leaving it {2}", "lower S or start further away",
         "主轴 {3} 时行程 {0} 太短：进入导程需 {1}，离开需 {2}", "请降低 S 或加大起刀距离";
     /// The run-in is too short for the short axis at this speed.
     RunInTooFast = 4255, "at {1} the run-in needs a length of {0}", "lower S or write a larger E",

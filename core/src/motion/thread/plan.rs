@@ -79,7 +79,7 @@ impl ThreadPlan {
     /// # Errors
     /// Spindle standing ([`Code::SpindleStopped`]); lead times speed above what the long axis may do
     /// ([`Code::LeadTooFast`]); the stroke too short for joining and braking at this speed
-    /// ([`Code::StrokeTooShort`]); the run-in too short for the short axis at this speed ([`Code::RunInTooFast`]).
+    /// ([`Code::StrokeTooShortForSpeed`]); the run-in too short for the short axis at this speed ([`Code::RunInTooFast`]).
     pub fn new(
         from: Position,
         moves: &[Move],
@@ -129,10 +129,11 @@ impl ThreadPlan {
         };
         let nominal = TurnRate::of_rpm(commanded).abs().max(measured.abs());
         let margin = u64::from(params.spindle_variation_percent()).saturating_add(100);
-        let limit = mul_div_up(nominal.raw().unsigned_abs(), margin, 100);
+        let nominal_raw = nominal.raw().unsigned_abs();
+        let limit = mul_div_up(nominal_raw, margin, 100);
         let speed_limit = TurnRate::from_raw(i64::try_from(limit).unwrap_or(i64::MAX));
         let speed = travel(thread.lead, limit);
-        let wanted = per_minute(travel(thread.lead, nominal.raw().unsigned_abs()));
+        let wanted = per_minute(travel(thread.lead, nominal_raw));
         let most = params.max_feed(long_axis);
         let never = params.rapid(long_axis);
         if wanted > most || per_minute(speed) > never {
@@ -192,15 +193,28 @@ impl ThreadPlan {
             };
         }
 
-        // The run-out leaves the line.
+        // The run-out leaves the line. The margin on the speed is given up, step by step, before the run-out is.
         let mut run_out = Ramp::NONE;
         let mut brake = machine.plain();
         let mut end = pass.run_out.unwrap_or(pass.stroke);
         let mut short_lag = Length::ZERO;
         let mut way_needed = Length::ZERO;
+        let beside = fine(end_short - stroke_short).wrapping_sub(along(run_out_way, taper));
         if run_out_way > 0 {
-            let beside = fine(end_short - stroke_short).wrapping_sub(along(run_out_way, taper));
-            let corner = machine.corner(beside, run_out_way);
+            let mut corner = machine.corner(beside, run_out_way);
+            for less in MARGINS {
+                if corner.whole || less >= margin {
+                    continue;
+                }
+                let slower = Machine {
+                    speed: travel(thread.lead, mul_div_up(nominal_raw, less, 100)),
+                    ..machine
+                };
+                let tried = slower.corner(beside, run_out_way);
+                if tried.whole {
+                    corner = tried;
+                }
+            }
             brake = corner.long;
             run_out = Ramp {
                 slope: signed(corner.slope, beside),
@@ -208,19 +222,19 @@ impl ThreadPlan {
                 at: fine(length).wrapping_sub(run_out_way),
             };
             if !corner.whole {
-                let half = corner.ease.half();
-                let reached = along(
-                    corner.ease.at(run_out_way.wrapping_sub(half)),
-                    run_out.slope,
-                );
-                let lag = whole(beside.wrapping_sub(reached));
+                let corner_end = run_out_way.wrapping_sub(corner.ease.half());
+                let reached = along(corner.ease.at(corner_end), run_out.slope);
+                short_lag = whole(beside.wrapping_sub(reached));
                 if long_x {
-                    end.z -= lag;
+                    end.z -= short_lag;
                 } else {
-                    end.x -= lag;
+                    end.x -= short_lag;
                 }
-                short_lag = lag;
-                way_needed = whole(machine.way_needed(beside));
+                let slowest = Machine {
+                    speed: travel(thread.lead, nominal_raw),
+                    ..machine
+                };
+                way_needed = whole(slowest.way_needed(beside));
             }
         }
 
@@ -235,7 +249,7 @@ impl ThreadPlan {
                 Arg::Rpm(nominal.rpm()),
             ];
             return Err(fail(
-                Code::StrokeTooShort,
+                Code::StrokeTooShortForSpeed,
                 Some(if long_x { b'X' } else { b'Z' }),
                 args,
             ));
@@ -243,7 +257,6 @@ impl ThreadPlan {
 
         // A retract in mid-thread takes the run-out's slope, 45° where there is none.
         let mean = if run_out_way > 0 {
-            let beside = fine(end_short - stroke_short).wrapping_sub(along(run_out_way, taper));
             slope(beside, run_out_way).unsigned_abs()
         } else {
             DIAGONAL
@@ -351,6 +364,9 @@ impl ThreadPlan {
         self.join_angle + self.done_angle
     }
 }
+
+/// Percent of the spindle's speed for which a run-out is tried that does not fit with the whole margin.
+const MARGINS: [u64; 4] = [110, 105, 102, 100];
 
 /// The first synchronous move and its block.
 fn first_thread(moves: &[Move]) -> Result<(Span, ThreadMove), Alarm> {

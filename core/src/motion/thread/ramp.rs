@@ -192,7 +192,7 @@ impl Machine {
     }
 
     /// The ease into `slope`.
-    pub fn round(&self, slope: u64, shared: bool) -> Ease {
+    fn round(&self, slope: u64, shared: bool) -> Ease {
         let (turn, _) = self.share(slope, shared);
         Ease::new(self.speed, seen(self.speed, slope), turn)
     }
