@@ -5,7 +5,8 @@
 //! the corner it rounds, `at(h) = max(h, 0) + bulge(|h|)`: the line itself is never disturbed outside, and a mirror
 //! image of the same curve brakes. Threads use it on the long axis (join, brake) and on the short one (run-in, run-out).
 
-use super::wide::{mul_div, mul_div_up, root_mul_div_up};
+use super::wide::{mul_div_up, root_mul_div_up};
+use crate::units::mul_div;
 
 /// A length in 2⁻¹⁶ nm: what the laws of a thread are computed in before the one rounding to a setpoint.
 pub(crate) type Fine = i64;

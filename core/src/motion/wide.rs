@@ -2,15 +2,6 @@
 //!
 //! Every function saturates: at the end of the range where a result does not fit, and where a divisor is zero.
 
-/// a · b / c rounded down.
-pub(crate) fn mul_div(a: u64, b: u64, c: u64) -> u64 {
-    narrow(
-        (u128::from(a))
-            .wrapping_mul(u128::from(b))
-            .checked_div(u128::from(c)),
-    )
-}
-
 /// a · b / c rounded up.
 pub(crate) fn mul_div_up(a: u64, b: u64, c: u64) -> u64 {
     let product = u128::from(a).wrapping_mul(u128::from(b));

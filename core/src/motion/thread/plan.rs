@@ -4,10 +4,10 @@ use super::ramp::{DIAGONAL, Machine, Slope, along, inverse, seen, slope};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind, Stage, ThreadMove};
 use crate::motion::ease::{Bounds, Ease, Fine};
-use crate::motion::wide::{mul_div, mul_div_up, ratio};
+use crate::motion::wide::{mul_div_up, ratio};
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Axis, Feed, Lead, Length, Rpm, TurnRate, Turns};
+use crate::units::{Axis, Feed, Lead, Length, Rpm, TurnRate, Turns, mul_div};
 
 /// A ramp of the short axis away from (or back to) the pass's line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

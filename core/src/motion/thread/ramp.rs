@@ -5,7 +5,8 @@
 //! at its end: what the axis lags behind in the corner it makes up inside K. The run-in is the same ramp backwards.
 
 use crate::motion::ease::{Bounds, Ease, Fine};
-use crate::motion::wide::{mul_div, mul_div_up, ratio, root_mul_div_up};
+use crate::motion::wide::{mul_div_up, ratio, root_mul_div_up};
+use crate::units::mul_div;
 
 /// Short-axis travel per long-axis travel in 2⁻⁴⁰.
 pub(crate) type Slope = i64;
