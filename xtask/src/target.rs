@@ -58,8 +58,28 @@ pub fn ensure() -> Result<()> {
     )
 }
 
-/// True where the compiler accepts the target's `core`.
+/// True where the compiler accepts the target's `core` and can optimise it together with the program.
 fn works() -> bool {
+    rustlib().is_ok_and(|rustlib| has_bitcode(&rustlib.join(TARGET).join("lib"))) && compiles()
+}
+
+/// True where `core` carries what link-time optimisation reads. A build by cargo leaves it out unless told otherwise.
+fn has_bitcode(lib: &Path) -> bool {
+    let Ok(entries) = fs::read_dir(lib) else {
+        return false;
+    };
+    entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .any(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let is_core = name.starts_with("libcore-") && name.ends_with(".rlib");
+            is_core
+                && fs::read(&path)
+                    .is_ok_and(|bytes| bytes.windows(7).any(|seven| seven == b".llvmbc"))
+        })
+}
+
+fn compiles() -> bool {
     // The result goes into a folder of its own: a compiler that runs as root replaces what it is given as a file.
     let Ok(dir) = run::scratch("probe") else {
         return false;
@@ -92,6 +112,15 @@ fn rustlib() -> Result<PathBuf> {
     Ok(Path::new(sysroot.trim()).join("lib").join("rustlib"))
 }
 
+/// Takes away libraries that do not fit: the compiler does not choose between two.
+fn clear(rustlib: &Path) -> Result<()> {
+    let dir = rustlib.join(TARGET);
+    if dir.exists() {
+        fs::remove_dir_all(&dir).with_context(|| format!("cannot take {} away", dir.display()))?;
+    }
+    Ok(())
+}
+
 fn from_archive() -> Result<()> {
     let dir = std::env::var_os(ARCHIVE_VARIABLE)
         .ok_or_else(|| anyhow!("{ARCHIVE_VARIABLE} names no folder with {}", archive_name()))?;
@@ -101,6 +130,7 @@ fn from_archive() -> Result<()> {
     }
     println!("taking the target from {}", archive.display());
     let rustlib = rustlib()?;
+    clear(&rustlib)?;
     let unpack = run::command(
         &rustlib,
         "tar",
@@ -113,7 +143,7 @@ fn from_archive() -> Result<()> {
     fs::remove_dir_all(rustlib.join(TARGET))
         .context("cannot take the unfit libraries away again")?;
     bail!(
-        "{} was made by another compiler than this one",
+        "{} was made by another compiler than this one, or without bitcode",
         archive.display()
     )
 }
@@ -132,6 +162,10 @@ fn from_source() -> Result<()> {
     }
     println!("building core for {TARGET} from its source");
     let dir = run::scratch("build-std")?;
+    if dir.join("target").exists() {
+        // What an earlier build left would be taken for a result of this one.
+        fs::remove_dir_all(dir.join("target"))?;
+    }
     fs::create_dir_all(dir.join("src"))?;
     fs::write(
         dir.join("Cargo.toml"),
@@ -156,10 +190,12 @@ fn from_source() -> Result<()> {
     );
     build
         .env("RUSTC_BOOTSTRAP", "1")
+        .env("RUSTFLAGS", "-C embed-bitcode=yes")
         .env("CARGO_TARGET_DIR", dir.join("target"));
     run::read(build).context("core does not build")?;
 
     let built = dir.join("target").join(TARGET).join("release").join("deps");
+    clear(&rustlib)?;
     let into = rustlib.join(TARGET).join("lib");
     fs::create_dir_all(&into).with_context(|| format!("cannot write into {}", into.display()))?;
     for entry in fs::read_dir(&built)? {
