@@ -4,6 +4,12 @@
 use core::hint::black_box;
 
 use leadscrew_core::alarm::{At, Span};
+use leadscrew_core::bus::{
+    CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
+    Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Scale, SpindleCommand, Statusword,
+    SyncProducer, Ticks,
+};
+use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
     ArcCall, Aux, Call, CallKind, CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut,
     SpindleCall, ThreadCall, ThreadCycle,
@@ -78,7 +84,8 @@ macro_rules! wrapped {
     )*};
 }
 wrapped!(Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
-    FeedPerTurn::from_nm Rpm::new Millis::new);
+    FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Ticks::new MilliRpm::new Statusword::from_raw
+    Controlword::from_raw);
 
 /// Types that are the sum of their public fields.
 macro_rules! records {
@@ -102,6 +109,12 @@ records! {
         run_in run_out lead increment rpm
     }
     GrooveCall { start end_x end_z z_written peck step relief retract feed }
+    DriveCommand { control target }
+    DriveStatus { status actual }
+    SpindleCommand { mode velocity }
+    Emcy { code register detail }
+    FollowingLimit { increments time }
+    DriveConfig { letter node scale step silence following }
 }
 
 /// Types that are one of several.
@@ -116,6 +129,11 @@ macro_rules! choices {
     )*};
 }
 choices! {
+    Mode { Mode::Position } or Mode::Velocity;
+    NmtCommand {
+        NmtCommand::Start, NmtCommand::Stop, NmtCommand::PreOperational, NmtCommand::ResetNode,
+    } or NmtCommand::ResetCommunication;
+    NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
     ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
@@ -134,5 +152,50 @@ impl Any for Lead {
                 return lead;
             }
         }
+    }
+}
+
+impl Any for NodeId {
+    fn any() -> Self {
+        Self::new(any()).unwrap_or(Self::BOARD)
+    }
+}
+
+impl Any for CobId {
+    fn any() -> Self {
+        Self::new(any()).unwrap_or(Self::SYNC)
+    }
+}
+
+impl Any for Frame {
+    fn any() -> Self {
+        let payload: [u8; 8] = any();
+        let length = usize::any();
+        payload
+            .get(..length)
+            .and_then(|payload| Self::new(any(), payload))
+            .unwrap_or_else(|| SyncProducer::new().next())
+    }
+}
+
+impl Any for Scale {
+    fn any() -> Self {
+        loop {
+            if let Some(scale) = Self::new(any(), any()) {
+                return scale;
+            }
+        }
+    }
+}
+
+impl Any for Params {
+    /// Any set that can be put together entry by entry, sensible or not.
+    fn any() -> Self {
+        let mut params = Self::slant_bed();
+        for entry in Entry::all() {
+            // A value out of range is refused and the one before stays.
+            let _ = params.set(entry, any());
+        }
+        params
     }
 }

@@ -1,0 +1,90 @@
+//! Frames and drives.
+
+use audit::any::{any, sink};
+use leadscrew_core::bus::{
+    CobId, DriveCommand, DriveMaster, DriveStatus, Emcy, Frame, Increments, MilliRpm, NmtCommand,
+    NmtState, Scale, SpindleCommand, Statusword, SyncProducer, is_sync,
+};
+
+/// All of this room.
+pub fn all() {
+    frames();
+    encode();
+    decode();
+    increments();
+    drive();
+}
+
+#[inline(never)]
+fn frames() {
+    let frame: Frame = any();
+    sink((
+        frame.id().service(),
+        frame.payload().len(),
+        frame.exactly::<3>(),
+    ));
+    sink(CobId::new(any()));
+    let mut sync = SyncProducer::new();
+    for _ in 0..u8::MAX {
+        sink(sync.next());
+    }
+}
+
+#[inline(never)]
+fn encode() {
+    sink(any::<DriveCommand>().frame(any()));
+    sink(any::<DriveStatus>().frame(any()));
+    sink(any::<SpindleCommand>().frame(any()));
+    sink(any::<NmtCommand>().frame(any()));
+    sink(any::<NmtState>().frame(any()));
+    sink(any::<Emcy>().frame(any()));
+    sink(Emcy::of_alarm(any()).frame(any()));
+}
+
+#[inline(never)]
+fn decode() {
+    let frame: Frame = any();
+    sink(DriveCommand::decode(&frame));
+    sink(DriveStatus::decode(&frame));
+    sink(SpindleCommand::decode(&frame));
+    sink(NmtCommand::decode(&frame));
+    sink(NmtState::decode(&frame));
+    sink(Emcy::decode(&frame));
+    sink((is_sync(&frame), any::<Statusword>().state()));
+}
+
+#[inline(never)]
+fn increments() {
+    let scale: Scale = any();
+    sink(scale.increments(any()));
+    sink((
+        scale.position(any()),
+        scale.length(any()),
+        scale.limit(any()),
+    ));
+    sink(any::<Increments>().distance(any()));
+    sink(MilliRpm::of(any(), any()));
+}
+
+#[inline(never)]
+fn drive() {
+    let mut master = DriveMaster::new(any());
+    sink(master.enable().is_ok());
+    while any() {
+        sink(master.receive(&any()));
+        sink(master.tick(any()));
+        sink((
+            master.phase(),
+            master.failure(),
+            master.status(),
+            master.target(),
+            master.alarm(),
+        ));
+        if any() {
+            master.disable();
+        }
+        if any() {
+            master.reset();
+        }
+    }
+}

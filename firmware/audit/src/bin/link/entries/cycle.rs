@@ -1,0 +1,36 @@
+//! Calls to moves.
+
+use audit::any::{any, sink};
+use leadscrew_core::cycle::{GrooveMoves, ThreadMoves, expand};
+use leadscrew_core::program::{Call, GrooveCall, ThreadCall};
+
+/// All of this room.
+pub fn all() {
+    any_call();
+    thread();
+    groove();
+}
+
+#[inline(never)]
+fn any_call() {
+    if let Ok(moves) = expand(&any::<Call>(), any()) {
+        sink(moves.warning());
+        moves.for_each(sink);
+    }
+}
+
+#[inline(never)]
+fn thread() {
+    if let Ok(moves) = ThreadMoves::new(&any::<ThreadCall>(), any()) {
+        sink(moves.summary());
+        moves.for_each(sink);
+    }
+}
+
+#[inline(never)]
+fn groove() {
+    if let Ok(moves) = GrooveMoves::new(&any::<GrooveCall>(), any()) {
+        sink(moves.warning());
+        moves.for_each(sink);
+    }
+}

@@ -1,0 +1,19 @@
+//! Every public entry of the core that a board runs, each once, each with inputs that nobody knows. One function an
+//! entry, never inlined, so that a report can name it; one file a room of the core.
+//!
+//! Text for people (`Display`, the templates of alarms) is not made on a board and is not here.
+
+mod alarm;
+mod bus;
+mod cycle;
+mod params;
+mod units;
+
+/// Calls them all.
+pub fn all() {
+    units::all();
+    alarm::all();
+    params::all();
+    cycle::all();
+    bus::all();
+}

@@ -1,0 +1,30 @@
+//! The parameter set.
+
+use audit::any::{any, sink};
+use leadscrew_core::params::{Entry, Params};
+
+/// All of this room.
+pub fn all() {
+    set_and_get();
+    check();
+}
+
+#[inline(never)]
+fn set_and_get() {
+    let params: Params = any();
+    for entry in Entry::all() {
+        sink((
+            params.get(entry),
+            entry.allows(any()),
+            entry.is_number(any()),
+        ));
+    }
+    sink(Entry::find(any(), None).is_ok());
+}
+
+#[inline(never)]
+fn check() {
+    let params: Params = any();
+    params.check(sink);
+    sink(params.validate().is_ok());
+}
