@@ -114,9 +114,13 @@ fn rustlib() -> Result<PathBuf> {
 
 /// Takes away libraries that do not fit: the compiler does not choose between two.
 fn clear(rustlib: &Path) -> Result<()> {
-    let dir = rustlib.join(TARGET);
-    if dir.exists() {
-        fs::remove_dir_all(&dir).with_context(|| format!("cannot take {} away", dir.display()))?;
+    // What was built against them goes too: the compiler would look for them in vain.
+    let built = run::root().join("target").join(TARGET);
+    for dir in [rustlib.join(TARGET), built, run::firmware().join("target")] {
+        if dir.exists() {
+            fs::remove_dir_all(&dir)
+                .with_context(|| format!("cannot take {} away", dir.display()))?;
+        }
     }
     Ok(())
 }

@@ -9,6 +9,8 @@ use leadscrew_core::bus::{
     Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Scale, SpindleCommand, Statusword,
     SyncProducer, Ticks,
 };
+use leadscrew_core::cycle::{Move, MoveKind, ThreadMove};
+use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
     ArcCall, Aux, Call, CallKind, CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut,
@@ -85,7 +87,7 @@ macro_rules! wrapped {
 }
 wrapped!(Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
     FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Ticks::new MilliRpm::new Statusword::from_raw
-    Controlword::from_raw);
+    Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw);
 
 /// Types that are the sum of their public fields.
 macro_rules! records {
@@ -109,6 +111,7 @@ records! {
         run_in run_out lead increment rpm
     }
     GrooveCall { start end_x end_z z_written peck step relief retract feed }
+    ThreadMove { lead pass_angle angle_udeg long_x last rpm }
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }
@@ -139,6 +142,11 @@ choices! {
     ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
+    MoveKind {
+        MoveKind::Rapid, MoveKind::Feed(any()),
+        MoveKind::Arc { i: any(), k: any(), clockwise: any(), feed: any() },
+        MoveKind::Thread(any()), MoveKind::Dwell(any()), MoveKind::Spindle(any()),
+    } or MoveKind::Aux(any());
     CallKind {
         CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
         CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
@@ -184,6 +192,34 @@ impl Any for Scale {
             if let Some(scale) = Self::new(any(), any()) {
                 return scale;
             }
+        }
+    }
+}
+
+impl Any for Ramp {
+    fn any() -> Self {
+        loop {
+            if let Some(ramp) = Self::new(any(), any(), any()) {
+                return ramp;
+            }
+        }
+    }
+}
+
+impl Any for Limits {
+    fn any() -> Self {
+        Self::from_params(&any())
+    }
+}
+
+impl Any for Move {
+    /// Without its place in a cycle, which nothing that runs on a board reads.
+    fn any() -> Self {
+        Self {
+            span: any(),
+            to: any(),
+            kind: any(),
+            tag: None,
         }
     }
 }

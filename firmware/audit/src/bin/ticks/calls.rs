@@ -51,14 +51,6 @@ pub fn o0013() -> ThreadCall {
     }
 }
 
-/// The same thread cut in 56 passes.
-pub fn o0013_in_56_passes() -> ThreadCall {
-    ThreadCall {
-        first_depth: at(um(500)),
-        ..o0013()
-    }
-}
-
 /// O0008 of the [G75 sheet]: 310 moves.
 pub fn o0008() -> GrooveCall {
     GrooveCall {

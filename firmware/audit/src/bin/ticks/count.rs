@@ -85,7 +85,7 @@ fn collect<S, R>(
 
 /// Runs `steps` steps from a state that `begin` makes, and prints mean and worst.
 pub fn count<S, R>(
-    name: &str,
+    name: impl core::fmt::Display,
     steps: usize,
     begin: impl FnMut() -> S,
     step: impl FnMut(&mut S, usize) -> R,

@@ -6,6 +6,7 @@
 mod alarm;
 mod bus;
 mod cycle;
+mod motion;
 mod params;
 mod units;
 
@@ -15,5 +16,6 @@ pub fn all() {
     alarm::all();
     params::all();
     cycle::all();
+    motion::all();
     bus::all();
 }

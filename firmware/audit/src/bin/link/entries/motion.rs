@@ -1,0 +1,65 @@
+//! Moves to setpoints.
+
+use audit::any::{any, sink};
+use leadscrew_core::cycle::Move;
+use leadscrew_core::motion::{Limits, Line, PathRate, Profile, Rate, Run, plan};
+use leadscrew_core::program::Position;
+
+/// All of this room.
+pub fn all() {
+    rates();
+    path();
+    profile();
+    run();
+}
+
+#[inline(never)]
+fn rates() {
+    sink(PathRate::of_feed(any(), any()).feed(any()));
+    sink(any::<Rate>().times(Rate::percent(any())).of(any()));
+}
+
+#[inline(never)]
+fn path() {
+    let line = Line::new(any(), any());
+    sink((
+        line.length(),
+        line.feed_length(),
+        line.distances(),
+        line.at(any()),
+    ));
+}
+
+#[inline(never)]
+fn profile() {
+    let mut profile = Profile::new();
+    while any() {
+        sink(profile.begin(any(), any(), any()));
+        sink(profile.extend(any(), any()));
+        sink(profile.tick(any()));
+        sink((profile.speed(), profile.remaining(), profile.at_rest()));
+        if any() {
+            profile.abandon();
+        }
+    }
+}
+
+#[inline(never)]
+fn run() {
+    let mut run = Run::new();
+    let limits: Limits = any();
+    while any() {
+        if let Ok(Some(timed)) = plan::timed(any::<Position>(), &any::<Move>(), &limits) {
+            sink(timed.duration_ticks());
+            if any() {
+                sink(run.begin(&timed));
+            } else {
+                sink(run.join(&timed));
+            }
+        }
+        sink(run.tick(any()));
+        if any() {
+            run.abandon();
+        }
+    }
+}
