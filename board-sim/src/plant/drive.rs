@@ -1,0 +1,246 @@
+//! A CiA 402 drive on the bus: an axis in cyclic synchronous position, or a spindle in cyclic synchronous velocity.
+//!
+//! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers.
+
+use super::follower::Follower;
+use super::power::Power;
+use leadscrew_core::bus::{
+    DriveCommand, DriveStatus, Emcy, Frame, Increments, MilliRpm, Mode, NmtCommand, NmtState,
+    NodeId, SpindleCommand, Statusword,
+};
+
+/// What is wrong with a drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Trouble {
+    /// Nothing.
+    #[default]
+    None,
+    /// It follows, and sends nothing.
+    Silent,
+    /// It is told where to go, and does not move.
+    Stuck,
+    /// It goes into fault with this emergency error code and cannot be reset.
+    Fault(u16),
+    /// Safe torque off: it falls back to switch on disabled and stays there.
+    TorqueOff,
+}
+
+/// How a drive behaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveOptions {
+    /// It answers every n-th SYNC (transmission type 1–240; 0 counts as 1).
+    pub transmission: u8,
+    /// SYNC periods that each change of its power state takes.
+    pub settling: u16,
+    /// Time constant of its following lag in SYNC periods.
+    pub lag: u16,
+}
+
+impl Default for DriveOptions {
+    /// Answers every 4th SYNC, changes state at once, follows without lag.
+    fn default() -> Self {
+        Self {
+            transmission: 4,
+            settling: 0,
+            lag: 0,
+        }
+    }
+}
+
+/// A drive.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive {
+    node: NodeId,
+    options: DriveOptions,
+    nmt: NmtState,
+    power: Power,
+    /// The controlword latched before.
+    control: u16,
+    command: Option<DriveCommand>,
+    spindle: SpindleCommand,
+    next_spindle: SpindleCommand,
+    follower: Follower,
+    /// SYNCs since the last answer.
+    syncs: u8,
+    /// SYNCs until the power state may change again.
+    busy: u16,
+    trouble: Trouble,
+}
+
+impl Drive {
+    /// A drive that has just been switched on; its boot-up message goes out with the first SYNC.
+    #[must_use]
+    pub const fn new(node: NodeId, options: DriveOptions, follower: Follower) -> Self {
+        let standing = SpindleCommand {
+            mode: Mode::Position,
+            velocity: MilliRpm::STOPPED,
+        };
+        Self {
+            node,
+            options,
+            nmt: NmtState::BootUp,
+            power: Power::NotReady,
+            control: 0,
+            command: None,
+            spindle: standing,
+            next_spindle: standing,
+            follower,
+            syncs: 0,
+            busy: 0,
+            trouble: Trouble::None,
+        }
+    }
+
+    /// Its node.
+    #[must_use]
+    pub const fn node(&self) -> NodeId {
+        self.node
+    }
+
+    /// Its power state.
+    #[must_use]
+    pub const fn power(&self) -> Power {
+        self.power
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub const fn actual(&self) -> Increments {
+        self.follower.actual()
+    }
+
+    /// The speed it turns a spindle with.
+    #[must_use]
+    pub fn velocity(&self) -> MilliRpm {
+        match (self.power, self.spindle.mode) {
+            (Power::Enabled, Mode::Velocity) => self.spindle.velocity,
+            _ => MilliRpm::STOPPED,
+        }
+    }
+
+    /// Makes something go wrong from the next SYNC on, or right again.
+    pub const fn trouble(&mut self, trouble: Trouble) {
+        self.trouble = trouble;
+    }
+
+    /// Switches it off and on: it starts anew where it stands.
+    pub fn restart(&mut self) {
+        self.follower.stop();
+        *self = Self {
+            trouble: self.trouble,
+            ..Self::new(self.node, self.options, self.follower)
+        };
+    }
+
+    /// A frame other than SYNC.
+    pub fn receive(&mut self, frame: &Frame) {
+        if let Some((command, node)) = NmtCommand::decode(frame) {
+            if node.is_none_or(|node| node == self.node) {
+                self.manage(command);
+            }
+        } else if self.nmt != NmtState::Operational {
+            // Process data counts only in operational.
+        } else if let Some((node, command)) = DriveCommand::decode(frame) {
+            if node == self.node {
+                self.command = Some(command);
+            }
+        } else if let Some((node, command)) = SpindleCommand::decode(frame)
+            && node == self.node
+        {
+            self.next_spindle = command;
+        }
+    }
+
+    fn manage(&mut self, command: NmtCommand) {
+        match command {
+            NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.restart(),
+            // Not before its boot-up message.
+            _ if self.nmt == NmtState::BootUp => {}
+            NmtCommand::Start => self.nmt = NmtState::Operational,
+            NmtCommand::Stop => self.nmt = NmtState::Stopped,
+            NmtCommand::PreOperational => self.nmt = NmtState::PreOperational,
+        }
+    }
+
+    /// A SYNC. `measured` is the position it reports if that is not its own to make (a spindle's).
+    pub fn sync(&mut self, measured: Option<Increments>, mut send: impl FnMut(Frame)) {
+        let silent = self.trouble == Trouble::Silent;
+        let mut send = |frame| {
+            if !silent {
+                send(frame);
+            }
+        };
+        if self.nmt == NmtState::BootUp {
+            self.nmt = NmtState::PreOperational;
+            self.power = Power::Disabled;
+            send(NmtState::BootUp.frame(self.node));
+        }
+        let target = self.latch();
+        self.suffer(&mut send);
+        self.drive(target);
+        self.answer(measured, send);
+    }
+
+    /// Takes over what came since the last SYNC.
+    fn latch(&mut self) -> Option<Increments> {
+        self.busy = self.busy.saturating_sub(1);
+        self.spindle = self.next_spindle;
+        let command = self.command?;
+        let word = command.control.raw();
+        if self.busy == 0 {
+            let next = self.power.after(word, self.control);
+            if next != self.power {
+                self.power = next;
+                self.busy = self.options.settling;
+            }
+            self.control = word;
+        }
+        Some(command.target)
+    }
+
+    fn suffer(&mut self, send: &mut impl FnMut(Frame)) {
+        match self.trouble {
+            Trouble::Fault(code) if self.power == Power::Reacting => {
+                self.power = Power::Fault;
+                send(
+                    Emcy {
+                        code,
+                        register: Emcy::GENERIC,
+                        detail: [0; 5],
+                    }
+                    .frame(self.node),
+                );
+            }
+            Trouble::Fault(_) if self.power != Power::Fault => self.power = Power::Reacting,
+            Trouble::TorqueOff => self.power = Power::Disabled,
+            _ => {}
+        }
+    }
+
+    fn drive(&mut self, target: Option<Increments>) {
+        match (self.power, target) {
+            _ if self.trouble == Trouble::Stuck => self.follower.stop(),
+            (Power::Enabled, Some(target)) => self.follower.follow(target),
+            _ => self.follower.stop(),
+        }
+    }
+
+    fn answer(&mut self, measured: Option<Increments>, mut send: impl FnMut(Frame)) {
+        if self.nmt != NmtState::Operational {
+            self.syncs = 0;
+            return;
+        }
+        self.syncs = self.syncs.saturating_add(1);
+        if self.syncs < self.options.transmission {
+            return;
+        }
+        self.syncs = 0;
+        send(
+            DriveStatus {
+                status: Statusword::from_raw(self.power.statusword()),
+                actual: measured.unwrap_or(self.follower.actual()),
+            }
+            .frame(self.node),
+        );
+    }
+}
