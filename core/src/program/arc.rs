@@ -135,6 +135,7 @@ fn root(value: u128) -> u128 {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
 mod tests {
     use super::*;
 
@@ -182,8 +183,12 @@ mod tests {
             let centre = centre_by_radius(to, Length::from_nm(r), round % 2 == 0, round % 3 == 0)
                 .expect("long enough");
             let start = root(centre.square()) as i64;
-            let end = root(way(centre.x.nm() - to.x.nm(), centre.z.nm() - to.z.nm()).square()) as i64;
-            assert!((start - r).abs() <= 2 && (end - r).abs() <= 2, "{to:?} {r} {start} {end}");
+            let end =
+                root(way(centre.x.nm() - to.x.nm(), centre.z.nm() - to.z.nm()).square()) as i64;
+            assert!(
+                (start - r).abs() <= 2 && (end - r).abs() <= 2,
+                "{to:?} {r} {start} {end}"
+            );
         }
     }
 

@@ -216,7 +216,12 @@ impl Block {
         for (absolute, increment) in PAIRS {
             if let (Some(a), Some(b)) = (self.find(absolute), self.find(increment)) {
                 let later = if a.span.column > b.span.column { a } else { b };
-                let args = [Arg::Letter(absolute), Arg::Letter(increment), Arg::None, Arg::None];
+                let args = [
+                    Arg::Letter(absolute),
+                    Arg::Letter(increment),
+                    Arg::None,
+                    Arg::None,
+                ];
                 return Err(later.alarm(Code::AbsoluteAndIncrement).with(args));
             }
         }
@@ -253,7 +258,12 @@ impl Block {
             Known::No => return Err(word.alarm(Code::UnknownG).with(named)),
         };
         if let Some(first) = self.g(group) {
-            let args = [g_arg(first.value.mantissa()), g_arg(code), Arg::None, Arg::None];
+            let args = [
+                g_arg(first.value.mantissa()),
+                g_arg(code),
+                Arg::None,
+                Arg::None,
+            ];
             return Err(word.alarm(Code::GroupTwice).with(args));
         }
         self.groups |= group.bit();
@@ -273,7 +283,12 @@ impl Block {
             _ => return Err(word.alarm(Code::UnknownM).with(named)),
         };
         if let Some(first) = self.m(group) {
-            let args = [Arg::Int(first.value.mantissa()), Arg::Int(code), Arg::None, Arg::None];
+            let args = [
+                Arg::Int(first.value.mantissa()),
+                Arg::Int(code),
+                Arg::None,
+                Arg::None,
+            ];
             return Err(word.alarm(Code::MGroupTwice).with(args));
         }
         self.m_groups |= group.bit();

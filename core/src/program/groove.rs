@@ -52,11 +52,11 @@ impl State<'_> {
         }
         let (end, x, z) = self.cycle_end(block, word)?;
         let peck = match block.find(b'P') {
-            None => return Err(Alarm::new(Code::GrooveStep, word.span)),
+            None => return Err(Alarm::new(Code::GrooveStepMissing, word.span)),
             Some(p) => {
                 let step = self.groove_step(&p)?;
                 if step.value == Length::ZERO {
-                    return Err(p.alarm(Code::GrooveStep));
+                    return Err(p.alarm(Code::GrooveStepMissing));
                 }
                 At::new(Diameter::from_nm(step.value.nm()).radius(), step.span)
             }
@@ -69,8 +69,8 @@ impl State<'_> {
         };
         if step.is_none() && end.z != self.position.z {
             return Err(match block.find(b'Q') {
-                Some(q) => q.alarm(Code::GrooveStep),
-                None => Alarm::new(Code::GrooveStep, word.span),
+                Some(q) => q.alarm(Code::GrooveStepMissing),
+                None => Alarm::new(Code::GrooveStepMissing, word.span),
             });
         }
         let relief = match block.find(b'R') {

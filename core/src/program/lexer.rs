@@ -223,7 +223,7 @@ impl<'t> Cursor<'t> {
                 Ok(if start { None } else { Some(Ended::Text) })
             }
             [b'#' | b'[' | b']' | b'=' | b'*', ..] => Err(self.alarm(Code::MacroNotAvailable)),
-            [0x80.., ..] => Err(self.alarm(Code::NotAscii)),
+            [0x80..=0xFF, ..] => Err(self.alarm(Code::NotAscii)),
             _ => Err(self.alarm(Code::UnknownCharacter)),
         }
     }

@@ -21,6 +21,8 @@ mod reader;
 mod run_out;
 mod scale;
 mod state;
+#[cfg(test)]
+mod tests;
 mod thread;
 
 pub use arc::ARC_END_TOLERANCE;

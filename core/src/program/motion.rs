@@ -6,7 +6,7 @@ use super::call::{ArcCall, CallKind, Position};
 use super::plan::Plan;
 use super::state::{AXES, Motion, PLANE_AXES, State, needs_words};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::units::{Diameter, Length};
+use crate::units::{Angle, Diameter, Length};
 
 /// Words of an arc besides the end point.
 const CENTRE: Letters = Letters::of(b"IK");
@@ -28,9 +28,9 @@ impl State<'_> {
         }
         if block.has_any(Letters::of(b"CH")) {
             if let Some(word) = block.find(b'C') {
-                to.c = origin.c + self.scale.angle(&word)?;
+                to.c = within_turns(origin.c + self.scale.angle(&word)?, &word)?;
             } else if let Some(word) = block.find(b'H') {
-                to.c += self.scale.angle(&word)?;
+                to.c = within_turns(to.c + self.scale.angle(&word)?, &word)?;
             }
         }
         Ok(to)
@@ -187,6 +187,18 @@ impl State<'_> {
         };
         Ok((end, place(b'X', b'U'), place(b'Z', b'W')))
     }
+}
+
+/// The same for a rotary axis.
+fn within_turns(angle: Angle, word: &Word) -> Result<Angle, Alarm> {
+    let limit = Length::INPUT_LIMIT.nm();
+    if angle.udeg().unsigned_abs() <= limit.unsigned_abs() {
+        return Ok(angle);
+    }
+    let limit = Arg::Angle(Angle::from_udeg(limit));
+    Err(word
+        .alarm(Code::PositionOutOfRange)
+        .with([limit, Arg::None, Arg::None, Arg::None]))
 }
 
 /// A coordinate that the machine arithmetic can carry.

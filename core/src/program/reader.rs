@@ -153,11 +153,7 @@ impl<'p> Reader<'p> {
     }
 
     /// Adds to the line in the buffer up to its line ending and reads it there; what follows is given back.
-    fn hold<'t>(
-        &mut self,
-        text: &'t [u8],
-        out: &mut impl FnMut(Event),
-    ) -> Result<&'t [u8], Alarm> {
+    fn hold<'t>(&mut self, text: &'t [u8], out: &mut impl FnMut(Event)) -> Result<&'t [u8], Alarm> {
         let mut rest = text;
         while let [byte, tail @ ..] = rest {
             if self.interpreter.is_ended() {

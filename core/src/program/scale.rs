@@ -2,7 +2,9 @@
 
 use super::block::Word;
 use crate::alarm::{Alarm, Arg, At, Code};
-use crate::units::{Angle, Decimal, DecimalError, Diameter, Feed, FeedPerTurn, Lead, Length, Millis};
+use crate::units::{
+    Angle, Decimal, DecimalError, Diameter, Feed, FeedPerTurn, Lead, Length, Millis,
+};
 
 /// The input system in force: G20 or G21, IS-B or IS-C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,10 +165,10 @@ impl Scale {
     #[inline]
     fn feed_nm(&self, word: &Word) -> Result<i64, Alarm> {
         // A nanometre a minute or turn; in inches the smallest decimal that is whole nanometres.
-        let (decimals, step, limit) = if self.inch {
-            (5, 254, 99_999)
+        let (decimals, step, limit, most) = if self.inch {
+            (5, 254, 99_999, 99_999 * 25_400_000)
         } else {
-            (6, 1, 999_999)
+            (6, 1, 999_999, 999_999 * 1_000_000)
         };
         let count = match word.value.scaled(decimals) {
             Ok(count) => count,
@@ -174,7 +176,6 @@ impl Scale {
             Err(DecimalError::TooLarge) => return Err(word.alarm(Code::NumberTooLong)),
         };
         let nm = count.saturating_mul(step);
-        let most = if self.inch { 25_400_000 } else { 1_000_000 } * limit;
         if nm <= 0 || nm > most {
             return Err(word.out_of_range(Arg::Decimal(1, decimals), Arg::Int(limit)));
         }

@@ -4,7 +4,7 @@
 //! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
 
 use super::block::{Block, Letters, Word, g_arg};
-use super::call::{CallKind, FeedRate, Position};
+use super::call::{FeedRate, Position};
 use super::codes::{Group, MGroup};
 use super::groove::GrooveWords;
 use super::options::Options;
@@ -90,10 +90,8 @@ const ALWAYS: Letters = Letters::of(b"NOSTF");
 pub(super) const AXES: Letters = Letters::of(b"XUZWCH");
 /// Words that place X or Z.
 pub(super) const PLANE_AXES: Letters = Letters::of(b"XUZW");
-const MODES: u16 = Group::Plane.bit()
-    | Group::Unit.bit()
-    | Group::System.bit()
-    | Group::FeedMode.bit();
+const MODES: u16 =
+    Group::Plane.bit() | Group::Unit.bit() | Group::System.bit() | Group::FeedMode.bit();
 
 impl<'p> State<'p> {
     pub(super) fn new(params: &'p Params, options: Options) -> Self {
@@ -484,7 +482,12 @@ impl<'p> State<'p> {
         self.place_origin();
         let zero = self.origin;
         if !zero.x.is_in_range() || !zero.z.is_in_range() {
-            let args = [Arg::Length(Length::INPUT_LIMIT), Arg::None, Arg::None, Arg::None];
+            let args = [
+                Arg::Length(Length::INPUT_LIMIT),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ];
             return Err(word.alarm(Code::PositionOutOfRange).with(args));
         }
         Ok(())

@@ -143,7 +143,9 @@ impl State<'_> {
         let extras = extras.or(first.next);
         let chamfer = Chamfer {
             tenths: match first.p {
-                Some(Digits { r: Some(r), span, .. }) => At::new(r, span),
+                Some(Digits {
+                    r: Some(r), span, ..
+                }) => At::new(r, span),
                 _ => parameter(self.params.thread_chamfer()),
             },
             degrees: match self.options.dialect {
@@ -246,7 +248,11 @@ impl State<'_> {
             },
         };
         let cut_in = match first.p {
-            Some(Digits { r: Some(r @ 0..=4), span, .. }) => cut_in(r).map(|mode| At::new(mode, span)),
+            Some(Digits {
+                r: Some(r @ 0..=4),
+                span,
+                ..
+            }) => cut_in(r).map(|mode| At::new(mode, span)),
             _ => cut_in(self.params.thread_cut_in()).map(parameter),
         };
         let call = ThreadCall {
@@ -350,7 +356,9 @@ impl State<'_> {
     /// m, or 057/5142.
     fn finish_passes(&self, p: Option<Digits>) -> At<u8> {
         match p {
-            Some(Digits { m: Some(m), span, .. }) => At::new(m, span),
+            Some(Digits {
+                m: Some(m), span, ..
+            }) => At::new(m, span),
             _ => parameter(self.params.thread_finish_passes()),
         }
     }
@@ -362,8 +370,13 @@ impl State<'_> {
             None => parameter(self.params.thread_angle()),
         };
         if angle.value > 99 {
-            let args = [Arg::Int(i64::from(angle.value)), Arg::None, Arg::None, Arg::None];
-            return Err(Alarm::new(Code::ThreadAngle, word.span).with(args));
+            let args = [
+                Arg::Int(i64::from(angle.value)),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ];
+            return Err(Alarm::new(Code::ThreadAngleRange, word.span).with(args));
         }
         Ok(angle)
     }

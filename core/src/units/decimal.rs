@@ -183,7 +183,10 @@ mod tests {
     #[test]
     fn notation_is_kept() {
         let p = read("020560");
-        assert_eq!((p.mantissa(), p.digits(), p.has_point(), p.has_sign()), (20560, 6, false, false));
+        assert_eq!(
+            (p.mantissa(), p.digits(), p.has_point(), p.has_sign()),
+            (20560, 6, false, false)
+        );
         let x = read("-.50");
         assert_eq!((x.mantissa(), x.decimals(), x.digits()), (-50, 2, 2));
         assert!(x.has_point() && x.has_sign());
@@ -201,8 +204,14 @@ mod tests {
         assert_eq!(read("0.00010").scaled(4), Ok(1));
         assert_eq!(read("0.00015").scaled(4), Err(DecimalError::Inexact));
         assert_eq!(read("-0.00015").scaled(4), Err(DecimalError::Inexact));
-        assert_eq!(read("999999999999999999").scaled(4), Err(DecimalError::TooLarge));
+        assert_eq!(
+            read("999999999999999999").scaled(4),
+            Err(DecimalError::TooLarge)
+        );
         assert_eq!(read(&format!("0.{}", "0".repeat(17))).scaled(3), Ok(0));
-        assert_eq!(read("0.000000000000000001").scaled(0), Err(DecimalError::Inexact));
+        assert_eq!(
+            read("0.000000000000000001").scaled(0),
+            Err(DecimalError::Inexact)
+        );
     }
 }
