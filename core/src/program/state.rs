@@ -351,7 +351,7 @@ impl<'p> State<'p> {
                 Arg::None,
                 Arg::None,
             ];
-            return Err(word.alarm(Code::SpindleTooFast).with(args));
+            return Err(word.alarm(Code::SpeedAboveSpindle).with(args));
         }
         Ok(speed)
     }
