@@ -189,7 +189,7 @@ codes! {
     FeedMissing = 4034, "{0} cuts and no feed is set", "write F; after a change between G98 and G99 write it again",
         "{0} 为切削，但没有进给速度", "请写 F；G98 与 G99 切换后需重新写 F";
     /// S above the spindle's limit; {0} S, {1} the limit.
-    SpeedAboveSpindle = 4035, "S{0} is above the spindle's {1} rpm (parameter 3772)", "write a smaller S",
+    SpeedWordTooHigh = 4035, "S{0} is above the spindle's {1} rpm (parameter 3772)", "write a smaller S",
         "S{0} 超过主轴最高转速 {1}（参数 3772）", "请减小 S";
     /// An offset number that does not exist; {0} the number, {1} the last one.
     ToolOffset = 4036, "there is no tool offset {0}", "write Txxyy with yy from 01 to {1}, or 00 for none",

@@ -351,7 +351,7 @@ impl<'p> State<'p> {
                 Arg::None,
                 Arg::None,
             ];
-            return Err(word.alarm(Code::SpeedAboveSpindle).with(args));
+            return Err(word.alarm(Code::SpeedWordTooHigh).with(args));
         }
         Ok(speed)
     }
