@@ -34,6 +34,7 @@ struct Definition {
     en: String,
     zh: String,
     sheet: String,
+    family: Option<(u16, u16)>,
     values: Vec<Value>,
 }
 
@@ -127,7 +128,11 @@ impl Fields<'_> {
 
     fn number(&mut self, key: &str) -> Option<u16> {
         let value = self.table.remove(key)?.into_inner();
-        match value.as_integer().and_then(|i| i.as_str().parse().ok()) {
+        match value
+            .as_integer()
+            .filter(|i| i.radix() == 10)
+            .and_then(|i| i.as_str().parse().ok())
+        {
             Some(number) => Some(number),
             None => panic!("{}: `{key}` must be a whole number up to 65535", self.place),
         }
@@ -224,11 +229,9 @@ fn read_definition(mut f: Fields, tables: &mut Tables) {
         members: Vec::new(),
         family: members.is_some(),
     };
-    for (index, member) in members
-        .unwrap_or_else(|| vec![String::new()])
-        .iter()
-        .enumerate()
-    {
+    let members = members.unwrap_or_else(|| vec![String::new()]);
+    let family = accessor.family.then(|| (no, no + members.len() as u16 - 1));
+    for (index, member) in members.iter().enumerate() {
         let no = no + index as u16;
         let mut values = Vec::new();
         for &part in &parts {
@@ -288,6 +291,7 @@ fn read_definition(mut f: Fields, tables: &mut Tables) {
             en: en.replace("{}", member),
             zh: zh.replace("{}", member),
             sheet: sheet.clone(),
+            family,
             values,
         });
     }
@@ -430,8 +434,8 @@ fn generate(tables: &Tables) -> String {
         write_line(
             &mut texts,
             format_args!(
-                "Text {{ name: {:?}, en: {:?}, zh: {:?}, sheet: {:?} }},",
-                d.name, d.en, d.zh, d.sheet
+                "Text {{ name: {:?}, en: {:?}, zh: {:?}, sheet: {:?}, family: {:?} }},",
+                d.name, d.en, d.zh, d.sheet, d.family
             ),
         );
         for v in &d.values {

@@ -6,6 +6,8 @@ use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use leadscrew_core::alarm::Lang;
+
 use crate::values::{At, Bus, Percent, Ripple, Signal, Tolerance};
 
 const STYLES: Styles = Styles::styled()
@@ -58,7 +60,9 @@ pub struct Global {
     /// Parameter file of the machine (repeatable; later files win)
     #[arg(long, global = true, value_name = "FILE")]
     pub params: Vec<PathBuf>,
-    /// One parameter, after all files: `182.7=1`, `1420.X=12000` (repeatable)
+    /// One parameter, after all files: `182.7=1`, `1420.X=12000`, `rapid_rate.X=12m/min` (repeatable)
+    ///
+    /// A value without a unit has the one that `leadscrew params docs` prints.
     #[arg(long, global = true, value_name = "NO[.BIT|.AXIS]=VALUE")]
     pub set: Vec<String>,
     /// Control family: settles words the two families write alike and mean differently
@@ -104,6 +108,16 @@ pub struct Global {
     pub cut_power: Option<u64>,
 }
 
+impl Global {
+    /// The language of messages.
+    pub fn lang(&self) -> Lang {
+        match self.lang {
+            LangName::En => Lang::En,
+            LangName::Zh => Lang::Zh,
+        }
+    }
+}
+
 /// `--dialect`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum DialectName {
@@ -142,6 +156,13 @@ pub enum Command {
     /// Check all of a program, upload it and run it
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// The parameter table: what there is, what it is set to, whether it can work
+    #[command(after_help = PARAMS_EXAMPLES)]
+    Params {
+        /// What to do with it
+        #[command(subcommand)]
+        command: ParamsCommand,
+    },
     /// One look at the board (not available yet)
     Status,
     /// A live view of the board (not available yet)
@@ -326,4 +347,60 @@ pub enum OverrideName {
     Rapid,
     /// Spindle.
     Spindle,
+}
+
+const PARAMS_EXAMPLES: &str = "\
+Examples:
+  leadscrew params list thread                             all that have `thread` in their name or meaning
+  leadscrew params get 1420.X --params lathe.toml          one value, and where it was set
+  leadscrew params validate --params lathe.toml            find mistakes in a machine file
+  leadscrew params docs > parameters.md                    the manual of all parameters
+
+A machine file is TOML, one value a line, keys by number or name, values with their unit:
+  \"1420.X\" = \"12000 mm/min\"
+  acceleration.Z = \"3 m/s²\"
+  182.7 = 1";
+
+/// `params`.
+#[derive(Debug, Subcommand)]
+pub enum ParamsCommand {
+    /// Print all parameters with their values
+    List {
+        /// Only those with this in their number, name or meaning
+        #[arg(value_name = "TEXT")]
+        filter: Option<String>,
+    },
+    /// Print single parameters, with range and source
+    Get {
+        /// Number or name, with or without its bit or axis
+        #[arg(required = true, value_name = "NO[.BIT|.AXIS]")]
+        keys: Vec<String>,
+    },
+    /// Check the set that `--params` and `--set` make
+    Validate,
+    /// Print the manual of all parameters as Markdown
+    Docs {
+        /// The electronic data sheet for CANopen tools (not available yet)
+        #[arg(long)]
+        eds: bool,
+    },
+    /// Write to a board's parameters (not available yet)
+    #[command(name = "set")]
+    Write(NotYet),
+    /// Fetch the set of a board (not available yet)
+    Pull(NotYet),
+    /// Send a set to a board (not available yet)
+    Push(NotYet),
+    /// Compare two sets (not available yet)
+    Diff(NotYet),
+    /// Bring a set of an older version up to date (not available yet)
+    Migrate(NotYet),
+}
+
+/// Whatever is typed behind a command that is not available yet.
+#[derive(Args, Debug)]
+pub struct NotYet {
+    /// Arguments
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    pub rest: Vec<String>,
 }

@@ -4,7 +4,7 @@
 use std::io::Write as _;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
-use leadscrew_core::alarm::{Alarm, Arg, Lang};
+use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::bus::Statusword;
 
 use crate::json::Json;
@@ -61,6 +61,24 @@ impl Diagnostic {
             message: fill(alarm.code.cause(lang), alarm, lang, inch),
             help: fill(alarm.code.help(lang), alarm, lang, inch),
             text: raw.map(|raw| printable(&raw)),
+            lang,
+        }
+    }
+
+    /// A condition of a parameter file or an option, which are no programs; its figures are texts.
+    pub fn of_option(code: Code, figures: &[String], place: &Place, lang: Lang) -> Self {
+        let text = |template| fill_with(template, None, |n| figures.get(n).cloned());
+        Self {
+            file: place.file.clone(),
+            number: code.number(),
+            warning: code.is_warning(),
+            line: place.line,
+            column: place.column,
+            end_column: place.end_column.max(place.column + 1),
+            word: None,
+            message: text(code.cause(lang)),
+            help: text(code.help(lang)),
+            text: (place.line > 0).then(|| printable(place.text.as_bytes())),
             lang,
         }
     }
@@ -124,6 +142,21 @@ impl Diagnostic {
     }
 }
 
+/// Where something stands that is no program: a parameter file, an option on the command line.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The file as it was named, or the option.
+    pub file: String,
+    /// Line from 1; 0 where no place is meant.
+    pub line: u32,
+    /// First column from 1, in characters.
+    pub column: usize,
+    /// Column after the last character.
+    pub end_column: usize,
+    /// The line.
+    pub text: String,
+}
+
 /// Where diagnostics for people go: standard error.
 pub fn print(diagnostic: &Diagnostic, colour: bool) {
     // A closed standard error leaves nobody to tell.
@@ -143,8 +176,18 @@ fn printable(raw: &[u8]) -> String {
         .collect()
 }
 
-/// Replaces `{0}`…`{3}` and `{w}` in a template.
+/// Replaces `{0}`…`{3}` and `{w}` in a template with the figures of an alarm.
 fn fill(template: &str, alarm: &Alarm, lang: Lang, inch: bool) -> String {
+    let figures = |n| alarm.args.get(n).map(|arg| figure(*arg, lang, inch));
+    fill_with(template, alarm.word, figures)
+}
+
+/// Replaces `{0}`… and `{w}` in a template.
+fn fill_with(
+    template: &str,
+    word: Option<u8>,
+    figures: impl Fn(usize) -> Option<String>,
+) -> String {
     let mut out = String::with_capacity(template.len() + 32);
     let mut rest = template;
     while let Some((before, after)) = rest.split_once('{') {
@@ -155,9 +198,9 @@ fn fill(template: &str, alarm: &Alarm, lang: Lang, inch: bool) -> String {
             continue;
         };
         match key {
-            "w" => out.push(alarm.word.map_or('?', char::from)),
-            key => match key.parse::<usize>().ok().and_then(|n| alarm.args.get(n)) {
-                Some(arg) => out.push_str(&figure(*arg, lang, inch)),
+            "w" => out.push(word.map_or('?', char::from)),
+            key => match key.parse().ok().and_then(&figures) {
+                Some(figure) => out.push_str(&figure),
                 // Not a figure: the braces are part of the text.
                 None => out.extend(["{", key, "}"]),
             },
@@ -222,7 +265,7 @@ fn written(mantissa: i64, decimals: u8) -> String {
 
 #[cfg(test)]
 mod tests {
-    use leadscrew_core::alarm::{Code, Span};
+    use leadscrew_core::alarm::Span;
     use leadscrew_core::units::{Diameter, Length, Rpm};
 
     use super::*;

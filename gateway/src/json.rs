@@ -86,6 +86,12 @@ impl Json {
         number::decimal::<D>(&mut self.out, value);
     }
 
+    /// `"key": digits`, where the digits of a JSON number are at hand.
+    pub fn number(&mut self, key: &str, digits: impl std::fmt::Display) {
+        self.key(key);
+        self.out.extend_from_slice(digits.to_string().as_bytes());
+    }
+
     /// `"key": null`.
     pub fn null(&mut self, key: &str) {
         self.key(key);

@@ -11,6 +11,7 @@ pub mod failure;
 pub mod json;
 pub mod movelist;
 pub mod number;
+pub mod params;
 pub mod plot;
 pub mod session;
 pub mod source;

@@ -5,8 +5,9 @@ use std::io::IsTerminal as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Params;
 
-use crate::cli::{Global, LangName};
+use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
+use crate::{diagnostics, params};
 
 /// The start of a command.
 #[derive(Debug)]
@@ -22,27 +23,27 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Loads what the options name.
+    /// Loads what the options name, and tells what is wrong with it.
     pub fn new(global: &'a Global) -> Outcome<Self> {
-        if !global.params.is_empty() || !global.set.is_empty() {
-            return Err(Failure::Usage(
-                "`--params` and `--set` are not available yet".into(),
-            ));
+        let (lang, colour) = (global.lang(), colour());
+        let loaded = params::load(&global.params, &global.set, lang)?;
+        for diagnostic in &loaded.diagnostics {
+            diagnostics::print(diagnostic, colour);
+        }
+        if !loaded.is_good() {
+            return Err(Failure::Wrong);
         }
         Ok(Self {
             global,
-            params: Params::slant_bed(),
-            lang: match global.lang {
-                LangName::En => Lang::En,
-                LangName::Zh => Lang::Zh,
-            },
-            colour: colour(),
+            params: loaded.params,
+            lang,
+            colour,
         })
     }
 }
 
 /// <https://no-color.org>: any non-empty `NO_COLOR` switches colour off.
-fn colour() -> bool {
+pub fn colour() -> bool {
     std::io::stderr().is_terminal()
         && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }

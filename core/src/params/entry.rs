@@ -50,6 +50,8 @@ pub struct Text {
     pub zh: &'static str,
     /// Where it comes from: sheets and decisions.
     pub sheet: &'static str,
+    /// First and last number of the family, where the parameter is one of several alike.
+    pub family: Option<(u16, u16)>,
 }
 
 /// Why no single value was found.
@@ -68,6 +70,7 @@ static NO_TEXT: Text = Text {
     en: "",
     zh: "",
     sheet: "",
+    family: None,
 };
 
 impl Entry {

@@ -10,7 +10,7 @@ use super::*;
 
 /// Defaults of the sheets' numbers, as text; the alias must lead to the same record.
 const SHEETS: &[(&str, Option<&str>, &str)] = &[
-    ("019", Some("5130"), "5"),
+    ("019", Some("5130"), "5 × 0.1 lead"),
     ("056", Some("5139"), "0.5 mm"),
     ("057", Some("5142"), "1"),
     ("058", Some("5143"), "60 °"),
@@ -42,7 +42,7 @@ const SHEETS: &[(&str, Option<&str>, &str)] = &[
     ("5261", None, "500 ms"),
     ("5271", None, "500 ms"),
     ("5275", None, "0"),
-    ("5276", None, "10"),
+    ("5276", None, "10 × 0.1 rpm"),
     ("5382", Some("5282"), "0 mm"),
 ];
 

@@ -119,8 +119,8 @@ impl Unit {
     pub const fn spellings(self) -> &'static [(&'static str, i64)] {
         match self {
             Self::Number => &[("", 1)],
-            Self::TenthLead => &[("", 1), ("lead", 10)],
-            Self::TenthRpm => &[("", 1), ("rpm", 10)],
+            Self::TenthLead => &[("", 1), ("× 0.1 lead", 1), ("lead", 10)],
+            Self::TenthRpm => &[("", 1), ("× 0.1 rpm", 1), ("rpm", 10)],
             Self::WholeDegree => &[("°", 1), ("deg", 1)],
             Self::Percent => &[("%", 1)],
             Self::Hertz => &[("Hz", 1), ("kHz", 1_000)],
@@ -214,7 +214,7 @@ impl Unit {
             .unwrap_or((text, ""));
         let (mantissa, decimals) = decimal(number)?;
         let unit = unit.trim();
-        let scale = if unit.is_empty() || unit == self.symbol() {
+        let scale = if unit.is_empty() {
             if unit.is_empty() && writing == Writing::UnitRequired && !self.is_bare() {
                 return Err(ValueError::UnitMissing);
             }
@@ -285,10 +285,11 @@ impl fmt::Display for Shown {
         if width > 0 {
             write!(f, ".{rest:0width$}")?;
         }
-        if self.symbol && !self.unit.is_bare() {
-            write!(f, " {}", self.unit.symbol())?;
+        match (self.symbol, self.unit) {
+            (false, _) | (true, Unit::Number) => Ok(()),
+            (true, Unit::TenthLead | Unit::TenthRpm) => write!(f, " × {}", self.unit.symbol()),
+            (true, unit) => write!(f, " {}", unit.symbol()),
         }
-        Ok(())
     }
 }
 
@@ -397,6 +398,7 @@ mod tests {
             (Unit::Microsecond, "1 ms", 1_000),
             (Unit::TenthRpm, "1 rpm", 10),
             (Unit::TenthLead, "0.5 lead", 5),
+            (Unit::TenthLead, "5 × 0.1 lead", 5),
         ] {
             assert_eq!(optional(unit, text), Ok(raw), "{unit:?} {text}");
         }

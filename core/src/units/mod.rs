@@ -8,7 +8,6 @@
 
 mod angle;
 mod axis;
-mod decimal;
 mod feed;
 mod length;
 mod rate;
@@ -16,7 +15,6 @@ mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
-pub use decimal::{Decimal, DecimalError};
 pub use feed::{Feed, FeedPerTurn, Lead, Millis, Rpm};
 pub use length::{Diameter, Length};
 pub use rate::{Ticks, TurnRate};

@@ -36,6 +36,7 @@ fn touches_a_board(command: &Command) -> bool {
             | Command::Expand(_)
             | Command::Simulate(_)
             | Command::Plot(_)
+            | Command::Params { .. }
             | Command::Completions { .. }
     )
 }

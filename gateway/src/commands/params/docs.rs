@@ -1,0 +1,191 @@
+//! `params docs`: the manual of all parameters, as Markdown. `docs/parameters.md` is its output.
+
+use std::fmt::Write as _;
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::{Entry, Params};
+
+use super::{json_list, load, meaning, name, print, unit_text, value_text};
+use crate::cli::Global;
+use crate::failure::{Failure, Outcome};
+
+/// Prints the manual.
+pub fn run(global: &Global, eds: bool) -> Outcome {
+    if eds {
+        return Err(Failure::Usage(
+            "`params docs --eds` is not available yet".into(),
+        ));
+    }
+    if global.json {
+        let loaded = load(global)?;
+        return print(&json_list(Entry::all().iter(), &loaded, global.lang()));
+    }
+    print(markdown(global.lang()).as_bytes())
+}
+
+/// A chapter: which numbers, and its head in both languages.
+struct Chapter {
+    numbers: fn(u16) -> bool,
+    en: &'static str,
+    zh: &'static str,
+}
+
+const CHAPTERS: [Chapter; 4] = [
+    Chapter {
+        numbers: |no| no < 1000,
+        en: "Cycles: numbers of the 980TD",
+        zh: "循环：980TD 参数号",
+    },
+    Chapter {
+        numbers: |no| (5000..9000).contains(&no),
+        en: "Cycles: numbers of the 988",
+        zh: "循环：988 参数号",
+    },
+    Chapter {
+        numbers: |no| (1000..5000).contains(&no),
+        en: "Machine: FANUC numbers",
+        zh: "机床：FANUC 参数号",
+    },
+    Chapter {
+        numbers: |no| no >= 9000,
+        en: "Machine: our own numbers",
+        zh: "机床：自有参数号",
+    },
+];
+
+const INTRO_EN: &str = "# Parameters
+
+Made by `leadscrew params docs` from the definitions in `params/*.toml`; do not edit it by hand.
+
+A set of parameters is the built-in machine (column *Built in*), over it the files of `--params FILE` in their order, over
+them the options `--set NO[.BIT|.AXIS]=VALUE`. A file is TOML, one value a key. A key is a number or a name, with its bit
+or axis; zeros before a number do not count. In a file a value is written with its unit, on the command line it may be left
+out.
+
+```toml
+\"1420.X\" = \"12000 mm/min\"    # or rapid_rate.X, or [1420] and X = … under it
+acceleration.Z = \"3 m/s²\"
+182.7 = 1
+```
+
+An unknown key, a wrong unit, a value out of its range, a digit too many or a key written twice is an alarm, never
+ignored. So is a set that cannot work as a whole; `leadscrew params validate` tells why.
+
+X: travel, speeds, accelerations and limits are those of the slide, on the radius. Offsets are diameters, as they are
+programmed. Speeds and limits of C are in degrees.
+";
+
+const INTRO_ZH: &str = "# 参数
+
+由 `leadscrew params docs` 根据 `params/*.toml` 中的定义生成，请勿手工修改。
+
+一组参数由内置机床的值（“内置值”一栏）、其上按顺序叠加的 `--params FILE` 文件、最后叠加的 `--set NO[.BIT|.AXIS]=VALUE` 选项组成。文件为
+TOML 格式，每个键一个值。键为参数号或名称，加位号或轴名；参数号前的零不计。文件中的值须写单位，命令行中可省略。
+
+```toml
+\"1420.X\" = \"12000 mm/min\"    # 或 rapid_rate.X，或 [1420] 下的 X = …
+acceleration.Z = \"3 m/s²\"
+182.7 = 1
+```
+
+未知的键、错误的单位、超出范围、位数过多、重复设定均为报警，不会被忽略。整体上不能工作的一组参数也是报警；`leadscrew params validate` 说明原因。
+
+X 轴：行程、速度、加速度和极限均按滑板（半径值）计；偏置按编程为直径值。C 轴的速度和极限以度为单位。
+";
+
+/// The manual.
+pub fn markdown(lang: Lang) -> String {
+    let mut out = String::from(match lang {
+        Lang::En => INTRO_EN,
+        Lang::Zh => INTRO_ZH,
+    });
+    for chapter in &CHAPTERS {
+        let (title, head) = match lang {
+            Lang::En => (
+                chapter.en,
+                "| No. | Alias | Name | Unit | Range | Built in | Meaning | Source |",
+            ),
+            Lang::Zh => (
+                chapter.zh,
+                "| 号 | 别号 | 名称 | 单位 | 范围 | 内置值 | 含义 | 出处 |",
+            ),
+        };
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            out,
+            "\n## {title}\n\n{head}\n|---|---|---|---|---|---|---|---|"
+        );
+        for entry in Entry::all().iter().filter(|e| (chapter.numbers)(e.no)) {
+            row(&mut out, entry, lang);
+        }
+    }
+    out
+}
+
+/// One line of the table; of a family only the first member, for all of them.
+fn row(out: &mut String, entry: &Entry, lang: Lang) {
+    let mut number = entry.to_string();
+    let mut names = format!("`{}`", name(entry));
+    let mut meaning = meaning(entry, lang).to_owned();
+    if let Some((first, last)) = entry.text().family {
+        if entry.no != first {
+            return;
+        }
+        let of_last = Entry::find(last, Some(entry.part)).map(|e| (e.to_string(), name(e)));
+        if let Ok((last_number, last_name)) = of_last {
+            number = format!("{number} … {last_number}");
+            names = format!("{names} … `{last_name}`");
+            meaning.push_str(match lang {
+                Lang::En => "; and so on",
+                Lang::Zh => "；其余类推",
+            });
+        }
+    }
+    let alias = entry.alias.map(|a| a.to_string()).unwrap_or_default();
+    let unit = unit_text(entry, lang);
+    let (min, max) = (entry.unit.number(entry.min), entry.unit.number(entry.max));
+    let none = match (entry.none, lang) {
+        (None, _) => "",
+        (Some(_), Lang::En) => ", or `none`",
+        (Some(_), Lang::Zh) => "，或 `none`",
+    };
+    let built_in = value_text(entry, Params::slant_bed().get(entry));
+    let sheet = entry.text().sheet;
+    let _ = writeln!(
+        out,
+        "| {number} | {alias} | {names} | {unit} | {min} … {max}{none} | {built_in} | {meaning} | {sheet} |"
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_manual_in_the_repository_is_current() {
+        let kept = include_str!("../../../../docs/parameters.md");
+        assert!(
+            kept == markdown(Lang::En),
+            "docs/parameters.md is not current; make it with `leadscrew params docs > docs/parameters.md`"
+        );
+    }
+
+    #[test]
+    fn every_parameter_is_in_the_manual_in_both_languages() {
+        for lang in [Lang::En, Lang::Zh] {
+            let text = markdown(lang);
+            for entry in Entry::all() {
+                let first = entry
+                    .text()
+                    .family
+                    .is_none_or(|(first, _)| first == entry.no);
+                let rows = text.matches(&format!("\n| {entry} ")).count();
+                assert_eq!(rows, usize::from(first), "{entry}");
+            }
+            // Eight columns everywhere: no text breaks the table.
+            for line in text.lines().filter(|line| line.starts_with('|')) {
+                assert_eq!(line.matches('|').count(), 9, "{line}");
+            }
+        }
+    }
+}

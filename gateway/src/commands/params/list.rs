@@ -1,0 +1,75 @@
+//! `params list`: every parameter and its value, a line each.
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::Entry;
+
+use super::{json_list, load, meaning, name, print, value_text};
+use crate::cli::Global;
+use crate::failure::Outcome;
+use crate::params::Loaded;
+
+/// Prints the table.
+pub fn run(global: &Global, filter: Option<&str>) -> Outcome {
+    let loaded = load(global)?;
+    let lang = global.lang();
+    let wanted = filter.unwrap_or_default().to_lowercase();
+    let entries = Entry::all().iter().filter(|e| matches(e, &wanted));
+    if global.json {
+        return print(&json_list(entries, &loaded, lang));
+    }
+    let rows: Vec<_> = entries.map(|e| row(e, &loaded, lang)).collect();
+    let head = match lang {
+        Lang::En => ["No.", "alias", "name", "value", "meaning"],
+        Lang::Zh => ["号", "别号", "名称", "值", "含义"],
+    };
+    print(table(&head.map(String::from), &rows).as_bytes())
+}
+
+fn matches(entry: &Entry, wanted: &str) -> bool {
+    let text = entry.text();
+    let alias = entry.alias.map(|a| a.to_string()).unwrap_or_default();
+    [&entry.to_string(), &alias, &name(entry), text.en, text.zh]
+        .iter()
+        .any(|field| field.to_lowercase().contains(wanted))
+}
+
+/// A star marks what differs from the built-in machine's file.
+fn row(entry: &Entry, loaded: &Loaded, lang: Lang) -> [String; 5] {
+    let mut value = value_text(entry, loaded.params.get(entry));
+    if loaded.source(entry).is_some() {
+        value.push_str(" *");
+    }
+    [
+        entry.to_string(),
+        entry.alias.map(|a| a.to_string()).unwrap_or_default(),
+        name(entry),
+        value,
+        meaning(entry, lang).to_owned(),
+    ]
+}
+
+/// Columns as wide as they need to be; a Chinese character takes two places.
+fn table(head: &[String; 5], rows: &[[String; 5]]) -> String {
+    let mut widths = [0; 5];
+    for row in rows.iter().chain([head]) {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(columns(cell));
+        }
+    }
+    let mut out = String::new();
+    for row in [head].into_iter().chain(rows) {
+        let start = out.len();
+        for (width, cell) in widths.iter().zip(row) {
+            out.push_str(cell);
+            out.extend(std::iter::repeat_n(' ', width - columns(cell) + 2));
+        }
+        out.truncate(start + out[start..].trim_end().len());
+        out.push('\n');
+    }
+    out
+}
+
+/// Places on a terminal. East Asian wide characters begin at U+1100, and the texts use no others.
+fn columns(text: &str) -> usize {
+    text.chars().map(|c| 1 + usize::from(c >= '\u{2e80}')).sum()
+}

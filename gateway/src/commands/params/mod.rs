@@ -1,0 +1,151 @@
+//! `params`: one file a verb, and what they share: a value as text and as JSON.
+
+mod docs;
+mod get;
+mod list;
+mod validate;
+
+use std::io::Write as _;
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::{Entry, Params, Part};
+
+use crate::cli::{Global, ParamsCommand};
+use crate::failure::{Failure, Outcome};
+use crate::json::Json;
+use crate::params::Loaded;
+use crate::session;
+use crate::{diagnostics, params};
+
+/// Does what was typed.
+pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
+    let not_yet = |name: &str| {
+        Err(Failure::Usage(format!(
+            "`params {name}` is not available yet: it needs a board that keeps its parameters; `--params FILE` and \
+             `--set NO=VALUE` give a set to every command"
+        )))
+    };
+    match command {
+        ParamsCommand::List { filter } => list::run(global, filter.as_deref()),
+        ParamsCommand::Get { keys } => get::run(global, keys),
+        ParamsCommand::Validate => validate::run(global),
+        ParamsCommand::Docs { eds } => docs::run(global, *eds),
+        ParamsCommand::Write(_) => not_yet("set"),
+        ParamsCommand::Pull(_) => not_yet("pull"),
+        ParamsCommand::Push(_) => not_yet("push"),
+        ParamsCommand::Diff(_) => not_yet("diff"),
+        ParamsCommand::Migrate(_) => not_yet("migrate"),
+    }
+}
+
+/// The set, with everything that is wrong with it told; a wrong one ends the command.
+fn load(global: &Global) -> Outcome<Loaded> {
+    let loaded = params::load(&global.params, &global.set, global.lang())?;
+    let colour = session::colour();
+    for diagnostic in &loaded.diagnostics {
+        diagnostics::print(diagnostic, colour);
+    }
+    if loaded.is_good() {
+        Ok(loaded)
+    } else {
+        Err(Failure::Wrong)
+    }
+}
+
+fn print(bytes: &[u8]) -> Outcome {
+    std::io::stdout()
+        .lock()
+        .write_all(bytes)
+        .map_err(|error| Failure::stdout(&error))
+}
+
+/// A raw value with its unit, as machine files take it.
+fn value_text(entry: &Entry, raw: i64) -> String {
+    if entry.none == Some(raw) {
+        "none".into()
+    } else {
+        entry.unit.text(raw).to_string()
+    }
+}
+
+/// The unit as a table shows it: a diameter says that it is one.
+fn unit_text(entry: &Entry, lang: Lang) -> String {
+    match (entry.unit.is_diameter(), lang) {
+        (false, _) => entry.unit.symbol().into(),
+        (true, Lang::En) => format!("{} (diameter)", entry.unit.symbol()),
+        (true, Lang::Zh) => format!("{}（直径值）", entry.unit.symbol()),
+    }
+}
+
+/// What the parameter is.
+fn meaning(entry: &Entry, lang: Lang) -> &'static str {
+    match lang {
+        Lang::En => entry.text().en,
+        Lang::Zh => entry.text().zh,
+    }
+}
+
+/// `thread_angle`, `rapid_rate.X`: what a machine file may write for the number.
+fn name(entry: &Entry) -> String {
+    match entry.part {
+        Part::Axis(axis) => format!("{}.{}", entry.text().name, char::from(axis.letter())),
+        Part::Whole | Part::Bit(_) => entry.text().name.into(),
+    }
+}
+
+/// One value with its definition, an element of `params` in the machine format.
+fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
+    let number = |json: &mut Json, key: &str, raw| {
+        if entry.none == Some(raw) {
+            json.null(key);
+        } else {
+            json.number(key, entry.unit.number(raw));
+        }
+    };
+    json.object(|o| {
+        o.text("key", &entry.to_string());
+        o.integer("no", i64::from(entry.no));
+        if let Some(alias) = entry.alias {
+            o.integer("alias", i64::from(alias));
+        }
+        match entry.part {
+            Part::Whole => {}
+            Part::Bit(bit) => o.integer("bit", i64::from(bit)),
+            Part::Axis(axis) => {
+                o.text("axis", char::from(axis.letter()).encode_utf8(&mut [0; 4]));
+            }
+        }
+        o.text("name", entry.text().name);
+        number(o, "value", loaded.params.get(entry));
+        o.text("unit", entry.unit.symbol());
+        if entry.unit.is_diameter() {
+            o.flag("diameter", true);
+        }
+        number(o, "min", entry.min);
+        number(o, "max", entry.max);
+        if entry.none.is_some() {
+            o.flag("none_allowed", true);
+        }
+        number(o, "default", Params::slant_bed().get(entry));
+        if let Some(source) = loaded.source(entry) {
+            o.text("set_by", &source);
+        }
+        o.text("meaning", meaning(entry, lang));
+        o.text("sheet", entry.text().sheet);
+    });
+}
+
+/// `{"params":[…]}` of some entries.
+fn json_list<'a>(entries: impl Iterator<Item = &'a Entry>, loaded: &Loaded, lang: Lang) -> Vec<u8> {
+    let mut out = Json::new();
+    out.object(|o| {
+        o.array_at("params", |list| {
+            for entry in entries {
+                json(list, entry, loaded, lang);
+            }
+        });
+    });
+    let mut bytes = out.into_bytes();
+    bytes.push(b'\n');
+    bytes
+}

@@ -1,0 +1,55 @@
+//! `params validate`: whether the set that `--params` and `--set` make can work.
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::Entry;
+
+use super::print;
+use crate::cli::Global;
+use crate::failure::{Failure, Outcome};
+use crate::json::Json;
+use crate::{diagnostics, params, session};
+
+/// Tells everything that is wrong; exit 1 where an alarm is among it.
+pub fn run(global: &Global) -> Outcome {
+    let lang = global.lang();
+    let loaded = params::load(&global.params, &global.set, lang)?;
+    if global.json {
+        let mut out = Json::new();
+        out.object(|o| {
+            o.flag("ok", loaded.is_good());
+            for (key, warning) in [("alarms", false), ("warnings", true)] {
+                o.array_at(key, |list| {
+                    for diagnostic in loaded.diagnostics.iter().filter(|d| d.warning == warning) {
+                        list.object(|o| diagnostic.fields(o, true));
+                    }
+                });
+            }
+        });
+        let mut bytes = out.into_bytes();
+        bytes.push(b'\n');
+        print(&bytes)?;
+    } else {
+        let colour = session::colour();
+        for diagnostic in &loaded.diagnostics {
+            diagnostics::print(diagnostic, colour);
+        }
+        if loaded.is_good() {
+            let set = Entry::all().iter().filter(|e| loaded.source(e).is_some());
+            let (all, set) = (Entry::all().len(), set.count());
+            let line = match lang {
+                Lang::En => format!(
+                    "good: {all} values, {set} of them set here, the others the built-in machine's\n"
+                ),
+                Lang::Zh => {
+                    format!("正确：共 {all} 个值，其中 {set} 个在此设定，其余为内置机床的值\n")
+                }
+            };
+            print(line.as_bytes())?;
+        }
+    }
+    if loaded.is_good() {
+        Ok(())
+    } else {
+        Err(Failure::Wrong)
+    }
+}

@@ -1,0 +1,211 @@
+//! From parameter files and `--set` options to a set of parameters: the built-in machine, over it each file in the order
+//! it was named, over them the options.
+//!
+//! A mistake never hides another: everything that is wrong is told at once, each with its place, cause and remedy.
+//! Nothing is ignored and nothing is rounded.
+
+mod file;
+mod mistake;
+mod option;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
+use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
+use leadscrew_core::units::Axis;
+
+use crate::diagnostics::{Diagnostic, Place, figure};
+use crate::failure::Outcome;
+
+pub use mistake::unknown_key;
+
+/// A set of parameters, where its values come from, and what is wrong with it.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The set; complete and usable only where [`Loaded::is_good`].
+    pub params: Params,
+    /// Alarms and warnings, in the order in which they were found.
+    pub diagnostics: Vec<Diagnostic>,
+    sources: BTreeMap<Key, Source>,
+}
+
+/// The number and part of an entry, in an order.
+type Key = (u16, u8);
+
+/// Where a value that differs from the built-in machine's was written.
+#[derive(Debug)]
+struct Source {
+    /// Counts up: the larger is the later.
+    order: usize,
+    /// Which file or option.
+    layer: usize,
+    place: Place,
+}
+
+/// A set being put together.
+struct Loader {
+    loaded: Loaded,
+    lang: Lang,
+    /// The file or option that is being read, from 1.
+    layer: usize,
+    /// Values read so far.
+    count: usize,
+}
+
+/// Lays files and options over the built-in machine and checks the result as a whole.
+///
+/// # Errors
+/// A file that cannot be read, or an option without `=`: the command line is wrong. What is wrong with the parameters
+/// themselves is in [`Loaded::diagnostics`].
+pub fn load(files: &[PathBuf], options: &[String], lang: Lang) -> Outcome<Loaded> {
+    let mut loader = Loader {
+        loaded: Loaded {
+            params: Params::slant_bed(),
+            diagnostics: Vec::new(),
+            sources: BTreeMap::new(),
+        },
+        lang,
+        layer: 0,
+        count: 0,
+    };
+    for path in files {
+        loader.layer += 1;
+        let text = file::read(path)?;
+        file::apply(&mut loader, &path.display().to_string(), &text);
+    }
+    for text in options {
+        loader.layer += 1;
+        option::apply(&mut loader, text)?;
+    }
+    // A set with a hole in it would only produce reasons that are none.
+    if loader.loaded.is_good() {
+        loader.loaded.cross_check(lang);
+    }
+    Ok(loader.loaded)
+}
+
+impl Loaded {
+    /// True where nothing but warnings was found.
+    pub fn is_good(&self) -> bool {
+        self.diagnostics.iter().all(|d| d.warning)
+    }
+
+    /// Where a value was written: `FILE:LINE`, or the option; `None` for the built-in machine's.
+    pub fn source(&self, entry: &Entry) -> Option<String> {
+        let place = &self.sources.get(&key(entry))?.place;
+        Some(if place.file == option::NAME {
+            format!("{} {}", option::NAME, place.text)
+        } else {
+            format!("{}:{}", place.file, place.line)
+        })
+    }
+
+    fn cross_check(&mut self, lang: Lang) {
+        let mut found = Vec::new();
+        self.params.check(|alarm| found.push(alarm));
+        for alarm in found {
+            let figures = alarm.args.map(|arg| figure(arg, lang, false));
+            let place = self.blame(&alarm);
+            let diagnostic = Diagnostic::of_option(alarm.code, &figures, &place, lang);
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Of the values that make a condition, the one written last.
+    fn blame(&self, alarm: &Alarm) -> Place {
+        let axis = match alarm.args[0] {
+            Arg::Letter(letter) => Axis::ALL.into_iter().find(|axis| axis.letter() == letter),
+            _ => None,
+        };
+        let part = |entry: &Entry| match entry.part {
+            Part::Axis(of) => axis.is_none_or(|axis| axis == of),
+            Part::Whole | Part::Bit(_) => true,
+        };
+        let source = Entry::all()
+            .iter()
+            .filter(|entry| numbers(alarm.code).contains(&entry.no) && part(entry))
+            .filter_map(|entry| self.sources.get(&key(entry)))
+            .max_by_key(|source| source.order);
+        source.map_or_else(
+            || Place {
+                file: "the built-in machine".into(),
+                ..Place::default()
+            },
+            |source| source.place.clone(),
+        )
+    }
+}
+
+/// The parameters that a cross-check compares.
+fn numbers(code: Code) -> &'static [u16] {
+    match code {
+        Code::RampTooLong => &[1420, 1620, 1622, 9000],
+        Code::SoftLimitsInverted => &[1320, 1321],
+        Code::FeedAboveRapid => &[1420, 1430],
+        Code::ObserverTooFast => &[9000, 9005],
+        Code::SpindleTooFastForTick => &[3772, 9000],
+        Code::TravelBeyondDrive => &[1320, 1321, 9001, 9002],
+        Code::IncrementAboveLimit => &[1828, 9001, 9002],
+        Code::ToleranceAboveVariation => &[9007, 9010],
+        Code::TapSpeedAboveSpindle => &[3772, 5241],
+        Code::NoPeckReturn => &[5213],
+        Code::ExtractionOverrideOff => &[5200, 5201],
+        _ => &[],
+    }
+}
+
+fn key(entry: &Entry) -> Key {
+    let part = match entry.part {
+        Part::Whole => 0,
+        Part::Bit(bit) => bit,
+        Part::Axis(axis) => axis.letter(),
+    };
+    (entry.no, part)
+}
+
+impl Loader {
+    fn report(&mut self, code: Code, figures: &[String], place: &Place) {
+        let diagnostic = Diagnostic::of_option(code, figures, place, self.lang);
+        self.loaded.diagnostics.push(diagnostic);
+    }
+
+    fn not_found(&mut self, name: &str, error: FindError, place: &Place) {
+        let (code, figures) = mistake::not_found(name, error);
+        self.report(code, &figures, place);
+    }
+
+    /// Takes one value; `at_key` and `at_value` are where a mistake in either is shown.
+    fn set(
+        &mut self,
+        entry: &'static Entry,
+        text: &str,
+        writing: Writing,
+        at_key: &Place,
+        at_value: &Place,
+    ) {
+        if let Some(first) = self.loaded.sources.get(&key(entry))
+            && first.layer == self.layer
+        {
+            let line = first.place.line.to_string();
+            return self.report(Code::ParamTwice, &[mistake::label(entry), line], at_key);
+        }
+        let set = entry
+            .parse(text, writing)
+            .and_then(|raw| self.loaded.params.set(entry, raw));
+        if let Err(error) = set {
+            let (code, figures) = mistake::not_taken(entry, text, writing, error);
+            self.report(code, &figures, at_value);
+        }
+        // Also where it was refused: a second mistake about the same value is told as what it is.
+        self.count += 1;
+        let source = Source {
+            order: self.count,
+            layer: self.layer,
+            place: at_value.clone(),
+        };
+        self.loaded.sources.insert(key(entry), source);
+    }
+}

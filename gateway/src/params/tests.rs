@@ -1,0 +1,363 @@
+//! Files and options, right and wrong.
+
+use leadscrew_core::units::Feed;
+
+use super::*;
+
+const SLANT_BED: &str = include_str!("../../../params/machines/slant-bed.toml");
+
+/// Loads files given as texts, named `1.toml`, `2.toml` …, and options.
+fn load_texts(files: &[&str], options: &[&str]) -> Loaded {
+    let mut loader = Loader {
+        loaded: Loaded {
+            params: Params::slant_bed(),
+            diagnostics: Vec::new(),
+            sources: BTreeMap::new(),
+        },
+        lang: Lang::En,
+        layer: 0,
+        count: 0,
+    };
+    for (number, text) in (1..).zip(files) {
+        loader.layer += 1;
+        file::apply(&mut loader, &format!("{number}.toml"), text);
+    }
+    for text in options {
+        loader.layer += 1;
+        option::apply(&mut loader, text).unwrap();
+    }
+    if loader.loaded.is_good() {
+        loader.loaded.cross_check(Lang::En);
+    }
+    loader.loaded
+}
+
+/// `FILE:LINE:COLUMN-END NUMBER MESSAGE / HELP` of everything found.
+fn told(loaded: &Loaded) -> Vec<String> {
+    let text = |d: &Diagnostic| {
+        format!(
+            "{}:{}:{}-{} {} {} / {}",
+            d.file, d.line, d.column, d.end_column, d.number, d.message, d.help
+        )
+    };
+    loaded.diagnostics.iter().map(text).collect()
+}
+
+fn alone(file: &str) -> String {
+    let loaded = load_texts(&[file], &[]);
+    let told = told(&loaded);
+    assert_eq!(told.len(), 1, "{file}: {told:?}");
+    assert_eq!(loaded.params, Params::slant_bed(), "{file}");
+    told.into_iter().next().unwrap()
+}
+
+fn text_of(entry: &Entry, raw: i64) -> String {
+    if entry.none == Some(raw) {
+        "none".into()
+    } else {
+        entry.unit.text(raw).to_string()
+    }
+}
+
+#[test]
+fn the_file_of_the_built_in_machine_is_a_machine_file() {
+    let loaded = load_texts(&[SLANT_BED], &[]);
+    assert_eq!(told(&loaded), [""; 0]);
+    assert_eq!(loaded.params, Params::slant_bed());
+    let rapid = Entry::find_text("1420.X").unwrap();
+    let line = 1 + SLANT_BED
+        .lines()
+        .position(|l| l.starts_with("rapid_rate.X"))
+        .unwrap();
+    assert_eq!(loaded.source(rapid), Some(format!("1.toml:{line}")));
+    let chamfer = Entry::find_text("019").unwrap();
+    assert_eq!(loaded.source(chamfer), None);
+}
+
+#[test]
+fn every_value_can_be_written_by_number_alias_and_name_in_files_and_options() {
+    for pick in [|e: &Entry| e.min, |e: &Entry| e.max] {
+        let mut expected = Params::slant_bed();
+        for entry in Entry::all() {
+            expected.set(entry, pick(entry)).unwrap();
+        }
+        let keys: [fn(&Entry) -> String; 3] = [
+            |e| e.to_string(),
+            |e| match (e.alias, e.part) {
+                (Some(alias), Part::Whole) => alias.to_string(),
+                _ => format!("000{e}"),
+            },
+            |e| match e.part {
+                Part::Whole => e.text().name.to_owned(),
+                Part::Bit(bit) => format!("{}.{bit}", e.text().name),
+                Part::Axis(axis) => format!("{}.{}", e.text().name, char::from(axis.letter())),
+            },
+        ];
+        for key in keys {
+            let mut loader_file = String::new();
+            let mut options = Vec::new();
+            for entry in Entry::all() {
+                let raw = pick(entry);
+                let (key, text) = (key(entry), text_of(entry, raw));
+                loader_file.push_str(&format!("\"{key}\" = \"{text}\"\n"));
+                options.push(format!("{key}={}", entry.unit.number(raw)));
+            }
+            let by_file = load_texts(&[&loader_file], &[]);
+            assert_eq!(by_file.params, expected);
+            assert!(
+                by_file.diagnostics.iter().all(|d| d.number >= 4420),
+                "{:?}",
+                told(&by_file)
+            );
+            let options: Vec<&str> = options.iter().map(String::as_str).collect();
+            let by_option = load_texts(&[], &options);
+            assert_eq!(by_option.params, expected);
+        }
+    }
+}
+
+#[test]
+fn keys_may_be_dotted_quoted_or_in_a_table() {
+    let files = [
+        "\"1420.X\" = \"9000 mm/min\"\n182.7 = 1",
+        "1420.X = \"9 m/min\"\n182.7 = true",
+        "[rapid_rate]\nX = \"9000mm/min\"\n[182]\n7 = 1",
+        "rapid_rate = { x = \"150 mm/s\" }\npq_in_mm = 1",
+        "Rapid_Rate.X = '9000 mm/min'\npq_in_mm.7 = \"1\"",
+    ];
+    for file in files {
+        let loaded = load_texts(&[file], &[]);
+        // 9000 mm/min is still above the cutting feed of 8000.
+        assert_eq!(told(&loaded), [""; 0], "{file}");
+        assert_eq!(
+            loaded.params.rapid(Axis::X),
+            Feed::from_nm_per_min(9_000_000_000)
+        );
+        assert!(loaded.params.pq_in_mm());
+    }
+}
+
+#[test]
+fn later_layers_win_and_the_winner_is_named() {
+    let files = [
+        "057 = 2\n058 = \"55°\"\n5140 = \"0.2 mm\"",
+        "thread_finish_passes = 3\n5143 = \"30 deg\"",
+    ];
+    let loaded = load_texts(&files, &["57=4", "0057=5"]);
+    assert_eq!(told(&loaded), [""; 0]);
+    let p = &loaded.params;
+    assert_eq!((p.thread_finish_passes(), p.thread_angle()), (5, 30));
+    assert_eq!(p.thread_min_step().nm(), 200_000);
+    let source = |key| loaded.source(Entry::find_text(key).unwrap());
+    assert_eq!(source("057").as_deref(), Some("--set 0057=5"));
+    assert_eq!(source("058").as_deref(), Some("2.toml:2"));
+    assert_eq!(source("059").as_deref(), Some("1.toml:3"));
+    assert_eq!(source("060"), None);
+}
+
+#[test]
+fn every_mistake_has_its_place_its_cause_and_its_remedy() {
+    for (file, expected) in [
+        (
+            "# lathe\n  colour = 1",
+            "1.toml:2:3-9 4401 there is no parameter `colour` / `leadscrew params list` prints all numbers and names",
+        ),
+        (
+            "rapid_rat.X = \"1 m/min\"",
+            "1.toml:1:1-10 4402 there is no parameter `rapid_rat` / did you mean `rapid_rate`?",
+        ),
+        (
+            "1420 = 5",
+            "1.toml:1:1-5 4403 `1420` does not say which bit or axis it means / write `1420.X` / `1420.Z` / `1420.C`",
+        ),
+        (
+            "[1420]\nY = \"1 m/min\"",
+            "1.toml:2:1-2 4404 there is no `1420.Y` / write `1420.X` / `1420.Z` / `1420.C`",
+        ),
+        (
+            "1420.X.fast = \"1 m/min\"",
+            "1.toml:1:6-7 4404 there is no `1420.X.…` / write `1420.X` / `1420.Z` / `1420.C`",
+        ),
+        (
+            "5144 = \"two\"",
+            "1.toml:1:8-13 4405 5144 (thread_cut_in): `two` is not a decimal number / write a value such as `0`",
+        ),
+        (
+            "9005 = \"35 rpm\"",
+            "1.toml:1:8-16 4406 9005 (observer_bandwidth_hz): `35 rpm` has a unit that does not belong to it / write one of these units: Hz, kHz",
+        ),
+        (
+            "057 = \"2 mm\"",
+            "1.toml:1:7-13 4407 057 (thread_finish_passes): `2 mm` is more than a number, and the value has no unit / write a plain number such as `1`",
+        ),
+        (
+            "060 = 0.2",
+            "1.toml:1:7-10 4408 060 (thread_allowance): `0.2` does not say its unit / write `\"0.2 mm\"`",
+        ),
+        (
+            "9101.X = \"0.000001 mm\"",
+            "1.toml:1:10-23 4409 9101.X (tool_offset_1): `0.000001 mm` is finer than can be kept / round it to steps of 0.000002 mm",
+        ),
+        (
+            "5241 = \"10000 rpm\"",
+            "1.toml:1:8-19 4410 5241 (tap_max_rpm): `10000 rpm` is out of range / write a value from 0 rpm to 9999 rpm",
+        ),
+        (
+            "019 = 5\n\n5130 = 5",
+            "1.toml:3:1-5 4411 019 (thread_chamfer) is already set in line 1 / keep one of the two",
+        ),
+        (
+            "5144 = [1]",
+            "1.toml:1:8-11 4412 5144 (thread_cut_in): a value is a whole number, or a text with a unit / write a value such as `0`",
+        ),
+        (
+            "5144 = 0x1",
+            "1.toml:1:8-11 4412 5144 (thread_cut_in): a value is a whole number, or a text with a unit / write a value such as `0`",
+        ),
+        (
+            "5144 = true",
+            "1.toml:1:8-12 4412 5144 (thread_cut_in): a value is a whole number, or a text with a unit / write a value such as `0`",
+        ),
+        (
+            "主轴 = 1",
+            "1.toml:1:1-2 4400 this is not TOML: invalid unquoted key, expected letters, numbers, `-`, `_` / write one value a line: `\"1420.X\" = \"12000 mm/min\"`",
+        ),
+    ] {
+        let told = alone(file);
+        if expected.contains(" 4400 ") {
+            // The words are the reader's own.
+            assert!(told.contains(" 4400 this is not TOML: "), "{told}");
+        } else {
+            assert_eq!(told, expected);
+        }
+    }
+}
+
+#[test]
+fn one_mistake_does_not_hide_another_and_they_come_in_order() {
+    let loaded = load_texts(&["zzz = 1\n5144 = 9\n[aaa]\nb = 1\nc = 2"], &["5145=7"]);
+    let numbers: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .map(|d| (d.number, d.line))
+        .collect();
+    assert_eq!(numbers, [(4401, 1), (4410, 2), (4401, 3), (4410, 1)]);
+    assert!(!loaded.is_good());
+}
+
+#[test]
+fn an_option_shows_where_in_it_the_mistake_is() {
+    let loaded = load_texts(&[], &["1420.Y=5", "1420.X=fast", "1420.X=1"]);
+    assert_eq!(
+        told(&loaded)[..2],
+        [
+            "--set:1:1-7 4404 there is no `1420.Y` / write `1420.X` / `1420.Z` / `1420.C`",
+            "--set:1:8-12 4405 1420.X (rapid_rate): `fast` is not a decimal number / write a value such as `12000`",
+        ]
+    );
+    let error = option::apply(
+        &mut Loader {
+            loaded: load_texts(&[], &[]),
+            lang: Lang::En,
+            layer: 1,
+            count: 0,
+        },
+        "1420.X",
+    );
+    assert!(
+        matches!(error, Err(crate::failure::Failure::Usage(text)) if text.contains("1420.X=12000"))
+    );
+}
+
+#[test]
+fn a_cross_check_points_at_the_value_written_last() {
+    let loaded = load_texts(
+        &[
+            "1430.Z = \"9 m/min\"\n1430.X = \"9 m/min\"",
+            "1420.X = \"8500 mm/min\"",
+        ],
+        &[],
+    );
+    assert_eq!(
+        told(&loaded),
+        [
+            "2.toml:1:10-23 4422 the cutting feed of X (1430.X) is above its rapid rate (1420.X) / lower 1430.X or raise 1420.X"
+        ]
+    );
+    let warned = load_texts(&[], &["5213=0"]);
+    assert!(warned.is_good());
+    assert_eq!(told(&warned).len(), 1);
+    // Nothing is said about a set with a hole in it.
+    let broken = load_texts(&["1420.X = \"8500\"\n1430.X = \"9 m/min\""], &[]);
+    assert_eq!(
+        broken
+            .diagnostics
+            .iter()
+            .map(|d| d.number)
+            .collect::<Vec<_>>(),
+        [4408]
+    );
+}
+
+#[test]
+fn every_cross_check_can_be_blamed_on_a_value() {
+    for code in Code::ALL {
+        let number = code.number();
+        if (4420..4500).contains(&number) || (4960..4970).contains(&number) {
+            assert!(!numbers(*code).is_empty(), "{code:?}");
+            for no in numbers(*code) {
+                assert!(Entry::all().iter().any(|e| e.no == *no), "{code:?}: {no}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_file_and_no_option_brings_it_down_or_is_half_believed() {
+    // xorshift64, fixed seed.
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        usize::try_from(state >> 33).unwrap() % below
+    };
+    let alphabet: Vec<char> = "0159.XZC=\"'[]{}#\n\r\t ,-+_exmµ°/ins²任\u{0}\u{feff}"
+        .chars()
+        .collect();
+    let mut taken = 0;
+    for round in 0..3_000 {
+        let mut text: Vec<char> = if round % 3 == 0 {
+            Vec::new()
+        } else {
+            SLANT_BED.chars().collect()
+        };
+        for _ in 0..1 + random(40) {
+            let at = random(text.len() + 1);
+            match random(3) {
+                0 if at < text.len() => drop(text.remove(at)),
+                1 if at < text.len() => text[at] = alphabet[random(alphabet.len())],
+                _ => text.insert(at, alphabet[random(alphabet.len())]),
+            }
+        }
+        let text: String = text.into_iter().collect();
+        let loaded = load_texts(&[&text], &[]);
+        for entry in Entry::all() {
+            let raw = loaded.params.get(entry);
+            assert!(entry.allows(raw), "{entry} {raw} of {text}");
+            if loaded.source(entry).is_none() {
+                assert_eq!(raw, Params::slant_bed().get(entry), "{entry} of {text}");
+            }
+        }
+        for diagnostic in &loaded.diagnostics {
+            assert!(!diagnostic.render(false).is_empty());
+        }
+        taken += usize::from(loaded.is_good());
+        let option: String = text.chars().take(20).filter(|c| *c != '\n').collect();
+        if option.contains('=') {
+            load_texts(&[], &[&option]);
+        }
+    }
+    // Some mutations must be harmless (comments), most must not.
+    assert!((1..2_900).contains(&taken), "{taken}");
+}
