@@ -14,88 +14,74 @@ pub(crate) fn blame(code: Code, block: Span, word: Span, letter: u8) -> Alarm {
     }
 }
 
+/// Which lengths a word may have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sign {
+    Any,
+    NotNegative,
+    Positive,
+}
+
 /// Refuses lengths of a thread call that cannot be.
-pub(crate) fn thread_ranges(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
-    let run_out = call.run_out.map(|r| [(r.short, b'J'), (r.long, b'K')]);
-    let positive = [
-        (call.height, b'P'),
-        (call.first_depth, b'Q'),
-        (At::new(call.increment, Span::default()), b'Q'),
-    ];
-    let not_negative = [
-        (call.min_step, b'Q'),
-        (call.allowance, b'R'),
-        (call.run_in, b'E'),
-    ];
-    let any = [(call.end_x, b'X'), (call.end_z, b'Z'), (call.taper, b'R')];
-    let out_of_range = |(value, letter): (At<Length>, u8)| {
-        blame(Code::CycleLengthRange, span, value.span, letter).with([
-            Arg::Length(value.value),
-            Arg::None,
-            Arg::None,
-            Arg::None,
-        ])
-    };
-    for entry in positive.into_iter().chain(run_out.into_iter().flatten()) {
-        if !entry.0.value.is_in_range() || entry.0.value <= Length::ZERO {
-            return Err(out_of_range(entry));
-        }
+pub(crate) fn thread_ranges(call: &ThreadCall, block: Span) -> Result<(), Alarm> {
+    let at = |value| At::new(value, Span::default());
+    length(&at(call.start.x), b'X', Sign::Any, block)?;
+    length(&at(call.start.z), b'Z', Sign::Any, block)?;
+    length(&call.end_x, b'X', Sign::Any, block)?;
+    length(&call.end_z, b'Z', Sign::Any, block)?;
+    length(&call.taper, b'R', Sign::Any, block)?;
+    length(&call.height, b'P', Sign::Positive, block)?;
+    length(&call.first_depth, b'Q', Sign::Positive, block)?;
+    length(&at(call.increment), b'Q', Sign::Positive, block)?;
+    length(&call.min_step, b'Q', Sign::NotNegative, block)?;
+    length(&call.allowance, b'R', Sign::NotNegative, block)?;
+    length(&call.run_in, b'E', Sign::NotNegative, block)?;
+    if let Some(run_out) = &call.run_out {
+        length(&run_out.short, b'J', Sign::Positive, block)?;
+        length(&run_out.long, b'K', Sign::Positive, block)?;
     }
-    for entry in not_negative {
-        if !entry.0.value.is_in_range() || entry.0.value < Length::ZERO {
-            return Err(out_of_range(entry));
-        }
-    }
-    for entry in any {
-        if !entry.0.value.is_in_range() {
-            return Err(out_of_range(entry));
-        }
-    }
-    for value in [call.start.x, call.start.z] {
-        if !value.is_in_range() {
-            return Err(Alarm::new(Code::CycleLengthRange, span).with([
-                Arg::Length(value),
-                Arg::None,
-                Arg::None,
-                Arg::None,
-            ]));
+    Ok(())
+}
+
+/// Refuses lengths of a groove call that cannot be. P and Q of zero are left to the groove: they have a number of their
+/// own.
+pub(crate) fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm> {
+    let at = |value| At::new(value, Span::default());
+    length(&at(call.start.x), b'X', Sign::Any, block)?;
+    length(&at(call.start.z), b'Z', Sign::Any, block)?;
+    length(&call.end_x, b'X', Sign::Any, block)?;
+    length(&call.end_z, b'Z', Sign::Any, block)?;
+    length(&call.relief, b'R', Sign::NotNegative, block)?;
+    length(&call.retract, b'R', Sign::NotNegative, block)?;
+    for (step, letter) in [(&call.peck, b'P'), (&call.step, b'Q')] {
+        if let Some(step) = step {
+            length(step, letter, Sign::NotNegative, block)?;
         }
     }
     Ok(())
 }
 
-/// Refuses lengths of a groove call that cannot be.
-pub(crate) fn groove_ranges(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
-    let refuse = |value: Length, word: Span, letter: u8| {
-        Err(blame(Code::CycleLengthRange, span, word, letter).with([
-            Arg::Length(value),
-            Arg::None,
-            Arg::None,
-            Arg::None,
-        ]))
+/// Refuses one length.
+#[inline]
+fn length(at: &At<Length>, letter: u8, sign: Sign, block: Span) -> Result<(), Alarm> {
+    let lowest = match sign {
+        Sign::Any => -Length::INPUT_LIMIT,
+        Sign::NotNegative => Length::ZERO,
+        Sign::Positive => Length::from_nm(1),
     };
-    for (at, letter) in [(call.end_x, b'X'), (call.end_z, b'Z')] {
-        if !at.value.is_in_range() {
-            return refuse(at.value, at.span, letter);
-        }
+    if at.value >= lowest && at.value <= Length::INPUT_LIMIT {
+        Ok(())
+    } else {
+        Err(refused(at, letter, block))
     }
-    let lengths = [
-        (Some(call.relief), b'R'),
-        (Some(call.retract), b'R'),
-        (call.peck, b'P'),
-        (call.step, b'Q'),
-    ];
-    for (at, letter) in lengths {
-        if let Some(at) = at
-            && (!at.value.is_in_range() || at.value < Length::ZERO)
-        {
-            return refuse(at.value, at.span, letter);
-        }
-    }
-    for value in [call.start.x, call.start.z] {
-        if !value.is_in_range() {
-            return refuse(value, Span::default(), b'X');
-        }
-    }
-    Ok(())
+}
+
+#[cold]
+fn refused(at: &At<Length>, letter: u8, block: Span) -> Alarm {
+    blame(Code::CycleLengthRange, block, at.span, letter).with([
+        Arg::Length(at.value),
+        Arg::None,
+        Arg::None,
+        Arg::None,
+    ])
 }

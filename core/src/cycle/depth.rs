@@ -21,8 +21,6 @@ pub(crate) struct Depths {
     limit: u64,
     /// Depth of the pass before; `limit` at the end.
     previous: u64,
-    /// Number of the next pass.
-    n: u32,
     /// From this pass on the step is constant.
     constant_from: u32,
     /// The constant step: Δdmin or Δd.
@@ -33,13 +31,26 @@ pub(crate) struct Depths {
     root: Root,
 }
 
-/// `4·n·Δd²` in increments: its root is twice the depth.
+/// How `√n·Δd` is found.
 #[derive(Clone, Copy, Debug)]
 enum Root {
-    /// Δd is a whole number of increments and small enough: (value for the next n, what to add per pass).
-    Narrow(u64, u64),
+    /// Δd is a whole number of increments, and `4·n·Δd²` fits 64 bits.
+    Near(NearRoot),
     /// Anything else: Δd.
     Wide(u64),
+}
+
+/// `2·√n·Δd` in whole increments, from pass to pass.
+#[derive(Clone, Copy, Debug)]
+struct NearRoot {
+    /// `4·n·Δd²` for the next n.
+    value: u64,
+    /// What it grows by.
+    growth: u64,
+    /// Where the root is expected.
+    guess: NonZero<u64>,
+    /// The root before.
+    root: u64,
 }
 
 impl Depths {
@@ -64,18 +75,22 @@ impl Depths {
             ),
         };
         let units = first / increment;
-        let exact = first % increment == 0;
         // 4·n·units² < 2⁶⁴ for every n up to 9999.
-        let root = if exact && units < 1 << 24 {
-            let four_squares = units.wrapping_mul(units).wrapping_mul(4);
-            Root::Narrow(four_squares, four_squares)
-        } else {
-            Root::Wide(first)
+        let root = match NonZero::new(units.wrapping_mul(2)) {
+            Some(twice) if first % increment == 0 && units < 1 << 24 => {
+                let growth = twice.get().wrapping_mul(twice.get());
+                Root::Near(NearRoot {
+                    value: growth,
+                    growth,
+                    guess: twice,
+                    root: 0,
+                })
+            }
+            _ => Root::Wide(first),
         };
         Self {
             limit: magnitude(limit),
             previous: 0,
-            n: 1,
             constant_from,
             step,
             increment,
@@ -83,47 +98,34 @@ impl Depths {
         }
     }
 
-    /// The depth of the next pass; `None` after the one at the limit.
+    /// The depth of the next pass, which is number `n` (from 1, one after the other); `None` after the one at the limit.
     #[inline]
-    pub(crate) fn next_depth(&mut self) -> Option<Length> {
+    pub(crate) fn next_depth(&mut self, n: u32) -> Option<Length> {
         if self.previous >= self.limit {
             return None;
         }
-        let n = self.n;
         let depth = if n >= self.constant_from {
             self.previous.wrapping_add(self.step)
         } else {
-            let least = if n == 1 {
-                0
-            } else {
-                self.previous.wrapping_add(self.increment.get())
+            let root = match &mut self.root {
+                Root::Near(near) => {
+                    // floor(2x) decides to which side x is rounded; a half goes up.
+                    let rounded = near.next_root().wrapping_add(1) >> 1;
+                    rounded.wrapping_mul(self.increment.get())
+                }
+                Root::Wide(first) => wide_depth(*first, n, self.increment),
             };
-            self.root_depth(n).max(least)
+            // A first depth is never below one increment, so this holds for it as well.
+            root.max(self.previous.wrapping_add(self.increment.get()))
         };
-        self.n = n.wrapping_add(1);
         self.previous = depth.min(self.limit);
         Some(Length::from_nm(self.previous as i64))
-    }
-
-    /// `√n·Δd` to the nearest increment.
-    #[inline]
-    fn root_depth(&mut self, n: u32) -> u64 {
-        let twice = match &mut self.root {
-            Root::Narrow(value, per_pass) => {
-                let root = value.isqrt();
-                *value = value.wrapping_add(*per_pass);
-                root
-            }
-            Root::Wide(first) => wide_root(*first, n, self.increment),
-        };
-        // floor(2x) decides to which side x is rounded; a half goes up.
-        (twice.wrapping_add(1) >> 1).saturating_mul(self.increment.get())
     }
 
     /// How many passes the sequence has, or `None` when more than [`MOST_PASSES`].
     pub(crate) fn count(mut self) -> Option<u32> {
         let mut passes = 0u32;
-        while self.next_depth().is_some() {
+        while self.next_depth(passes.wrapping_add(1)).is_some() {
             passes = passes.wrapping_add(1);
             if passes > MOST_PASSES {
                 return None;
@@ -139,14 +141,45 @@ impl Depths {
     }
 }
 
-/// `floor(2·√n·first / increment)`.
+impl NearRoot {
+    /// `floor(√value)` for the next pass, by Newton's steps: one division nearly always.
+    #[inline]
+    fn next_root(&mut self) -> u64 {
+        let value = self.value;
+        // After one step x is the root or above it; from there the steps only fall until they have it.
+        let mut x = mean(value, self.guess);
+        while x.get().wrapping_mul(x.get()) > value {
+            x = mean(value, x);
+        }
+        let root = x.get();
+        self.value = value.wrapping_add(self.growth);
+        // The roots bend: the next step is a little shorter than this one.
+        let ahead = root.wrapping_mul(2).wrapping_sub(self.root);
+        self.guess = NonZero::new(ahead).unwrap_or(x);
+        self.root = root;
+        root
+    }
+}
+
+/// One of Newton's steps towards `√value` (at least 1) from `x`.
+#[inline]
+fn mean(value: u64, x: NonZero<u64>) -> NonZero<u64> {
+    let sum = x.get().wrapping_add(value / x);
+    NonZero::new(sum >> 1).unwrap_or(NonZero::<u64>::MIN)
+}
+
+/// `√n·first` to the nearest increment; the first depth as it is.
 #[cold]
-fn wide_root(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
+fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
+    if n == 1 {
+        return first;
+    }
     // 4·n·first² < 2² · 2¹⁴ · 2⁸⁴; the root of a floor is the floor of the root.
     let square = u128::from(first).wrapping_mul(u128::from(first));
     let value = square.wrapping_mul(u128::from(n)).wrapping_mul(4);
-    let increment = NonZero::<u128>::from(increment);
-    (value / increment / increment).isqrt() as u64
+    let wide = NonZero::<u128>::from(increment);
+    let twice = (value / wide / wide).isqrt() as u64;
+    (twice.wrapping_add(1) >> 1).wrapping_mul(increment.get())
 }
 
 /// The first n > 1 with `(√n − √(n−1))·Δd < Δdmin`; beyond every pass where there is none.
@@ -163,10 +196,19 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     let (d, m) = (u128::from(first), u128::from(min_step));
     let left = d.wrapping_mul(d).wrapping_sub(m.wrapping_mul(m));
     let right = d.wrapping_mul(m).wrapping_mul(2);
+    // c = n − 1 is wanted, the smallest with left² < c · right²: between the squares next to left/right.
+    let quotient = left.checked_div(right).unwrap_or(0);
+    if quotient >= 100 {
+        // √(n − 1) stays below 100.
+        return u32::MAX;
+    }
+    let whole = quotient as u32;
+    let (mut low, mut high) = (
+        whole.wrapping_mul(whole),
+        whole.wrapping_add(1).wrapping_mul(whole.wrapping_add(1)),
+    );
     let left_squared = product(left, left);
     let right_squared = product(right, right);
-    // The smallest c = n − 1 in 1…MOST_PASSES for which left² < c · right², by bisection.
-    let (mut low, mut high) = (0u32, MOST_PASSES.wrapping_add(1));
     while high.wrapping_sub(low) > 1 {
         let middle = low.wrapping_add(high) >> 1;
         if left_squared < times(right_squared, middle) {

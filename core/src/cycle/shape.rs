@@ -244,6 +244,18 @@ impl Shape {
         }))
     }
 
+    /// True where passes begin with a run-in.
+    #[inline]
+    pub(crate) const fn has_run_in(&self) -> bool {
+        self.run_in != 0
+    }
+
+    /// True where passes end with a run-out. It always has a length: J and K have, and A is clear of the crests.
+    #[inline]
+    pub(crate) const fn has_run_out(&self) -> bool {
+        self.run_out.is_some()
+    }
+
     /// `u` of rough pass `n` at `depth`, or of the finishing passes.
     #[inline]
     pub(crate) fn flank(&self, n: u32, depth: Length, finishing: bool) -> u64 {
@@ -253,8 +265,8 @@ impl Shape {
             (false, 1) => flanks.odd,
             (false, _) => flanks.even,
         };
-        base.wrapping_add(slope.wrapping_mul(depth.nm()))
-            .unsigned_abs()
+        // Never negative: depths of rough passes end at k − d.
+        base.wrapping_add(slope.wrapping_mul(depth.nm())) as u64
     }
 
     /// The corners of the pass at `depth` with the shift of `u`.
@@ -262,9 +274,9 @@ impl Shape {
     pub(crate) fn corners(&self, depth: Length, u: u64) -> Corners {
         let above = (self.height as i64).wrapping_sub(depth.nm());
         // X of the pass's own D.
-        let x_end = self.end.x + Length::from_nm(flip(above, self.side));
+        let x_end = moved(self.end.x, above, self.side);
         let shift = self.tangent.shift(u);
-        let z = self.start.z + Length::from_nm(flip(shift as i64, self.sigma));
+        let z = moved(self.start.z, shift as i64, self.sigma);
         let x = match &self.taper {
             None => x_end,
             Some(taper) => x_end + taper.left_after(u128::from(u).wrapping_mul(taper.per_depth)),
@@ -285,21 +297,21 @@ impl Shape {
             }
             Some(out) => {
                 let leave = Point {
-                    x: x_end + out.x,
+                    x: moved(x_end, out.x.nm(), 1),
                     z: out.z,
                 };
                 let end = if self.long_x {
-                    let room = Length::from_nm(flip((leave.z - self.start.z).nm(), self.sigma));
-                    let back = out.short.min(room).nm();
+                    let room = moved(leave.z, self.start.z.nm(), -1).nm();
+                    let back = out.short.nm().min(flip(room, self.sigma));
                     Point {
                         x: x_end,
-                        z: leave.z - Length::from_nm(flip(back, self.sigma)),
+                        z: moved(leave.z, back, self.sigma.wrapping_neg()),
                     }
                 } else {
-                    let room = Length::from_nm(flip((self.start.x - leave.x).nm(), self.side));
-                    let back = out.short.min(room).nm();
+                    let room = moved(self.start.x, leave.x.nm(), -1).nm();
+                    let back = out.short.nm().min(flip(room, self.side));
                     Point {
-                        x: leave.x + Length::from_nm(flip(back, self.side)),
+                        x: moved(leave.x, back, self.side),
                         z: self.end.z,
                     }
                 };
@@ -511,6 +523,13 @@ impl Taper {
         let lost = lost.wrapping_add(FINE_HALF.wrapping_sub(1)) >> FINE_BITS;
         Length::from_nm(flip(self.size.wrapping_sub(lost as u64) as i64, self.sign))
     }
+}
+
+/// `from` plus `by` in the direction of `sign` (±1). Saturates nowhere: coordinates are far inside the integer's range, and
+/// this is the innermost arithmetic of the cycles.
+#[inline]
+const fn moved(from: Length, by: i64, sign: i64) -> Length {
+    Length::from_nm(from.nm().wrapping_add(flip(by, sign)))
 }
 
 /// `value` with the sign of `sign` (±1).

@@ -8,8 +8,8 @@ use super::depth::{Depths, MOST_PASSES};
 use super::shape::{Corners, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::program::{Position, ThreadCall, ThreadCycle, start_angle};
-use crate::units::{Lead, Length, Rpm, StartAngle};
+use crate::program::{ThreadCall, ThreadCycle, start_angle};
+use crate::units::{Lead, Length, StartAngle};
 
 /// Millionths of a degree in a turn.
 const TURN_UDEG: u32 = 360_000_000;
@@ -20,23 +20,29 @@ const TURN_UDEG: u32 = 360_000_000;
 /// X_A, rapid Z to Z_A. Moves of no length are left out. The last one ends at A. Nothing can fail once it is made.
 #[derive(Clone, Debug)]
 pub struct ThreadMoves {
-    span: Span,
-    start: Position,
-    lead: Lead,
+    /// A.
+    home: Point,
     helix: Helix,
-    rpm: Rpm,
     /// L.
     starts: u8,
+    /// Start under way, from 1.
+    start: u8,
     shape: Shape,
     passes: Passes,
     step: Step,
     /// The pass under way.
     corners: Corners,
+    /// Rough or finish.
+    stroke: Stage,
     /// Helix angle from the pass's start to its stroke and to its run-out, in millionths of a degree.
     to_line: u32,
     to_leave: u32,
-    angle: StartAngle,
-    tag: Tag,
+    /// Start angle in millionths of a degree.
+    angle: u32,
+    /// The last rapid and the last synchronous move: most of the next one is already in them, and changing three fields
+    /// before a plain copy takes half the instructions of putting a move together.
+    rapid: Move,
+    thread: Move,
 }
 
 /// What comes next in a pass.
@@ -122,33 +128,108 @@ impl ThreadMoves {
                 shape.check_pass(pass.number, &shape.corners(pass.depth, u), span)?;
             }
         }
-        let cycle = match call.cycle {
-            ThreadCycle::G76 => Cycle::G76,
-            ThreadCycle::G78 => Cycle::G78,
+        let tag = Tag {
+            cycle: match call.cycle {
+                ThreadCycle::G76 => Cycle::G76,
+                ThreadCycle::G78 => Cycle::G78,
+            },
+            pass: 0,
+            start: 1,
+            peck: 0,
+            stage: Stage::Approach,
+            depth: Length::ZERO,
+        };
+        let rapid = Move {
+            span,
+            to: call.start,
+            kind: MoveKind::Rapid,
+            tag: Some(tag),
+        };
+        let synchronous = ThreadMove {
+            lead: call.lead.value,
+            pass_angle: StartAngle::INDEX,
+            angle_udeg: 0,
+            long_x: shape.long_x,
+            last: false,
+            rpm: call.rpm,
         };
         Ok(Self {
-            span,
-            start: call.start,
-            lead: call.lead.value,
+            home: Point {
+                x: call.start.x,
+                z: call.start.z,
+            },
             helix: Helix::new(call.lead.value),
-            rpm: call.rpm,
             starts: call.starts.value,
+            // Past the last start of no depth.
+            start: call.starts.value,
             shape,
             passes,
             step: Step::Approach,
             corners: Corners::default(),
+            stroke: Stage::Rough,
             to_line: 0,
             to_leave: 0,
-            angle: StartAngle::INDEX,
-            tag: Tag {
-                cycle,
-                pass: 0,
-                start: call.starts.value,
-                peck: 0,
-                stage: Stage::Approach,
-                depth: Length::ZERO,
+            angle: 0,
+            rapid,
+            thread: Move {
+                kind: MoveKind::Thread(synchronous),
+                ..rapid
             },
         })
+    }
+
+    /// The next move, where it lies: [`Iterator::next`] without the copy.
+    #[inline]
+    pub fn advance(&mut self) -> Option<&Move> {
+        loop {
+            match self.step {
+                Step::Approach => {
+                    if !self.begin_pass() {
+                        return None;
+                    }
+                    let begin = self.corners.begin;
+                    self.step = if self.shape.has_run_in() {
+                        Step::RunIn
+                    } else {
+                        Step::Stroke
+                    };
+                    if begin != self.home {
+                        return self.rapid(begin, Stage::Approach);
+                    }
+                }
+                Step::RunIn => {
+                    self.step = Step::Stroke;
+                    return self.thread(self.corners.line, Stage::RunIn, 0, false);
+                }
+                Step::Stroke => {
+                    let leave = self.corners.leave;
+                    let last = !self.shape.has_run_out();
+                    self.step = if last { Step::Retract } else { Step::RunOut };
+                    return self.thread(leave, self.stroke, self.to_line, last);
+                }
+                Step::RunOut => {
+                    self.step = Step::Retract;
+                    return self.thread(self.corners.end, Stage::RunOut, self.to_leave, true);
+                }
+                Step::Retract => {
+                    self.step = Step::Return;
+                    let end = self.corners.end;
+                    if end.x != self.home.x {
+                        let out = Point {
+                            x: self.home.x,
+                            z: end.z,
+                        };
+                        return self.rapid(out, Stage::Retract);
+                    }
+                }
+                Step::Return => {
+                    self.step = Step::Approach;
+                    if self.corners.end.z != self.home.z {
+                        return self.rapid(self.home, Stage::Return);
+                    }
+                }
+            }
+        }
     }
 
     /// Counts and extremes over the passes that have not begun yet; ask before the first move for all of them. Takes a
@@ -167,7 +248,7 @@ impl ThreadMoves {
             let corners = self.shape.corners(pass.depth, u);
             summary.passes = summary.passes.wrapping_add(1);
             summary.rough = summary.rough.wrapping_add(u32::from(!pass.finishing));
-            let shift = (corners.begin.z - self.start.z).abs();
+            let shift = (corners.begin.z - self.home.z).abs();
             summary.z_shift_max = summary.z_shift_max.max(shift);
             let stroke = self.shape.stroke(&corners);
             summary.shortest_stroke = summary.shortest_stroke.min(stroke);
@@ -178,82 +259,94 @@ impl ThreadMoves {
     /// Goes to the next start of the depth, or to the next depth. False after the last.
     #[inline]
     fn begin_pass(&mut self) -> bool {
-        if self.tag.start >= self.starts {
-            let Some(pass) = self.passes.next() else {
-                return false;
-            };
-            let u = self.shape.flank(pass.number, pass.depth, pass.finishing);
-            self.corners = self.shape.corners(pass.depth, u);
-            let Corners {
-                begin, line, leave, ..
-            } = self.corners;
-            self.to_leave = self.helix.angle(self.along(leave, begin));
-            if line != begin {
-                self.to_line = self.helix.angle(self.along(line, begin));
-            }
-            self.tag.pass = pass.number;
-            self.tag.depth = pass.depth;
-            self.tag.start = 1;
-            self.tag.stage = if pass.finishing {
-                Stage::Finish
-            } else {
-                Stage::Rough
-            };
-            self.angle = StartAngle::INDEX;
-        } else {
-            self.angle = start_angle(self.tag.start, self.starts);
-            self.tag.start = self.tag.start.wrapping_add(1);
+        if self.start < self.starts {
+            self.turn_to(self.start.wrapping_add(1));
+            return true;
+        }
+        let Some(pass) = self.passes.next() else {
+            return false;
+        };
+        let u = self.shape.flank(pass.number, pass.depth, pass.finishing);
+        let corners = self.shape.corners(pass.depth, u);
+        if self.shape.has_run_out() {
+            self.to_leave = self.helix.angle(self.along(corners.leave, corners.begin));
+        }
+        if self.shape.has_run_in() {
+            self.to_line = self.helix.angle(self.along(corners.line, corners.begin));
+        }
+        self.corners = corners;
+        if pass.finishing {
+            self.stroke = Stage::Finish;
+        }
+        if let (Some(rapid), Some(thread)) = (&mut self.rapid.tag, &mut self.thread.tag) {
+            rapid.pass = pass.number;
+            rapid.depth = pass.depth;
+            thread.pass = pass.number;
+            thread.depth = pass.depth;
+        }
+        if self.start != 1 {
+            self.turn_to(1);
         }
         true
+    }
+
+    /// Takes up start number `start` of a depth.
+    #[cold]
+    fn turn_to(&mut self, start: u8) {
+        self.start = start;
+        let angle = start_angle(start.wrapping_sub(1), self.starts);
+        self.angle = angle.mdeg().wrapping_mul(1000);
+        if let MoveKind::Thread(thread) = &mut self.thread.kind {
+            thread.pass_angle = angle;
+        }
+        for tag in [&mut self.rapid.tag, &mut self.thread.tag]
+            .into_iter()
+            .flatten()
+        {
+            tag.start = start;
+        }
     }
 
     /// Distance on the long axis.
     #[inline]
     fn along(&self, a: Point, b: Point) -> u64 {
-        let length = if self.shape.long_x {
-            a.x - b.x
+        let (a, b) = if self.shape.long_x {
+            (a.x, b.x)
         } else {
-            a.z - b.z
+            (a.z, b.z)
         };
-        length.nm().unsigned_abs()
+        a.nm().abs_diff(b.nm())
     }
 
     #[inline]
-    fn rapid(&self, to: Point, stage: Stage) -> Move {
-        self.one(to, MoveKind::Rapid, stage)
-    }
-
-    #[inline]
-    fn thread(&self, to: Point, stage: Stage, turned: u32, last: bool) -> Move {
-        let angle = self.angle.mdeg().wrapping_mul(1000).wrapping_add(turned);
-        let angle_udeg = if angle >= TURN_UDEG {
-            angle.wrapping_sub(TURN_UDEG)
-        } else {
-            angle
-        };
-        let kind = MoveKind::Thread(ThreadMove {
-            lead: self.lead,
-            pass_angle: self.angle,
-            angle_udeg,
-            long_x: self.shape.long_x,
-            last,
-            rpm: self.rpm,
-        });
-        self.one(to, kind, stage)
-    }
-
-    #[inline]
-    fn one(&self, to: Point, kind: MoveKind, stage: Stage) -> Move {
-        Move {
-            span: self.span,
-            to: Position {
-                x: to.x,
-                z: to.z,
-                c: self.start.c,
-            },
-            kind,
-            tag: Some(Tag { stage, ..self.tag }),
+    fn rapid(&mut self, to: Point, stage: Stage) -> Option<&Move> {
+        let next = &mut self.rapid;
+        next.to.x = to.x;
+        next.to.z = to.z;
+        if let Some(tag) = &mut next.tag {
+            tag.stage = stage;
         }
+        Some(next)
+    }
+
+    #[inline]
+    fn thread(&mut self, to: Point, stage: Stage, turned: u32, last: bool) -> Option<&Move> {
+        let angle = self.angle.wrapping_add(turned);
+        let next = &mut self.thread;
+        next.to.x = to.x;
+        next.to.z = to.z;
+        if let MoveKind::Thread(thread) = &mut next.kind {
+            thread.angle_udeg = if angle >= TURN_UDEG {
+                angle.wrapping_sub(TURN_UDEG)
+            } else {
+                angle
+            };
+            thread.last = last;
+        }
+        if let Some(tag) = &mut next.tag {
+            tag.stage = stage;
+        }
+        Some(next)
     }
 }
 
@@ -262,66 +355,7 @@ impl Iterator for ThreadMoves {
 
     #[inline]
     fn next(&mut self) -> Option<Move> {
-        let home = Point {
-            x: self.start.x,
-            z: self.start.z,
-        };
-        loop {
-            match self.step {
-                Step::Approach => {
-                    if !self.begin_pass() {
-                        return None;
-                    }
-                    let Corners { begin, line, .. } = self.corners;
-                    self.step = if line == begin {
-                        Step::Stroke
-                    } else {
-                        Step::RunIn
-                    };
-                    if begin != home {
-                        return Some(self.rapid(begin, Stage::Approach));
-                    }
-                }
-                Step::RunIn => {
-                    self.step = Step::Stroke;
-                    return Some(self.thread(self.corners.line, Stage::RunIn, 0, false));
-                }
-                Step::Stroke => {
-                    let Corners {
-                        begin,
-                        line,
-                        leave,
-                        end,
-                    } = self.corners;
-                    let turned = if line == begin { 0 } else { self.to_line };
-                    let last = leave == end;
-                    self.step = if last { Step::Retract } else { Step::RunOut };
-                    return Some(self.thread(leave, self.tag.stage, turned, last));
-                }
-                Step::RunOut => {
-                    self.step = Step::Retract;
-                    let end = self.corners.end;
-                    return Some(self.thread(end, Stage::RunOut, self.to_leave, true));
-                }
-                Step::Retract => {
-                    self.step = Step::Return;
-                    let end = self.corners.end;
-                    if end.x != home.x {
-                        let out = Point {
-                            x: home.x,
-                            z: end.z,
-                        };
-                        return Some(self.rapid(out, Stage::Retract));
-                    }
-                }
-                Step::Return => {
-                    self.step = Step::Approach;
-                    if self.corners.end.z != home.z {
-                        return Some(self.rapid(home, Stage::Return));
-                    }
-                }
-            }
-        }
+        self.advance().copied()
     }
 }
 
@@ -332,16 +366,17 @@ impl Iterator for Passes {
 
     #[inline]
     fn next(&mut self) -> Option<Pass> {
-        let (depth, finishing) = match self.rough.next_depth() {
+        let number = self.number.wrapping_add(1);
+        let (depth, finishing) = match self.rough.next_depth(number) {
             Some(depth) => (depth, false),
             None => {
                 self.finish_left = self.finish_left.checked_sub(1)?;
                 (self.height, true)
             }
         };
-        self.number = self.number.wrapping_add(1);
+        self.number = number;
         Some(Pass {
-            number: self.number,
+            number,
             depth,
             finishing,
         })
@@ -354,8 +389,9 @@ struct Helix {
     /// Lead: `nm` nanometres per `turns` turns.
     nm: NonZero<u64>,
     turns: u64,
-    /// True where 64 bits hold every product.
-    narrow: bool,
+    /// Turns per nanometre with 128 fractional bits, rounded up, whole turns left out: (high, low). `None` for leads so
+    /// large or so uneven that this is not exact enough.
+    per_nm: Option<(u64, u64)>,
 }
 
 impl Helix {
@@ -363,28 +399,39 @@ impl Helix {
         // A Lead is positive by construction.
         let nm = NonZero::new(lead.numerator().unsigned_abs()).unwrap_or(NonZero::<u64>::MIN);
         let turns = lead.denominator().unsigned_abs();
-        Self {
-            nm,
-            turns,
-            // distance < 2⁴⁴, so distance·turns < 2⁶⁴; 2·remainder·360 000 000 < 2⁶³·5.
-            narrow: turns < 1 << 20 && nm.get() < 1 << 34,
-        }
+        let per_nm = (nm.get() < 1 << 34).then(|| {
+            let wide = NonZero::<u128>::from(nm);
+            let part = u128::from(turns % nm) << 64;
+            let (high, rest) = (part / wide, part % wide);
+            // rest < nm < 2³⁴, so one more does not carry.
+            let low = ((rest << 64) / wide).wrapping_add(1);
+            (high as u64, low as u64)
+        });
+        Self { nm, turns, per_nm }
     }
 
-    /// The angle turned over `distance` nanometres, modulo a turn, to the nearest millionth of a degree.
+    /// The angle turned over `distance` nanometres (below 2⁴⁴), modulo a turn, to the nearest millionth of a degree,
+    /// halves up.
     #[inline]
     fn angle(&self, distance: u64) -> u32 {
-        let rounded = if self.narrow {
-            let part = distance.wrapping_mul(self.turns) % self.nm;
-            // Half a lead rounds to the nearest; nm < 2³⁴ keeps the sum below 2⁶³.
-            let scaled = part.wrapping_mul(u64::from(TURN_UDEG));
-            (scaled.wrapping_add(self.nm.get() >> 1) / self.nm) as u32
-        } else {
-            self.wide_angle(distance)
+        let rounded = match self.per_nm {
+            // Exact: the part of a turn comes out too large, by no more than 2⁻⁶⁴ + 2⁻⁸⁴ turns, which is less than 2⁻³⁵·⁵
+            // millionths of a degree; a true value below a half is below it by at least 1/(2·nm) > 2⁻³⁵ of one.
+            Some((high, low)) => {
+                let carried = u128::from(distance).wrapping_mul(u128::from(low)) >> 64;
+                let part = distance
+                    .wrapping_mul(high)
+                    .wrapping_add(carried as u64)
+                    .wrapping_add(1);
+                let scaled = u128::from(part).wrapping_mul(u128::from(TURN_UDEG));
+                (scaled.wrapping_add(1 << 63) >> 64) as u32
+            }
+            None => self.wide_angle(distance),
         };
         if rounded >= TURN_UDEG { 0 } else { rounded }
     }
 
+    /// The same by division.
     #[cold]
     fn wide_angle(&self, distance: u64) -> u32 {
         let nm = NonZero::<u128>::from(self.nm);
