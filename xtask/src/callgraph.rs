@@ -64,6 +64,7 @@ pub fn ways_to_panic(image: &Path) -> Result<Vec<String>> {
         Ok::<_, addr2line::gimli::Error>(EndianSlice::new(section, LittleEndian))
     })?;
     let lines = addr2line::Context::from_dwarf(dwarf)?;
+    let root = crate::run::root();
     let mut ways = BTreeSet::new();
     for (at, (function, panic)) in sites {
         let name = |address: &u64| nodes.get(address).map_or("?", |node| node.name.as_str());
@@ -77,9 +78,13 @@ pub fn ways_to_panic(image: &Path) -> Result<Vec<String>> {
                 continue;
             };
             if !file.contains("rustc/") && !file.contains("rustlib/") {
-                let file = file.split_once("/../../").map_or(file, |(_, below)| below);
-                places.push(format!("{file}:{line}"));
+                let file = Path::new(file);
+                let file = file.strip_prefix(&root).unwrap_or(file);
+                places.push(format!("{}:{line}", file.display()));
             }
+        }
+        if places.is_empty() {
+            places.push("(several places that the optimiser has made one)".into());
         }
         let way: Vec<&str> = way_from_entry(function, &callers, &nodes)
             .iter()

@@ -118,7 +118,7 @@ impl Ease {
         let (time, rise) = bounds.time(follower);
         // Half the way that h makes in that time, up to whole nanometres.
         let half = mul_div_up(speed, time, 2 * NS).min(1 << 42);
-        let rise = mul_div(speed, rise, NS).clamp(1, half);
+        let rise = mul_div(speed, rise, NS).min(half).max(1);
         Self::of(half, rise)
     }
 

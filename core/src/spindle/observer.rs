@@ -291,7 +291,7 @@ impl Observer {
         } else {
             self.width.wrapping_add(way)
         };
-        lower.wrapping_add(within.clamp(0, self.width))
+        lower.wrapping_add(within.min(self.width).max(0))
     }
 }
 

@@ -16,8 +16,9 @@ use leadscrew_core::program::{
     ArcCall, Aux, Call, CallKind, CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut,
     SpindleCall, ThreadCall, ThreadCycle,
 };
+use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, Turns,
+    Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, TurnRate, Turns,
 };
 
 static SOURCE: u64 = 0;
@@ -87,7 +88,7 @@ macro_rules! wrapped {
 }
 wrapped!(Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
     FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Ticks::new MilliRpm::new Statusword::from_raw
-    Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw);
+    Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw);
 
 /// Types that are the sum of their public fields.
 macro_rules! records {
@@ -112,6 +113,7 @@ records! {
     }
     GrooveCall { start end_x end_z z_written peck step relief retract feed }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
+    EncoderSample { count edge_age_ns index }
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }

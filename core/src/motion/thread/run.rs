@@ -302,7 +302,7 @@ impl ThreadRun {
         let plan = &self.plan;
         let low = (-plan.join_angle - Turns::ONE).raw();
         let high = (plan.done_angle + Turns::ONE).raw();
-        let relative = relative.raw().clamp(low, high);
+        let relative = relative.raw().min(high).max(low);
         let turns = relative >> 32;
         let part = (relative as u64) & 0xffff_ffff;
         let (lead, rest) = plan.lead;

@@ -8,6 +8,7 @@ mod bus;
 mod cycle;
 mod motion;
 mod params;
+mod spindle;
 mod units;
 
 /// Calls them all.
@@ -17,5 +18,6 @@ pub fn all() {
     params::all();
     cycle::all();
     motion::all();
+    spindle::all();
     bus::all();
 }

@@ -2,7 +2,9 @@
 
 use audit::any::{any, sink};
 use leadscrew_core::cycle::Move;
-use leadscrew_core::motion::{Limits, Line, PathRate, Profile, Rate, Run, plan};
+use leadscrew_core::motion::{
+    Limits, Line, PathRate, Profile, Rate, Run, ThreadPlan, ThreadRun, plan,
+};
 use leadscrew_core::program::Position;
 
 /// All of this room.
@@ -11,6 +13,8 @@ pub fn all() {
     path();
     profile();
     run();
+    thread_plan();
+    thread_run();
 }
 
 #[inline(never)]
@@ -60,6 +64,49 @@ fn run() {
         sink(run.tick(any()));
         if any() {
             run.abandon();
+        }
+    }
+}
+
+#[inline(never)]
+fn any_thread_plan() -> Option<ThreadPlan> {
+    let moves: [Move; 4] = [any(), any(), any(), any()];
+    ThreadPlan::new(any(), moves.get(..any())?, &any(), any()).ok()
+}
+
+#[inline(never)]
+fn thread_plan() {
+    if let Some(plan) = any_thread_plan() {
+        sink((
+            plan.start(),
+            plan.end(),
+            plan.lead_in(),
+            plan.braking(),
+            plan.falling_lead(),
+        ));
+        sink((
+            plan.run_out_lag(),
+            plan.run_out_needed(),
+            plan.speed_limit(),
+            plan.turns(),
+        ));
+    }
+}
+
+#[inline(never)]
+fn thread_run() {
+    let Some(Ok(mut run)) = any_thread_plan().map(|plan| ThreadRun::start(plan, any(), any()))
+    else {
+        return;
+    };
+    while any() {
+        sink(run.tick(any()));
+        sink((run.phase(), run.helix(any())));
+        if any() {
+            sink(run.retract(any()));
+        }
+        if any() {
+            run.stop();
         }
     }
 }
