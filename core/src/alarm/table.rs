@@ -139,6 +139,15 @@ codes! {
     /// A position beyond what the core computes with.
     MoveTooFar = 4202, "this move starts or ends more than {0} from zero", "correct the coordinates or the offsets",
         "该移动的起点或终点距零点超过 {0}", "请修正坐标或偏置";
+    /// The centre of an arc is its start or its end.
+    ArcNoRadius = 4203, "the arc has no radius", "write the centre with I and K, measured from the start of the arc",
+        "圆弧没有半径", "请用 I 和 K 写出从圆弧起点到圆心的距离";
+    /// Start and end of an arc are not equally far from its centre.
+    ArcEndOff = 4204, "the arc starts {0} from its centre and ends {1} from it", "correct I and K or the end point: the two may differ by 10 µm, and by a quarter of the radius",
+        "圆弧起点距圆心 {0}，终点距圆心 {1}", "请修正 I、K 或终点：两者之差不得超过 10 µm，也不得超过半径的四分之一";
+    /// An arc with a rotary axis.
+    ArcMovesC = 4205, "C cannot move in an arc", "move C in a block of its own",
+        "圆弧中不能移动 C 轴", "请在单独的程序段中移动 C 轴";
 
     // 4250–4299: threads and the spindle.
     /// A thread, or a feed per turn, with a spindle that does not turn (or turns the other way).

@@ -2,6 +2,7 @@
 //!
 //! Knows parameters and directions; knows nothing of moves, profiles or time.
 
+use super::arc::Bend;
 use super::rate::PathRate;
 use crate::params::Params;
 use crate::units::{Acceleration, Axis, Feed, Jerk, mul_div};
@@ -119,6 +120,58 @@ impl Limits {
         }
         path
     }
+
+    /// Limits along a circular path in X–Z that is never driven faster than `top`.
+    ///
+    /// On a circle of radius R at speed V, acceleration A and jerk J the tool feels A along and V²/R across the path,
+    /// and J, 3·V·A/R and V³/R². Half of the weaker axis' acceleration is kept for A, half of its jerk for J; where V
+    /// takes less than its part, they get the rest.
+    #[must_use]
+    pub fn arc(&self, bend: &Bend, top: PathRate) -> PathLimits {
+        let axes = self
+            .of_axis(Axis::X, Pace::Cutting)
+            .least(self.of_axis(Axis::Z, Pace::Cutting));
+        let eased =
+            |value: u64, keep: u64| mul_div(value, keep.saturating_mul(1 << 28), bend.stretch);
+        // The bends between two ticks are not those at the ticks; an eighth of a radian a tick at most makes that small.
+        let acceleration = eased(axes.acceleration, 15);
+        let jerk = eased(axes.jerk, 14);
+        let speed = u32::try_from(eased(u64::from(axes.speed.raw()), 16)).unwrap_or(u32::MAX);
+        let radius = u128::from(bend.radius);
+        let wide = |value: u64| u128::from(value);
+
+        // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick; beyond 2³⁶ nm of radius the second cannot matter.
+        let by_acceleration = (wide(acceleration).saturating_mul(radius) >> 17).isqrt();
+        let near = radius.min(1 << 36);
+        let by_jerk = cube_root(wide(jerk).saturating_mul(near.saturating_mul(near)) >> 10);
+        let speed = wide(u64::from(speed.min(top.raw())))
+            .min(by_acceleration)
+            .min(wide(by_jerk.into()))
+            .min(radius.saturating_mul(256 / 8))
+            .max(2);
+
+        let across = over(speed.saturating_mul(speed) << 16, radius);
+        // A ≤ j·R / (12·V).
+        let by_cross = over(
+            wide(jerk).saturating_mul(radius) << 8,
+            speed.saturating_mul(12),
+        );
+        let along = wide(acceleration).saturating_sub(across).min(by_cross);
+        let turning = over(
+            over(
+                speed.saturating_mul(speed).saturating_mul(speed) << 8,
+                radius,
+            ),
+            radius,
+        );
+        let crossing = over(speed.saturating_mul(along).saturating_mul(3) >> 8, radius);
+        PathLimits {
+            speed: PathRate::from_raw(u32::try_from(speed).unwrap_or(u32::MAX)),
+            acceleration: u64::try_from(along).unwrap_or(u64::MAX),
+            jerk: u64::try_from(wide(jerk).saturating_sub(turning).saturating_sub(crossing))
+                .unwrap_or(u64::MAX),
+        }
+    }
 }
 
 impl PathLimits {
@@ -151,6 +204,23 @@ impl AxisLimits {
             jerk: per_tick(jerk.nm_per_s3(), tick_us, 3).saturating_sub(8 << 16),
         }
     }
+}
+
+fn over(value: u128, divisor: u128) -> u128 {
+    value.checked_div(divisor).unwrap_or(u128::MAX)
+}
+
+/// The largest integer whose cube is not above `value`; `u32::MAX` at most.
+fn cube_root(value: u128) -> u32 {
+    let mut root = 0_u32;
+    for bit in (0..32).rev() {
+        let next = root | 1 << bit;
+        let wide = u128::from(next);
+        if wide.saturating_mul(wide).saturating_mul(wide) <= value {
+            root = next;
+        }
+    }
+    root
 }
 
 /// `value` nm per s^power as 2⁻³² nm per tick^power, rounded down.

@@ -8,6 +8,7 @@
 //!
 //! Knows nothing of program text, cycles' insides or the bus.
 
+mod arc;
 mod ease;
 mod limits;
 mod line;
@@ -20,6 +21,7 @@ mod shape;
 mod thread;
 mod wide;
 
+pub use arc::{ARC_TOLERANCE, Arc, ArcError, Bend};
 pub use limits::{Limits, Pace, PathLimits};
 pub use line::Line;
 pub use path::Path;

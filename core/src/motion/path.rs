@@ -1,5 +1,6 @@
 //! Where a distance along a path is.
 
+use super::arc::Arc;
 use super::line::Line;
 use super::rate::Travel;
 use crate::program::Position;
@@ -10,6 +11,8 @@ use crate::units::Length;
 pub enum Path {
     /// Straight.
     Line(Line),
+    /// Circular in X–Z.
+    Arc(Arc),
 }
 
 impl Path {
@@ -18,6 +21,7 @@ impl Path {
     pub const fn length(&self) -> Length {
         match self {
             Self::Line(line) => line.length(),
+            Self::Arc(arc) => arc.length(),
         }
     }
 
@@ -27,6 +31,7 @@ impl Path {
     pub fn at(&self, travel: Travel) -> Position {
         match self {
             Self::Line(line) => line.at(travel),
+            Self::Arc(arc) => arc.at(travel),
         }
     }
 
@@ -35,6 +40,7 @@ impl Path {
     pub const fn end(&self) -> Position {
         match self {
             Self::Line(line) => line.end(),
+            Self::Arc(arc) => arc.end(),
         }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Knows moves and limits; knows nothing of what was planned before or comes after.
 
+use super::arc::{Arc, ArcError};
 use super::limits::{Limits, Pace, PathLimits};
 use super::line::Line;
 use super::path::Path;
@@ -53,7 +54,8 @@ impl Timed {
 ///
 /// # Errors
 ///
-/// [`Code::MoveTooFar`], [`Code::FeedZero`], [`Code::SpeedOutOfReach`].
+/// [`Code::MoveTooFar`], [`Code::FeedZero`], [`Code::SpeedOutOfReach`], [`Code::ArcNoRadius`], [`Code::ArcEndOff`],
+/// [`Code::ArcMovesC`].
 pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Timed>, Alarm> {
     let span = target.span;
     match target.kind {
@@ -68,11 +70,23 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
             let nominal = nominal(feed, line.length(), line.feed_length(), limits, span)?;
             plan(Path::Line(line), nominal, &path, Some(feed), span, limits).map(Some)
         }
-        MoveKind::Arc { .. }
-        | MoveKind::Thread(_)
-        | MoveKind::Dwell(_)
-        | MoveKind::Spindle(_)
-        | MoveKind::Aux(_) => Ok(None),
+        MoveKind::Arc {
+            i,
+            k,
+            clockwise,
+            feed,
+        } => {
+            in_range(from, span)?;
+            in_range(target.to, span)?;
+            let arc =
+                Arc::new(from, target.to, i, k, clockwise).map_err(|error| refusal(error, span))?;
+            let nominal = nominal(feed, arc.length(), arc.length(), limits, span)?;
+            let path = limits.arc(&arc.bend(), FEED_OVERRIDE_MAX.of(nominal));
+            plan(Path::Arc(arc), nominal, &path, Some(feed), span, limits).map(Some)
+        }
+        MoveKind::Thread(_) | MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {
+            Ok(None)
+        }
     }
 }
 
@@ -87,12 +101,30 @@ fn in_range(position: Position, span: Span) -> Result<(), Alarm> {
     if position.x.is_in_range() && position.z.is_in_range() && c.is_in_range() {
         Ok(())
     } else {
-        Err(Alarm::new(Code::MoveTooFar, span).with([
-            Arg::Length(Length::INPUT_LIMIT),
+        Err(too_far(span))
+    }
+}
+
+fn too_far(span: Span) -> Alarm {
+    Alarm::new(Code::MoveTooFar, span).with([
+        Arg::Length(Length::INPUT_LIMIT),
+        Arg::None,
+        Arg::None,
+        Arg::None,
+    ])
+}
+
+fn refusal(error: ArcError, span: Span) -> Alarm {
+    match error {
+        ArcError::NoRadius => Alarm::new(Code::ArcNoRadius, span),
+        ArcError::NotOnCircle(start, end) => Alarm::new(Code::ArcEndOff, span).with([
+            Arg::Length(start),
+            Arg::Length(end),
             Arg::None,
             Arg::None,
-            Arg::None,
-        ]))
+        ]),
+        ArcError::TooFar => too_far(span),
+        ArcError::MovesC => Alarm::new(Code::ArcMovesC, span).word(b'C'),
     }
 }
 

@@ -11,6 +11,7 @@ mod axis;
 mod feed;
 mod length;
 mod rate;
+mod trig;
 mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
@@ -18,4 +19,5 @@ pub use axis::{Acceleration, Axis, Jerk};
 pub use feed::{Feed, FeedPerTurn, Lead, Millis, Rpm};
 pub use length::{Diameter, Length};
 pub use rate::{Ticks, TurnRate};
+pub use trig::Direction;
 pub use wide::{Divisor, mul_div, mul_high};
