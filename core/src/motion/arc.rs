@@ -226,7 +226,7 @@ impl Ray {
     }
 
     fn phase(&self) -> Direction {
-        Direction::direction(self.z, self.x)
+        Direction::of_vector(self.z, self.x)
     }
 
     fn dot(&self, other: &Self) -> i128 {

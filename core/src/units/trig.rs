@@ -131,7 +131,7 @@ impl Direction {
     /// The direction of a vector, from the first axis (`along`) towards the second (`across`); both within ±2⁴⁴. Zero
     /// for no vector. Within 2⁻⁵⁶ turns; 128-bit divisions, for the background.
     #[must_use]
-    pub fn direction(along: i64, across: i64) -> Self {
+    pub fn of_vector(along: i64, across: i64) -> Self {
         let (a, b) = (along.unsigned_abs(), across.unsigned_abs());
         if a == 0 && b == 0 {
             return Self::ZERO;
@@ -308,7 +308,7 @@ mod tests {
             for bits in [3, 20, 43] {
                 let (sin, cos) = phase.sin_cos();
                 let (along, across) = (cos >> (62 - bits), sin >> (62 - bits));
-                let (sin, cos) = Direction::direction(along, across).sin_cos();
+                let (sin, cos) = Direction::of_vector(along, across).sin_cos();
                 if (along, across) == (0, 0) {
                     continue;
                 }
@@ -325,7 +325,7 @@ mod tests {
                 );
             }
         }
-        assert_eq!(Direction::direction(0, 0), Direction::ZERO);
-        assert_eq!(Direction::direction(-5, 0), Direction(1 << 63));
+        assert_eq!(Direction::of_vector(0, 0), Direction::ZERO);
+        assert_eq!(Direction::of_vector(-5, 0), Direction(1 << 63));
     }
 }
