@@ -73,15 +73,170 @@ codes! {
     MinStepAboveHeight = 316, "the smallest step {0} is larger than the thread height {1}",
         "write a smaller Q in the first block, or a larger P (height)",
         "最小切削量 {0} 大于牙高 {1}", "请减小第一段的 Q，或增大牙高 P";
+    /// k or Δd of a thread missing, zero or negative; {0} the letter.
+    ThreadDepth = 317, "the thread needs {0} (P: its height, Q: the depth of the first pass) above zero",
+        "write P and Q, both positive, in the block with X and Z",
+        "螺纹需要大于零的 {0}（P：牙高，Q：第一刀切深）", "请在含 X、Z 的程序段中写正的 P 和 Q";
+    /// Δd of a groove is negative.
+    GrooveRelief = 318, "the relief R at the bottom of the groove is negative", "write R without a sign, or leave it out",
+        "槽底退刀量 R 为负", "请写不带符号的 R，或省略";
     /// A step of a groove is missing or zero where one is needed.
     GrooveStepMissing = 319, "the groove needs a step here and has none",
         "write P (peck along X), and Q (step along Z) where Z differs from the start",
         "切槽缺少进刀量或进刀量为零", "请写 P（X 向每次进刀量）；Z 与起点不同时还要写 Q（Z 向进刀量）";
+    /// A step of a groove is negative.
+    GrooveStepNegative = 320, "the step {w} of the groove is negative", "write {w} without a sign",
+        "切槽进刀量 {w} 为负", "请写不带符号的 {w}";
 
     // -- 4001–4099 text and words: program/ -------------------------------------------------------------------------
     /// A character that starts no word, comment or block.
     UnknownCharacter = 4001, "this character has no meaning here", "write a word: a letter and a number",
         "此处的字符没有意义", "请写一个字：字母加数字";
+    /// A character outside ASCII outside a comment.
+    NotAscii = 4002, "a character other than ASCII stands outside a comment",
+        "write letters, digits, signs and spaces of the plain (half-width) kind",
+        "注释之外出现非 ASCII 字符", "请使用半角字母、数字、符号和空格";
+    /// A letter without a number.
+    NumberMissing = 4003, "{w} has no number", "write the number directly behind the letter, without a space",
+        "{w} 后没有数字", "请在字母后直接写数字，不留空格";
+    /// More digits than a number may have; {0} how many it may have.
+    NumberTooLong = 4004, "the number of {w} has more than {0} digits", "write fewer digits",
+        "{w} 的数字超过 {0} 位", "请减少位数";
+    /// Two points in one number.
+    SecondPoint = 4005, "the number of {w} has two points", "write one decimal point",
+        "{w} 的数字有两个小数点", "请只写一个小数点";
+    /// A line beyond the limit; {0} the limit in bytes.
+    LineTooLong = 4006, "the line is longer than {0} bytes", "break it into several blocks",
+        "该行超过 {0} 字节", "请分成几个程序段";
+    /// `(` without `)`.
+    CommentOpen = 4007, "this comment is not closed", "write `)` at its end; only behind `;` or alone may it go on over the line",
+        "注释没有结束", "请在末尾写 `)`；只有在 `;` 之后或单独成行时注释才可跨行";
+    /// `)` without `(`.
+    CommentClosed = 4008, "this `)` closes no comment", "write `(` where the comment begins",
+        "此 `)` 没有对应的注释", "请在注释开始处写 `(`";
+    /// `/` behind other words.
+    SkipNotFirst = 4009, "`/` stands behind words of its block", "write `/` at the front of the block",
+        "`/` 在程序段的字之后", "请把 `/` 写在程序段开头";
+    /// `%` behind words.
+    PercentInBlock = 4010, "`%` stands in a block", "give `%` a line of its own",
+        "`%` 在程序段中", "请让 `%` 单独占一行";
+    /// A variable or an expression.
+    MacroNotAvailable = 4011, "macro variables and expressions are not available yet", "write the number itself",
+        "宏变量和表达式尚不可用", "请直接写数字";
+    /// A letter this control has no word for.
+    UnknownAddress = 4012, "there is no word {w} on this lathe", "use X Z C, or U W H for their increments",
+        "本车床没有字 {w}", "请使用 X Z C，增量用 U W H";
+    /// A word twice in a block.
+    WordTwice = 4013, "{w} stands twice in this block", "remove one, or start a new block",
+        "{w} 在此程序段中出现两次", "请去掉一个，或另起程序段";
+    /// N or O behind other words.
+    WordNotFirst = 4014, "{w} stands behind other words", "write {w} at the front of its block",
+        "{w} 在其他字之后", "请把 {w} 写在程序段开头";
+    /// X with U, Z with W, C with H; {0} and {1} the letters.
+    AbsoluteAndIncrement = 4015, "{0} and {1} place the same axis in one block", "write {0} or {1}",
+        "{0} 与 {1} 在同一程序段中指定同一轴", "请只写 {0} 或 {1}";
+    /// Two G codes of one group; {0} and {1}.
+    GroupTwice = 4016, "{0} and {1} exclude each other in one block", "write them in two blocks",
+        "{0} 与 {1} 不能在同一程序段中", "请分成两个程序段";
+    /// Two M codes of one group; {0} and {1}.
+    MGroupTwice = 4017, "M{0} and M{1} exclude each other in one block", "write them in two blocks",
+        "M{0} 与 M{1} 不能在同一程序段中", "请分成两个程序段";
+    /// No such G code; {0}.
+    UnknownG = 4018, "there is no {0}", "correct the code", "没有 {0}", "请修改代码";
+    /// No such M code; {0} its number.
+    UnknownM = 4019, "there is no M{0}", "correct the code", "没有 M{0}", "请修改代码";
+    /// A G code that exists and is not built; {0}.
+    GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76 or G78 cycle",
+        "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78 循环";
+    /// An M code that exists and is not built; {0} its number.
+    MNotAvailable = 4021, "M{0} is not available yet", "leave it out", "M{0} 尚不可用", "请去掉";
+    /// G33 [D19].
+    G33Tapping = 4022, "G33 is a tapping cycle on one control and a thread on another",
+        "write G76 or G78 for a thread", "G33 在不同系统中含义不同（攻丝或螺纹）", "切螺纹请用 G76 或 G78";
+    /// A point in a word that is a whole number.
+    PointInInteger = 4023, "{w} is a whole number and has a point", "write it without a point",
+        "{w} 为整数，不能有小数点", "请去掉小数点";
+    /// A sign in a word that is a count.
+    SignInInteger = 4024, "{w} takes no sign", "write it without a sign", "{w} 不能带符号", "请去掉符号";
+    /// A number beyond its range; {0} and {1} the range.
+    WordOutOfRange = 4025, "{w} is outside {0} to {1}", "write a value from {0} to {1}",
+        "{w} 超出 {0} 至 {1}", "请写 {0} 至 {1} 之间的值";
+    /// A digit other than 0 beyond the input increment; {0} the increment.
+    DigitBeyondIncrement = 4026, "{w} has a digit beyond the smallest step {0}", "round it to {0}",
+        "{w} 含有小于最小单位 {0} 的数字", "请舍入到 {0}";
+    /// A target beyond what the machine arithmetic carries; {0} the limit.
+    PositionOutOfRange = 4027, "this leads further than {0} from the machine's zero", "correct {w} or the coordinate system",
+        "目标位置离机床零点超过 {0}", "请修改 {w} 或坐标系";
+    /// A word that no code of the block uses.
+    WordWithoutUse = 4028, "{w} belongs to no code of this block", "remove it, or write the code it belongs to",
+        "{w} 不属于此程序段的任何代码", "请去掉它，或写出它所属的代码";
+    /// Two codes that both take the axis words; {0} and {1}.
+    AxisWordsTwice = 4029, "{0} and {1} both take the axis words of this block", "write them in two blocks",
+        "{0} 与 {1} 都要使用此程序段的轴字", "请分成两个程序段";
+    /// A second O number.
+    SecondProgram = 4030, "a second program O{0} begins without M30 or M02 in front", "end the program before it with M30",
+        "O{0} 之前的程序没有 M30 或 M02", "请在前面的程序末尾写 M30";
+    /// A code without the words it needs; {0} the code.
+    CodeNeedsWords = 4031, "{0} stands without words", "write what it is for: G04 P or X, G50 X Z or S, G53 X Z",
+        "{0} 没有所需的字", "请写出所需的字：G04 P 或 X，G50 X Z 或 S，G53 X Z";
+    /// P and X or U in G04.
+    DwellTwice = 4032, "the time of the dwell stands twice", "write P (milliseconds) or X (seconds)",
+        "暂停时间写了两次", "请只写 P（毫秒）或 X（秒）";
+    /// U, W or H with G53.
+    IncrementInMachineCoordinates = 4033, "{w} is an increment, and G53 takes machine coordinates", "write X, Z or C",
+        "{w} 为增量，而 G53 使用机床坐标", "请写 X、Z 或 C";
+    /// A cut without F; {0} the code.
+    FeedMissing = 4034, "{0} cuts and no feed is set", "write F; after a change between G98 and G99 write it again",
+        "{0} 为切削，但没有进给速度", "请写 F；G98 与 G99 切换后需重新写 F";
+    /// S above the spindle's limit; {0} S, {1} the limit.
+    SpeedWordTooHigh = 4035, "S{0} is above the spindle's {1} rpm (parameter 3772)", "write a smaller S",
+        "S{0} 超过主轴最高转速 {1}（参数 3772）", "请减小 S";
+    /// An offset number that does not exist; {0} the number, {1} the last one.
+    ToolOffset = 4036, "there is no tool offset {0}", "write Txxyy with yy from 01 to {1}, or 00 for none",
+        "没有刀补号 {0}", "请写 Txxyy，yy 为 01 至 {1}，00 表示取消";
+    /// G02 or G03 outside the X–Z plane; {0} the code, {1} the plane.
+    ArcPlane = 4037, "{0} in the plane of {1}: this lathe has arcs in X–Z only", "write G18 before it",
+        "{0} 在 {1} 平面内：本车床只有 X–Z 平面圆弧", "请在前面写 G18";
+    /// An arc without R, I and K; {0} the code.
+    ArcCentreMissing = 4038, "{0} has neither R nor I and K", "write R, or I and K (from the start to the centre, radius)",
+        "{0} 没有 R，也没有 I、K", "请写 R，或 I、K（起点到圆心，半径值）";
+    /// R with I or K.
+    ArcTwoCentres = 4039, "R and {w} both give the centre of the arc", "write R, or I and K",
+        "R 与 {w} 都指定了圆心", "请只写 R，或 I、K";
+    /// R0, or I0 K0.
+    ArcWithoutRadius = 4040, "the arc has radius zero", "write the real R, or I and K",
+        "圆弧半径为零", "请写实际的 R，或 I、K";
+    /// R with the end equal to the start.
+    FullCircleByRadius = 4041, "the end of the arc is its start: R does not say where the circle lies",
+        "write I and K for a full circle", "圆弧终点与起点相同：R 不能确定圆的位置", "整圆请写 I 和 K";
+    /// R shorter than half of the chord; {0} the shortest.
+    ArcRadiusTooSmall = 4042, "no circle of this R reaches from start to end", "write R of at least {0}, or correct the end",
+        "此 R 的圆弧不能从起点到达终点", "请写不小于 {0} 的 R，或修改终点";
+    /// Start and end at different distances from the centre; {0} the difference.
+    ArcEndOffCircle = 4043, "the end of the arc lies {0} off the circle", "correct the end, or I and K",
+        "圆弧终点偏离圆周 {0}", "请修改终点，或 I、K";
+    /// P(m)(r)(a) that is not up to six bare digits.
+    PDigits = 4044, "P(m)(r)(a) is up to six digits without point and sign", "write two digits each for m, r and a: P020560",
+        "P(m)(r)(a) 最多六位数字，不带小数点和符号", "请为 m、r、a 各写两位：P020560";
+    /// A point in a word that counts increments; {0} the count meant.
+    PointInIncrements = 4045, "{w} counts input increments and has a point", "write {w}{0}, or set parameter 182.7 = 1 for mm and inches",
+        "{w} 以最小输入增量为单位，不能有小数点", "请写 {w}{0}，或设参数 182.7 = 1 使用 mm/inch";
+    /// A minus in a word the sheets call unsigned.
+    Negative = 4046, "{w} is negative here", "write {w} without a sign", "{w} 在此不能为负", "请写不带符号的 {w}";
+    /// D other than 0 and 1.
+    InfeedMode = 4047, "D is neither 0 nor 1", "write D0 (equal steps) or D1 (decreasing steps)",
+        "D 既不是 0 也不是 1", "请写 D0（等距进刀）或 D1（递减进刀）";
+    /// L outside 1–99.
+    Starts = 4048, "L is outside 1 to 99", "write the number of thread starts, or leave L out for one",
+        "L 超出 1 至 99", "请写螺纹头数，单头可省略 L";
+    /// F and I in one thread block.
+    TwoLeads = 4049, "F and I both give the lead", "write F (lead per turn) or I (turns per inch)",
+        "F 与 I 同时指定导程", "请只写 F（每转导程）或 I（每英寸牙数）";
+    /// A parameter whose value this cycle cannot use; {0} its number, {1} the value.
+    ParameterUnusable = 4050, "parameter {0} is {1}, which this cycle cannot use", "correct the parameter, or write the word it stands for",
+        "参数 {0} 的值 {1} 不能用于此循环", "请修改参数，或写出对应的字";
+    /// G75 with a cycle word and no X or U.
+    GrooveWithoutX = 4051, "the groove has no bottom", "write X or U", "切槽没有槽底", "请写 X 或 U";
 
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
@@ -315,6 +470,12 @@ codes! {
         "主轴到达判据为 {0}（9007），而螺纹只为 {1}（9010）预留余地", "请减小 9007 或增大 9010";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
+    /// P(r) of G78 above 4 [D7]; {0} the value.
+    CutInMode = 4900, "cut-in mode {0} does not exist: parameter 5144 decides", "write 00 to 04 as the middle two digits of P",
+        "切入方式 {0} 不存在：由参数 5144 决定", "请把 P 的中间两位写成 00 至 04";
+    /// The limit of G50 S cuts a speed down; {0} the speed, {1} the limit.
+    SpeedLimited = 4901, "S{0} is cut down to {1} rpm by the limit of G50 S", "write a smaller S, or a higher limit with G50 S",
+        "S{0} 被 G50 S 限制为 {1} rpm", "请减小 S，或用 G50 S 提高限制";
 
     // -- 4920–4939 warnings: cycle/ ----------------------------------------------------------------------------------
 

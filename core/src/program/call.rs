@@ -18,6 +18,15 @@ pub struct Position {
     pub c: Angle,
 }
 
+impl Position {
+    /// The machine's zero.
+    pub const ZERO: Self = Self {
+        x: Length::ZERO,
+        z: Length::ZERO,
+        c: Angle::ZERO,
+    };
+}
+
 /// One thing to do, and where in the text it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Call {

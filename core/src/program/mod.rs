@@ -4,7 +4,30 @@
 //! every modal meaning (units, offsets, increments, dialect, first blocks of cycles, program flow) and yields [`Call`]s:
 //! linear, in machine units, each with the place it came from. Memory is bounded by one line, whatever the length of
 //! the program. Knows nothing of what a cycle does with its words, nor of motion.
+//!
+//! [`Interpreter`] takes lines, [`Events`] iterates over a program in memory, [`Reader`] takes pieces of a stream.
 
+mod arc;
+mod block;
 mod call;
+mod codes;
+mod groove;
+mod interpreter;
+mod lexer;
+mod motion;
+mod options;
+mod plan;
+mod reader;
+mod run_out;
+mod scale;
+mod state;
+#[cfg(test)]
+mod tests;
+mod thread;
 
+pub use arc::ARC_END_TOLERANCE;
 pub use call::*;
+pub use interpreter::{Event, Interpreter};
+pub use lexer::MAX_LINE;
+pub use options::{Dialect, Options};
+pub use reader::{Events, Reader};

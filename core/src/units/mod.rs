@@ -8,6 +8,7 @@
 
 mod angle;
 mod axis;
+mod decimal;
 mod feed;
 mod length;
 mod rate;
@@ -16,6 +17,7 @@ mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
+pub use decimal::{Decimal, DecimalError};
 pub use feed::{Feed, FeedPerTurn, Lead, Millis, Rpm};
 pub use length::{Diameter, Length};
 pub use rate::{Ticks, TurnRate};

@@ -1,0 +1,167 @@
+//! Lines in, events out: the sans-IO driver of lexer, block and modal state.
+
+use super::block::Block;
+use super::call::{Call, Position};
+use super::lexer::{Comment, Cursor, Ended};
+use super::options::Options;
+use super::plan::Plan;
+use super::state::State;
+use crate::alarm::{Alarm, Code};
+use crate::params::Params;
+
+/// What a program yields, in the order it is to be done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// One thing to do.
+    Call(Call),
+    /// Something to tell, in its place; the program goes on.
+    Warning(Alarm),
+}
+
+/// Reads a program line by line and resolves all of its modal meaning. Memory is bounded by one line.
+///
+/// An alarm ends the program: it comes before any call of its own block, after all calls of the blocks before. What
+/// follows M02, M30 or the closing `%` is not read.
+#[derive(Clone, Debug)]
+pub struct Interpreter<'p> {
+    state: State<'p>,
+    block: Block,
+    comment: Comment,
+    plan: Plan,
+    failed: bool,
+    closed: bool,
+}
+
+impl<'p> Interpreter<'p> {
+    /// The power-on state, the machine standing at `options.position`.
+    #[must_use]
+    pub fn new(params: &'p Params, options: Options) -> Self {
+        Self {
+            state: State::new(params, options),
+            block: Block::new(),
+            comment: Comment::default(),
+            plan: Plan::new(),
+            failed: false,
+            closed: false,
+        }
+    }
+
+    /// Takes in one line, with or without its line ending, and hands what it yields to `out`. `line` is its number in
+    /// the file, from 1.
+    ///
+    /// # Errors
+    /// The alarm that ends the program; lines after it yield nothing.
+    #[inline]
+    pub fn line(
+        &mut self,
+        text: &[u8],
+        line: u32,
+        out: &mut impl FnMut(Event),
+    ) -> Result<(), Alarm> {
+        let mut cursor = Cursor::new(without_mark(text, line), line);
+        self.read_line(&mut cursor, out)?;
+        if cursor.is_done() || self.is_ended() {
+            return Ok(());
+        }
+        self.failed = true;
+        Err(Alarm::new(Code::UnknownCharacter, cursor.here()))
+    }
+
+    /// Reads on from `cursor` to the end of its line.
+    #[inline]
+    pub(super) fn read_line(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        out: &mut impl FnMut(Event),
+    ) -> Result<(), Alarm> {
+        while self.read_block(cursor)? {
+            while let Some(event) = self.plan.next() {
+                out(event);
+            }
+        }
+        while let Some(event) = self.plan.next() {
+            out(event);
+        }
+        Ok(())
+    }
+
+    /// Reads one block into the plan; false where the line ends with it.
+    #[inline]
+    pub(super) fn read_block(&mut self, cursor: &mut Cursor<'_>) -> Result<bool, Alarm> {
+        self.plan.clear();
+        if self.is_ended() {
+            return Ok(false);
+        }
+        match self.try_block(cursor) {
+            Ok(more) => Ok(more),
+            Err(alarm) => {
+                self.failed = true;
+                self.plan.clear();
+                Err(alarm)
+            }
+        }
+    }
+
+    #[inline]
+    fn try_block(&mut self, cursor: &mut Cursor<'_>) -> Result<bool, Alarm> {
+        let skip = self.state.options.skip;
+        let start = !self.state.started;
+        let ended = cursor.block(&mut self.block, &mut self.comment, skip, start)?;
+        if !self.block.is_empty() {
+            self.state.run(&self.block, &mut self.plan)?;
+        }
+        self.closed = ended == Ended::Text;
+        Ok(ended == Ended::Block)
+    }
+
+    /// The next event of the block that was read.
+    #[inline]
+    pub(super) fn next_event(&mut self) -> Option<Event> {
+        self.plan.next()
+    }
+
+    /// Says that the text is over.
+    ///
+    /// # Errors
+    /// A comment that was never closed.
+    pub fn finish(&self) -> Result<(), Alarm> {
+        match self.comment.open() {
+            Some(span) if !self.is_ended() => Err(Alarm::new(Code::CommentOpen, span)),
+            _ => Ok(()),
+        }
+    }
+
+    /// True after M02, M30, the closing `%` or an alarm: nothing more is read.
+    #[inline]
+    #[must_use]
+    pub const fn is_ended(&self) -> bool {
+        self.state.ended || self.closed || self.failed
+    }
+
+    /// Where the machine stands after the blocks so far.
+    #[must_use]
+    pub const fn position(&self) -> Position {
+        self.state.position
+    }
+
+    /// The program's O-number, if it has one.
+    #[must_use]
+    pub const fn program_number(&self) -> Option<u32> {
+        self.state.program
+    }
+
+    /// N of the latest block that has one.
+    #[must_use]
+    pub const fn sequence_number(&self) -> Option<u32> {
+        self.state.sequence
+    }
+}
+
+/// The first line without the byte order mark some editors put there.
+#[inline]
+pub(super) fn without_mark(text: &[u8], line: u32) -> &[u8] {
+    match text {
+        [0xEF, 0xBB, 0xBF, rest @ ..] if line == 1 => rest,
+        _ => text,
+    }
+}

@@ -1,0 +1,28 @@
+//! What the operator's panel and the command line decide about reading a program.
+
+use super::call::Position;
+
+/// Which control's meaning the words have that the two families share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Dialect {
+    /// GSK 980TD: P and Q of G75 and G76 by parameter 182.7; the run-out of G76 has 45°.
+    #[default]
+    Gsk980td,
+    /// GSK 988: P and Q of G75 and G76 in mm or inches; the run-out of G76 by 5130 and 5131.
+    Gsk988,
+}
+
+/// How to read a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// The control's family.
+    pub dialect: Dialect,
+    /// Block skip: blocks with `/` in front are passed over.
+    pub skip: bool,
+    /// M01 stops; otherwise it is passed over and makes no call.
+    pub optional_stop: bool,
+    /// Cuts other than threads run at the dry-run feed.
+    pub dry_run: bool,
+    /// Where the machine stands before the first block.
+    pub position: Position,
+}

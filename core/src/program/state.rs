@@ -1,0 +1,507 @@
+//! The modal state and what a block does to it: units, coordinate systems, tool offsets, spindle, feed.
+//!
+//! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
+//! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
+
+use super::block::{Block, Letters, Word, g_arg};
+use super::call::{FeedRate, Position};
+use super::codes::{Group, MGroup};
+use super::groove::GrooveWords;
+use super::options::Options;
+use super::plan::Plan;
+use super::scale::{Scale, seconds};
+use super::thread::ThreadWords;
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::params::Params;
+use crate::units::{Feed, FeedPerTurn, Length, Millis, Rpm};
+
+/// How axis words move (group 01).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// G00.
+    Rapid,
+    /// G01.
+    Line,
+    /// G02.
+    Clockwise,
+    /// G03.
+    CounterClockwise,
+}
+
+impl Motion {
+    pub(super) const fn code(self) -> i64 {
+        match self {
+            Self::Rapid => 0,
+            Self::Line => 1,
+            Self::Clockwise => 2,
+            Self::CounterClockwise => 3,
+        }
+    }
+}
+
+/// The feed in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ModalFeed {
+    None,
+    PerMinute(Feed),
+    PerTurn(FeedPerTurn),
+}
+
+/// What a program has set so far.
+#[derive(Clone, Debug)]
+pub(super) struct State<'p> {
+    pub(super) params: &'p Params,
+    pub(super) options: Options,
+    pub(super) scale: Scale,
+    pub(super) motion: Motion,
+    /// 17, 18 or 19.
+    pub(super) plane: u8,
+    /// Index of the work coordinate system: 0 is G54.
+    system: u8,
+    /// Offset number in force, 0 for none.
+    offset: u8,
+    /// What G50 has added to every coordinate system.
+    shift: Position,
+    /// Machine coordinates of the work zero in force: coordinate system + G50 + tool offset.
+    pub(super) origin: Position,
+    /// Where the machine stands after the blocks so far.
+    pub(super) position: Position,
+    per_turn: bool,
+    feed: ModalFeed,
+    speed: u32,
+    /// −1, 0 or +1.
+    direction: i32,
+    speed_limit: Option<u32>,
+    pub(super) thread: ThreadWords,
+    pub(super) groove: GrooveWords,
+    /// O of the program, if it has one.
+    pub(super) program: Option<u32>,
+    /// N of the latest block that has one.
+    pub(super) sequence: Option<u32>,
+    /// M02 or M30 was read.
+    pub(super) ended: bool,
+    /// A block was read.
+    pub(super) started: bool,
+}
+
+/// Words that do not depend on the G codes.
+const ALWAYS: Letters = Letters::of(b"NOSTF");
+/// Words that place an axis.
+pub(super) const AXES: Letters = Letters::of(b"XUZWCH");
+/// Words that place X or Z.
+pub(super) const PLANE_AXES: Letters = Letters::of(b"XUZW");
+const MODES: u16 =
+    Group::Plane.bit() | Group::Unit.bit() | Group::System.bit() | Group::FeedMode.bit();
+
+impl<'p> State<'p> {
+    pub(super) fn new(params: &'p Params, options: Options) -> Self {
+        let mut state = Self {
+            params,
+            options,
+            scale: Scale::new(false, params.increment_is_c()),
+            motion: Motion::Rapid,
+            plane: 18,
+            system: 0,
+            offset: 0,
+            shift: Position::ZERO,
+            origin: Position::ZERO,
+            position: options.position,
+            per_turn: false,
+            feed: ModalFeed::None,
+            speed: 0,
+            direction: 0,
+            speed_limit: None,
+            thread: ThreadWords::new(),
+            groove: GrooveWords::new(),
+            program: None,
+            sequence: None,
+            ended: false,
+            started: false,
+        };
+        state.place_origin();
+        state
+    }
+
+    /// Takes in one block and writes what it does into `plan`. After an alarm the plan means nothing.
+    pub(super) fn run(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+        block.check_pairs()?;
+        if block.has_any(Letters::of(b"NO")) {
+            self.names(block)?;
+        }
+        self.started = true;
+        if block.has_no_lead() {
+            return Ok(());
+        }
+        if block.has_groups(MODES) {
+            self.modes(block);
+        }
+        let motion_word = block.g(Group::Motion);
+        if let Some(word) = motion_word {
+            self.motion = match word.value.mantissa() {
+                0 => Motion::Rapid,
+                1 => Motion::Line,
+                2 => Motion::Clockwise,
+                _ => Motion::CounterClockwise,
+            };
+        }
+        if let Some(word) = block.find(b'T') {
+            self.tool(&word, plan)?;
+        }
+        match block.g(Group::OneShot) {
+            None => {
+                if let Some(word) = block.find(b'F') {
+                    self.set_feed(&word)?;
+                }
+                if block.has_m() || block.has_any(Letters::of(b"S")) {
+                    self.before_motion(block, plan)?;
+                }
+                self.travel(block, motion_word, Letters::default(), plan)?;
+            }
+            Some(word) => self.one_shot(block, &word, motion_word, plan)?,
+        }
+        if block.has_m() {
+            self.after_motion(block, plan);
+        }
+        plan.set_origin(self.origin);
+        Ok(())
+    }
+
+    /// N and O.
+    fn names(&mut self, block: &Block) -> Result<(), Alarm> {
+        const LIMIT: u32 = 99_999_999;
+        if let Some(word) = block.find(b'N') {
+            self.sequence = Some(word.count(LIMIT)?);
+        }
+        if let Some(word) = block.find(b'O') {
+            let number = word.count(LIMIT)?;
+            if self.started {
+                let args = [Arg::Int(i64::from(number)), Arg::None, Arg::None, Arg::None];
+                return Err(word.alarm(Code::SecondProgram).with(args));
+            }
+            self.program = Some(number);
+        }
+        Ok(())
+    }
+
+    /// G17–G21, G54–G59, G98, G99.
+    fn modes(&mut self, block: &Block) {
+        if let Some(word) = block.g(Group::Plane) {
+            self.plane = word.value.mantissa() as u8;
+        }
+        if let Some(word) = block.g(Group::Unit) {
+            self.scale = Scale::new(word.value.mantissa() == 20, self.params.increment_is_c());
+        }
+        if let Some(word) = block.g(Group::System) {
+            self.system = word.value.mantissa().saturating_sub(54) as u8;
+            self.place_origin();
+        }
+        if let Some(word) = block.g(Group::FeedMode) {
+            let per_turn = word.value.mantissa() == 99;
+            if per_turn != self.per_turn {
+                // A number meant for millimetres a minute is none for millimetres a turn.
+                self.per_turn = per_turn;
+                self.feed = ModalFeed::None;
+            }
+        }
+    }
+
+    fn place_origin(&mut self) {
+        let [x, z] = self.params.work_offset(self.system);
+        let [tool_x, tool_z] = match self.offset {
+            0 => [Length::ZERO; 2],
+            number => self.params.tool_offset(number),
+        };
+        self.origin = Position {
+            x: x + self.shift.x + tool_x,
+            z: z + self.shift.z + tool_z,
+            c: self.shift.c,
+        };
+    }
+
+    /// `Txxyy`: tool xx with offset yy.
+    fn tool(&mut self, word: &Word, plan: &mut Plan) -> Result<(), Alarm> {
+        const OFFSETS: u32 = 32;
+        let number = word.count(9999)?;
+        let offset = number % 100;
+        if offset > OFFSETS {
+            let args = [
+                Arg::Int(i64::from(offset)),
+                Arg::Int(i64::from(OFFSETS)),
+                Arg::None,
+                Arg::None,
+            ];
+            return Err(word.alarm(Code::ToolOffset).with(args));
+        }
+        self.offset = offset as u8;
+        self.place_origin();
+        plan.tool(word.span, number as u16);
+        Ok(())
+    }
+
+    /// The codes that hold for their own block.
+    fn one_shot(
+        &mut self,
+        block: &Block,
+        word: &Word,
+        motion_word: Option<Word>,
+        plan: &mut Plan,
+    ) -> Result<(), Alarm> {
+        let code = word.value.mantissa();
+        if let Some(other) = motion_word {
+            let harmless = match code {
+                4 => block.has_any(Letters::of(b"P")),
+                53 => self.motion == Motion::Rapid,
+                _ => false,
+            };
+            if block.has_any(AXES) && !harmless {
+                let later = if other.span.column > word.span.column {
+                    &other
+                } else {
+                    word
+                };
+                let args = [
+                    g_arg(other.value.mantissa()),
+                    g_arg(code),
+                    Arg::None,
+                    Arg::None,
+                ];
+                return Err(later.alarm(Code::AxisWordsTwice).with(args));
+            }
+        }
+        let is_thread = matches!(code, 76 | 78);
+        if !is_thread && let Some(word) = block.find(b'F') {
+            self.set_feed(&word)?;
+        }
+        let sets_limit = code == 50 && !block.has_any(PLANE_AXES);
+        if !sets_limit {
+            self.before_motion(block, plan)?;
+        }
+        match code {
+            4 => self.dwell(block, word, motion_word, plan),
+            50 => {
+                if sets_limit {
+                    self.limit_speed(block, plan)?;
+                    self.before_motion_codes(block, plan, None)?;
+                }
+                self.set_coordinates(block, word)
+            }
+            53 => self.machine_coordinates(block, word, plan),
+            75 => self.groove(block, word, plan),
+            76 => self.thread_g76(block, word, plan),
+            _ => self.thread_g78(block, word, plan),
+        }
+    }
+
+    /// Refuses the leftmost word that nothing in the block uses.
+    #[inline]
+    pub(super) fn only(&self, block: &Block, used: Letters) -> Result<(), Alarm> {
+        let unused = block.letters().without(used.and(ALWAYS));
+        if unused.is_empty() {
+            return Ok(());
+        }
+        Err(match block.leftmost(unused) {
+            Some(word) => word.alarm(Code::WordWithoutUse),
+            None => Alarm::new(Code::WordWithoutUse, block.lead()),
+        })
+    }
+
+    // -- feed and spindle -------------------------------------------------------------------------------------------
+
+    /// F outside threads.
+    #[inline]
+    fn set_feed(&mut self, word: &Word) -> Result<(), Alarm> {
+        self.feed = if self.per_turn {
+            ModalFeed::PerTurn(self.scale.feed_per_turn(word)?)
+        } else {
+            ModalFeed::PerMinute(self.scale.feed(word)?)
+        };
+        Ok(())
+    }
+
+    /// The feed of a cut at `span`; in a dry run the dry-run feed, once there is one to replace.
+    #[inline]
+    pub(super) fn feed(&self, span: Span, code: i64) -> Result<FeedRate, Alarm> {
+        let feed = match self.feed {
+            ModalFeed::None => {
+                let args = [g_arg(code), Arg::None, Arg::None, Arg::None];
+                return Err(Alarm::new(Code::FeedMissing, span).with(args));
+            }
+            ModalFeed::PerMinute(feed) => FeedRate::PerMinute(feed),
+            ModalFeed::PerTurn(feed) => FeedRate::PerTurn(feed, self.rpm()),
+        };
+        if self.options.dry_run {
+            return Ok(FeedRate::PerMinute(self.params.dry_run_feed()));
+        }
+        Ok(feed)
+    }
+
+    /// Commanded spindle speed.
+    pub(super) fn rpm(&self) -> Rpm {
+        let speed = i32::try_from(self.speed).unwrap_or(i32::MAX);
+        Rpm::new(speed.saturating_mul(self.direction))
+    }
+
+    fn speed(&self, word: &Word) -> Result<u32, Alarm> {
+        let limit = self.params.spindle_max_rpm();
+        let speed = word.count(u32::MAX)?;
+        if speed > limit {
+            let args = [
+                Arg::Int(i64::from(speed)),
+                Arg::Int(i64::from(limit)),
+                Arg::None,
+                Arg::None,
+            ];
+            return Err(word.alarm(Code::SpeedWordTooHigh).with(args));
+        }
+        Ok(speed)
+    }
+
+    /// S and the M codes that come before the motion.
+    fn before_motion(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+        let word = block.find(b'S');
+        if let Some(word) = &word {
+            self.speed = self.speed(word)?;
+        }
+        self.before_motion_codes(block, plan, word)
+    }
+
+    /// M03 M04 M08; `speed` is the S word of the block, if it is an ordinary one.
+    fn before_motion_codes(
+        &mut self,
+        block: &Block,
+        plan: &mut Plan,
+        speed: Option<Word>,
+    ) -> Result<(), Alarm> {
+        let turn = block
+            .m(MGroup::Spindle)
+            .filter(|word| word.value.mantissa() != 5);
+        if let Some(word) = &turn {
+            self.direction = if word.value.mantissa() == 3 { 1 } else { -1 };
+        }
+        if let Some(word) = speed.or(turn) {
+            if let Some(limit) = self.speed_limit
+                && self.speed > limit
+            {
+                let asked = Arg::Int(i64::from(self.speed));
+                let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
+                plan.warn(word.alarm(Code::SpeedLimited).with(args));
+                self.speed = limit;
+            }
+            plan.spindle(word.span, self.rpm());
+        }
+        if let Some(word) = block.m(MGroup::Coolant)
+            && word.value.mantissa() == 8
+        {
+            plan.coolant_on(word.span);
+        }
+        Ok(())
+    }
+
+    /// M05 M09 M00 M01 M02 M30.
+    fn after_motion(&mut self, block: &Block, plan: &mut Plan) {
+        if let Some(word) = block.m(MGroup::Spindle)
+            && word.value.mantissa() == 5
+        {
+            self.direction = 0;
+            plan.spindle_stop(word.span);
+        }
+        if let Some(word) = block.m(MGroup::Coolant)
+            && word.value.mantissa() == 9
+        {
+            plan.coolant_off(word.span);
+        }
+        if let Some(word) = block.m(MGroup::Flow) {
+            let code = word.value.mantissa();
+            self.ended = matches!(code, 2 | 30);
+            if code != 1 || self.options.optional_stop {
+                plan.flow(word.span, code as u16);
+            }
+        }
+    }
+
+    // -- G04, G50 ---------------------------------------------------------------------------------------------------
+
+    fn dwell(
+        &mut self,
+        block: &Block,
+        word: &Word,
+        motion_word: Option<Word>,
+        plan: &mut Plan,
+    ) -> Result<(), Alarm> {
+        const LIMIT: u32 = 99_999_999;
+        let by_axis = block.find(b'X').or_else(|| block.find(b'U'));
+        match (block.find(b'P'), by_axis) {
+            (Some(time), axis) => {
+                if let (Some(axis), None) = (axis, motion_word) {
+                    return Err(axis.alarm(Code::DwellTwice));
+                }
+                plan.dwell(word.span, Millis::new(time.count(LIMIT)?));
+                let time = Letters::of(b"P");
+                if motion_word.is_some() {
+                    return self.travel(block, motion_word, time, plan);
+                }
+                self.only(block, time)
+            }
+            (None, Some(time)) => {
+                self.only(block, Letters::of(b"XU"))?;
+                plan.dwell(word.span, seconds(&time)?);
+                Ok(())
+            }
+            (None, None) => Err(needs_words(word)),
+        }
+    }
+
+    /// G50 without X U Z W: S is the speed limit.
+    fn limit_speed(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+        let Some(word) = block.find(b'S') else {
+            return Ok(());
+        };
+        let limit = self.speed(&word)?;
+        self.speed_limit = Some(limit);
+        if self.speed > limit && self.direction != 0 {
+            let asked = Arg::Int(i64::from(self.speed));
+            let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
+            plan.warn(word.alarm(Code::SpeedLimited).with(args));
+            self.speed = limit;
+            plan.spindle(word.span, self.rpm());
+        }
+        Ok(())
+    }
+
+    /// G50 X Z: the tool stands at these coordinates from now on; U W H move the zero by as much the other way.
+    fn set_coordinates(&mut self, block: &Block, word: &Word) -> Result<(), Alarm> {
+        if !block.has_any(AXES) && !block.has_any(Letters::of(b"S")) {
+            return Err(needs_words(word));
+        }
+        self.only(block, AXES)?;
+        let wanted = self.target(block, self.origin)?;
+        // `wanted` is where the words would send the machine; the zero moves instead.
+        self.shift.x += self.position.x - wanted.x;
+        self.shift.z += self.position.z - wanted.z;
+        self.shift.c += self.position.c - wanted.c;
+        self.place_origin();
+        let zero = self.origin;
+        if !zero.x.is_in_range() || !zero.z.is_in_range() {
+            let args = [
+                Arg::Length(Length::INPUT_LIMIT),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ];
+            return Err(word.alarm(Code::PositionOutOfRange).with(args));
+        }
+        Ok(())
+    }
+}
+
+/// The alarm of a code that says nothing without words.
+#[cold]
+pub(super) fn needs_words(word: &Word) -> Alarm {
+    let args = [
+        g_arg(word.value.mantissa()),
+        Arg::None,
+        Arg::None,
+        Arg::None,
+    ];
+    word.alarm(Code::CodeNeedsWords).with(args)
+}

@@ -1,0 +1,238 @@
+//! Motion, coordinates, spindle, tools and the order of calls.
+
+use super::*;
+use crate::units::{Angle, Feed, FeedPerTurn, Millis};
+
+fn per_minute(mm: i64) -> FeedRate {
+    FeedRate::PerMinute(Feed::from_nm_per_min(mm * 1_000_000))
+}
+
+#[test]
+fn absolute_and_incremental_words_mix() {
+    assert_eq!(
+        kinds("G0 X50 Z10\nU-4 Z5\nG01 X40 W-2.5 F120\nC90\nH-.5"),
+        [
+            CallKind::Rapid(at(500_000, 100_000)),
+            CallKind::Rapid(at(460_000, 50_000)),
+            CallKind::Line(at(400_000, 25_000), per_minute(120)),
+            CallKind::Line(
+                Position {
+                    c: Angle::from_udeg(90_000_000),
+                    ..at(400_000, 25_000)
+                },
+                per_minute(120)
+            ),
+            CallKind::Line(
+                Position {
+                    c: Angle::from_udeg(89_500_000),
+                    ..at(400_000, 25_000)
+                },
+                per_minute(120)
+            ),
+        ]
+    );
+}
+
+#[test]
+fn blocks_that_change_modal_state_alone_make_no_call() {
+    assert_eq!(
+        calls(
+            "G21 G40 G54 G64 G80 G97 G98\nN10\nG01 F100\nG17\nG19\nG18\nG61\nG50 S2000\nT\n"
+                .trim_end_matches("T\n")
+        ),
+        []
+    );
+}
+
+#[test]
+fn inches_and_millimetres_agree() {
+    assert_eq!(
+        kinds("G20 G0 X2 Z-.5\nG1 X1.5 F10"),
+        kinds("G21 G0 X50.8 Z-12.7\nG1 X38.1 F254")
+    );
+    assert_eq!(
+        kinds("G20 G0 X.00001"),
+        [CallKind::Rapid(Position {
+            x: Length::from_nm(127),
+            ..Position::ZERO
+        })]
+    );
+}
+
+#[test]
+fn feeds_by_minute_and_by_turn() {
+    let last = |text: &str| kinds(text).pop();
+    assert_eq!(
+        last("M3 S200 G99 G1 X10 F.25"),
+        Some(CallKind::Line(
+            at(100_000, 0),
+            FeedRate::PerTurn(FeedPerTurn::from_nm(250_000), Rpm::new(200))
+        ))
+    );
+    assert_eq!(alarm("G1 X10 F100\nG99 X12").number(), 4034);
+    let dry = Options {
+        dry_run: true,
+        ..Options::default()
+    };
+    let (events, alarm) = read_with(b"G1 X10 F.5", &Params::slant_bed(), dry);
+    assert_eq!(alarm, None);
+    let Event::Call(call) = events[0] else {
+        panic!()
+    };
+    assert_eq!(
+        call.kind,
+        CallKind::Line(
+            at(100_000, 0),
+            FeedRate::PerMinute(Params::slant_bed().dry_run_feed())
+        )
+    );
+}
+
+#[test]
+fn arcs_by_centre_and_by_radius() {
+    let arc = |text: &str| match kinds(text).pop() {
+        Some(CallKind::Arc(arc)) => arc,
+        other => panic!("{other:?}"),
+    };
+    let by_centre = arc("G0 X0 Z0\nG3 X20 Z-10 K-10 F100");
+    assert_eq!(
+        (by_centre.i, by_centre.k, by_centre.clockwise),
+        (mm(0), mm(-10), false)
+    );
+    assert_eq!(arc("G0 X0 Z0\nG3 X20 Z-10 R10 F100"), by_centre);
+    let other = arc("G0 X0 Z0\nG2 X20 Z-10 R10 F100");
+    assert_eq!((other.i, other.k, other.clockwise), (mm(10), mm(0), true));
+    assert_eq!(arc("G0 X0 Z0\nG3 X20 Z-10 R-10 F100").i, mm(10));
+    let full = arc("G0 X20 Z0\nG2 K-5 F100");
+    assert_eq!((full.end, full.k), (at(200_000, 0), mm(-5)));
+    assert_eq!(arc("G0 X20 Z0 F100\nG2 U20 W-10 I10\nW-20 K-10").k, mm(-10));
+}
+
+#[test]
+fn coordinate_systems_shift_and_offset() {
+    let all = calls("G50 X100 Z50\nG0 X80 Z10\nG50 U2 W1\nX80 Z10\nG53 X0 Z0\nG50 C30\nC0");
+    assert_eq!(all[0].kind, CallKind::Rapid(at(-200_000, -400_000)));
+    assert_eq!(all[0].origin, at(-1_000_000, -500_000));
+    // The place called X80 Z10 is now called X82 Z11.
+    assert_eq!(all[1].kind, CallKind::Rapid(at(-220_000, -410_000)));
+    assert_eq!(all[2].kind, CallKind::Rapid(at(0, 0)));
+    assert_eq!(
+        all[3].kind,
+        CallKind::Rapid(Position {
+            c: Angle::from_udeg(-30_000_000),
+            ..at(0, 0)
+        })
+    );
+}
+
+#[test]
+fn s_in_g50_is_a_limit_only_alone() {
+    assert_eq!(kinds("G50 X100 Z50 M3 S300"), [spindle(300)]);
+    assert_eq!(kinds("G50 S1500\nM3 S1200"), [spindle(1200)]);
+    let (events, alarm) = read("M4 S1200\nG50 S800\nS900\nS700");
+    assert_eq!(alarm, None);
+    let numbers: Vec<i64> = events
+        .iter()
+        .map(|event| match event {
+            Event::Warning(alarm) => i64::from(alarm.number()),
+            Event::Call(Call {
+                kind: CallKind::Spindle(call),
+                ..
+            }) => i64::from(call.rpm.get()),
+            Event::Call(call) => panic!("{call:?}"),
+        })
+        .collect();
+    assert_eq!(numbers, [-1200, 4901, -800, 4901, -800, -700]);
+}
+
+#[test]
+fn calls_of_a_block_come_in_execution_order() {
+    assert_eq!(
+        kinds("M3 M8 S500 T0101 G0 X10"),
+        [
+            spindle(500),
+            CallKind::Aux(Aux::M(8)),
+            CallKind::Aux(Aux::T(101)),
+            CallKind::Rapid(at(100_000, 0)),
+        ]
+    );
+    assert_eq!(
+        kinds("M3 S500\nM30 M5 M9 G0 Z1\nG0 X5"),
+        [
+            spindle(500),
+            CallKind::Rapid(at(0, 10_000)),
+            spindle(0),
+            CallKind::Aux(Aux::M(9)),
+            CallKind::End(30),
+        ]
+    );
+    assert_eq!(
+        kinds("G0 G4 P500 X1"),
+        [
+            CallKind::Dwell(Millis::new(500)),
+            CallKind::Rapid(at(10_000, 0))
+        ]
+    );
+}
+
+#[test]
+fn dwells_in_seconds_and_milliseconds() {
+    let ms = |text: &str| match kinds(text)[..] {
+        [CallKind::Dwell(time)] => time.get(),
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(ms("G04 X2"), 2_000);
+    assert_eq!(ms("G04 U0.25"), 250);
+    assert_eq!(ms("G4 P1500"), 1_500);
+}
+
+#[test]
+fn stops_ends_and_what_follows() {
+    assert_eq!(
+        kinds("M0\nM1\nM2\nG99999"),
+        [CallKind::Aux(Aux::M(0)), CallKind::End(2)]
+    );
+    let options = Options {
+        optional_stop: true,
+        ..Options::default()
+    };
+    let (events, _) = read_with(b"M1", &Params::slant_bed(), options);
+    assert_eq!(events.len(), 1);
+    assert_eq!(
+        kinds("%\nO1\nG0 X1\n%\nnonsense"),
+        [CallKind::Rapid(at(10_000, 0))]
+    );
+    assert_eq!(kinds("M30\n(never closed"), [CallKind::End(30)]);
+}
+
+#[test]
+fn the_start_position_counts() {
+    let options = Options {
+        position: at(1_000_000, 500_000),
+        ..Options::default()
+    };
+    let (events, _) = read_with(b"G0 U-2 W1", &Params::slant_bed(), options);
+    let Event::Call(call) = events[0] else {
+        panic!()
+    };
+    assert_eq!(call.kind, CallKind::Rapid(at(980_000, 510_000)));
+}
+
+#[test]
+fn numbers_of_program_and_block_are_kept() {
+    let params = Params::slant_bed();
+    let mut interpreter = Interpreter::new(&params, Options::default());
+    let mut count = 0;
+    for (line, text) in ["%", "O0013 (THREAD)", "N10 G0 X1", "N20 Z1"]
+        .iter()
+        .enumerate()
+    {
+        let read = interpreter.line(text.as_bytes(), line as u32 + 1, &mut |_| count += 1);
+        assert_eq!(read, Ok(()));
+    }
+    assert_eq!(
+        (interpreter.program_number(), interpreter.sequence_number()),
+        (Some(13), Some(20))
+    );
+    assert_eq!((count, interpreter.position()), (2, at(10_000, 10_000)));
+}

@@ -1,0 +1,94 @@
+//! Notation: spaces, case, line endings, comments, block skip, places.
+
+use super::*;
+
+#[test]
+fn notation_makes_no_difference() {
+    let plain = kinds("G0 X50 Z10\nG1 X40. Z-2.50 F100\nM30\n");
+    for text in [
+        "g0x50z10\ng1x40z-2.5f100\nm30",
+        "G00X+50.Z010\r\nG01 X040 Z-02.500 F100.0\r\nM30\r\n",
+        "N1 G0 X50 Z10;\nN2 G1 X40 Z-2.5 F100 ; (cut)\nN3 M30;",
+        "(a) G0 (b) X50 (c(d)) Z10\n  \t G1\tX40 Z-2.5 F100\n\nM30",
+        "G0 X50 Z10; G1 X40 Z-2.5 F100; M30",
+        "\u{feff}%\nO0001\nG0 X50 Z10\nG1 X40 Z-2.5 F100\nM30\n%",
+        "Z10 X50 G0\nF100 Z-2.5 X40 G1\nM30",
+        "/G0 X50 Z10\nN2 /G1 X40 Z-2.5 F100\nM30",
+    ] {
+        assert_eq!(kinds(text), plain, "{text}");
+    }
+}
+
+#[test]
+fn skipped_blocks_do_nothing() {
+    let options = Options {
+        skip: true,
+        ..Options::default()
+    };
+    let text = "/G0 X50 (a;b\u{29}\nN5 /nonsense ##; G0 Z1\n/G28\n";
+    let (events, alarm) = read_with(text.as_bytes(), &Params::slant_bed(), options);
+    assert_eq!(alarm, None);
+    let [Event::Call(call)] = events[..] else {
+        panic!("{events:?}")
+    };
+    assert_eq!(
+        (call.kind, call.span),
+        (CallKind::Rapid(at(0, 10_000)), span(2, 18, 20))
+    );
+}
+
+#[test]
+fn comments_go_on_over_the_line_only_behind_a_block() {
+    let text = "G0 X1; (one\ntwo (three)\n\nfour) Z1\nG0 X2";
+    assert_eq!(
+        kinds(text),
+        [
+            CallKind::Rapid(at(10_000, 0)),
+            CallKind::Rapid(at(10_000, 10_000)),
+            CallKind::Rapid(at(20_000, 10_000))
+        ]
+    );
+    let open = alarm("G0 X1 (one\ntwo)");
+    assert_eq!((open.number(), open.span), (4007, span(1, 7, 8)));
+    // Closed by the wrong parenthesis is not closed.
+    let open = alarm("G0 X1; (one\nG1 Z5 (two)\n");
+    assert_eq!((open.number(), open.span), (4007, span(1, 8, 9)));
+}
+
+#[test]
+fn places_count_bytes_from_one() {
+    let call = calls("\n  G00 X1\n  X2 Z3 M8")[0];
+    assert_eq!(call.span, span(2, 3, 6));
+    let all = calls("\n  G00 X1\n  X2 Z3 M8");
+    assert_eq!((all[1].span, all[2].span), (span(3, 9, 11), span(3, 3, 5)));
+    let alarm = alarm("(攻丝) G01 X10. Q-5.25 F1");
+    assert_eq!((alarm.span, alarm.word), (span(1, 19, 25), Some(b'Q')));
+}
+
+#[test]
+fn lines_have_a_limit() {
+    let fits = std::format!("G0 X1{}", " ".repeat(MAX_LINE - 5));
+    assert_eq!(fits.len(), MAX_LINE);
+    assert_eq!(kinds(&std::format!("{fits}\nG0 X2")).len(), 2);
+    assert_eq!(kinds(&fits).len(), 1);
+    let long = alarm(&std::format!("{fits} \nG0 X2"));
+    assert_eq!((long.number(), long.span), (4006, span(1, 1025, 1026)));
+    // What is complete in front of the cut is done.
+    let (events, _) = read(&std::format!("G0 X1; {}", " ".repeat(MAX_LINE)));
+    assert_eq!(events.len(), 1);
+}
+
+#[test]
+fn a_line_holds_one_line() {
+    let params = Params::slant_bed();
+    let mut interpreter = Interpreter::new(&params, Options::default());
+    assert_eq!(interpreter.line(b"G0 X1\r\n", 1, &mut |_| ()), Ok(()));
+    let alarm = interpreter
+        .line(b"G0 X1\nG0 X2", 2, &mut |_| ())
+        .unwrap_err();
+    assert_eq!(alarm.number(), 4001);
+    // After an alarm nothing more is read.
+    let mut count = 0;
+    assert_eq!(interpreter.line(b"G0 X3", 3, &mut |_| count += 1), Ok(()));
+    assert_eq!(count, 0);
+}

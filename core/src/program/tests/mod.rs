@@ -1,0 +1,94 @@
+//! Programs as text against the calls they make.
+
+// Figures of tests are small and known.
+#![allow(clippy::arithmetic_side_effects, clippy::float_arithmetic)]
+
+extern crate std;
+
+mod alarms;
+mod calls;
+mod cycles;
+mod forms;
+mod random;
+
+use super::*;
+use crate::alarm::{Alarm, Span};
+use crate::params::Params;
+use crate::units::{Length, Rpm};
+use std::vec::Vec;
+
+/// Everything `text` yields, and the alarm that ends it.
+fn read_with(text: &[u8], params: &Params, options: Options) -> (Vec<Event>, Option<Alarm>) {
+    let mut events = Vec::new();
+    for event in Events::new(text, params, options) {
+        match event {
+            Ok(event) => events.push(event),
+            Err(alarm) => return (events, Some(alarm)),
+        }
+    }
+    (events, None)
+}
+
+fn read(text: &str) -> (Vec<Event>, Option<Alarm>) {
+    read_with(text.as_bytes(), &Params::slant_bed(), Options::default())
+}
+
+/// The calls of a program without alarm or warning.
+fn calls(text: &str) -> Vec<Call> {
+    let (events, alarm) = read(text);
+    assert_eq!(alarm, None, "{text}");
+    events
+        .into_iter()
+        .map(|event| match event {
+            Event::Call(call) => call,
+            Event::Warning(alarm) => panic!("{alarm:?} in {text}"),
+        })
+        .collect()
+}
+
+fn kinds(text: &str) -> Vec<CallKind> {
+    calls(text).into_iter().map(|call| call.kind).collect()
+}
+
+/// The alarm that ends a program.
+fn alarm(text: &str) -> Alarm {
+    read(text).1.unwrap_or_else(|| panic!("no alarm: {text}"))
+}
+
+/// A point: diameter and Z in millimetres · 10⁴.
+fn at(x: i64, z: i64) -> Position {
+    Position {
+        x: Length::from_nm(x * 50),
+        z: Length::from_nm(z * 100),
+        ..Position::ZERO
+    }
+}
+
+fn mm(value: i64) -> Length {
+    Length::from_nm(value * 1_000_000)
+}
+
+fn um(value: i64) -> Length {
+    Length::from_nm(value * 1_000)
+}
+
+fn span(line: u32, column: u16, end: u16) -> Span {
+    Span { line, column, end }
+}
+
+fn spindle(rpm: i32) -> CallKind {
+    CallKind::Spindle(SpindleCall { rpm: Rpm::new(rpm) })
+}
+
+/// A deterministic stream of numbers.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % limit
+    }
+}
