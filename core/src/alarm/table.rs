@@ -343,6 +343,19 @@ codes! {
         "主轴编码器丢失或多出 {0} 个计数", "请检查编码器、电缆与参数 3720";
 
     // -- 4300–4399 machine: board/, bus/ -----------------------------------------------------------------------------
+    /// The operator's emergency stop.
+    EmergencyStop = 4300, "emergency stop", "free the tool, then reset",
+        "急停", "请先退出刀具，然后复位";
+    /// A parameter set that does not pass its own checks.
+    ParametersUnusable = 4301, "the parameters cannot work", "run `leadscrew params validate`, it names the reason",
+        "参数无法工作", "请运行 `leadscrew params validate`，它会说明原因";
+    /// A position that the drive's 32-bit target cannot hold.
+    BeyondDriveRange = 4302, "the position of axis {0} is beyond what its drive can count",
+        "check the drive increment (9001, 9002) and the soft limits (1320, 1321)",
+        "{0} 轴的位置超出驱动器的计数范围", "请检查驱动器当量（9001、9002）和软限位（1320、1321）";
+    /// The spindle does not reach its commanded speed.
+    SpindleNotArrived = 4303, "the spindle turns at {0} instead of {1}", "check the spindle drive, its load and parameters 9004 and 9007",
+        "主轴转速为 {0}，而不是 {1}", "请检查主轴驱动器、负载以及参数 9004 和 9007";
 
     // 4350–4399: drives. {0} is the drive's letter, {1} its node.
     /// No status from a drive after it was started.

@@ -10,6 +10,7 @@
 
 mod arc;
 mod ease;
+mod executor;
 mod limits;
 mod line;
 mod path;
@@ -17,11 +18,13 @@ pub mod plan;
 mod profile;
 mod rate;
 mod run;
+mod segment;
 mod shape;
 mod thread;
 mod wide;
 
 pub use arc::{ARC_TOLERANCE, Arc, ArcError, Bend};
+pub use executor::{Arrival, Conditions, Executor, Motion, Setpoint};
 pub use limits::{Limits, Pace, PathLimits};
 pub use line::Line;
 pub use path::Path;
@@ -29,4 +32,5 @@ pub use plan::Timed;
 pub use profile::{CAPACITY, Profile, Progress, Ramp};
 pub use rate::{PathRate, Rate, Travel};
 pub use run::{Run, Step};
+pub use segment::{Action, Pass, Segment, Stops};
 pub use thread::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};

@@ -304,6 +304,12 @@ impl ThreadPlan {
         })
     }
 
+    /// True where X is the long axis.
+    #[must_use]
+    pub const fn long_x(&self) -> bool {
+        self.long_x
+    }
+
     /// Where the tool stands before the pass.
     #[must_use]
     pub const fn start(&self) -> Position {

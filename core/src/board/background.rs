@@ -1,0 +1,286 @@
+//! The background: calls in, segments out.
+//!
+//! Expands one call after another, refuses what cannot be done before any of its moves, plans each move from where the
+//! one before ends. A pass of a thread is queued together with its retract. Unbounded only in how often it is called:
+//! one call of [`Background::step`] does one small piece of work. Knows nothing of ticks, drives or frames.
+
+use heapless::{Deque, Vec};
+
+use super::queue::{CallOut, SegmentIn};
+use crate::alarm::{Alarm, Code, Span};
+use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
+use crate::motion::{Action, Limits, Pass, Segment, Stops, ThreadPlan, plan};
+use crate::params::Params;
+use crate::program::{Call, CallKind, Position};
+use crate::units::{Axis, Length, Rpm, TurnRate};
+
+/// What planning depends on besides the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings<'a> {
+    /// The parameter set.
+    pub params: &'a Params,
+    /// The limits made of it.
+    pub limits: &'a Limits,
+    /// Spindle override in percent.
+    pub spindle_percent: u8,
+    /// Single block is on.
+    pub single_block: bool,
+}
+
+/// The state of the background.
+#[derive(Debug)]
+pub struct Background {
+    moves: Option<Moves>,
+    /// The call under expansion asks for the end of the program.
+    ending: Option<Span>,
+    /// Where the last planned move ends.
+    position: Position,
+    /// Where the call under expansion starts: A of a cycle.
+    home: Position,
+    /// Moves so far.
+    number: u32,
+    /// The synchronous moves of the pass being collected, and where it starts.
+    pass: Vec<Move, 3>,
+    pass_start: Position,
+    pass_number: u32,
+    /// Planned and not queued yet; a pass waits here for its retract.
+    planned: Deque<Segment, 4>,
+    complete: bool,
+    failed: bool,
+}
+
+impl Background {
+    /// Nothing to do, at a position.
+    #[must_use]
+    pub const fn new(position: Position) -> Self {
+        Self {
+            moves: None,
+            ending: None,
+            position,
+            home: position,
+            number: 0,
+            pass: Vec::new(),
+            pass_start: position,
+            pass_number: 0,
+            planned: Deque::new(),
+            complete: false,
+            failed: false,
+        }
+    }
+
+    /// Forgets everything; goes on from `position`.
+    pub fn restart(&mut self, position: Position) {
+        *self = Self::new(position);
+    }
+
+    /// True while a call is not fully planned and queued.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.moves.is_some() || !self.planned.is_empty() || self.ending.is_some()
+    }
+
+    /// One piece of work. False where there is none that can be done now. A warning of the call just taken up comes back.
+    pub fn step(
+        &mut self,
+        calls: &mut CallOut<'_>,
+        segments: &mut SegmentIn<'_>,
+        settings: &Settings<'_>,
+    ) -> (bool, Option<Alarm>) {
+        if self.complete {
+            return (self.hand_over(segments), None);
+        }
+        if self.failed {
+            return (false, None);
+        }
+        if let Some(moves) = &mut self.moves {
+            if let Some(next) = moves.next() {
+                if let Err(alarm) = self.take(&next, settings) {
+                    self.fail(alarm);
+                }
+            } else {
+                self.moves = None;
+                self.complete = !self.planned.is_empty();
+            }
+            return (true, None);
+        }
+        if let Some(span) = self.ending.take() {
+            self.queue(span, Stops::default(), Action::End);
+            return (true, None);
+        }
+        let Some(call) = calls.dequeue() else {
+            return (false, None);
+        };
+        match self.open(&call, settings) {
+            Ok(warning) => (true, warning),
+            Err(alarm) => {
+                self.fail(alarm);
+                (true, None)
+            }
+        }
+    }
+
+    fn open(&mut self, call: &Call, _settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
+        let moves = expand(call, self.position)?;
+        let warning = moves.warning();
+        self.home = self.position;
+        self.moves = Some(moves);
+        if let CallKind::End(_) = call.kind {
+            self.ending = Some(call.span);
+        }
+        Ok(warning)
+    }
+
+    fn fail(&mut self, alarm: Alarm) {
+        self.failed = true;
+        self.moves = None;
+        self.ending = None;
+        self.pass.clear();
+        self.planned.clear();
+        self.queue(alarm.span, Stops::default(), Action::Alarm(alarm));
+    }
+
+    fn hand_over(&mut self, segments: &mut SegmentIn<'_>) -> bool {
+        if segments.capacity().saturating_sub(segments.len()) < self.planned.len() {
+            return false;
+        }
+        while let Some(segment) = self.planned.pop_front() {
+            // There is room; the answer is always yes.
+            if segments.enqueue(segment).is_err() {
+                self.failed = true;
+            }
+        }
+        self.complete = false;
+        true
+    }
+
+    /// Puts a segment behind what is planned and lets it all go to the queue.
+    fn queue(&mut self, span: Span, stops: Stops, action: Action) {
+        self.put(self.number, span, stops, action);
+        self.complete = true;
+    }
+
+    fn put(&mut self, number: u32, span: Span, stops: Stops, action: Action) {
+        let segment = Segment {
+            number,
+            span,
+            stops,
+            action,
+        };
+        // Four places: a pass, its completion, its retract and one to spare.
+        if self.planned.push_back(segment).is_err() {
+            self.failed = true;
+        }
+    }
+
+    fn take(&mut self, next: &Move, settings: &Settings<'_>) -> Result<(), Alarm> {
+        self.number = self.number.saturating_add(1);
+        if let MoveKind::Thread(thread) = next.kind {
+            if self.pass.is_empty() {
+                self.pass_start = self.position;
+                self.pass_number = self.number;
+            }
+            if self.pass.push(*next).is_err() {
+                return Err(Alarm::new(Code::StrokeTooShort, next.span));
+            }
+            self.position = next.to;
+            if thread.last {
+                self.plan_pass(next, thread.rpm, settings)?;
+                self.pass.clear();
+            }
+            return Ok(());
+        }
+        let stops = stops(next, settings.single_block);
+        let action = match next.kind {
+            MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
+                let timed = plan::timed(self.position, next, settings.limits)?;
+                self.position = next.to;
+                match timed {
+                    Some(timed) => Action::Timed(timed),
+                    None => return Ok(()),
+                }
+            }
+            MoveKind::Dwell(time) => {
+                let ticks = u64::from(time.get())
+                    .saturating_mul(1000)
+                    .div_ceil(u64::from(settings.params.tick_us().max(1)));
+                match u32::try_from(ticks) {
+                    Ok(0) => return Ok(()),
+                    Ok(ticks) => Action::Dwell(ticks),
+                    Err(_) => Action::Dwell(u32::MAX),
+                }
+            }
+            MoveKind::Spindle(rpm) => Action::Spindle(rpm),
+            MoveKind::Aux(aux) => Action::Aux(aux),
+            MoveKind::Thread(_) => return Ok(()),
+        };
+        self.queue(next.span, stops, action);
+        Ok(())
+    }
+
+    fn plan_pass(&mut self, last: &Move, rpm: Rpm, settings: &Settings<'_>) -> Result<(), Alarm> {
+        let rpm = overridden(rpm, settings.spindle_percent);
+        let plan = ThreadPlan::new(
+            self.pass_start,
+            &self.pass,
+            settings.params,
+            TurnRate::of_rpm(rpm),
+        )?;
+        let stops = Stops {
+            hold_not_inside: true,
+            thread_cycle: true,
+            ..Stops::default()
+        };
+        let pass = Pass {
+            plan,
+            start: self.pass_start,
+            home: self.home,
+            depth: last.tag.map_or(Length::ZERO, |tag| tag.depth),
+            rpm,
+        };
+        self.put(self.pass_number, last.span, stops, Action::Thread(pass));
+        // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
+        if plan.end() != last.to {
+            let rest = Move {
+                kind: MoveKind::Rapid,
+                ..*last
+            };
+            if let Some(timed) = plan::timed(plan.end(), &rest, settings.limits)? {
+                let stops = Stops {
+                    hold_not_before: true,
+                    ..stops
+                };
+                self.put(self.number, last.span, stops, Action::Timed(timed));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A spindle speed at an override, ties away from zero.
+#[must_use]
+pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
+    let scaled = i64::from(rpm.get()).saturating_mul(i64::from(percent));
+    let rounded = scaled.saturating_add(50_i64.saturating_mul(scaled.signum())) / 100;
+    Rpm::new(i32::try_from(rounded).unwrap_or(0))
+}
+
+fn stops(next: &Move, single_block: bool) -> Stops {
+    let Some(tag) = next.tag else {
+        return Stops {
+            single_block: single_block && !matches!(next.kind, MoveKind::Spindle(_)),
+            ..Stops::default()
+        };
+    };
+    let thread_cycle = tag.start != 0;
+    let behind_stroke = thread_cycle && tag.stage == Stage::Retract;
+    Stops {
+        hold_not_inside: behind_stroke,
+        hold_not_before: behind_stroke,
+        // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
+        single_block: single_block && (!thread_cycle || tag.stage == Stage::Return),
+        thread_cycle,
+    }
+}
+
+/// The order of axes in every array.
+pub(super) const AXES: [Axis; 3] = Axis::ALL;

@@ -1,0 +1,53 @@
+//! What the board tells the outside, as data.
+
+use crate::alarm::Alarm;
+use crate::program::Aux;
+use crate::units::Rpm;
+
+/// Something that happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// All drives are enabled; motion is possible.
+    Ready,
+    /// A segment has been started.
+    Started {
+        /// Number of its (first) move.
+        number: u32,
+        /// Source line.
+        line: u32,
+    },
+    /// The spindle has been given a speed.
+    Spindle(Rpm),
+    /// A machine function has been switched.
+    Aux(Aux),
+    /// A condition that stops nothing.
+    Warning(Alarm),
+    /// The machine stops; latched until reset.
+    Alarm(Alarm),
+    /// Feed hold or single block has brought the axes to rest.
+    Held,
+    /// The last call has been carried out.
+    Finished,
+}
+
+/// What the operator asks for. Takes effect in the next tick; never waits behind a transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Feed hold.
+    Hold,
+    /// Go on after feed hold or single block.
+    Resume,
+    /// Stop, forget everything that is queued, clear an alarm.
+    Reset,
+    /// Emergency stop: both axes of a synchronised move decelerate together [D18]; everything queued is forgotten, the
+    /// alarm stays until reset.
+    Stop,
+    /// Single block on or off.
+    SingleBlock(bool),
+    /// Feed override in percent, 0…150.
+    FeedOverride(u8),
+    /// Rapid override in percent, 0…100.
+    RapidOverride(u8),
+    /// Spindle override in percent, 50…120; frozen inside a thread cycle.
+    SpindleOverride(u8),
+}

@@ -1,0 +1,143 @@
+//! The board: calls, frames and encoder samples in; frames, events and setpoints out. Sans-IO.
+//!
+//! Two contexts. The **tick** ([`Ticker`], one SYNC period, bounded) observes the spindle, watches the drives, executes
+//! segments and makes frames. The **background** ([`Background`]) expands and plans. They are joined by single-producer
+//! queues and, the other way, by one message: start afresh from here.
+//!
+//! ```text
+//!          calls          segments                       SYNC, RPDOs
+//! gateway ──────► Background ──────► Ticker ──────────────────────► drives
+//!                      ▲               │ ▲
+//!                      └── restart ────┘ └── encoder sample, TPDOs
+//! ```
+//!
+//! Terms: a *period* is the time between two SYNCs; a *setpoint* computed in period k takes effect at SYNC(k+1) plus the
+//! drive's latency; the board *pauses* between segments (single block) and *holds* anywhere (feed hold).
+//!
+//! It must not know hardware, sockets, clocks or flash.
+
+mod background;
+mod event;
+mod queue;
+mod ticker;
+
+pub use background::{Background, Settings, overridden};
+pub use event::{Command, Event};
+pub use ticker::{FRAMES, Operator, Outcome, Output, State, Ticker};
+
+use crate::alarm::{Alarm, Code, Span};
+use crate::bus::Frame;
+use crate::motion::Limits;
+use crate::params::Params;
+use crate::program::{Call, Position};
+use crate::spindle::EncoderSample;
+use queue::{Calls, Events, Segments};
+
+/// A motion board with both its contexts, called in turn from one thread (simulation, tests). Firmware takes the same
+/// two halves apart.
+#[derive(Debug)]
+pub struct Board {
+    params: Params,
+    limits: Limits,
+    calls: Calls,
+    segments: Segments,
+    events: Events,
+    background: Background,
+    ticker: Ticker,
+}
+
+impl Board {
+    /// A board at power-up. `remembered`: where the machine stood, if known; it counts where the drives' positions agree
+    /// with it to their increment.
+    ///
+    /// # Errors
+    /// [`Code::ParametersUnusable`] for a set that does not pass its own checks.
+    pub fn new(params: &Params, remembered: Option<Position>) -> Result<Self, Alarm> {
+        let Some(ticker) = Ticker::new(params, remembered) else {
+            return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
+        };
+        Ok(Self {
+            params: params.clone(),
+            limits: Limits::from_params(params),
+            calls: Calls::new(),
+            segments: Segments::new(),
+            events: Events::new(),
+            background: Background::new(remembered.unwrap_or_default()),
+            ticker,
+        })
+    }
+
+    /// Hands a call over. False, and nothing changes, where there is no room for it now.
+    #[must_use]
+    pub fn offer(&mut self, call: &Call) -> bool {
+        let taken = self.calls.enqueue(*call).is_ok();
+        if taken {
+            self.ticker.program_begins();
+        }
+        taken
+    }
+
+    /// One piece of background work. False where there is none that can be done now.
+    pub fn background(&mut self) -> bool {
+        let settings = Settings {
+            params: &self.params,
+            limits: &self.limits,
+            spindle_percent: self.ticker.operator().spindle_percent(),
+            single_block: self.ticker.operator().single_block(),
+        };
+        let (_, mut calls) = self.calls.split();
+        let (mut segments, _) = self.segments.split();
+        let (worked, warning) = self.background.step(&mut calls, &mut segments, &settings);
+        if let Some(warning) = warning
+            && self.events.enqueue(Event::Warning(warning)).is_err()
+        {
+            // The reader is behind; `check` has shown it before.
+        }
+        worked
+    }
+
+    /// One SYNC period; see [`Ticker::tick`].
+    pub fn tick(&mut self, sample: EncoderSample, received: &[Frame]) -> Output {
+        let (_, mut segments) = self.segments.split();
+        let (mut events, _) = self.events.split();
+        let output = self
+            .ticker
+            .tick(sample, received, &mut segments, &mut events);
+        if let Some(position) = output.restart {
+            while self.calls.dequeue().is_some() {}
+            self.background.restart(position);
+        }
+        output
+    }
+
+    /// Takes an operator's command; it acts in the next tick.
+    pub const fn command(&mut self, command: Command) {
+        self.ticker.command(command);
+    }
+
+    /// The oldest event not yet read.
+    pub fn event(&mut self) -> Option<Event> {
+        self.events.dequeue()
+    }
+
+    /// True while anything handed over has not been carried out.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.background.is_busy()
+            || !self.calls.is_empty()
+            || !self.segments.is_empty()
+            || !matches!(self.ticker.state(), State::Idle | State::Alarm(_))
+    }
+
+    /// The tick side, for what it can tell.
+    #[must_use]
+    pub const fn ticker(&self) -> &Ticker {
+        &self.ticker
+    }
+
+    /// The limits in force.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+}

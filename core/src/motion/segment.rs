@@ -1,0 +1,71 @@
+//! What the background hands to the tick: a planned piece of work.
+
+use super::plan::Timed;
+use super::thread::ThreadPlan;
+use crate::alarm::{Alarm, Span};
+use crate::program::{Aux, Position};
+use crate::units::{Length, Rpm};
+
+/// One planned piece of work with its place in the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// Number of the (first) move it came from, as `expand` counts them, from 1.
+    pub number: u32,
+    /// The block it came from.
+    pub span: Span,
+    /// What feed hold and single block may do here.
+    pub stops: Stops,
+    /// The work.
+    pub action: Action,
+}
+
+/// The work of a segment.
+#[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "the queue holds segments by value; there is no allocator to box them"
+)]
+pub enum Action {
+    /// Driven by time: rapid, feed, arc.
+    Timed(Timed),
+    /// Driven by the spindle angle: a whole pass with run-in and run-out.
+    Thread(Pass),
+    /// Stand still for so many ticks.
+    Dwell(u32),
+    /// Command a spindle speed.
+    Spindle(Rpm),
+    /// Switch a machine function.
+    Aux(Aux),
+    /// All that was planned before is done and the next call cannot be: raise this.
+    Alarm(Alarm),
+    /// The program has ended.
+    End,
+}
+
+/// A pass of a thread as the tick needs it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    /// The planned pass.
+    pub plan: ThreadPlan,
+    /// Where it starts.
+    pub start: Position,
+    /// A: where its cycle starts and ends; a retract in mid-thread goes there.
+    pub home: Position,
+    /// Depth of the pass below the crest.
+    pub depth: Length,
+    /// Commanded speed, override included.
+    pub rpm: Rpm,
+}
+
+/// Where an operator's stop may take effect, and what is frozen meanwhile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stops {
+    /// Feed hold does not act inside: the stroke of a thread and the X retract behind it.
+    pub hold_not_inside: bool,
+    /// Feed hold does not act before it either: the retract behind a stroke.
+    pub hold_not_before: bool,
+    /// Single block stops after this segment.
+    pub single_block: bool,
+    /// Part of a thread cycle: the spindle override is frozen.
+    pub thread_cycle: bool,
+}
