@@ -1,13 +1,13 @@
 //! What every command starts from: the machine's parameters, the language, and whether colour is welcome.
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Params;
 
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
-use crate::{diagnostics, params};
+use crate::params::{self, Loaded};
 
 /// The start of a command.
 #[derive(Debug)]
@@ -25,21 +25,27 @@ pub struct Session<'a> {
 impl<'a> Session<'a> {
     /// Loads what the options name, and tells what is wrong with it.
     pub fn new(global: &'a Global) -> Outcome<Self> {
-        let (lang, colour) = (global.lang(), colour());
-        let loaded = params::load(&global.params, &global.set, lang)?;
-        for diagnostic in &loaded.diagnostics {
-            diagnostics::print(diagnostic, colour);
-        }
-        if !loaded.is_good() {
-            return Err(Failure::Wrong);
-        }
         Ok(Self {
             global,
-            params: loaded.params,
-            lang,
-            colour,
+            params: load(global)?.params,
+            lang: global.lang(),
+            colour: colour(),
         })
     }
+}
+
+/// The parameters that the options make, with everything that is wrong with them told; wrong ones end the command.
+pub fn load(global: &Global) -> Outcome<Loaded> {
+    let loaded = params::load(&global.params, &global.set, global.lang())?;
+    loaded.tell(colour());
+    if loaded.is_good() {
+        return Ok(loaded);
+    }
+    if global.json {
+        let written = std::io::stdout().write_all(&loaded.report());
+        written.map_err(|error| Failure::stdout(&error))?;
+    }
+    Err(Failure::Wrong)
 }
 
 /// <https://no-color.org>: any non-empty `NO_COLOR` switches colour off.

@@ -195,6 +195,11 @@ mod tests {
     }
 
     #[test]
+    fn the_room_for_ramps_is_that_of_the_profile() {
+        assert_eq!(PROFILE_TICKS, i64::from(crate::motion::CAPACITY));
+    }
+
+    #[test]
     fn the_built_in_machine_works() {
         assert_eq!(reasons(&[]), []);
         assert_eq!(Params::slant_bed().validate(), Ok(()));

@@ -91,7 +91,7 @@ impl Entry {
     /// # Errors
     /// [`FindError`].
     pub fn find(no: u16, part: Option<Part>) -> Result<&'static Self, FindError> {
-        Self::pick(part, false, |e| e.no == no || e.alias == Some(no))
+        Self::pick(part, false, |e| e.is_number(no))
     }
 
     /// The value that `NO`, `NO.BIT`, `NO.AXIS`, or the same with a name for the number, means. Zeros before a number
@@ -104,14 +104,6 @@ impl Entry {
             Some((head, tail)) => (head, Some(tail)),
             None => (key.trim(), None),
         };
-        Self::find_key(head, tail)
-    }
-
-    /// As [`Entry::find_text`], with the part behind the point apart.
-    ///
-    /// # Errors
-    /// [`FindError`].
-    pub fn find_key(head: &str, tail: Option<&str>) -> Result<&'static Self, FindError> {
         // A part that is none at all is looked for all the same: an unknown number is the graver mistake.
         let part = tail.map(|tail| parse_part(tail).unwrap_or(Part::Bit(u8::MAX)));
         match parse_number(head) {

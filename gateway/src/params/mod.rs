@@ -17,8 +17,9 @@ use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
 use leadscrew_core::params::{Entry, FindError, Params, Part, Writing};
 use leadscrew_core::units::Axis;
 
-use crate::diagnostics::{Diagnostic, Place, figure};
+use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
+use crate::json::Json;
 
 pub use mistake::unknown_key;
 
@@ -88,6 +89,31 @@ pub fn load(files: &[PathBuf], options: &[String], lang: Lang) -> Outcome<Loaded
 }
 
 impl Loaded {
+    /// Tells a person everything that was found.
+    pub fn tell(&self, colour: bool) {
+        for diagnostic in &self.diagnostics {
+            diagnostics::print(diagnostic, colour);
+        }
+    }
+
+    /// `{"ok", "alarms", "warnings"}`: the result in the machine format.
+    pub fn report(&self) -> Vec<u8> {
+        let mut json = Json::new();
+        json.object(|o| {
+            o.flag("ok", self.is_good());
+            for (key, warning) in [("alarms", false), ("warnings", true)] {
+                o.array_at(key, |list| {
+                    for diagnostic in self.diagnostics.iter().filter(|d| d.warning == warning) {
+                        list.object(|o| diagnostic.fields(o, true));
+                    }
+                });
+            }
+        });
+        let mut bytes = json.into_bytes();
+        bytes.push(b'\n');
+        bytes
+    }
+
     /// True where nothing but warnings was found.
     pub fn is_good(&self) -> bool {
         self.diagnostics.iter().all(|d| d.warning)

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params};
 
-use super::{json_list, load, meaning, name, print, unit_text, value_text};
+use super::{json_list, meaning, name, print, unit_text, value_text};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
+use crate::session;
 
 /// Prints the manual.
 pub fn run(global: &Global, eds: bool) -> Outcome {
@@ -17,7 +18,7 @@ pub fn run(global: &Global, eds: bool) -> Outcome {
         ));
     }
     if global.json {
-        let loaded = load(global)?;
+        let loaded = session::load(global)?;
         return print(&json_list(Entry::all().iter(), &loaded, global.lang()));
     }
     print(markdown(global.lang()).as_bytes())

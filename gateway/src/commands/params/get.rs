@@ -5,10 +5,11 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, FindError, Params};
 
-use super::{json_list, load, meaning, name, print, value_text};
+use super::{json_list, meaning, name, print, value_text};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::params::{Loaded, unknown_key};
+use crate::session;
 
 /// Prints what the keys name; a number with bits or axes means all of them.
 pub fn run(global: &Global, keys: &[String]) -> Outcome {
@@ -26,7 +27,7 @@ pub fn run(global: &Global, keys: &[String]) -> Outcome {
             }
         }
     }
-    let loaded = load(global)?;
+    let loaded = session::load(global)?;
     if global.json {
         return print(&json_list(entries.into_iter(), &loaded, lang));
     }

@@ -3,14 +3,15 @@
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Entry;
 
-use super::{json_list, load, meaning, name, print, value_text};
+use super::{json_list, meaning, name, print, value_text};
 use crate::cli::Global;
 use crate::failure::Outcome;
 use crate::params::Loaded;
+use crate::session;
 
 /// Prints the table.
 pub fn run(global: &Global, filter: Option<&str>) -> Outcome {
-    let loaded = load(global)?;
+    let loaded = session::load(global)?;
     let lang = global.lang();
     let wanted = filter.unwrap_or_default().to_lowercase();
     let entries = Entry::all().iter().filter(|e| matches(e, &wanted));

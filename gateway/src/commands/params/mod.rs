@@ -14,8 +14,6 @@ use crate::cli::{Global, ParamsCommand};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::params::Loaded;
-use crate::session;
-use crate::{diagnostics, params};
 
 /// Does what was typed.
 pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
@@ -35,20 +33,6 @@ pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
         ParamsCommand::Push(_) => not_yet("push"),
         ParamsCommand::Diff(_) => not_yet("diff"),
         ParamsCommand::Migrate(_) => not_yet("migrate"),
-    }
-}
-
-/// The set, with everything that is wrong with it told; a wrong one ends the command.
-fn load(global: &Global) -> Outcome<Loaded> {
-    let loaded = params::load(&global.params, &global.set, global.lang())?;
-    let colour = session::colour();
-    for diagnostic in &loaded.diagnostics {
-        diagnostics::print(diagnostic, colour);
-    }
-    if loaded.is_good() {
-        Ok(loaded)
-    } else {
-        Err(Failure::Wrong)
     }
 }
 

@@ -6,33 +6,16 @@ use leadscrew_core::params::Entry;
 use super::print;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
-use crate::json::Json;
-use crate::{diagnostics, params, session};
+use crate::{params, session};
 
 /// Tells everything that is wrong; exit 1 where an alarm is among it.
 pub fn run(global: &Global) -> Outcome {
     let lang = global.lang();
     let loaded = params::load(&global.params, &global.set, lang)?;
     if global.json {
-        let mut out = Json::new();
-        out.object(|o| {
-            o.flag("ok", loaded.is_good());
-            for (key, warning) in [("alarms", false), ("warnings", true)] {
-                o.array_at(key, |list| {
-                    for diagnostic in loaded.diagnostics.iter().filter(|d| d.warning == warning) {
-                        list.object(|o| diagnostic.fields(o, true));
-                    }
-                });
-            }
-        });
-        let mut bytes = out.into_bytes();
-        bytes.push(b'\n');
-        print(&bytes)?;
+        print(&loaded.report())?;
     } else {
-        let colour = session::colour();
-        for diagnostic in &loaded.diagnostics {
-            diagnostics::print(diagnostic, colour);
-        }
+        loaded.tell(session::colour());
         if loaded.is_good() {
             let set = Entry::all().iter().filter(|e| loaded.source(e).is_some());
             let (all, set) = (Entry::all().len(), set.count());
