@@ -175,14 +175,14 @@ impl Drive {
             self.power = Power::Disabled;
             send(NmtState::BootUp.frame(self.node));
         }
-        let target = self.latch();
+        let target = self.latch(&mut send);
         self.suffer(&mut send);
         self.drive(target);
         self.answer(measured, send);
     }
 
     /// Takes over what came since the last SYNC.
-    fn latch(&mut self) -> Option<Increments> {
+    fn latch(&mut self, send: &mut impl FnMut(Frame)) -> Option<Increments> {
         self.busy = self.busy.saturating_sub(1);
         self.spindle = self.next_spindle;
         let command = self.command?;
@@ -190,6 +190,9 @@ impl Drive {
         if self.busy == 0 {
             let next = self.power.after(word, self.control);
             if next != self.power {
+                if self.power == Power::Fault && !matches!(self.trouble, Trouble::Fault(_)) {
+                    send(Emcy::GONE.frame(self.node));
+                }
                 self.power = next;
                 self.busy = self.options.settling;
             }
@@ -199,9 +202,11 @@ impl Drive {
     }
 
     fn suffer(&mut self, send: &mut impl FnMut(Frame)) {
-        match self.trouble {
-            Trouble::Fault(code) if self.power == Power::Reacting => {
-                self.power = Power::Fault;
+        match (self.trouble, self.power) {
+            (Trouble::Fault(_), Power::Fault) => {}
+            (Trouble::Fault(_), Power::Reacting) => self.power = Power::Fault,
+            (Trouble::Fault(code), _) => {
+                self.power = Power::Reacting;
                 send(
                     Emcy {
                         code,
@@ -211,8 +216,9 @@ impl Drive {
                     .frame(self.node),
                 );
             }
-            Trouble::Fault(_) if self.power != Power::Fault => self.power = Power::Reacting,
-            Trouble::TorqueOff => self.power = Power::Disabled,
+            (Trouble::TorqueOff, _) => self.power = Power::Disabled,
+            // The reaction to a fault whose cause is gone already still ends in fault.
+            (_, Power::Reacting) => self.power = Power::Fault,
             _ => {}
         }
     }

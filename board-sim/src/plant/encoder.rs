@@ -4,17 +4,7 @@
 //! count wide and begins at every whole turn of the true angle. The time of the last edge is exact to a nanosecond.
 
 use super::spindle::{FineTurns, Piece};
-
-/// What the encoder hardware gives at a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EncoderSample {
-    /// The counter.
-    pub count: i32,
-    /// How long before the sample the counter last changed, in nanoseconds.
-    pub edge_age_ns: Option<u32>,
-    /// The counter as latched by an index pulse since the last sample.
-    pub index: Option<i32>,
-}
+use leadscrew_core::spindle::EncoderSample;
 
 /// An incremental encoder with index, all edges counted.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,13 @@
 //! What is around the board: the spindle with its encoder, and the drives on the bus.
 //!
-//! Time goes by in SYNC periods. [`Plant::sync`] is one of them: the time up to this SYNC passes, the frames the board sent
-//! since the last one (RPDOs first, SYNC last) arrive, drives latch, move and answer, and the board's encoder inputs are
-//! sampled. The first call is time 0. What the board computes from an answer reaches the drives with the next call:
+//! Time goes by in SYNC periods, each in two halves. [`Plant::advance`] lets the time up to a SYNC pass and samples the
+//! board's encoder inputs; the first one is time 0. [`Plant::exchange`] then takes the frames the board sends. At the
+//! SYNC among them the drives latch what came before it, move and answer; an RPDO behind it waits for the next. A setpoint
+//! computed from the sample of one SYNC therefore takes effect at the next, whether the board sends it before that SYNC or
+//! right behind its own:
 //!
 //! ```text
-//! sync(k): RPDO(k−1), SYNC(k) in ─► answers, encoder sample, truth out ─► the board computes RPDO(k) ─► sync(k+1)
+//! advance: time of SYNC(k), sample(k) ─► the board ─► exchange: SYNC(k) latches RPDO(k−1), answers; RPDO(k) waits
 //! ```
 //!
 //! The spindle turns as its drive (RPDO2) tells it, and its encoder is wired to the board, not to the bus. The truth is
@@ -31,7 +33,7 @@ mod spindle;
 mod tests;
 
 pub use drive::{Drive, DriveOptions, Trouble};
-pub use encoder::{Encoder, EncoderSample};
+pub use encoder::Encoder;
 pub use follower::Follower;
 pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
@@ -39,6 +41,7 @@ pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 use leadscrew_core::bus::{Frame, Increments, MilliRpm, NodeId, Scale, is_sync};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
+use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Turns};
 
 /// How the plant is to begin and behave, beyond the parameters.
@@ -71,7 +74,7 @@ pub enum PlantError {
     Ramp,
 }
 
-/// The true state of things at a SYNC, after its targets have taken effect.
+/// The true state of things: the angle of the last SYNC's time, and the drives where the last SYNC has brought them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truth {
     /// Spindle angle.
@@ -122,23 +125,23 @@ impl Plant {
         })
     }
 
-    /// One SYNC period: takes the frames the board sent since the last call, and hands the drives' answers to `to_board`.
-    /// Gives what the encoder inputs show at this SYNC, and the truth.
-    pub fn sync(
-        &mut self,
-        from_board: &[Frame],
-        mut to_board: impl FnMut(Frame),
-    ) -> (EncoderSample, Truth) {
+    /// Lets the time up to the next SYNC pass (the first time: none) and gives what the encoder inputs show at it.
+    pub fn advance(&mut self) -> EncoderSample {
         if self.started {
             let encoder = &mut self.encoder;
             self.spindle
                 .advance(self.tick_ns, |piece| encoder.turn(piece));
         }
         self.started = true;
+        self.encoder.sample()
+    }
+
+    /// Takes the frames the board sends in this period, one SYNC among them, in the order in which they are on the bus, and
+    /// hands the drives' answers to `to_board`.
+    pub fn exchange(&mut self, from_board: &[Frame], mut to_board: impl FnMut(Frame)) {
         for frame in from_board {
             self.deliver(frame, &mut to_board);
         }
-        (self.encoder.sample(), self.truth())
     }
 
     fn deliver(&mut self, frame: &Frame, to_board: &mut impl FnMut(Frame)) {

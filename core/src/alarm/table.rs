@@ -403,10 +403,10 @@ codes! {
     FollowingError = 4361, "following error of drive {0} (node {1}): {2}, limit {3} (parameter 1828)",
         "check for a collision and the drive's tuning, or lower acceleration and feed, then reset",
         "驱动器 {0}（节点 {1}）跟随误差 {2}，极限 {3}（参数 1828）", "请检查是否碰撞及驱动器参数，或降低加速度和进给，然后复位";
-    /// A position does not fit the 32 bits of the drive's target.
-    DriveRange = 4362, "position {1} of drive {0} is beyond the 32 bits of its increments",
-        "use a coarser increment (parameters 9001, 9002) or less travel",
-        "驱动器 {0} 的位置 {1} 超出 32 位增量范围", "请使用更粗的增量（参数 9001、9002）或减小行程";
+    /// A drive was enabled, and its first demand is not where it stands.
+    DriveJump = 4362, "drive {0} (node {1}) would have jumped by {2} after being enabled",
+        "reset; if it comes again, report it as a fault of the program in the board",
+        "驱动器 {0}（节点 {1}）使能后将跳动 {2}", "请复位；若再次出现，请作为控制板程序故障报告";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.

@@ -3,7 +3,8 @@
 //! Terms. *Enabled* means operation enabled: the drive has torque and follows its target. *Contact* is the first status
 //! of a drive that has just been started. *Demand* is the position the board wants; it reaches the drive only while it is
 //! enabled. In every other phase the target is the drive's own actual position, so that there is nothing to jump to at
-//! the moment torque comes.
+//! the moment torque comes. An enabled drive is held there until a demand takes it up at that very place (to the nanometre),
+//! and follows from then on; demands left over from before it was enabled never move it.
 //!
 //! ```text
 //! offline ─enable─► contact ─► (release) ─► shutdown 0006h ─► switch on 0007h ─► enable operation 000Fh ─► enabled
@@ -112,7 +113,7 @@ pub enum Phase {
     Standby,
     /// On the way.
     Step(Step),
-    /// Operation enabled; demands are followed.
+    /// Operation enabled.
     Enabled,
 }
 
@@ -134,6 +135,13 @@ pub enum DriveFailure {
     Lost(Statusword),
     /// The drive restarted.
     Restarted,
+    /// An enabled drive has been given demands, for as long as a step may take, and none where it stands.
+    Jump {
+        /// Where it is held.
+        target: Increments,
+        /// Where it was to be at once.
+        demand: Increments,
+    },
     /// No status for too long while enabled.
     Silent,
     /// The drive is too far from its target.
@@ -154,15 +162,17 @@ pub struct DriveOutput {
     pub command: Option<Frame>,
 }
 
-/// The master of one drive. Frames from the bus go into [`DriveMaster::receive`]; once in every SYNC period, after the
-/// drive's answer and before the next SYNC, [`DriveMaster::tick`] gives the frames to send.
+/// The master of one drive. Frames from the bus go into [`DriveMaster::receive`]; once in every SYNC period
+/// [`DriveMaster::tick`] gives the frames to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveMaster {
     config: DriveConfig,
     phase: Phase,
     failure: Option<DriveFailure>,
-    /// Ticks since the step began.
+    /// Ticks since the step began; while enabled, ticks for which demands have been refused.
     waited: Ticks,
+    /// A demand has taken the enabled drive up where it stands.
+    follows: bool,
     /// Ticks since the last status.
     quiet: Ticks,
     /// Ticks for which the following error has been too great.
@@ -175,6 +185,8 @@ pub struct DriveMaster {
     error_code: u16,
     /// What the next RPDO1 says unless a demand replaces it; while enabled, what the last one said.
     target: Increments,
+    /// What the RPDO1 before said.
+    last_target: Increments,
     /// The NMT start is still to be sent.
     start: bool,
 }
@@ -188,12 +200,14 @@ impl DriveMaster {
             phase: Phase::Offline,
             failure: None,
             waited: Ticks(0),
+            follows: false,
             quiet: Ticks(0),
             astray: Ticks(0),
             status: None,
             answered: false,
             error_code: 0,
             target: Increments::new(0),
+            last_target: Increments::new(0),
             start: false,
         }
     }
@@ -210,7 +224,7 @@ impl DriveMaster {
         self.phase
     }
 
-    /// True while demands are followed.
+    /// True while the drive has torque and follows its target.
     #[must_use]
     pub const fn is_enabled(&self) -> bool {
         matches!(self.phase, Phase::Enabled)
@@ -229,7 +243,7 @@ impl DriveMaster {
     }
 
     /// Where the drive is told to be: its actual position until it is enabled, then the last demand. A path starts from
-    /// here.
+    /// here, and its first demand is this position.
     #[must_use]
     pub const fn target(&self) -> Increments {
         self.target
@@ -333,18 +347,23 @@ impl DriveMaster {
             (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
             (Step::EnableOperation, Some(State::OperationEnabled)) => {
                 self.phase = Phase::Enabled;
+                self.waited = Ticks(0);
+                self.follows = false;
                 self.astray = Ticks(0);
             }
             _ => {}
         }
     }
 
-    /// The target is still that of the RPDO latched at the SYNC at which the drive sampled `actual`.
+    /// A status may be heard before or after the RPDO of its period is sent: the nearer of the last two targets counts.
     fn measure(&mut self, actual: Increments) {
+        let distance = actual
+            .distance(self.target)
+            .min(actual.distance(self.last_target));
         let astray = self
             .config
             .following
-            .is_some_and(|limit| actual.distance(self.target) > limit.increments);
+            .is_some_and(|limit| distance > limit.increments);
         if !astray {
             self.astray = Ticks(0);
         } else if self.astray == Ticks(0) {
@@ -367,13 +386,14 @@ impl DriveMaster {
     }
 
     /// One SYNC period: checks the times and gives the frames to send. `demand` is where the axis is to be at the next
-    /// SYNC; `None` holds it where it is, and so does every demand while the drive is not enabled.
+    /// SYNC; `None` holds it where it is, and so does every demand until the drive is enabled and taken up.
     pub fn tick(&mut self, demand: Option<Increments>) -> DriveOutput {
         self.check_times();
         let network = core::mem::take(&mut self.start)
             .then(|| NmtCommand::Start.frame(Some(self.config.node)));
+        self.last_target = self.target;
         if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
-            self.target = demand;
+            self.follow(demand);
         }
         let control = match self.phase {
             // A drive that has not answered has no position to be held at.
@@ -399,6 +419,23 @@ impl DriveMaster {
                 }
                 .frame(self.config.node)
             }),
+        }
+    }
+
+    fn follow(&mut self, demand: Increments) {
+        // Where increments are finer than nanometres, the same nanometre may be another increment.
+        let one_nanometre = self.config.scale.limit(1);
+        self.follows |= demand.distance(self.target) <= one_nanometre;
+        if self.follows {
+            self.target = demand;
+            return;
+        }
+        self.waited = self.waited.one_more();
+        if self.waited > self.config.step {
+            self.latch(DriveFailure::Jump {
+                target: self.target,
+                demand,
+            });
         }
     }
 
@@ -473,6 +510,9 @@ impl DriveMaster {
                 (Arg::Statusword(status.raw()), Arg::None)
             }
             DriveFailure::Fault { status, code } => (Arg::Statusword(status.raw()), Arg::Hex(code)),
+            DriveFailure::Jump { target, demand } => {
+                (self.distance(demand.distance(target)), Arg::None)
+            }
             DriveFailure::Following { target, actual } => {
                 let limit = self.config.following.map_or(0, |limit| limit.increments);
                 (self.distance(actual.distance(target)), self.distance(limit))
@@ -508,6 +548,7 @@ impl DriveFailure {
             Self::Fault { .. } => Code::DriveFault,
             Self::Lost(_) => Code::DriveLost,
             Self::Restarted => Code::DriveRestarted,
+            Self::Jump { .. } => Code::DriveJump,
             Self::Silent => Code::DriveSilent,
             Self::Following { .. } => Code::FollowingError,
         }

@@ -77,7 +77,9 @@ fn start_up_frame_by_frame() {
         answer(&mut m, status, actual);
         log.push(sent(m.tick(None)));
     }
-    log.push(sent(m.tick(Some(Increments::new(1231)))));
+    for demand in [1300, 1230, 1231] {
+        log.push(sent(m.tick(Some(Increments::new(demand)))));
+    }
     log.push(sent(m.tick(None)));
     let expected = [
         "",
@@ -94,7 +96,9 @@ fn start_up_frame_by_frame() {
         // Enabled: it was enabled with 1230 and stays there, whatever it reports.
         "210#0F00CE040000",
         "210#0F00CE040000",
-        // The first demand.
+        // A demand elsewhere is refused, one right there taken, and then the next.
+        "210#0F00CE040000",
+        "210#0F00CE040000",
         "210#0F00CF040000",
         "210#0F00CF040000",
     ];
@@ -114,6 +118,30 @@ fn demands_before_torque_are_not_sent() {
     }
     answer(&mut m, 0x0237, -51);
     assert_eq!(m.target(), Increments::new(-50));
+}
+
+#[test]
+fn a_demand_elsewhere_never_moves_and_is_a_failure_in_the_end() {
+    let mut m = enabled();
+    for _ in 0..20 {
+        answer(&mut m, 0x0237, 1234);
+        assert_eq!(
+            sent(m.tick(Some(Increments::new(2000)))),
+            "210#0F00D2040000"
+        );
+        assert_eq!(m.failure(), None);
+    }
+    m.tick(Some(Increments::new(2000)));
+    assert_eq!(
+        m.failure(),
+        Some(DriveFailure::Jump {
+            target: Increments::new(1234),
+            demand: Increments::new(2000),
+        })
+    );
+    let alarm = m.alarm().unwrap();
+    assert_eq!(alarm.number(), 4362);
+    assert_eq!(alarm.args[2], Arg::Length(Length::from_nm(76_600)));
 }
 
 #[test]
@@ -269,6 +297,7 @@ fn silence_is_found_and_the_command_goes_on() {
     m.tick(None);
     assert_eq!(m.failure(), Some(DriveFailure::Silent));
     // The board brakes on: demands still reach the drive.
+    m.tick(Some(Increments::new(1234)));
     let output = m.tick(Some(Increments::new(1240)));
     assert_eq!(sent(output), "210#0F00D8040000");
     m.disable();
@@ -278,7 +307,9 @@ fn silence_is_found_and_the_command_goes_on() {
 #[test]
 fn following_error_has_a_limit_and_a_time() {
     let mut m = enabled();
+    m.tick(Some(Increments::new(1234)));
     m.tick(Some(Increments::new(3000)));
+    m.tick(None);
     // Just at the limit, for ever.
     for _ in 0..50 {
         answer(&mut m, 0x0237, 2000);
