@@ -24,6 +24,7 @@ pub mod alarm;
 pub mod board;
 pub mod bus;
 pub mod cycle;
+pub mod feasible;
 pub mod motion;
 pub mod params;
 pub mod program;

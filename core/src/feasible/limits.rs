@@ -1,0 +1,137 @@
+//! Travel limits (parameters 1320 and 1321): every end of a move, and how far an arc bulges.
+
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::cycle::{Move, MoveKind};
+use crate::params::Params;
+use crate::program::Position;
+use crate::units::{Angle, Axis, Diameter, Length};
+
+/// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis.
+///
+/// # Errors
+/// [`Code::SoftLimit`] with the axis, where it would go and its limit (machine coordinates).
+pub fn within_limits(
+    moves: impl Iterator<Item = Move>,
+    from: Position,
+    params: &Params,
+) -> Result<(), Alarm> {
+    let mut at = from;
+    for next in moves {
+        inside(next.to, next.span, params)?;
+        if let MoveKind::Arc {
+            i, k, clockwise, ..
+        } = next.kind
+        {
+            let centre = Position {
+                x: at.x + i,
+                z: at.z + k,
+                c: at.c,
+            };
+            for extreme in extremes(at, next.to, centre, clockwise)
+                .into_iter()
+                .flatten()
+            {
+                inside(extreme, next.span, params)?;
+            }
+        }
+        at = next.to;
+    }
+    Ok(())
+}
+
+fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
+    for axis in Axis::ALL {
+        let value = match axis {
+            Axis::X => at.x.nm(),
+            Axis::Z => at.z.nm(),
+            Axis::C => at.c.udeg(),
+        };
+        let (low, high) = (params.soft_limit_minus(axis), params.soft_limit_plus(axis));
+        let limit = if value > high {
+            high
+        } else if value < low {
+            low
+        } else {
+            continue;
+        };
+        let figure = |value: i64| match axis {
+            Axis::X => Arg::Diameter(Diameter::of_radius(Length::from_nm(value))),
+            Axis::Z => Arg::Length(Length::from_nm(value)),
+            Axis::C => Arg::Angle(Angle::from_udeg(value)),
+        };
+        let args = [
+            Arg::Letter(axis.letter()),
+            figure(value),
+            figure(limit),
+            Arg::None,
+        ];
+        return Err(Alarm::new(Code::SoftLimit, span).with(args));
+    }
+    Ok(())
+}
+
+/// A vector in the Z–X plane: Z to the right, X up; counter-clockwise is G03.
+type Vector = (i64, i64);
+
+/// Where the arc from `start` to `end` around `centre` is farthest out along Z and X, as far as it gets there.
+fn extremes(
+    start: Position,
+    end: Position,
+    centre: Position,
+    clockwise: bool,
+) -> [Option<Position>; 4] {
+    let from = |p: Position| ((p.z - centre.z).nm(), (p.x - centre.x).nm());
+    let (first, last) = if clockwise {
+        (from(end), from(start))
+    } else {
+        (from(start), from(end))
+    };
+    let radius = radius(first).max(radius(last));
+    let minus = radius.saturating_neg();
+    [(radius, 0), (0, radius), (minus, 0), (0, minus)].map(|point| {
+        passes(first, point, last).then(|| Position {
+            x: centre.x + Length::from_nm(point.1),
+            z: centre.z + Length::from_nm(point.0),
+            c: start.c,
+        })
+    })
+}
+
+/// The length of a vector, rounded up.
+fn radius((z, x): Vector) -> i64 {
+    let square = |v: i64| u128::from(v.unsigned_abs()).wrapping_mul(u128::from(v.unsigned_abs()));
+    let sum = square(z).saturating_add(square(x));
+    let root = sum.isqrt();
+    let up = u128::from(root.wrapping_mul(root) < sum);
+    i64::try_from(root.wrapping_add(up)).unwrap_or(i64::MAX)
+}
+
+/// True where one comes through `point` on the way counter-clockwise from `first` to `last` (a whole turn where they
+/// point the same way).
+fn passes(first: Vector, point: Vector, last: Vector) -> bool {
+    let whole = cross(first, last) == 0 && dot(first, last) > 0;
+    if whole {
+        return true;
+    }
+    let (to_point, to_last) = (half(first, point), half(first, last));
+    if to_point != to_last {
+        return to_point < to_last;
+    }
+    cross(point, last) >= 0
+}
+
+/// 0 where `to` lies less than half a turn counter-clockwise of `from`, else 1.
+fn half(from: Vector, to: Vector) -> u8 {
+    let side = cross(from, to);
+    u8::from(side < 0 || (side == 0 && dot(from, to) < 0))
+}
+
+fn cross(a: Vector, b: Vector) -> i128 {
+    let left = i128::from(a.0).wrapping_mul(i128::from(b.1));
+    left.wrapping_sub(i128::from(a.1).wrapping_mul(i128::from(b.0)))
+}
+
+fn dot(a: Vector, b: Vector) -> i128 {
+    let left = i128::from(a.0).wrapping_mul(i128::from(b.0));
+    left.wrapping_add(i128::from(a.1).wrapping_mul(i128::from(b.1)))
+}

@@ -1,0 +1,16 @@
+//! Can this be done? Speeds, lead-in, run-out and travel limits of calls and moves, before anything moves.
+//!
+//! Arithmetic on figures, without state: what geometry allows `cycle` has decided, what is left are the limits of the
+//! machine. The command line prints the reports; the board asks the same functions before it starts a block, and plans
+//! with the same planner, so both see the same numbers. Knows nothing of the bus or the board.
+
+mod limits;
+mod pass;
+#[cfg(test)]
+mod tests;
+mod thread;
+mod time;
+
+pub use limits::within_limits;
+pub use thread::{ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
+pub use time::time;

@@ -1,0 +1,364 @@
+//! G76 and G78 against the machine: spindle, feeds, lead-in, run-out (cycles.md section 7).
+
+use super::pass::{Gather, Pass};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::cycle::{MoveKind, ThreadMoves};
+use crate::motion::ThreadPlan;
+use crate::params::Params;
+use crate::program::ThreadCall;
+use crate::units::{Axis, Feed, Length, Rpm, TurnRate, mul_div};
+
+/// What a thread cycle needs at its commanded speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ThreadReport {
+    /// Passes, rough and finishing; each start of a multiple thread makes all of them.
+    pub passes: u32,
+    /// Largest shift of a pass's start along Z.
+    pub z_shift_max: Length,
+    /// From a pass's start to where the axis is on the lead, jerk included; along the long axis.
+    pub lead_in: Length,
+    /// Start at least this far before the material: lead-in, and the shift where Z is the long axis.
+    pub start_before: Length,
+    /// What leaves a mark and stops nothing: long lead-in, falling lead, run-out that lags, parameter 107.
+    pub warnings: [Option<Alarm>; 4],
+}
+
+impl ThreadReport {
+    /// True where the warning about the lead-in is among the warnings (`check --strict`).
+    #[must_use]
+    pub fn lead_in_is_long(&self) -> bool {
+        self.warnings
+            .iter()
+            .flatten()
+            .any(|warning| warning.code == Code::LeadInLong)
+    }
+}
+
+/// Everything that is wrong with a thread cycle, not only the first thing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ThreadFindings {
+    /// In the order of importance; empty if the cycle can run.
+    pub alarms: [Option<Alarm>; 4],
+    /// The report, where the cycle can run.
+    pub report: Option<ThreadReport>,
+}
+
+/// Checks a thread cycle whose G word stands at `span`.
+///
+/// # Errors
+/// What geometry forbids (see [`ThreadMoves::new`]); a standing spindle ([`Code::SpindleStopped`]), more speed than it
+/// has ([`Code::SpeedAboveSpindle`]), a pitch longer than the shortest stroke ([`Code::PitchTooLong`]), lead times speed
+/// above the long axis' feed ([`Code::LeadTooFast`]), a run-out above the short axis' ([`Code::RunOutTooFast`]), and no
+/// room for joining, run-in or braking ([`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`]).
+pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadReport, Alarm> {
+    let findings = thread_findings(call, span, params)?;
+    match (
+        findings.alarms.into_iter().flatten().next(),
+        findings.report,
+    ) {
+        (Some(alarm), _) => Err(alarm),
+        (None, Some(report)) => Ok(report),
+        (None, None) => Err(Alarm::new(Code::ThreadMovesMixed, span)),
+    }
+}
+
+/// As [`thread`], but goes on after the first thing that is wrong.
+///
+/// # Errors
+/// What geometry forbids: without moves there is nothing to check.
+pub fn thread_findings(
+    call: &ThreadCall,
+    span: Span,
+    params: &Params,
+) -> Result<ThreadFindings, Alarm> {
+    let summary = ThreadMoves::new(call, span)?.summary();
+    let mut alarms = List::default();
+    let speed = call.rpm.abs();
+    if speed == 0 {
+        alarms.push(Alarm::new(Code::SpindleStopped, span));
+    } else if speed > params.spindle_max_rpm() {
+        let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
+        let args = [
+            Arg::Rpm(call.rpm),
+            Arg::Rpm(Rpm::new(most)),
+            Arg::None,
+            Arg::None,
+        ];
+        alarms.push(Alarm::new(Code::SpeedAboveSpindle, span).with(args));
+    }
+    if let Some(alarm) = pitch(call, summary.shortest_stroke) {
+        alarms.push(alarm);
+    }
+    let extremes = Extremes::of(call, span)?;
+    let mut figures = Figures::default();
+    if speed != 0 {
+        for pass in extremes.passes() {
+            match plan(call, &pass, params, call.rpm) {
+                Ok(plan) => figures.take(&plan),
+                Err(alarm) => {
+                    alarms.push(alarm);
+                    break;
+                }
+            }
+        }
+    }
+    if alarms.first().is_some() {
+        return Ok(ThreadFindings {
+            alarms: alarms.0,
+            report: None,
+        });
+    }
+
+    let before = if summary.long_x {
+        figures.lead_in
+    } else {
+        figures.lead_in + summary.z_shift_max
+    };
+    let mut warnings = List::default();
+    let length = if summary.long_x {
+        call.end_x.value - call.start.x
+    } else {
+        call.end_z.value - call.start.z
+    };
+    let warn = |code, span, a, b, c| Alarm::new(code, span).with([a, b, c, Arg::None]);
+    if before.times(4) > length.abs() {
+        warnings.push(warn(
+            Code::LeadInLong,
+            span,
+            Arg::Length(before),
+            Arg::Length(figures.lead_in),
+            Arg::Length(before - figures.lead_in),
+        ));
+    }
+    if figures.falling > Length::ZERO {
+        warnings.push(warn(
+            Code::FallingLead,
+            span,
+            Arg::Length(figures.falling),
+            Arg::Length(figures.braking),
+            Arg::None,
+        ));
+    }
+    if figures.lag > Length::ZERO {
+        let at = call.run_out.map_or(span, |run_out| run_out.long.span);
+        let at = if at == Span::default() { span } else { at };
+        warnings.push(warn(
+            Code::RunOutLags,
+            at,
+            Arg::Length(figures.lag),
+            Arg::Length(figures.needed),
+            Arg::None,
+        ));
+    }
+    if params.runout_speed() != Feed::default() && call.run_out.is_some() {
+        let set = Arg::Feed(params.runout_speed());
+        warnings.push(warn(
+            Code::RunOutSpeedIgnored,
+            span,
+            set,
+            Arg::None,
+            Arg::None,
+        ));
+    }
+    Ok(ThreadFindings {
+        alarms: [None; 4],
+        report: Some(ThreadReport {
+            passes: summary.passes,
+            z_shift_max: summary.z_shift_max,
+            lead_in: figures.lead_in,
+            start_before: before,
+            warnings: warnings.0,
+        }),
+    })
+}
+
+/// The largest whole spindle speed at which the cycle can run, up to the spindle's own; [`Rpm::STOPPED`] if there is
+/// none. Plans a few dozen passes: for reports.
+///
+/// # Errors
+/// What geometry forbids.
+pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
+    let extremes = Extremes::of(call, span)?;
+    let can = |speed: i32| {
+        extremes
+            .passes()
+            .all(|pass| plan(call, &pass, params, Rpm::new(speed)).is_ok())
+    };
+    // Invariant: `low` can (or is 0), `high` is one more than may be tried, or cannot.
+    let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
+    let mut low = 0_i32;
+    let mut high = most.saturating_add(1);
+    while high.saturating_sub(low) > 1 {
+        let middle = low.midpoint(high);
+        if can(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(Rpm::new(low))
+}
+
+/// Plans a pass, and checks its run-out's speed.
+fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<ThreadPlan, Alarm> {
+    let plan = ThreadPlan::at_speed(pass.from, pass.moves(), params, rpm, TurnRate::ZERO)
+        .map_err(|alarm| at_word(call, alarm))?;
+    let last = pass.last();
+    let (MoveKind::Thread(thread), Some(run_out)) = (last.kind, call.run_out) else {
+        return Ok(plan);
+    };
+    let from = pass.last_from();
+    let (dx, dz) = ((last.to.x - from.x).abs(), (last.to.z - from.z).abs());
+    let (short_axis, short, long) = if thread.long_x {
+        (Axis::Z, dz, dx)
+    } else {
+        (Axis::X, dx, dz)
+    };
+    if pass.moves().len() < 2 || long == Length::ZERO {
+        return Ok(plan);
+    }
+    let lead_speed = mul_div(
+        thread.lead.numerator().unsigned_abs(),
+        u64::from(rpm.abs()),
+        thread.lead.denominator().unsigned_abs(),
+    );
+    let speed = mul_div(
+        lead_speed,
+        short.nm().unsigned_abs(),
+        long.nm().unsigned_abs(),
+    );
+    let speed = Feed::from_nm_per_min(i64::try_from(speed).unwrap_or(i64::MAX));
+    let most = params.max_feed(short_axis);
+    if speed <= most {
+        return Ok(plan);
+    }
+    let span = run_out.short.span;
+    let span = if span == Span::default() {
+        last.span
+    } else {
+        span
+    };
+    let args = [
+        Arg::Letter(short_axis.letter()),
+        Arg::Feed(speed),
+        Arg::Feed(most),
+        Arg::Rpm(rpm),
+    ];
+    Err(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
+}
+
+/// Puts the planner's alarm at the word that has to change, where it is written.
+fn at_word(call: &ThreadCall, mut alarm: Alarm) -> Alarm {
+    let span = match alarm.code {
+        Code::LeadTooFast => call.lead.span,
+        Code::RunInTooFast => call.run_in.span,
+        Code::StrokeTooShortForSpeed if alarm.word == Some(b'X') => call.end_x.span,
+        Code::StrokeTooShortForSpeed => call.end_z.span,
+        _ => Span::default(),
+    };
+    if span != Span::default() {
+        alarm.span = span;
+    }
+    alarm
+}
+
+/// A pitch (lead over starts) longer than the shortest stroke is a feed rate by mistake.
+fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
+    let lead = call.lead.value;
+    let starts = i64::from(call.starts.value.max(1));
+    let room = i128::from(stroke.nm())
+        .wrapping_mul(i128::from(lead.denominator()))
+        .wrapping_mul(i128::from(starts));
+    if i128::from(lead.numerator()) <= room {
+        return None;
+    }
+    let pitch = lead.rounded().nm().checked_div(starts).unwrap_or(0);
+    let args = [
+        Arg::Length(Length::from_nm(pitch)),
+        Arg::Length(stroke),
+        Arg::None,
+        Arg::None,
+    ];
+    Some(
+        Alarm::new(Code::PitchTooLong, call.lead.span)
+            .word(b'F')
+            .with(args),
+    )
+}
+
+/// The passes that ask most of the machine: the first (shortest run-in, smallest J), the last (largest J), and the one
+/// with the shortest stroke. All passes share slope, K and lead, and J and run-in grow with depth.
+struct Extremes {
+    first: Option<Pass>,
+    last: Option<Pass>,
+    shortest: Option<Pass>,
+}
+
+impl Extremes {
+    fn of(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
+        // All starts of a depth are the same pass at another angle.
+        let mut one_start = *call;
+        one_start.starts.value = 1;
+        let mut all = Self {
+            first: None,
+            last: None,
+            shortest: None,
+        };
+        let mut gather = Gather::default();
+        let mut at = call.start;
+        for next in ThreadMoves::new(&one_start, span)? {
+            if let Some(pass) = gather.take(at, next) {
+                all.first.get_or_insert(pass);
+                if all
+                    .shortest
+                    .is_none_or(|least| pass.stroke() < least.stroke())
+                {
+                    all.shortest = Some(pass);
+                }
+                all.last = Some(pass);
+            }
+            at = next.to;
+        }
+        Ok(all)
+    }
+
+    fn passes(&self) -> impl Iterator<Item = Pass> {
+        [self.last, self.shortest, self.first].into_iter().flatten()
+    }
+}
+
+/// The worst figures over the passes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    lead_in: Length,
+    braking: Length,
+    falling: Length,
+    lag: Length,
+    needed: Length,
+}
+
+impl Figures {
+    fn take(&mut self, plan: &ThreadPlan) {
+        self.lead_in = self.lead_in.max(plan.lead_in());
+        self.braking = self.braking.max(plan.braking());
+        self.falling = self.falling.max(plan.falling_lead());
+        self.lag = self.lag.max(plan.run_out_lag().abs());
+        self.needed = self.needed.max(plan.run_out_needed());
+    }
+}
+
+/// A list of at most four.
+#[derive(Clone, Copy, Debug, Default)]
+struct List([Option<Alarm>; 4]);
+
+impl List {
+    fn push(&mut self, alarm: Alarm) {
+        if let Some(place) = self.0.iter_mut().find(|place| place.is_none()) {
+            *place = Some(alarm);
+        }
+    }
+
+    fn first(&self) -> Option<Alarm> {
+        self.0.into_iter().flatten().next()
+    }
+}
