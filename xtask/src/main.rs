@@ -1,10 +1,12 @@
-//! The habits of the project, one command for each: `cargo xtask setup | test | ci | bench …`.
+//! The habits of the project, one command for each: `cargo xtask demo | setup | test | ci | bench …`.
 //!
 //! Each command prints what it does, stops at the first thing that is wrong, and says what to do about it. Nothing
 //! here is needed to build or run Leadscrew itself: `cargo build` and `cargo run` work alone.
 
 mod audit;
+mod bench;
 mod callgraph;
+mod demo;
 mod docs;
 mod emulator;
 mod licences;
@@ -19,9 +21,11 @@ use std::process::ExitCode;
 const HELP: &str = "\
 usage: cargo xtask COMMAND
 
+  demo       checks, runs and draws examples/shaft.nc on the simulated machine
   setup      what the other commands need: Debian packages, the ARM target
   test       everything a change must pass; installs what it needs first
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
+  bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
   docs       the documentation, without warnings and with every link alive
@@ -35,6 +39,9 @@ fn main() -> ExitCode {
     let result = match args.as_slice() {
         ["setup"] => setup::everything(),
         ["test"] => test::test(),
+        ["demo"] => demo::demo(),
+        ["bench"] => bench::bench(false),
+        ["bench", "--write"] => bench::bench(true),
         ["ci"] => test::ci(),
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),

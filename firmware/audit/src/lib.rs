@@ -1,4 +1,5 @@
 #![no_std]
-//! What both images share: values that the optimiser cannot know.
+//! What the images are made of: values that the optimiser cannot know, and the steps that are counted.
 
 pub mod any;
+pub mod work;

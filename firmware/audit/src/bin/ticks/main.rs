@@ -9,7 +9,6 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio;
 
-mod calls;
 mod count;
 mod steps;
 

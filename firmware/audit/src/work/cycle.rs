@@ -1,0 +1,71 @@
+//! From a call to its moves; a step is a move.
+
+use leadscrew_core::alarm::{Alarm, Span};
+use leadscrew_core::cycle::{GrooveMoves, Move, ThreadMoves};
+use leadscrew_core::program::{GrooveCall, ThreadCall};
+
+use super::{Work, calls};
+
+/// G76.
+pub struct Threads(ThreadCall);
+
+/// G75.
+pub struct Grooves(GrooveCall);
+
+impl Threads {
+    /// The [G76 sheet]'s example.
+    pub fn o0013() -> Self {
+        Self(calls::o0013())
+    }
+
+    /// What comes before the first move: the check of all passes.
+    pub fn check(&self) -> Result<ThreadMoves, Alarm> {
+        ThreadMoves::new(&self.0, Span::default())
+    }
+}
+
+impl Grooves {
+    /// The [G75 sheet]'s example.
+    pub fn o0008() -> Self {
+        Self(calls::o0008())
+    }
+
+    /// What comes before the first move.
+    pub fn check(&self) -> Result<GrooveMoves, Alarm> {
+        GrooveMoves::new(&self.0, Span::default())
+    }
+}
+
+impl Work for Threads {
+    type State = ThreadMoves;
+    type Out = Option<Move>;
+
+    fn steps(&self) -> usize {
+        self.begin().count()
+    }
+
+    fn begin(&self) -> ThreadMoves {
+        self.check().expect("the sheet's example")
+    }
+
+    fn step(&self, moves: &mut ThreadMoves, _: usize) -> Option<Move> {
+        moves.next()
+    }
+}
+
+impl Work for Grooves {
+    type State = GrooveMoves;
+    type Out = Option<Move>;
+
+    fn steps(&self) -> usize {
+        self.begin().count()
+    }
+
+    fn begin(&self) -> GrooveMoves {
+        self.check().expect("the sheet's example")
+    }
+
+    fn step(&self, moves: &mut GrooveMoves, _: usize) -> Option<Move> {
+        moves.next()
+    }
+}

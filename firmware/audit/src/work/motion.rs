@@ -1,0 +1,151 @@
+//! Time-driven moves and passes of a thread; a step is a tick.
+
+use leadscrew_core::alarm::{Alarm, Span};
+use leadscrew_core::cycle::{Move, MoveKind, ThreadMoves};
+use leadscrew_core::motion::{
+    Limits, Phase, Rate, Run, Step, ThreadPlan, ThreadPoint, ThreadRun, Timed, plan,
+};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{FeedRate, Position};
+use leadscrew_core::units::{Angle, Feed, Length};
+
+use super::{Work, calls, spindle, until};
+
+/// More ticks than any of these moves takes.
+const LONGEST: usize = 16_384;
+
+/// A move that time drives, with the operator at work.
+pub struct TimedMove {
+    limits: Limits,
+    target: Move,
+}
+
+impl TimedMove {
+    /// A line of three axes.
+    pub fn line() -> Self {
+        Self::new(
+            MoveKind::Feed(feed()),
+            Position {
+                x: Length::from_nm(31_415_926),
+                z: Length::from_nm(-77_123_457),
+                c: Angle::from_udeg(123_456_789),
+            },
+        )
+    }
+
+    /// Three quarters of a circle.
+    pub fn arc() -> Self {
+        Self::new(
+            MoveKind::Arc {
+                i: Length::from_nm(25_000_000),
+                k: Length::ZERO,
+                clockwise: true,
+                feed: feed(),
+            },
+            Position {
+                x: Length::from_nm(25_000_000),
+                z: Length::from_nm(25_000_000),
+                c: Angle::ZERO,
+            },
+        )
+    }
+
+    fn new(kind: MoveKind, to: Position) -> Self {
+        Self {
+            limits: Limits::from_params(&Params::slant_bed()),
+            target: Move {
+                span: Span::default(),
+                to,
+                kind,
+                tag: None,
+            },
+        }
+    }
+
+    /// What comes before the first tick.
+    pub fn plan(&self) -> Result<Option<Timed>, Alarm> {
+        plan::timed(Position::default(), &self.target, &self.limits)
+    }
+}
+
+fn feed() -> FeedRate {
+    FeedRate::PerMinute(Feed::from_nm_per_min(3_000_000_000))
+}
+
+/// As programmed, slower, held, faster.
+fn override_at(tick: usize) -> Rate {
+    match tick / 100 % 8 {
+        2 => Rate::percent(37),
+        4 => Rate::HOLD,
+        6 => Rate::percent(150),
+        _ => Rate::FULL,
+    }
+}
+
+impl Work for TimedMove {
+    type State = Run;
+    type Out = Step;
+
+    fn steps(&self) -> usize {
+        let mut run = self.begin();
+        until(LONGEST, |number| self.step(&mut run, number).done)
+    }
+
+    fn begin(&self) -> Run {
+        let timed = self.plan().ok().flatten().expect("a move that time drives");
+        let mut run = Run::new();
+        assert!(run.begin(&timed), "a run at rest takes a motion");
+        run
+    }
+
+    fn step(&self, run: &mut Run, number: usize) -> Step {
+        run.tick(override_at(number))
+    }
+}
+
+/// The first pass of a thread, from the wait for the index to rest in the end plane.
+pub struct ThreadPass {
+    params: Params,
+    from: Position,
+    moves: [Move; 2],
+}
+
+impl ThreadPass {
+    /// The [G76 sheet]'s example.
+    pub fn o0013() -> Self {
+        let call = calls::o0013();
+        let mut moves = ThreadMoves::new(&call, Span::default()).expect("the sheet's example");
+        let mut next = || moves.next().expect("a pass: approach, stroke, run-out");
+        Self {
+            params: Params::slant_bed(),
+            from: next().to,
+            moves: [next(), next()],
+        }
+    }
+
+    /// What comes before the first tick.
+    pub fn plan(&self) -> Result<ThreadPlan, Alarm> {
+        ThreadPlan::new(self.from, &self.moves, &self.params, spindle::speed())
+    }
+}
+
+impl Work for ThreadPass {
+    type State = ThreadRun;
+    type Out = ThreadPoint;
+
+    fn steps(&self) -> usize {
+        let mut run = self.begin();
+        until(LONGEST, |number| {
+            self.step(&mut run, number).phase == Phase::Done
+        })
+    }
+
+    fn begin(&self) -> ThreadRun {
+        let plan = self.plan().expect("the sheet's example");
+        ThreadRun::start(plan, spindle::angle(0), spindle::speed()).expect("the spindle turns")
+    }
+
+    fn step(&self, run: &mut ThreadRun, number: usize) -> ThreadPoint {
+        run.tick(spindle::angle(number))
+    }
+}

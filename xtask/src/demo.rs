@@ -1,0 +1,32 @@
+//! The main job in one command: a real program checked, run on the simulated machine and drawn.
+
+use anyhow::Result;
+
+use crate::run;
+
+const PROGRAM: &str = "examples/shaft.nc";
+const PICTURE: &str = "out/shaft.svg";
+
+/// Checks, runs and draws the example.
+pub fn demo() -> Result<()> {
+    std::fs::create_dir_all(run::root().join("out"))?;
+    for args in [
+        &["check", PROGRAM][..],
+        &["run", PROGRAM],
+        &["plot", PROGRAM, "-o", PICTURE],
+    ] {
+        println!("\n$ leadscrew {}", args.join(" "));
+        let mut all = vec![
+            "run",
+            "--quiet",
+            "--release",
+            "--package",
+            "leadscrew",
+            "--",
+        ];
+        all.extend_from_slice(args);
+        run::show(run::cargo(&run::root(), &all))?;
+    }
+    println!("\nthe picture is {PICTURE}");
+    Ok(())
+}
