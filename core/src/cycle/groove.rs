@@ -162,7 +162,7 @@ impl Iterator for GrooveMoves {
                 }
                 Next::Back => {
                     self.next = Next::Peck;
-                    let back = clip(self.x - self.retract, level, -self.retract);
+                    let back = clip(self.x - self.retract, level, -self.peck);
                     self.rapid(back, self.z, Stage::Retract)
                 }
                 Next::Relief => {
@@ -201,7 +201,7 @@ impl Iterator for GrooveMoves {
 
 impl core::iter::FusedIterator for GrooveMoves {}
 
-/// `value`, or `bound` where going in `direction` has passed it.
+/// `value`, or `bound` where going in `direction` (not zero, or `value` is the bound) has passed it.
 fn clip(value: Length, bound: Length, direction: Length) -> Length {
     if direction < Length::ZERO {
         value.max(bound)

@@ -4,6 +4,7 @@
 
 use core::num::NonZero;
 
+use super::check::blame;
 use super::depth::{Depths, MOST_PASSES};
 use super::shape::{Corners, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
@@ -97,7 +98,7 @@ impl ThreadMoves {
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         let shape = Shape::new(call, span)?;
         if call.starts.value == 0 {
-            return Err(Alarm::new(Code::CycleStartsRange, span).word(b'L'));
+            return Err(blame(Code::CycleStartsRange, span, call.starts.span, b'L'));
         }
         let limit = call.height.value - call.allowance.value;
         let first = call.first_depth.value;
