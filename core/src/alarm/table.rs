@@ -462,9 +462,9 @@ codes! {
         "lower 1430.{0} or raise 1420.{0}",
         "{0} 轴最大切削进给（1430.{0}）高于快移速度（1420.{0}）", "请减小 1430.{0} 或增大 1420.{0}";
     /// The observer cannot be that fast: bandwidth, tick in µs, highest bandwidth.
-    ObserverTooFast = 4423, "an observer of {0} Hz is not stable with a tick of {1} µs",
-        "set 9005 to {2} Hz at most, or make the tick (9000) shorter",
-        "周期 {1} µs 时带宽 {0} Hz 的观测器不稳定", "9005 最大设为 {2} Hz，或缩短周期（9000）";
+    ObserverTooFast = 4423, "an observer of {0} Hz cannot work on samples {1} µs apart",
+        "set 9005 below {2} Hz, or make the tick (9000) shorter",
+        "采样间隔 {1} µs 时 {0} Hz 的观测器不能工作", "9005 须小于 {2} Hz，或缩短周期（9000）";
     /// The spindle turns half a turn in a tick: highest speed of 3772, tick in µs, highest possible.
     SpindleTooFastForTick = 4424, "at {0} the spindle turns half a turn or more in one tick of {1} µs",
         "lower 3772 to {2}, or make the tick (9000) shorter",
@@ -477,6 +477,10 @@ codes! {
     IncrementAboveLimit = 4426, "one drive increment of {0} is larger than its following-error limit (1828.{0})",
         "make the increments finer (9001.{0} / 9002.{0}) or the limit larger",
         "{0} 轴一个驱动脉冲大于跟随误差极限（1828.{0}）", "请减小驱动当量（9001.{0}／9002.{0}）或增大极限";
+    /// Sixteen or more drive increments to a nanometre: axis.
+    IncrementTooFine = 4428, "a nanometre of {0} is sixteen drive increments or more",
+        "make the increments coarser (9001.{0} / 9002.{0}) and set the drive to them",
+        "{0} 轴每纳米达到或超过 16 个驱动脉冲", "请加大驱动当量（9001.{0}／9002.{0}），并在驱动器中作相同设置";
     /// 9007 above 9010: both in per cent.
     ToleranceAboveVariation = 4427, "a spindle counts as arrived within {0} (9007), and threads keep room for {1} only (9010)",
         "lower 9007 or raise 9010",
@@ -524,4 +528,12 @@ codes! {
     ExtractionOverrideOff = 4962, "J of a tapping cycle has no effect: 5201.4 is 1 and 5200.4 is 0",
         "set 5200.4 to 1, or 5201.4 to 0",
         "攻丝循环的 J 不起作用：5201.4 为 1 而 5200.4 为 0", "请将 5200.4 设为 1，或将 5201.4 设为 0";
+    /// The observer is too fast to smooth much: bandwidth, tick in µs, bandwidth that would.
+    ObserverNoisy = 4963, "an observer of {0} Hz smooths little on samples {1} µs apart",
+        "set 9005 to {2} Hz or less, or make the tick (9000) shorter",
+        "采样间隔 {1} µs 时 {0} Hz 的观测器几乎不起平滑作用", "9005 设为 {2} Hz 以下，或缩短周期（9000）";
+    /// A speed beyond what a setpoint can step: axis, tick in µs.
+    RapidBeyondTick = 4964, "in one tick of {1} µs {0} cannot go as far as its rapid rate (1420.{0}) asks, and moves slower",
+        "make the tick (9000) shorter, or lower 1420.{0}",
+        "{0} 轴在一个周期（{1} µs）内走不了快移速度（1420.{0}）对应的距离，实际速度较低", "请缩短周期（9000）或减小 1420.{0}";
 }
