@@ -232,11 +232,8 @@ codes! {
     /// F and I in one thread block.
     TwoLeads = 4049, "F and I both give the lead", "write F (lead per turn) or I (turns per inch)",
         "F 与 I 同时指定导程", "请只写 F（每转导程）或 I（每英寸牙数）";
-    /// A parameter whose value this cycle cannot use; {0} its number, {1} the value.
-    ParameterUnusable = 4050, "parameter {0} is {1}, which this cycle cannot use", "correct the parameter, or write the word it stands for",
-        "参数 {0} 的值 {1} 不能用于此循环", "请修改参数，或写出对应的字";
     /// G75 with a cycle word and no X or U.
-    GrooveWithoutX = 4051, "the groove has no bottom", "write X or U", "切槽没有槽底", "请写 X 或 U";
+    GrooveWithoutX = 4050, "the groove has no bottom", "write X or U", "切槽没有槽底", "请写 X 或 U";
 
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 

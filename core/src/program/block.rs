@@ -90,6 +90,8 @@ impl Letters {
 
 /// Letters a word of this control can have, G and M aside.
 const ADDRESSES: Letters = Letters::of(b"CDEFHIJKLNOPQRSTUWXZ");
+/// Letters that name a block or a program.
+const NAMES: Letters = Letters::of(b"NO");
 /// Words that may not stand together: absolute and increment of one axis.
 const PAIRS: [(u8, u8); 3] = [(b'X', b'U'), (b'Z', b'W'), (b'C', b'H')];
 
@@ -193,11 +195,12 @@ impl Block {
         if !self.present.common(set).is_empty() {
             return Err(self.word(letter, &slot).alarm(Code::WordTwice));
         }
-        if letter == b'N' && !self.is_empty() || letter == b'O' && !self.has_no_lead() {
-            return Err(self.word(letter, &slot).alarm(Code::WordNotFirst));
-        }
-        if letter != b'N' {
+        if set.common(NAMES).is_empty() {
             self.mark(column, end);
+        } else if letter == b'O' && self.has_no_lead() {
+            self.mark(column, end);
+        } else if letter == b'O' || !self.is_empty() {
+            return Err(self.word(letter, &slot).alarm(Code::WordNotFirst));
         }
         self.present = self.present.and(set);
         if let Some(place) = self.words.get_mut(usize::from(letter.wrapping_sub(b'A'))) {

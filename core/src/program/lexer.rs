@@ -137,23 +137,25 @@ impl<'t> Cursor<'t> {
                 Inside::TextEnd => return self.end(),
             }
         }
-        while let [byte, tail @ ..] = self.rest {
-            match *byte {
-                b'A'..=b'Z' | b'a'..=b'z' => {
-                    let letter = byte & 0xDF;
-                    let column = self.column_of(self.rest);
-                    let (value, rest) = Decimal::parse(tail);
-                    let end = self.column_of(rest);
-                    if value.digits() == 0
-                        || value.digits() > Decimal::MAX_DIGITS
-                        || matches!(rest, [b'.', ..])
-                    {
-                        return Err(self.bad_number(letter, value, column, rest));
-                    }
-                    block.add(letter, value, column, end)?;
-                    self.rest = rest;
+        // The place is kept in a local, and in `self` only where it leaves this loop.
+        let mut rest = self.rest;
+        while let [byte, tail @ ..] = rest {
+            // Clearing bit 5 makes a small letter a capital one, and no other byte a letter.
+            let letter = byte & 0xDF;
+            if letter.wrapping_sub(b'A') < 26 {
+                let column = self.column_of(rest);
+                let (value, after) = Decimal::parse(tail);
+                if value.digits().wrapping_sub(1) >= Decimal::MAX_DIGITS
+                    || matches!(after, [b'.', ..])
+                {
+                    return Err(self.bad_number(letter, value, column, after));
                 }
-                b' ' | b'\t' => self.rest = tail,
+                block.add(letter, value, column, self.column_of(after))?;
+                rest = after;
+                continue;
+            }
+            match *byte {
+                b' ' | b'\t' => rest = tail,
                 b'\n' => {
                     self.rest = tail;
                     return Ok(Ended::Line);
@@ -163,12 +165,15 @@ impl<'t> Cursor<'t> {
                     return Ok(Ended::Block);
                 }
                 _ => {
+                    self.rest = rest;
                     if let Some(ended) = self.sign(block, comment, skip, start)? {
                         return Ok(ended);
                     }
+                    rest = self.rest;
                 }
             }
         }
+        self.rest = rest;
         self.end()
     }
 

@@ -150,7 +150,7 @@ impl State<'_> {
             },
             degrees: match self.options.dialect {
                 Dialect::Gsk980td => 45,
-                Dialect::Gsk988 => self.chamfer_angle(word)?,
+                Dialect::Gsk988 => self.chamfer_angle(),
             },
         };
         let call = ThreadCall {
@@ -168,7 +168,7 @@ impl State<'_> {
                 .allowance
                 .unwrap_or_else(|| parameter(self.params.thread_allowance())),
             finish_passes: self.finish_passes(first.p),
-            angle: self.angle(first.p, word)?,
+            angle: self.angle(first.p),
             infeed: Infeed::Decreasing,
             cut_in: parameter(CutIn::Trailing),
             starts: parameter(1),
@@ -228,7 +228,7 @@ impl State<'_> {
         let extras = extras.or(first.next);
         let chamfer = Chamfer {
             tenths: parameter(self.params.thread_chamfer()),
-            degrees: self.chamfer_angle(word)?,
+            degrees: self.chamfer_angle(),
         };
         let run_out = if extras.j.is_some() || extras.k.is_some() {
             let pair = chamfer.resolve(extras.j, extras.k, common.lead.value);
@@ -241,19 +241,16 @@ impl State<'_> {
         };
         let infeed = match infeed.or(first.infeed) {
             Some(infeed) => infeed.value,
-            None => match self.params.thread_infeed() {
-                0 => Infeed::Equal,
-                1 => Infeed::Decreasing,
-                other => return Err(unusable(word, 5145, other)),
-            },
+            None if self.params.thread_infeed() == 0 => Infeed::Equal,
+            None => Infeed::Decreasing,
         };
         let cut_in = match first.p {
             Some(Digits {
                 r: Some(r @ 0..=4),
                 span,
                 ..
-            }) => cut_in(r).map(|mode| At::new(mode, span)),
-            _ => cut_in(self.params.thread_cut_in()).map(parameter),
+            }) => At::new(cut_in(r), span),
+            _ => parameter(cut_in(self.params.thread_cut_in())),
         };
         let call = ThreadCall {
             cycle: ThreadCycle::G78,
@@ -270,9 +267,9 @@ impl State<'_> {
                 .allowance
                 .unwrap_or_else(|| parameter(self.params.thread_allowance())),
             finish_passes: self.finish_passes(first.p),
-            angle: self.angle(first.p, word)?,
+            angle: self.angle(first.p),
             infeed,
-            cut_in: cut_in.ok_or_else(|| unusable(word, 5144, self.params.thread_cut_in()))?,
+            cut_in,
             starts: self.thread.starts,
             run_in: extras.e.unwrap_or_else(|| parameter(Length::ZERO)),
             run_out,
@@ -364,29 +361,18 @@ impl State<'_> {
     }
 
     /// a, or 058/5143.
-    fn angle(&self, p: Option<Digits>, word: &Word) -> Result<At<u8>, Alarm> {
-        let angle = match p {
+    fn angle(&self, p: Option<Digits>) -> At<u8> {
+        match p {
             Some(p) => At::new(p.a, p.span),
             None => parameter(self.params.thread_angle()),
-        };
-        if angle.value > 99 {
-            let args = [
-                Arg::Int(i64::from(angle.value)),
-                Arg::None,
-                Arg::None,
-                Arg::None,
-            ];
-            return Err(Alarm::new(Code::ThreadAngleRange, word.span).with(args));
         }
-        Ok(angle)
     }
 
     /// 5131, degrees; 0 is 45.
-    fn chamfer_angle(&self, word: &Word) -> Result<u8, Alarm> {
+    fn chamfer_angle(&self) -> u8 {
         match self.params.thread_chamfer_angle() {
-            0 => Ok(45),
-            degrees @ 1..=89 => Ok(degrees),
-            other => Err(unusable(word, 5131, other)),
+            0 => 45,
+            degrees => degrees,
         }
     }
 }
@@ -426,24 +412,13 @@ fn starts(word: &Word) -> Result<At<u8>, Alarm> {
     }
 }
 
-fn cut_in(mode: u8) -> Option<CutIn> {
-    Some(match mode {
+/// P(r) of G78 or 5144, both 0 … 4.
+fn cut_in(mode: u8) -> CutIn {
+    match mode {
         0 => CutIn::Centre,
         1 => CutIn::Left,
         2 => CutIn::Right,
         3 => CutIn::RightCentre,
-        4 => CutIn::LeftRight,
-        _ => return None,
-    })
-}
-
-#[cold]
-fn unusable(word: &Word, number: i64, value: u8) -> Alarm {
-    let args = [
-        Arg::Int(number),
-        Arg::Int(i64::from(value)),
-        Arg::None,
-        Arg::None,
-    ];
-    Alarm::new(Code::ParameterUnusable, word.span).with(args)
+        _ => CutIn::LeftRight,
+    }
 }

@@ -19,6 +19,24 @@ pub enum DecimalError {
     TooLarge,
 }
 
+/// Appends the digits at the front of `text` to `mantissa`, counts them and gives what follows.
+#[inline(always)]
+fn digits_of<'t>(text: &'t [u8], mantissa: &mut i64, count: &mut usize) -> &'t [u8] {
+    let mut rest = text;
+    let mut value = *mantissa;
+    while let [byte, tail @ ..] = rest {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+        rest = tail;
+    }
+    *mantissa = value;
+    *count = text.len().wrapping_sub(rest.len());
+    rest
+}
+
 /// 10⁰ … 10¹⁸.
 const POW10: [i64; 19] = {
     let mut table = [1; 19];
@@ -58,33 +76,12 @@ impl Decimal {
             [b'+', rest @ ..] => (true, false, rest),
             _ => (false, false, text),
         };
-        let mut mantissa: i64 = 0;
-        let before = rest.len();
-        while let [byte, tail @ ..] = rest {
-            let digit = byte.wrapping_sub(b'0');
-            if digit > 9 {
-                break;
-            }
-            mantissa = mantissa.wrapping_mul(10).wrapping_add(digit as i64);
-            rest = tail;
-        }
-        let mut digits = before.wrapping_sub(rest.len());
-        let mut decimals = 0;
-        let mut point = false;
+        let (mut mantissa, mut digits, mut decimals, mut point) = (0, 0, 0, false);
+        rest = digits_of(rest, &mut mantissa, &mut digits);
         if let [b'.', tail @ ..] = rest {
             point = true;
-            rest = tail;
-            let before = rest.len();
-            while let [byte, tail @ ..] = rest {
-                let digit = byte.wrapping_sub(b'0');
-                if digit > 9 {
-                    break;
-                }
-                mantissa = mantissa.wrapping_mul(10).wrapping_add(digit as i64);
-                rest = tail;
-            }
-            decimals = before.wrapping_sub(rest.len());
-            digits = digits.wrapping_add(decimals);
+            rest = digits_of(tail, &mut mantissa, &mut decimals);
+            digits = digits.saturating_add(decimals);
         }
         let number = Self {
             mantissa: if negative {
@@ -92,8 +89,8 @@ impl Decimal {
             } else {
                 mantissa
             },
-            decimals: if decimals > 255 { 255 } else { decimals as u8 },
-            digits: if digits > 255 { 255 } else { digits as u8 },
+            decimals: decimals.min(255) as u8,
+            digits: digits.min(255) as u8,
             point,
             sign,
         };
