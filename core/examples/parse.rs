@@ -4,6 +4,8 @@
 //! writes one. Under callgrind, two sizes give the instructions a line with the start-up subtracted; with ROUNDS the
 //! wall time is printed too.
 
+#![allow(clippy::arithmetic_side_effects)]
+
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;

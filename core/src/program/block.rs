@@ -195,12 +195,18 @@ impl Block {
         if !self.present.common(set).is_empty() {
             return Err(self.word(letter, &slot).alarm(Code::WordTwice));
         }
-        if set.common(NAMES).is_empty() {
+        if !set.common(NAMES).is_empty() {
+            let first = if letter == b'N' {
+                self.is_empty()
+            } else {
+                self.has_no_lead()
+            };
+            if !first {
+                return Err(self.word(letter, &slot).alarm(Code::WordNotFirst));
+            }
+        }
+        if letter != b'N' {
             self.mark(column, end);
-        } else if letter == b'O' && self.has_no_lead() {
-            self.mark(column, end);
-        } else if letter == b'O' || !self.is_empty() {
-            return Err(self.word(letter, &slot).alarm(Code::WordNotFirst));
         }
         self.present = self.present.and(set);
         if let Some(place) = self.words.get_mut(usize::from(letter.wrapping_sub(b'A'))) {
