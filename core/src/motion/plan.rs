@@ -81,13 +81,27 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
             let arc =
                 Arc::new(from, target.to, i, k, clockwise).map_err(|error| refusal(error, span))?;
             let nominal = nominal(feed, arc.length(), arc.length(), limits, span)?;
-            let path = limits.arc(&arc.bend(), FEED_OVERRIDE_MAX.of(nominal));
+            let path = arc_limits(&arc, nominal, limits);
             plan(Path::Arc(arc), nominal, &path, Some(feed), span, limits).map(Some)
         }
         MoveKind::Thread(_) | MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {
             Ok(None)
         }
     }
+}
+
+/// The limits of an arc. The bend takes its part of acceleration and jerk, so that a ramp which a line could just make
+/// may be too long here: then the arc is driven slower, which gives back some of both and makes the ramp shorter.
+fn arc_limits(arc: &Arc, nominal: PathRate, limits: &Limits) -> PathLimits {
+    let bend = arc.bend();
+    let mut path = limits.arc(&bend, FEED_OVERRIDE_MAX.of(nominal));
+    for _ in 0..u32::BITS {
+        if shape::ramp(arc.length(), nominal, &path).is_some() {
+            break;
+        }
+        path = limits.arc(&bend, Rate::percent(75).of(path.speed));
+    }
+    path
 }
 
 fn line(from: Position, target: &Move) -> Result<Line, Alarm> {
@@ -183,4 +197,151 @@ fn plan(
         exit: PathRate::ZERO,
         feed,
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
+mod tests {
+    use super::*;
+    use crate::params::Params;
+    use crate::units::{Angle, FeedPerTurn, Millis, Rpm};
+
+    fn position(x: i64, z: i64, c: i64) -> Position {
+        Position {
+            x: Length::from_nm(x),
+            z: Length::from_nm(z),
+            c: Angle::from_udeg(c),
+        }
+    }
+
+    fn plan_to(to: Position, kind: MoveKind) -> Result<Option<Timed>, Alarm> {
+        let target = Move {
+            span: Span::default(),
+            to,
+            kind,
+            tag: None,
+        };
+        timed(
+            Position::default(),
+            &target,
+            &Limits::from_params(&Params::slant_bed()),
+        )
+    }
+
+    fn feed(mm_per_min: i64) -> FeedRate {
+        FeedRate::PerMinute(Feed::from_nm_per_min(mm_per_min * 1_000_000))
+    }
+
+    #[test]
+    fn a_rapid_along_z() {
+        // 16 m/min = 266 667 nm a tick; 3 m/s² = 3000, 60 m/s³ = 60: 89 ticks and 266667/(89·60) = 50.
+        let timed = plan_to(position(0, 100_000_000, 0), MoveKind::Rapid)
+            .unwrap()
+            .unwrap();
+        assert_eq!(timed.ramp.means(), (89, 50));
+        assert_eq!(timed.nominal, timed.ramp.cap());
+        // ⌈100 000 000 / 266 666.66⌉ + 139.
+        assert_eq!(timed.duration_ticks(), 376 + 139);
+        assert_eq!(timed.end(), position(0, 100_000_000, 0));
+    }
+
+    #[test]
+    fn a_feed_has_room_for_its_override_up_to_the_axis() {
+        let slow = plan_to(position(0, 50_000_000, 0), MoveKind::Feed(feed(600)))
+            .unwrap()
+            .unwrap();
+        assert_eq!(slow.nominal.raw(), 10_000 * 256);
+        assert_eq!(slow.ramp.cap().raw(), 15_000 * 256);
+        // 8 m/min is the most: 133 333 nm a tick.
+        let fast = plan_to(position(0, 500_000_000, 0), MoveKind::Feed(feed(7_000)))
+            .unwrap()
+            .unwrap();
+        assert_eq!(fast.ramp.cap().raw() / 256, 133_333);
+    }
+
+    #[test]
+    fn a_feed_is_the_speed_of_the_tool_where_c_turns_further() {
+        // 1 mm with a full turn of C: the path is 360 000 000 µ° long, the tool does 1 mm at 60 mm/min = 1 s.
+        let timed = plan_to(
+            position(0, 1_000_000, 360_000_000),
+            MoveKind::Feed(feed(60)),
+        )
+        .unwrap()
+        .unwrap();
+        assert_eq!(timed.length, Length::from_nm(360_000_000));
+        assert_eq!(timed.nominal.raw(), 360_000 * 256);
+    }
+
+    #[test]
+    fn a_feed_per_turn_goes_by_the_commanded_speed() {
+        let per_turn = FeedRate::PerTurn(FeedPerTurn::from_nm(200_000), Rpm::new(-300));
+        let timed = plan_to(position(0, 50_000_000, 0), MoveKind::Feed(per_turn))
+            .unwrap()
+            .unwrap();
+        // 0.2 mm · 300/min = 60 mm/min.
+        assert_eq!(timed.nominal.raw(), 1_000 * 256);
+        assert_eq!(timed.feed, Some(per_turn));
+        let standing = FeedRate::PerTurn(FeedPerTurn::from_nm(200_000), Rpm::STOPPED);
+        let alarm = plan_to(position(0, 50_000_000, 0), MoveKind::Feed(standing)).unwrap_err();
+        assert_eq!((alarm.code, alarm.word), (Code::FeedZero, Some(b'F')));
+    }
+
+    #[test]
+    fn an_arc_is_as_fast_as_its_bend_allows() {
+        let arc = |radius: i64| {
+            let kind = MoveKind::Arc {
+                i: Length::ZERO,
+                k: Length::from_nm(-radius),
+                clockwise: false,
+                feed: feed(6_000),
+            };
+            plan_to(position(radius, -radius, 0), kind)
+                .unwrap()
+                .unwrap()
+        };
+        // 100 mm/s round 100 mm: 0.1 m/s² across; the feed and its override stand.
+        assert_eq!(arc(100_000_000).nominal.raw(), 100_000 * 256);
+        assert!(arc(100_000_000).ramp.cap().raw() > 130_000 * 256);
+        // Round 1 mm the most is √(a·R/2) with a = 2 m/s² · 15/16: 30.6 mm/s, and ∛(j·R²/4) with 60 m/s³ · 7/8: 23.6.
+        let tight = arc(1_000_000).ramp.cap().raw() / 256;
+        assert!((15_000..23_600).contains(&tight), "{tight}");
+    }
+
+    #[test]
+    fn nothing_to_do_takes_no_time() {
+        let timed = plan_to(Position::default(), MoveKind::Rapid)
+            .unwrap()
+            .unwrap();
+        assert_eq!((timed.length, timed.duration_ticks()), (Length::ZERO, 0));
+        assert_eq!(
+            plan_to(Position::default(), MoveKind::Dwell(Millis::new(3))),
+            Ok(None)
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_planned_is_an_alarm() {
+        let code = |to, kind| plan_to(to, kind).unwrap_err().code;
+        let far = position(0, (1 << 42) + 1, 0);
+        assert_eq!(code(far, MoveKind::Rapid), Code::MoveTooFar);
+        assert_eq!(
+            code(position(0, 1, 0), MoveKind::Feed(feed(0))),
+            Code::FeedZero
+        );
+        let arc = |k, i| MoveKind::Arc {
+            i: Length::from_nm(i),
+            k: Length::from_nm(k),
+            clockwise: true,
+            feed: feed(100),
+        };
+        assert_eq!(code(position(5, 5, 0), arc(0, 0)), Code::ArcNoRadius);
+        assert_eq!(
+            code(position(0, 300_000, 0), arc(100_000, 0)),
+            Code::ArcEndOff
+        );
+        assert_eq!(
+            code(position(0, 200_000, 1), arc(100_000, 0)),
+            Code::ArcMovesC
+        );
+    }
 }

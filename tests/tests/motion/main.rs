@@ -1,0 +1,6 @@
+//! Time-driven motion at random: machines, moves and operators, every setpoint against every limit.
+
+mod machine;
+mod operator;
+mod random;
+mod volume;
