@@ -4,15 +4,20 @@
 //! move list's formats ([`movelist`]), exact numbers ([`number`]) and JSON ([`json`]). Data goes to standard output,
 //! words for people to standard error. Knows nothing of how motion is made.
 
+pub mod checking;
 pub mod cli;
 pub mod commands;
 pub mod diagnostics;
+pub mod drawing;
 pub mod failure;
+pub mod interrupt;
 pub mod json;
 pub mod movelist;
 pub mod number;
 pub mod params;
 pub mod plot;
+pub mod program;
 pub mod session;
 pub mod source;
+pub mod trace;
 pub mod values;

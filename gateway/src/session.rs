@@ -4,8 +4,10 @@ use std::io::{IsTerminal as _, Write as _};
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Params;
+use leadscrew_core::program::{Dialect, Options, Position};
+use leadscrew_core::units::{Angle, Length};
 
-use crate::cli::Global;
+use crate::cli::{DialectName, Global};
 use crate::failure::{Failure, Outcome};
 use crate::params::{self, Loaded};
 
@@ -31,6 +33,25 @@ impl<'a> Session<'a> {
             lang: global.lang(),
             colour: colour(),
         })
+    }
+
+    /// How programs are read.
+    pub fn options(&self) -> Options {
+        let at = self.global.at.unwrap_or_default();
+        Options {
+            dialect: match self.global.dialect {
+                DialectName::Gsk980td => Dialect::Gsk980td,
+                DialectName::Gsk988 => Dialect::Gsk988,
+            },
+            skip: self.global.skip,
+            optional_stop: self.global.optional_stop,
+            dry_run: self.global.dry_run,
+            position: Position {
+                x: Length::from_nm(at.x_nm),
+                z: Length::from_nm(at.z_nm),
+                c: Angle::from_udeg(at.c_udeg),
+            },
+        }
     }
 }
 

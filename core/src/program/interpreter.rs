@@ -144,6 +144,12 @@ impl<'p> Interpreter<'p> {
         self.state.position
     }
 
+    /// True after G20: the program's lengths are inches.
+    #[must_use]
+    pub const fn is_inch(&self) -> bool {
+        self.state.scale.is_inch()
+    }
+
     /// The program's O-number, if it has one.
     #[must_use]
     pub const fn program_number(&self) -> Option<u32> {

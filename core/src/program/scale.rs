@@ -42,6 +42,11 @@ impl Range {
 }
 
 impl Scale {
+    /// True for inches.
+    pub(super) const fn is_inch(&self) -> bool {
+        self.inch
+    }
+
     pub(super) const fn new(inch: bool, is_c: bool) -> Self {
         let (decimals, step_nm) = match (inch, is_c) {
             (false, false) => (3, 1_000),

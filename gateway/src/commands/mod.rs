@@ -1,11 +1,14 @@
 //! One file a command.
 
+mod check;
 mod completions;
+mod expand;
 mod params;
 mod unavailable;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Outcome;
+use crate::session::Session;
 
 /// Does what was typed.
 pub fn dispatch(cli: &Cli) -> Outcome {
@@ -13,6 +16,8 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
         Command::Params { command } => params::run(&cli.global, command),
+        Command::Check(args) => check::run(&Session::new(&cli.global)?, args),
+        Command::Expand(args) => expand::run(&Session::new(&cli.global)?, args),
         _ => unavailable::command(cli),
     }
 }

@@ -1,0 +1,262 @@
+//! A program verified without a machine: text, geometry, physics. What `check` reports, and what `simulate` and `run` ask
+//! before anything moves.
+
+use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::program::{Call, CallKind, Event, Position, ThreadCall, ThreadCycle};
+use leadscrew_core::{cycle, feasible};
+
+use crate::diagnostics::Diagnostic;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
+use crate::json::Json;
+use crate::number;
+use crate::program::Program;
+use crate::session::Session;
+use crate::source::SourceFile;
+
+/// What is known of one program after looking at all of it.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// What stops it; the first of each kind.
+    pub alarms: Vec<Diagnostic>,
+    /// What is worth telling; the first of each kind.
+    pub warnings: Vec<Diagnostic>,
+    /// Its cycles, in their order.
+    pub cycles: Vec<CycleReport>,
+    /// Moves, as far as they could be made.
+    pub moves: u64,
+    /// A lead-in is longer than what lies before the material.
+    pub lead_in_too_short: bool,
+}
+
+/// What a cycle needs.
+#[derive(Clone, Copy, Debug)]
+pub struct CycleReport {
+    /// Source line.
+    pub line: u32,
+    /// Its name.
+    pub cycle: &'static str,
+    /// Passes of a thread, columns of a groove.
+    pub passes: u32,
+    /// Figures of a thread.
+    pub thread: Option<ThreadFigures>,
+    /// About how long it takes, in microseconds.
+    pub time_us: i64,
+}
+
+/// What a thread needs.
+#[derive(Clone, Copy, Debug)]
+pub struct ThreadFigures {
+    /// Largest shift of its starts along Z, nanometres.
+    pub z_shift_max_nm: i64,
+    /// From B to where the lead is met, nanometres.
+    pub lead_in_nm: i64,
+    /// Start at least this far before the material, nanometres.
+    pub start_before_nm: i64,
+    /// The fastest spindle that the axes can follow.
+    pub rpm_max: i64,
+}
+
+/// Verifies a program.
+pub fn check(session: &Session, source: &SourceFile) -> Outcome<Report> {
+    let options = session.options();
+    let mut program = Program::open(source, &session.params, options)
+        .map_err(|error| Failure::file("read", source.name(), &error))?;
+    let mut checker = Checker {
+        session,
+        source,
+        report: Report::default(),
+        at: options.position,
+    };
+    loop {
+        if interrupt::requested() {
+            return Err(Failure::Interrupted);
+        }
+        let next = program
+            .next_event()
+            .map_err(|error| Failure::file("read", source.name(), &error))?;
+        let inch = program.is_inch();
+        match next {
+            None => return Ok(checker.report),
+            Some(Ok(Event::Warning(warning))) => checker.tell(&warning, inch),
+            Some(Ok(Event::Call(call))) => checker.call(&call, inch),
+            Some(Err(alarm)) => checker.tell(&alarm, inch),
+        }
+    }
+}
+
+/// The checker at work.
+struct Checker<'a> {
+    session: &'a Session<'a>,
+    source: &'a SourceFile,
+    report: Report,
+    at: Position,
+}
+
+impl Checker<'_> {
+    /// Keeps the first alarm or warning of each kind.
+    fn tell(&mut self, alarm: &Alarm, inch: bool) {
+        let list = if alarm.code.is_warning() {
+            &mut self.report.warnings
+        } else {
+            &mut self.report.alarms
+        };
+        self.report.lead_in_too_short |= alarm.code == Code::LeadInLong;
+        if list.iter().all(|known| known.number != alarm.number()) {
+            list.push(Diagnostic::new(alarm, self.source, self.session.lang, inch));
+        }
+    }
+
+    fn call(&mut self, call: &Call, inch: bool) {
+        let moves = match cycle::expand(call, self.at) {
+            Ok(moves) => moves,
+            Err(alarm) => {
+                // The interpreter goes on where the block ends, and cycles end where they begin.
+                self.tell(&alarm, inch);
+                return;
+            }
+        };
+        if let Some(warning) = moves.warning() {
+            self.tell(&warning, inch);
+        }
+        let params = &self.session.params;
+        let within = feasible::within_limits(moves.clone(), self.at, params);
+        let time = feasible::time(moves.clone(), self.at, params);
+        if let Err(alarm) = within {
+            self.tell(&alarm, inch);
+        }
+        let time_us = match time {
+            Ok(time) => i64::try_from(time.as_micros()).unwrap_or(i64::MAX),
+            // The findings about a thread say the same with more figures.
+            Err(_) if matches!(call.kind, CallKind::Thread(_)) => 0,
+            Err(alarm) => {
+                self.tell(&alarm, inch);
+                0
+            }
+        };
+        match &call.kind {
+            CallKind::Thread(thread) => self.thread(thread, call.span, time_us, inch),
+            CallKind::Groove(_) => {
+                let columns = moves
+                    .clone()
+                    .filter_map(|step| step.tag)
+                    .map(|tag| tag.pass)
+                    .max();
+                self.report.cycles.push(CycleReport {
+                    line: call.span.line,
+                    cycle: "G75",
+                    passes: columns.unwrap_or(0),
+                    thread: None,
+                    time_us,
+                });
+            }
+            _ => {}
+        }
+        for step in moves {
+            self.report.moves += 1;
+            self.at = step.to;
+        }
+    }
+
+    fn thread(&mut self, call: &ThreadCall, span: Span, time_us: i64, inch: bool) {
+        let params = &self.session.params;
+        let findings = match feasible::thread_findings(call, span, params) {
+            Ok(findings) => findings,
+            Err(alarm) => return self.tell(&alarm, inch),
+        };
+        let rpm_max = feasible::rpm_max(call, span, params);
+        for alarm in findings.alarms.iter().flatten() {
+            self.tell(alarm, inch);
+        }
+        let Some(report) = findings.report else {
+            return;
+        };
+        for warning in report.warnings.iter().flatten() {
+            self.tell(warning, inch);
+        }
+        self.report.cycles.push(CycleReport {
+            line: span.line,
+            cycle: match call.cycle {
+                ThreadCycle::G76 => "G76",
+                ThreadCycle::G78 => "G78",
+            },
+            passes: report.passes,
+            thread: Some(ThreadFigures {
+                z_shift_max_nm: report.z_shift_max.nm(),
+                lead_in_nm: report.lead_in.nm(),
+                start_before_nm: report.start_before.nm(),
+                rpm_max: rpm_max.map_or(0, |rpm| i64::from(rpm.get())),
+            }),
+            time_us,
+        });
+    }
+}
+
+impl Report {
+    /// The contract's fields of a file.
+    pub fn fields(&self, source: &SourceFile, json: &mut Json) {
+        json.text("file", &source.name());
+        self.diagnostics(json);
+        json.array_at("cycles", |json| {
+            for cycle in &self.cycles {
+                json.object(|json| cycle.fields(json));
+            }
+        });
+    }
+
+    /// `alarms` and `warnings`.
+    pub fn diagnostics(&self, json: &mut Json) {
+        for (key, list) in [("alarms", &self.alarms), ("warnings", &self.warnings)] {
+            json.array_at(key, |json| {
+                for diagnostic in list {
+                    json.object(|json| diagnostic.fields(json, true));
+                }
+            });
+        }
+    }
+}
+
+impl CycleReport {
+    fn fields(&self, json: &mut Json) {
+        json.integer("line", i64::from(self.line));
+        json.text("cycle", self.cycle);
+        json.integer("passes", i64::from(self.passes));
+        if let Some(thread) = &self.thread {
+            json.decimal::<6>("z_shift_max_mm", thread.z_shift_max_nm);
+            json.decimal::<6>("lead_in_mm", thread.lead_in_nm);
+            json.decimal::<6>("start_before_mm", thread.start_before_nm);
+            json.integer("rpm_max", thread.rpm_max);
+        }
+        json.decimal::<6>("time_s", self.time_us);
+    }
+
+    /// One line for a person.
+    pub fn text(&self) -> String {
+        let time = number::rounded::<6>(self.time_us, 1);
+        let Some(thread) = &self.thread else {
+            let columns = plural(self.passes, "column");
+            return format!("line {}: {}, {columns}, {time} s", self.line, self.cycle);
+        };
+        format!(
+            "line {}: {}, {}, {time} s; start at least {} mm before the material (largest Z shift {} + lead-in {}); \
+             up to {} rpm",
+            self.line,
+            self.cycle,
+            plural(self.passes, "pass"),
+            number::rounded::<6>(thread.start_before_nm, 3),
+            number::rounded::<6>(thread.z_shift_max_nm, 3),
+            number::rounded::<6>(thread.lead_in_nm, 3),
+            thread.rpm_max,
+        )
+    }
+}
+
+/// `1 pass`, `2 passes`.
+pub fn plural(count: impl Into<u64>, noun: &str) -> String {
+    let count = count.into();
+    match (count, noun.ends_with('s')) {
+        (1, _) => format!("1 {noun}"),
+        (_, true) => format!("{count} {noun}es"),
+        (_, false) => format!("{count} {noun}s"),
+    }
+}

@@ -1,0 +1,138 @@
+//! `expand`: the move list, streamed.
+
+use std::io::{self, Write};
+
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::cycle;
+use leadscrew_core::program::{Call, Event, Position};
+
+use crate::cli::{Expand, Format};
+use crate::diagnostics::{self, Diagnostic};
+use crate::failure::{Failure, Outcome};
+use crate::json::Json;
+use crate::movelist;
+use crate::program::Program;
+use crate::session::Session;
+use crate::source::SourceFile;
+
+/// Bytes collected before they are written.
+const CHUNK: usize = 1 << 16;
+
+/// Prints the moves of a program.
+pub fn run(session: &Session, args: &Expand) -> Outcome {
+    let format = match (args.format, session.global.json) {
+        (None, true) => Format::Jsonl,
+        (None, false) => Format::Text,
+        (Some(format), false) | (Some(format @ Format::Jsonl), true) => format,
+        (Some(_), true) => {
+            return Err(Failure::Usage(
+                "`--json` is `--format jsonl`; it cannot be another format too".into(),
+            ));
+        }
+    };
+    let source = SourceFile::new(&args.program);
+    let options = session.options();
+    let mut program = Program::open(&source, &session.params, options)
+        .map_err(|error| Failure::file("read", source.name(), &error))?;
+    let mut list = List {
+        session,
+        source: &source,
+        format,
+        to: io::stdout().lock(),
+        buffer: Vec::with_capacity(CHUNK + 1024),
+        moves: 0,
+        at: options.position,
+    };
+    movelist::header(format, &mut list.buffer);
+    let result = list.all(&mut program);
+    list.flush()?;
+    result
+}
+
+/// The list being printed.
+struct List<'a, W> {
+    session: &'a Session<'a>,
+    source: &'a SourceFile,
+    format: Format,
+    to: W,
+    buffer: Vec<u8>,
+    moves: u64,
+    at: Position,
+}
+
+impl<W: Write> List<'_, W> {
+    fn all(&mut self, program: &mut Program) -> Outcome {
+        loop {
+            let next = program
+                .next_event()
+                .map_err(|error| Failure::file("read", self.source.name(), &error))?;
+            match next {
+                None => return Ok(()),
+                Some(Ok(Event::Call(call))) => self.call(&call, program.is_inch())?,
+                Some(Ok(Event::Warning(warning))) => self.tell(&warning, program.is_inch())?,
+                Some(Err(alarm)) => {
+                    self.tell(&alarm, program.is_inch())?;
+                    return Err(Failure::Wrong);
+                }
+            }
+        }
+    }
+
+    fn call(&mut self, call: &Call, inch: bool) -> Outcome {
+        let moves = match cycle::expand(call, self.at) {
+            Ok(moves) => moves,
+            Err(alarm) => {
+                self.tell(&alarm, inch)?;
+                return Err(Failure::Wrong);
+            }
+        };
+        if let Some(warning) = moves.warning() {
+            self.tell(&warning, inch)?;
+        }
+        for step in moves {
+            self.moves += 1;
+            movelist::push(
+                self.format,
+                &mut self.buffer,
+                self.moves,
+                &step,
+                &call.origin,
+            );
+            self.at = step.to;
+            if self.buffer.len() >= CHUNK {
+                self.flush()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// An alarm or a warning in its place: as a line of the list where the format has room for one.
+    fn tell(&mut self, alarm: &Alarm, inch: bool) -> Outcome {
+        let diagnostic = Diagnostic::new(alarm, self.source, self.session.lang, inch);
+        if self.format == Format::Jsonl {
+            let key = if diagnostic.warning {
+                "warning"
+            } else {
+                "alarm"
+            };
+            let mut json = Json::new();
+            json.object(|json| json.object_at(key, |json| diagnostic.fields(json, false)));
+            self.buffer.extend_from_slice(&json.into_bytes());
+            self.buffer.push(b'\n');
+        } else {
+            // What has happened before comes first, also where both go to one terminal.
+            self.flush()?;
+            diagnostics::print(&diagnostic, self.session.colour);
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Outcome {
+        let result = self
+            .to
+            .write_all(&self.buffer)
+            .and_then(|()| self.to.flush());
+        self.buffer.clear();
+        result.map_err(|error| Failure::stdout(&error))
+    }
+}

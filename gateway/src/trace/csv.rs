@@ -1,0 +1,102 @@
+//! Setpoints as CSV, one row a tick.
+
+use std::io::{self, Write};
+
+use super::Setpoint;
+use crate::number::{integer, signed};
+
+/// The contract's header.
+const HEADER: &[u8] = b"tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,line,move,state,locked\n";
+/// Bytes collected before they are written.
+const CHUNK: usize = 1 << 16;
+
+/// A CSV file being written.
+#[derive(Debug)]
+pub struct Csv<W: Write> {
+    to: W,
+    buffer: Vec<u8>,
+    tick_us: u64,
+}
+
+impl<W: Write> Csv<W> {
+    /// Starts with the header. `tick_us`: microseconds from row to row.
+    pub fn new(to: W, tick_us: u32) -> Self {
+        let mut buffer = Vec::with_capacity(CHUNK + 256);
+        buffer.extend_from_slice(HEADER);
+        Self {
+            to,
+            buffer,
+            tick_us: u64::from(tick_us),
+        }
+    }
+
+    /// Appends a row.
+    pub fn push(&mut self, point: &Setpoint) -> io::Result<()> {
+        let out = &mut self.buffer;
+        integer(out, point.tick);
+        out.push(b',');
+        integer(out, point.tick.saturating_mul(self.tick_us));
+        for value in [point.x_nm, point.z_nm, point.c_udeg, point.s1_urev] {
+            out.push(b',');
+            signed(out, value);
+        }
+        out.push(b',');
+        if let Some(angle) = point.s1_set_urev {
+            signed(out, angle);
+        }
+        out.push(b',');
+        integer(out, u64::from(point.line));
+        out.push(b',');
+        integer(out, point.step);
+        out.push(b',');
+        out.extend_from_slice(point.state.name().as_bytes());
+        out.extend_from_slice(if point.error_pm.is_some() {
+            b",1\n"
+        } else {
+            b",0\n"
+        });
+        if out.len() >= CHUNK {
+            self.to.write_all(out)?;
+            out.clear();
+        }
+        Ok(())
+    }
+
+    /// Writes what is left.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.to.write_all(&self.buffer)?;
+        self.to.flush()?;
+        Ok(self.to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::State;
+
+    #[test]
+    fn rows_are_as_the_contract_says() {
+        let mut csv = Csv::new(Vec::new(), 1000);
+        csv.push(&Setpoint::default()).unwrap();
+        csv.push(&Setpoint {
+            tick: 7,
+            x_nm: -1,
+            z_nm: 2,
+            c_udeg: 3,
+            s1_urev: -1_000_001,
+            s1_set_urev: Some(5),
+            line: 6,
+            step: 9,
+            state: State::Run,
+            error_pm: Some(-250_000),
+        })
+        .unwrap();
+        let text = String::from_utf8(csv.finish().unwrap()).unwrap();
+        assert_eq!(
+            text,
+            "tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,line,move,state,locked\n\
+             0,0,0,0,0,0,,0,0,idle,0\n7,7000,-1,2,3,-1000001,5,6,9,run,1\n"
+        );
+    }
+}

@@ -1,0 +1,150 @@
+//! `expand`: golden move lists, and the worked figures of the sheets' examples.
+
+use serde_json::Value;
+
+use crate::{cases, code, golden, leadscrew, root, stderr, stdout};
+
+fn moves(program: &str) -> Vec<Value> {
+    let output = leadscrew(&["expand", program, "--json"]);
+    stdout(&output)
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+fn of_cycle<'a>(moves: &'a [Value], cycle: &str) -> Vec<&'a Value> {
+    moves.iter().filter(|step| step["cycle"] == cycle).collect()
+}
+
+fn numbers(moves: &[&Value], field: &str) -> Vec<f64> {
+    moves
+        .iter()
+        .map(|step| step[field].as_f64().unwrap())
+        .collect()
+}
+
+#[test]
+fn golden_move_lists() {
+    for case in cases("expand") {
+        let output = leadscrew(&["expand", &format!("{case}/program.nc"), "--format", "jsonl"]);
+        let text = stdout(&output);
+        golden(&root().join(&case).join("expected.jsonl"), &text);
+        // An alarm is the last line and the only reason to fail.
+        let alarm = text
+            .lines()
+            .last()
+            .is_some_and(|line| line.starts_with("{\"alarm\""));
+        assert_eq!(code(&output), i32::from(alarm), "{case}");
+        assert_eq!(stderr(&output), "", "{case}");
+    }
+}
+
+#[test]
+fn o0013_is_thirty_moves_of_g76() {
+    let all = moves("examples/o0013-g76-m68x6.nc");
+    let g76 = of_cycle(&all, "G76");
+    assert_eq!(g76.len(), 30);
+    let strokes: Vec<&Value> = g76
+        .iter()
+        .copied()
+        .filter(|step| step["stage"] == "approach")
+        .collect();
+    assert_eq!(
+        numbers(&strokes, "x"),
+        [64.4, 62.9088, 61.7646, 60.84, 60.64, 60.64]
+    );
+    assert_eq!(
+        numbers(&strokes, "z"),
+        [8.960770, 8.530297, 8.199995, 7.933086, 7.875351, 7.875351]
+    );
+    assert_eq!(numbers(&strokes, "pass"), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(
+        numbers(&strokes, "depth"),
+        [1.8, 2.5456, 3.1177, 3.58, 3.68, 3.68]
+    );
+    let runouts: Vec<&Value> = g76
+        .iter()
+        .copied()
+        .filter(|step| step["stage"] == "runout")
+        .collect();
+    assert_eq!(
+        numbers(&runouts, "x"),
+        [70.4, 68.9088, 67.7646, 66.84, 66.64, 66.64]
+    );
+    let last = g76.last().unwrap();
+    assert_eq!(
+        (last["x"].as_f64(), last["z"].as_f64()),
+        (Some(80.0), Some(10.0))
+    );
+}
+
+#[test]
+fn o0008_is_310_moves_of_g75() {
+    let all = moves("examples/o0008-g75-grooves.nc");
+    let g75 = of_cycle(&all, "G75");
+    assert_eq!(g75.len(), 310);
+    assert_eq!(
+        g75.iter().filter(|step| step["kind"] == "feed").count(),
+        150
+    );
+    let columns: Vec<f64> = (1..=10)
+        .map(|pass| {
+            let first = g75.iter().find(|step| step["pass"] == pass).unwrap();
+            first["z"].as_f64().unwrap()
+        })
+        .collect();
+    assert_eq!(
+        columns,
+        [
+            -24.0, -27.0, -30.0, -33.0, -36.0, -39.0, -42.0, -45.0, -48.0, -50.0
+        ]
+    );
+}
+
+#[test]
+fn the_printed_g78_expands_to_twenty_moves_with_one_warning() {
+    let all = moves("examples/g78-as-printed.nc");
+    assert_eq!(
+        all.iter().filter(|line| !line["warning"].is_null()).count(),
+        1
+    );
+    let g78 = of_cycle(&all, "G78");
+    assert_eq!(g78.len(), 20);
+    let approaches: Vec<&Value> = g78
+        .iter()
+        .copied()
+        .filter(|step| step["stage"] == "approach")
+        .collect();
+    assert_eq!(numbers(&approaches, "x"), [62.4, 61.0, 60.0, 60.0]);
+    assert_eq!(numbers(&approaches, "depth"), [1.8, 2.5, 3.0, 3.0]);
+}
+
+#[test]
+fn every_example_but_none_alarms() {
+    for example in std::fs::read_dir(root().join("examples")).unwrap() {
+        let name = format!(
+            "examples/{}",
+            example.unwrap().file_name().to_str().unwrap()
+        );
+        let output = leadscrew(&["expand", &name, "--json"]);
+        assert_eq!(
+            code(&output),
+            0,
+            "{name}: {}",
+            stdout(&output).lines().last().unwrap_or_default()
+        );
+        assert!(output.stdout.len() > 100, "{name}");
+    }
+}
+
+#[test]
+fn the_three_formats_list_the_same_moves() {
+    let program = "examples/o0013-g76-m68x6.nc";
+    let json = moves(program).len();
+    let csv = stdout(&leadscrew(&["expand", program, "--format", "csv"]));
+    let text = stdout(&leadscrew(&["expand", program]));
+    assert_eq!(csv.lines().count(), json + 1);
+    assert_eq!(text.lines().count(), json + 1);
+    let columns = csv.lines().next().unwrap().matches(',').count();
+    assert!(csv.lines().all(|line| line.matches(',').count() == columns));
+}

@@ -1,0 +1,68 @@
+//! The built binary as a user meets it: exit codes, what goes to which stream, golden output, and what it says to
+//! people who get it wrong.
+//!
+//! Golden cases lie in `tests/golden/`, one folder a case. `LEADSCREW_BLESS=1 cargo test -p leadscrew --test cli`
+//! writes what the binary says now; read the difference before it is committed.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The root of the repository: messages show paths as they were typed, so tests type them from there.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn leadscrew(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(args)
+        .current_dir(root())
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+/// Compares with the file, or writes it.
+fn golden(path: &Path, actual: &str) {
+    if std::env::var_os("LEADSCREW_BLESS").is_some() {
+        std::fs::write(path, actual).unwrap();
+        return;
+    }
+    let expected =
+        std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    for (n, (expected, actual)) in expected.lines().zip(actual.lines()).enumerate() {
+        assert_eq!(expected, actual, "{}, line {}", path.display(), n + 1);
+    }
+    assert_eq!(
+        expected.lines().count(),
+        actual.lines().count(),
+        "{}",
+        path.display()
+    );
+}
+
+/// The folders of `tests/golden/KIND`.
+fn cases(kind: &str) -> Vec<String> {
+    let folder = format!("tests/golden/{kind}");
+    let mut cases: Vec<String> = std::fs::read_dir(root().join(&folder))
+        .unwrap()
+        .map(|entry| format!("{folder}/{}", entry.unwrap().file_name().to_str().unwrap()))
+        .collect();
+    cases.sort();
+    assert!(!cases.is_empty());
+    cases
+}
+
+mod expand;
+mod usage;

@@ -1,0 +1,118 @@
+//! The command line itself.
+
+use crate::{code, leadscrew, stderr, stdout};
+
+#[test]
+fn help_and_version_are_on_every_command() {
+    let version = leadscrew(&["--version"]);
+    assert_eq!(code(&version), 0);
+    assert!(stdout(&version).starts_with("leadscrew "));
+    for command in [
+        "check",
+        "expand",
+        "simulate",
+        "plot",
+        "run",
+        "status",
+        "monitor",
+        "hold",
+        "resume",
+        "reset",
+        "stop",
+        "override",
+        "signal",
+        "retract",
+        "params",
+        "record",
+        "completions",
+    ] {
+        let help = leadscrew(&[command, "--help"]);
+        assert_eq!(code(&help), 0, "{command}: {}", stderr(&help));
+        assert!(stdout(&help).contains("Usage:"), "{command}");
+    }
+}
+
+#[test]
+fn what_is_not_available_is_a_usage_error_that_says_so() {
+    for args in [
+        &["hold"][..],
+        &["resume"],
+        &["reset"],
+        &["stop"],
+        &["monitor"],
+        &["override", "feed", "50"],
+        &["signal", "RGTAP=1"],
+        &["record", "-o", "bus.log"],
+        &["status"],
+        &["retract"],
+        &["run", "examples/shaft.nc", "--bus", "can0"],
+        &["status", "--bus", "slcan:tcp:localhost:1234"],
+        &["run", "examples/shaft.nc", "--state", "flash.bin"],
+        &["run", "examples/shaft.nc", "--signal", "RGTAP=1"],
+        &["run", "examples/shaft.nc", "--cut-power", "100"],
+        &["plot", "examples/shaft.nc", "-o", "shaft.png"],
+        &["plot", "examples/shaft.nc", "-o", "shaft.html"],
+    ] {
+        let output = leadscrew(args);
+        assert_eq!(code(&output), 2, "{args:?}");
+        assert!(
+            stderr(&output).contains("not available yet"),
+            "{args:?}: {}",
+            stderr(&output)
+        );
+        assert!(output.stdout.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn operating_a_board_that_is_not_there_gives_the_reason() {
+    let output = leadscrew(&["hold"]);
+    assert!(
+        stderr(&output).contains("`--bus sim` lives inside one command"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn a_wrong_command_line_is_exit_2() {
+    for args in [
+        &[][..],
+        &["frobnicate"],
+        &["expand"],
+        &["expand", "no-such-file.nc"],
+        &["expand", "examples"],
+        &["expand", "examples/shaft.nc", "--format", "xml"],
+        &["expand", "examples/shaft.nc", "--format", "csv", "--json"],
+        &["simulate", "examples/shaft.nc", "--spindle-ripple", "10"],
+        &["simulate", "examples/shaft.nc", "--at", "X=1,X=2"],
+        &["simulate", "examples/shaft.nc", "--tolerance", "-1"],
+        &["plot", "examples/shaft.nc", "-o", "shaft.bmp"],
+        &["check", "examples/shaft.nc", "--node", "128"],
+        &["check", "examples/shaft.nc", "--dialect", "fanuc"],
+        &["override", "feed", "300"],
+        &["run", "examples/shaft.nc", "--bus", "/dev/ttyACM0"],
+    ] {
+        let output = leadscrew(args);
+        assert_eq!(code(&output), 2, "{args:?}: {}", stderr(&output));
+        assert!(!output.stderr.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let output = leadscrew(&["expand", "no-such-file.nc"]);
+    assert_eq!(
+        stderr(&output),
+        "error: cannot read `no-such-file.nc`: there is no such file\n"
+    );
+}
+
+#[test]
+fn completions_exist_for_the_usual_shells() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = leadscrew(&["completions", shell]);
+        assert_eq!(code(&output), 0, "{shell}");
+        assert!(stdout(&output).contains("leadscrew"), "{shell}");
+    }
+}

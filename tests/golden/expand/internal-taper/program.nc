@@ -1,0 +1,11 @@
+O0176 (internal taper thread, lead 1.5, clipped run-out)
+G50 X100 Z50
+M3 S500
+G00 X26 Z20
+G00 Z5
+G76 P011060 Q800 R0.05
+G76 X30 Z-30 R-0.5 P9200 Q3500 F1.5
+G00 Z50
+G00 X100
+M05
+M30

@@ -1,0 +1,7 @@
+(S, M03, M08, T before the motion; M05, M09, M30 after)
+G0 X10 Z5 M8 T0101 M3 S600
+G4 P250
+G99 G1 Z-5 F0.2 M9
+G98 G1 X20 F100 M5
+G4 X1.5
+M30
