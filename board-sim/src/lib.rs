@@ -6,3 +6,6 @@
 //! by its frames.
 
 pub mod plant;
+mod sim;
+
+pub use sim::{Direction, Doing, Row, Sim, SimError};

@@ -1,1 +1,3 @@
 //! Whole-system tests; the tests themselves are in `tests/`.
+
+pub mod machine;

@@ -37,6 +37,16 @@ impl FineTurns {
         Turns::from_raw((self.0.wrapping_add(1 << 31) >> 32) as i64)
     }
 
+    /// The angle `part` of `whole` on the way from this one to `other`, on a straight line; `other` where `whole` is 0.
+    #[must_use]
+    pub const fn towards(self, other: Self, part: u32, whole: u32) -> Self {
+        let way = other.0.wrapping_sub(self.0).wrapping_mul(part as i128);
+        match way.checked_div(whole as i128) {
+            Some(way) => Self(self.0.wrapping_add(way)),
+            None => other,
+        }
+    }
+
     /// Rounded to millionths of a turn.
     #[must_use]
     pub const fn micro_turns(self) -> i64 {

@@ -9,6 +9,7 @@ use heapless::{Deque, Vec};
 use super::queue::{CallOut, SegmentIn};
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
+use crate::feasible;
 use crate::motion::{Action, Limits, Pass, Segment, Stops, ThreadPlan, plan};
 use crate::params::Params;
 use crate::program::{Call, CallKind, Position};
@@ -119,9 +120,14 @@ impl Background {
         }
     }
 
-    fn open(&mut self, call: &Call, _settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
+    fn open(&mut self, call: &Call, settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
+        if let CallKind::Thread(thread) = &call.kind {
+            feasible::thread(thread, call.span, settings.params)?;
+        }
         let moves = expand(call, self.position)?;
         let warning = moves.warning();
+        // Before anything of the call moves; what has expanded once expands a second time to the same.
+        feasible::within_limits(moves.clone(), self.position, settings.params)?;
         self.home = self.position;
         self.moves = Some(moves);
         if let CallKind::End(_) = call.kind {

@@ -1,7 +1,7 @@
 //! The tick: one SYNC period of the whole board.
 //!
 //! ```text
-//! inputs (encoder sample, frames since the last tick) ─► observer, drive masters ─► executor ─► RPDOs, SYNC
+//! inputs (encoder sample, frames since the last tick) ─► observer, drive masters ─► executor ─► SYNC, RPDOs
 //! ```
 //!
 //! Knows segments, the spindle's encoder and the drives' masters; knows nothing of calls or cycles. Bounded work: every
@@ -55,7 +55,7 @@ pub enum Outcome {
 /// What one tick gives.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// To be sent in this order: the RPDOs of this period now, SYNC (the last) when the next period begins.
+    /// To be sent in this order; SYNC first.
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
@@ -274,7 +274,7 @@ impl Ticker {
         self.observe(sample, events);
         self.watch_drives(events);
         self.obey(events);
-        self.take_up(segments, events);
+        let instant = self.take_up(segments, events);
 
         let [ahead_x, ahead_z, _] = self.ahead;
         let conditions = Conditions {
@@ -286,7 +286,8 @@ impl Ticker {
             hold: self.operator.hold,
             more: segments.ready(),
         };
-        let setpoint = match self.executor.tick(&conditions) {
+        let moved = !self.executor.is_free();
+        let mut setpoint = match self.executor.tick(&conditions) {
             Ok(setpoint) => setpoint,
             Err(alarm) => {
                 self.raise(alarm, events);
@@ -296,7 +297,11 @@ impl Ticker {
                 }
             }
         };
-        let restart = self.settle(&setpoint, segments, events);
+        if let Some((number, line)) = instant {
+            (setpoint.number, setpoint.line) = (number, line);
+            setpoint.motion = Motion::Run;
+        }
+        let restart = self.settle(&setpoint, moved, segments, events);
         let mut frames = Vec::new();
         self.send(&mut frames, events);
         Output {
@@ -442,63 +447,63 @@ impl Ticker {
         self.state = State::Stopping(Outcome::Reset);
     }
 
-    /// Begins the next segment where one may begin.
-    fn take_up(&mut self, segments: &mut SegmentOut<'_>, events: &mut EventIn<'_>) {
+    /// Begins the next segment where one may begin. Number and line of one that is over at once come back.
+    fn take_up(
+        &mut self,
+        segments: &mut SegmentOut<'_>,
+        events: &mut EventIn<'_>,
+    ) -> Option<(u32, u32)> {
         if !matches!(self.state, State::Idle | State::Running | State::Held)
             || !self.executor.is_free()
             || self.paused
         {
-            return;
+            return None;
         }
-        let Some(next) = segments.peek() else {
-            return;
-        };
+        let next = segments.peek()?;
         if self.operator.hold && !next.stops.hold_not_before {
-            return;
+            return None;
         }
-        let Some(segment) = segments.dequeue() else {
-            return;
-        };
+        let segment = segments.dequeue()?;
         self.state = State::Running;
         self.in_program = true;
-        self.start(&segment, events);
+        self.start(&segment, events)
     }
 
-    fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) {
-        let started = Event::Started {
-            number: segment.number,
-            line: segment.span.line,
-        };
-        match segment.action {
+    fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) -> Option<(u32, u32)> {
+        let (number, line) = (segment.number, segment.span.line);
+        let instant = match segment.action {
             Action::Timed(_) | Action::Thread(_) | Action::Dwell(_) => {
+                emit(events, Event::Started { number, line });
                 self.executor.begin(segment);
-                emit(events, started);
+                return None;
             }
             Action::Spindle(rpm) => {
-                emit(events, started);
                 self.commanded = rpm;
-                emit(events, Event::Spindle(rpm));
+                Event::Spindle(rpm)
             }
-            Action::Aux(aux) => {
-                emit(events, started);
-                emit(events, Event::Aux(aux));
+            Action::Aux(aux) => Event::Aux(aux),
+            Action::Alarm(alarm) => {
+                self.raise(alarm, events);
+                return None;
             }
-            Action::Alarm(alarm) => self.raise(alarm, events),
             Action::End => {
                 self.in_program = false;
                 self.state = State::Idle;
                 emit(events, Event::Finished);
+                return None;
             }
-        }
-        if segment.stops.single_block && self.executor.is_free() {
-            self.paused = true;
-        }
+        };
+        emit(events, Event::Started { number, line });
+        emit(events, instant);
+        self.paused = segment.stops.single_block;
+        Some((number, line))
     }
 
-    /// State changes that follow from motion having come to rest.
+    /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
     fn settle(
         &mut self,
         setpoint: &Setpoint,
+        moved: bool,
         segments: &mut SegmentOut<'_>,
         events: &mut EventIn<'_>,
     ) -> Option<Position> {
@@ -518,10 +523,7 @@ impl Ticker {
                 Some(self.executor.position())
             }
             State::Running | State::Held => {
-                if self.executor.is_free()
-                    && self.executor.stops().single_block
-                    && setpoint.number != 0
-                {
+                if moved && self.executor.is_free() && self.executor.stops().single_block {
                     self.paused = true;
                 }
                 let resting = setpoint.motion == Motion::Hold
@@ -550,6 +552,7 @@ impl Ticker {
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, events: &mut EventIn<'_>) {
         // More than FRAMES cannot come together: one SYNC and three for each of four drives.
         let mut put = |frame: Frame| frames.push(frame).is_ok();
+        put(self.sync.next());
         let demands = self.demands(self.executor.position());
         let mut out_of_range = None;
         for ((drive, demand), axis) in self.axes.iter_mut().zip(demands).zip(AXES) {
@@ -579,7 +582,6 @@ impl Ticker {
             put(command.frame(self.spindle_drive.config().node));
             self.told = Some(velocity);
         }
-        put(self.sync.next());
         if let Some(axis) = out_of_range {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             self.raise(

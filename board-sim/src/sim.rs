@@ -1,0 +1,308 @@
+//! A whole machine in virtual time: the board, and the plant around it, in lock-step.
+//!
+//! A tick is not taken while the background has work that it could do, so the stream of setpoints depends on nothing but
+//! the calls, the parameters and the options. The simulation sees the truth and judges the board by it; the board sees
+//! frames and encoder samples alone.
+
+use heapless::{Deque, Vec};
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::{Board, Command, Event, Outcome, State};
+use leadscrew_core::bus::Frame;
+use leadscrew_core::motion::{Motion, ThreadRun};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{Call, Position};
+use leadscrew_core::spindle::EncoderSample;
+use leadscrew_core::units::{Axis, Length, Rpm, Turns};
+
+use crate::plant::{FineTurns, Plant, PlantError, PlantOptions};
+
+/// The longest latency of a drive, in ticks, that a row can wait for.
+const LATENCY_TICKS: usize = 128;
+
+/// Frames the drives send in one period at most.
+const ANSWERS: usize = 16;
+
+/// What the machine is doing in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Doing {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// Moving, or changing from one move to the next.
+    Run,
+    /// In feed hold or single block.
+    Hold,
+    /// In a dwell.
+    Dwell,
+    /// Waiting for the spindle, or for the next segment.
+    Wait,
+    /// Stopping or stopped on an alarm.
+    Alarm,
+}
+
+/// One tick: a setpoint, and what was true when it took effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// From 0.
+    pub tick: u64,
+    /// Virtual time of the tick in microseconds.
+    pub t_us: u64,
+    /// The setpoint, in machine coordinates.
+    pub position: Position,
+    /// The spindle's true angle when the setpoint takes effect: at the next SYNC plus the drive's latency.
+    pub spindle: FineTurns,
+    /// Source line of what executes; 0 for nothing.
+    pub line: u32,
+    /// Its move; 0 for nothing.
+    pub number: u32,
+    /// What the machine is doing.
+    pub doing: Doing,
+    /// While the long axis is held to the helix: setpoint minus exact helix at the true angle.
+    pub error: Option<Length>,
+}
+
+/// On the wire from here on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Board to drives.
+    FromBoard,
+    /// Drives to board.
+    ToBoard,
+}
+
+/// Why there is no machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SimError {
+    /// The plant cannot be.
+    Plant(PlantError),
+    /// The board refuses to start.
+    Board(Alarm),
+}
+
+#[derive(Clone, Copy)]
+struct Pending {
+    row: Row,
+    run: Option<ThreadRun>,
+}
+
+/// A board, its drives, its spindle, and time that goes by when it is told to.
+pub struct Sim {
+    board: Board,
+    plant: Plant,
+    tick_us: u32,
+    /// Whole ticks, and the rest in µs, from the SYNC that takes a setpoint to its effect.
+    delay: (usize, u32),
+    ticks: u64,
+    sample: EncoderSample,
+    /// On their way to the board.
+    answers: Vec<Frame, ANSWERS>,
+    pending: Deque<Pending, LATENCY_TICKS>,
+    /// The truths of the last SYNCs, newest last, as many as rows wait for.
+    before: FineTurns,
+    now: FineTurns,
+}
+
+impl Sim {
+    /// A machine at power-up, its drives enabled and its axes standing: that is tick 0, and the row the first
+    /// [`step`](Self::step) gives.
+    ///
+    /// # Errors
+    /// A plant or a board that cannot be; a drive that does not start.
+    pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, SimError> {
+        let plant = Plant::new(params, options).map_err(SimError::Plant)?;
+        let board = Board::new(params, Some(options.at)).map_err(SimError::Board)?;
+        let tick_us = params.tick_us();
+        let latency = params.latency_us(Axis::Z);
+        let mut sim = Self {
+            board,
+            plant,
+            tick_us,
+            delay: (
+                latency.checked_div(tick_us).unwrap_or(0) as usize,
+                latency.checked_rem(tick_us).unwrap_or(0),
+            ),
+            ticks: 0,
+            sample: EncoderSample::default(),
+            answers: Vec::new(),
+            pending: Deque::new(),
+            before: FineTurns::default(),
+            now: FineTurns::default(),
+        };
+        sim.start()?;
+        Ok(sim)
+    }
+
+    /// Lets the drives come up. Their steps have times of their own, so this ends.
+    fn start(&mut self) -> Result<(), SimError> {
+        loop {
+            self.advance();
+            let output = self.board.tick(self.sample, &self.answers);
+            self.exchange(&output.frames, &mut |_, _| {});
+            while let Some(event) = self.board.event() {
+                match event {
+                    Event::Ready => {
+                        // Tick 0: the axes stand, and no call has come yet.
+                        let none = self.step();
+                        debug_assert!(none.is_none(), "a row takes a tick to be known");
+                        return Ok(());
+                    }
+                    Event::Alarm(alarm) => return Err(SimError::Board(alarm)),
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// Time goes by up to the next SYNC.
+    fn advance(&mut self) {
+        self.sample = self.plant.advance();
+        self.before = self.now;
+        self.now = self.plant.truth().angle;
+    }
+
+    /// What the board sends reaches the drives, and they answer.
+    fn exchange(&mut self, frames: &[Frame], wire: &mut dyn FnMut(Direction, &Frame)) {
+        for frame in frames {
+            wire(Direction::FromBoard, frame);
+        }
+        self.answers.clear();
+        let answers = &mut self.answers;
+        self.plant.exchange(frames, |frame| {
+            wire(Direction::ToBoard, &frame);
+            // Four drives with a status, a boot-up and an emergency each: that many fit.
+            let _ = answers.push(frame);
+        });
+    }
+
+    /// Hands a call to the board; false where it has no room now.
+    #[must_use]
+    pub fn offer(&mut self, call: &Call) -> bool {
+        let taken = self.board.offer(call);
+        while self.board.background() {}
+        taken
+    }
+
+    /// An operator's command.
+    pub const fn command(&mut self, command: Command) {
+        self.board.command(command);
+    }
+
+    /// The oldest event not yet read.
+    pub fn event(&mut self) -> Option<Event> {
+        self.board.event()
+    }
+
+    /// True while anything handed over has not been carried out.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.board.is_busy()
+    }
+
+    /// The board, for what it can tell.
+    #[must_use]
+    pub const fn board(&self) -> &Board {
+        &self.board
+    }
+
+    /// The plant, to disturb it.
+    pub const fn plant(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
+    /// Commanded spindle speed, override included.
+    #[must_use]
+    pub fn spindle_command(&self) -> Rpm {
+        self.board.ticker().spindle_command()
+    }
+
+    /// One tick. A row comes back as soon as it is known what was true when its setpoint took effect: one tick later,
+    /// and the drives' latency on top.
+    pub fn step(&mut self) -> Option<Row> {
+        self.step_on(&mut |_, _| {})
+    }
+
+    /// As [`step`](Self::step), showing every frame on its way.
+    pub fn step_on(&mut self, wire: &mut dyn FnMut(Direction, &Frame)) -> Option<Row> {
+        self.advance();
+        let ready = self.release();
+        while self.board.background() {}
+        let output = self.board.tick(self.sample, &self.answers);
+        let setpoint = output.setpoint;
+        let run = self.board.ticker().executor().thread().copied();
+        let doing = match (output.state, setpoint.motion) {
+            (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => Doing::Alarm,
+            (_, Motion::Hold) | (State::Held, _) => Doing::Hold,
+            (_, Motion::Dwell) => Doing::Dwell,
+            (_, Motion::Wait) => Doing::Wait,
+            (_, Motion::Run) => Doing::Run,
+            (State::Running, Motion::Idle) => Doing::Run,
+            (_, Motion::Idle) if self.board.ticker().in_program() => Doing::Wait,
+            _ => Doing::Idle,
+        };
+        let row = Row {
+            tick: self.ticks,
+            t_us: self.ticks.wrapping_mul(u64::from(self.tick_us)),
+            position: setpoint.position,
+            spindle: self.now,
+            line: setpoint.line,
+            number: setpoint.number,
+            doing,
+            error: None,
+        };
+        let run = if setpoint.locked { run } else { None };
+        self.ticks = self.ticks.wrapping_add(1);
+        self.exchange(&output.frames, wire);
+        // Released above as soon as it is due: there is always room.
+        let _ = self.pending.push_back(Pending { row, run });
+        ready
+    }
+
+    /// The row whose setpoint takes effect now, completed by the truth.
+    fn release(&mut self) -> Option<Row> {
+        let (whole, rest) = self.delay;
+        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
+        let wait = whole
+            .saturating_add(1)
+            .saturating_add(usize::from(rest != 0));
+        if self.pending.len() < wait {
+            return None;
+        }
+        let Pending { mut row, run } = self.pending.pop_front()?;
+        row.spindle = self.between(rest);
+        row.error = run.map(|run| {
+            let exact = run.helix(row.spindle.turns());
+            let actual = if run.plan().long_x() {
+                row.position.x
+            } else {
+                row.position.z
+            };
+            actual - exact
+        });
+        Some(row)
+    }
+
+    /// The true angle `us` after the SYNC before, or now where `us` is 0.
+    fn between(&self, us: u32) -> FineTurns {
+        if us == 0 {
+            return self.now;
+        }
+        self.before.towards(self.now, us, self.tick_us)
+    }
+
+    /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
+    /// busy any more.
+    pub fn last_rows(&mut self, mut each: impl FnMut(Row)) {
+        while !self.pending.is_empty() {
+            self.advance();
+            if let Some(row) = self.release() {
+                each(row);
+            }
+        }
+    }
+
+    /// The true spindle angle at the last SYNC.
+    #[must_use]
+    pub fn spindle_angle(&self) -> Turns {
+        self.now.turns()
+    }
+}

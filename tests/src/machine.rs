@@ -1,0 +1,74 @@
+//! A program on the simulated machine, from text to rows.
+
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::{Row, Sim};
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::Event;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{self, Call, Events, Options};
+
+/// What running a program gave.
+#[derive(Debug, Default)]
+pub struct Ran {
+    /// Every tick, first to last.
+    pub rows: Vec<Row>,
+    /// What the board said.
+    pub events: Vec<Event>,
+    /// The alarm that stopped it.
+    pub alarm: Option<Alarm>,
+}
+
+/// The calls of a program.
+///
+/// # Panics
+/// Where the text is refused: the programs of these tests are right.
+#[must_use]
+pub fn calls(text: &str, params: &Params) -> Vec<Call> {
+    Events::new(text.as_bytes(), params, Options::default())
+        .filter_map(|event| match event.expect("the program is right") {
+            program::Event::Call(call) => Some(call),
+            program::Event::Warning(_) => None,
+        })
+        .collect()
+}
+
+/// A machine just switched on.
+///
+/// # Panics
+/// Where the parameters cannot work.
+#[must_use]
+pub fn machine(params: &Params, options: &PlantOptions) -> Sim {
+    Sim::new(params, options).expect("the machine starts")
+}
+
+/// Runs a program to its end. `operate` is called before every tick with the machine and the ticks so far.
+pub fn run(
+    text: &str,
+    params: &Params,
+    options: &PlantOptions,
+    mut operate: impl FnMut(&mut Sim, u64),
+) -> Ran {
+    let mut sim = machine(params, options);
+    let mut waiting = calls(text, params).into_iter().peekable();
+    let mut ran = Ran::default();
+    let mut ticks = 0;
+    while waiting.peek().is_some() || sim.is_busy() {
+        while waiting.peek().is_some_and(|call| sim.offer(call)) {
+            waiting.next();
+        }
+        operate(&mut sim, ticks);
+        ran.rows.extend(sim.step());
+        ticks += 1;
+        while let Some(event) = sim.event() {
+            if let Event::Alarm(alarm) = event {
+                ran.alarm = Some(alarm);
+            }
+            ran.events.push(event);
+        }
+        if ran.alarm.is_some() {
+            waiting = Vec::new().into_iter().peekable();
+        }
+    }
+    sim.last_rows(|row| ran.rows.push(row));
+    ran
+}
