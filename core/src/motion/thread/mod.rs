@@ -24,6 +24,7 @@
 //! `H`, `B` and the corners are planned in the background ([`ThreadPlan`]) for the faster of commanded and measured
 //! speed with a margin; the tick ([`ThreadRun`]) only evaluates.
 
+mod path;
 mod plan;
 mod ramp;
 mod run;

@@ -46,11 +46,15 @@ pub struct ThreadPlan {
     pub(super) length: Fine,
     pub(super) join: Ease,
     pub(super) brake: Ease,
+    /// As the brake, for a stop anywhere outside the short axis' corners.
+    pub(super) stop: Ease,
     /// The join's `H` and the end of the brake, as angles from where the helix is at the start point.
     pub(super) join_angle: Turns,
     pub(super) done_angle: Turns,
     pub(super) taper: Slope,
     pub(super) run_in: Ramp,
+    /// How far beside the line's extension the start point lies.
+    pub(super) run_in_rise: Fine,
     pub(super) run_out: Ramp,
     /// The ramp of a retract in mid-thread: `at` is unused; and the inverse of its slope.
     pub(super) retract: Ramp,
@@ -196,8 +200,6 @@ impl ThreadPlan {
         // The run-out leaves the line. The margin on the speed is given up, step by step, before the run-out is.
         let mut run_out = Ramp::NONE;
         let mut brake = machine.plain();
-        let mut end = pass.run_out.unwrap_or(pass.stroke);
-        let mut short_lag = Length::ZERO;
         let mut way_needed = Length::ZERO;
         let beside = fine(end_short - stroke_short).wrapping_sub(along(run_out_way, taper));
         if run_out_way > 0 {
@@ -222,14 +224,6 @@ impl ThreadPlan {
                 at: fine(length).wrapping_sub(run_out_way),
             };
             if !corner.whole {
-                let corner_end = run_out_way.wrapping_sub(corner.ease.half());
-                let reached = along(corner.ease.at(corner_end), run_out.slope);
-                short_lag = whole(beside.wrapping_sub(reached));
-                if long_x {
-                    end.z -= short_lag;
-                } else {
-                    end.x -= short_lag;
-                }
                 let slowest = Machine {
                     speed: travel(thread.lead, nominal_raw),
                     ..machine
@@ -268,11 +262,15 @@ impl ThreadPlan {
             at: 0,
         };
 
+        let slopes = [run_in.slope, run_out.slope].map(i64::unsigned_abs);
+        let steepest = slopes.into_iter().max().unwrap_or(0);
         let done = fine(length).saturating_add(brake.half());
-        Ok(Self {
+        let target = pass.run_out.unwrap_or(pass.stroke);
+        let corner = run_in.ease.half();
+        let mut plan = Self {
             span,
             start: from,
-            end,
+            end: target,
             long_x,
             backward: end_long < long_0,
             reverse,
@@ -288,10 +286,12 @@ impl ThreadPlan {
             length: fine(length),
             join,
             brake,
+            stop: machine.straight(steepest),
             join_angle: angle_of(join.half(), thread.lead),
             done_angle: angle_of(done, thread.lead),
             taper,
             run_in,
+            run_in_rise: along(run_in.ease.at(run_in.at.wrapping_sub(corner)), run_in.slope),
             run_out,
             retract,
             retract_inverse: inverse(steep),
@@ -299,9 +299,16 @@ impl ThreadPlan {
                 .unwrap_or(i64::MAX)
                 .max(1),
             speed_limit,
-            short_lag,
+            short_lag: Length::ZERO,
             way_needed,
-        })
+        };
+        if way_needed > Length::ZERO {
+            // By the tick's own arithmetic, so that the last setpoint is this one to the nanometre.
+            plan.end = plan.position(plan.length, None);
+            let (_, short) = split(plan.end);
+            plan.short_lag = end_short - short;
+        }
+        Ok(plan)
     }
 
     /// True where X is the long axis.

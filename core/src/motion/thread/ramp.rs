@@ -81,7 +81,13 @@ impl Machine {
 
     /// The long axis' ease where the short one follows nothing but the taper.
     pub fn plain(&self) -> Ease {
-        let bounds = self.long.least(through(self.short, self.taper));
+        self.straight(0)
+    }
+
+    /// The long axis' ease where the short one follows a slope beside the taper, away from its corners.
+    pub fn straight(&self, slope: u64) -> Ease {
+        let slope = slope.saturating_add(self.taper);
+        let bounds = self.long.least(through(self.short, slope));
         Ease::new(self.speed, self.speed, bounds)
     }
 

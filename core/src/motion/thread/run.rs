@@ -1,7 +1,8 @@
 //! A pass running: the spindle's angle in, a setpoint out, once a tick. No division, no loop.
 
+use super::path::Out;
 use super::plan::{ThreadPlan, whole};
-use super::ramp::{Slope, along};
+use super::ramp::along;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::motion::ease::{Ease, Fine};
 use crate::program::Position;
@@ -46,14 +47,6 @@ pub enum Retract {
     Finishing,
 }
 
-/// The short axis' way out in mid-thread: a ramp up and, `apart` further on, one down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Out {
-    from: Fine,
-    slope: Slope,
-    apart: Fine,
-}
-
 /// What leads the long axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Master {
@@ -61,7 +54,7 @@ enum Master {
     Spindle,
     /// Nothing any more: the angle goes on by this much a tick until the axis is at rest (stop).
     Coasting(i64),
-    /// Stopping from the locked part: `left` of the brake's ease, run through at the planned speed and scaled by
+    /// Stopping from the locked part: `left` of the stop's ease, run through at the planned speed and scaled by
     /// `share` (2⁻³¹) to the speed there was.
     Stopping { left: Fine, share: i64, rest: Fine },
     /// At rest there for good.
@@ -77,6 +70,8 @@ pub struct ThreadRun {
     master: Master,
     /// Where the long axis comes to rest; less than the plan's after a retract.
     length: Fine,
+    /// How it does.
+    brake: Ease,
     out: Option<Out>,
     /// The last tick: angle since `base`, how far it had come, the long axis.
     angle: Turns,
@@ -105,7 +100,7 @@ impl ThreadRun {
             ];
             return Err(Alarm::new(Code::SpindleTooFast, plan.span).with(args));
         }
-        let angle = turned(&plan, angle);
+        let angle = plan.turned(angle);
         // The whole turn after the point where the axis would have to leave now.
         let leaving = angle + plan.join_angle - plan.start_angle;
         let turn = (leaving.raw() >> 32).wrapping_add(1);
@@ -115,6 +110,7 @@ impl ThreadRun {
             base,
             master: Master::Spindle,
             length: plan.length,
+            brake: plan.brake,
             out: None,
             angle: angle - base,
             step: 0,
@@ -138,20 +134,20 @@ impl ThreadRun {
     /// Where the exact helix of this pass stands on the long axis at a spindle angle.
     #[must_use]
     pub fn helix(&self, angle: Turns) -> Length {
-        let way = whole(self.travel(turned(&self.plan, angle) - self.base));
-        self.long_at(way)
+        let way = whole(self.plan.travel(self.plan.turned(angle) - self.base));
+        self.plan.long_at(way)
     }
 
     /// The setpoint for the instant at which the spindle is at `angle`.
     pub fn tick(&mut self, angle: Turns) -> ThreadPoint {
-        let measured = turned(&self.plan, angle) - self.base;
+        let measured = self.plan.turned(angle) - self.base;
         let (relative, step) = match self.master {
             Master::Coasting(step) => (self.angle + Turns::from_raw(step), step),
             _ => (measured, (measured - self.angle).raw()),
         };
         self.angle = relative;
         self.step = step;
-        let helix = self.travel(relative);
+        let helix = self.plan.travel(relative);
         let (way, phase) = self.law(relative, helix);
         self.way = way;
         self.phase = phase;
@@ -160,13 +156,13 @@ impl ThreadRun {
         }
         let exact = match self.master {
             Master::Spindle => helix,
-            _ => self.travel(measured),
+            _ => self.plan.travel(measured),
         };
         ThreadPoint {
-            position: self.position(way),
+            position: self.plan.position(way, self.out),
             phase,
-            exact: self.long_at(whole(exact)),
-            move_index: self.move_index(way),
+            exact: self.plan.long_at(whole(exact)),
+            move_index: self.plan.move_index(way, self.out.is_some()),
         }
     }
 
@@ -193,8 +189,8 @@ impl ThreadRun {
         if plan.run_out.slope != 0 && from >= plan.run_out.at {
             return Retract::Finishing;
         }
-        let line = self.line(from);
-        let (_, short) = split(plan, plan.start);
+        let line = plan.line(from);
+        let short = plan.short_start();
         let wanted = target
             .nm()
             .wrapping_shl(16)
@@ -205,14 +201,17 @@ impl ThreadRun {
             .wrapping_sub(plan.brake.half())
             .wrapping_sub(from)
             .wrapping_sub(corner);
-        if room <= 0 {
+        if room < corner {
             return Retract::Finishing;
         }
+        // Ramp up and ramp down must not overlap; a short way out is a flatter one.
         let apart = along(wanted.saturating_abs(), plan.retract_inverse).min(room);
+        let slope = scaled(plan.retract.slope, share_of(apart, corner));
+        let apart = apart.max(corner);
         let slope = if wanted < 0 {
-            plan.retract.slope.wrapping_neg()
+            slope.wrapping_neg()
         } else {
-            plan.retract.slope
+            slope
         };
         self.length = from
             .wrapping_add(corner)
@@ -223,40 +222,64 @@ impl ThreadRun {
     }
 
     /// Brings both axes to rest together, by time and no longer by the spindle: for an emergency stop or a drive
-    /// fault. The short axis stays on the path of the long one.
+    /// fault. The short axis stays on the path of the long one, and no limit is exceeded: a corner of the short axis that
+    /// has begun is finished first, and where the rest of the pass is no longer than a stop the pass ends as planned, at
+    /// the pace it has.
     pub fn stop(&mut self) {
+        if self.master != Master::Spindle {
+            return;
+        }
         let plan = &self.plan;
-        match (self.phase, self.master) {
-            (Phase::Locked, Master::Spindle) => {
-                // From the speed there is (a share of the planned one), with the brake's ease scaled down to it.
-                let speed = self.travel(Turns::from_raw(self.step)).max(0);
-                let share = share_of(speed, plan.speed).min(share_of(
-                    self.length.wrapping_sub(self.way),
-                    plan.brake.half(),
-                ));
-                let brake = scaled(plan.brake.half(), share);
+        let from = match self.phase {
+            Phase::Waiting | Phase::Done => {
+                self.master = Master::Rest(self.way);
+                return;
+            }
+            Phase::Braking => None,
+            Phase::Joining => self.stop_from(plan.join.half()),
+            Phase::Locked => self.stop_from(self.way),
+        };
+        match from {
+            Some(from) if self.phase == Phase::Locked && from == self.way => {
+                // At once, from the speed there is (a share of the planned one), with the ease scaled down to it.
+                let share = share_of(plan.travel(Turns::from_raw(self.step)), plan.speed);
                 self.master = Master::Stopping {
-                    left: plan.brake.half(),
+                    left: plan.stop.half(),
                     share,
-                    rest: self.way.wrapping_add(brake),
+                    rest: self.way.wrapping_add(scaled(plan.stop.half(), share)),
                 };
             }
-            (Phase::Joining, Master::Spindle) => {
-                // Joined or not: the shortest pass there is.
-                self.length = self
-                    .length
-                    .min(plan.join.half().wrapping_add(plan.brake.half()));
+            Some(from) => {
+                self.length = from.wrapping_add(plan.stop.half());
+                self.brake = plan.stop;
                 self.coast();
             }
-            (Phase::Braking, Master::Spindle) => self.coast(),
-            (Phase::Waiting | Phase::Done, _) => self.master = Master::Rest(self.way),
-            _ => {}
+            None => self.coast(),
         }
+    }
+
+    /// Where a stop that may begin at `from` does begin, so that it meets no corner of the short axis and ends before
+    /// the end plane; `None` where the pass had better end as planned.
+    fn stop_from(&self, from: Fine) -> Option<Fine> {
+        if self.out.is_some() {
+            return None;
+        }
+        let plan = &self.plan;
+        let stop = plan.stop.half();
+        let corner = |ease: &Ease| ease.half().wrapping_mul(2);
+        if from.wrapping_add(stop) <= plan.run_in.at.wrapping_sub(corner(&plan.run_in.ease)) {
+            return Some(from);
+        }
+        let from = from.max(plan.run_in.at);
+        let end = from.wrapping_add(stop);
+        let before = plan.run_out.slope == 0 || end <= plan.run_out.at;
+        let behind = from >= plan.run_out.at.wrapping_add(corner(&plan.run_out.ease));
+        (end <= self.length && (before || behind)).then_some(from)
     }
 
     /// Lets the angle run on at its present pace; a spindle that hardly moves leaves the axis where it is.
     fn coast(&mut self) {
-        let pace = self.travel(Turns::from_raw(self.step));
+        let pace = self.plan.travel(Turns::from_raw(self.step));
         self.master = if pace < self.plan.speed >> 6 {
             Master::Rest(self.way)
         } else {
@@ -271,8 +294,8 @@ impl ThreadRun {
             Master::Rest(way) => return (*way, Phase::Done),
             Master::Stopping { left, share, rest } => {
                 *left = left.wrapping_sub(plan.speed);
-                let way = rest.wrapping_sub(scaled(plan.brake.at(*left), *share));
-                let over = *left <= plan.brake.half().wrapping_neg();
+                let way = rest.wrapping_sub(scaled(plan.stop.at(*left), *share));
+                let over = *left <= plan.stop.half().wrapping_neg();
                 return (way, if over { Phase::Done } else { Phase::Braking });
             }
             Master::Spindle | Master::Coasting(_) => {}
@@ -284,118 +307,17 @@ impl ThreadRun {
             return (plan.join.at(helix), Phase::Joining);
         }
         let left = self.length.wrapping_sub(helix);
-        let brake = plan.brake.half();
+        let brake = self.brake.half();
         if left >= brake {
             (helix, Phase::Locked)
         } else if left > brake.wrapping_neg() {
             (
-                self.length.wrapping_sub(plan.brake.at(left)),
+                self.length.wrapping_sub(self.brake.at(left)),
                 Phase::Braking,
             )
         } else {
             (self.length, Phase::Done)
         }
-    }
-
-    /// The helix' travel for an angle since `base`, limited to a turn around the pass.
-    fn travel(&self, relative: Turns) -> Fine {
-        let plan = &self.plan;
-        let low = (-plan.join_angle - Turns::ONE).raw();
-        let high = (plan.done_angle + Turns::ONE).raw();
-        let relative = relative.raw().min(high).max(low);
-        let turns = relative >> 32;
-        let part = (relative as u64) & 0xffff_ffff;
-        let (lead, rest) = plan.lead;
-        // turns + part·2⁻³², times lead + rest·2⁻³², in 2⁻¹⁶.
-        let whole_turns = turns
-            .wrapping_mul(lead as i64)
-            .wrapping_shl(16)
-            .wrapping_add(turns.wrapping_mul(rest as i64) >> 16);
-        let within =
-            ((part >> 2).wrapping_mul(lead) >> 14).wrapping_add(part.wrapping_mul(rest) >> 48);
-        whole_turns.wrapping_add(within as i64)
-    }
-
-    /// The pass's line with its run-in, relative to the start point on the short axis.
-    fn line(&self, way: Fine) -> Fine {
-        let plan = &self.plan;
-        let line = along(way, plan.taper);
-        if plan.run_in.slope == 0 {
-            return line;
-        }
-        // Beside the line by what is left of the ramp, backwards from its end; at the start all of it is left.
-        let ramp = |at: Fine| {
-            let corner = plan.run_in.ease.half();
-            along(
-                plan.run_in
-                    .ease
-                    .at(plan.run_in.at.wrapping_sub(at).wrapping_sub(corner)),
-                plan.run_in.slope,
-            )
-        };
-        line.wrapping_add(ramp(way)).wrapping_sub(ramp(0))
-    }
-
-    fn position(&self, way: Fine) -> Position {
-        let plan = &self.plan;
-        let mut beside = self.line(way);
-        if let Some(out) = self.out {
-            let ease: &Ease = &plan.retract.ease;
-            let since = way.wrapping_sub(out.from).wrapping_sub(ease.half());
-            let ramp = ease
-                .at(since)
-                .wrapping_sub(ease.at(since.wrapping_sub(out.apart)));
-            beside = beside.wrapping_add(along(ramp, out.slope));
-        } else if plan.run_out.slope != 0 {
-            let ease = &plan.run_out.ease;
-            let since = way.wrapping_sub(plan.run_out.at).wrapping_sub(ease.half());
-            beside = beside.wrapping_add(along(ease.at(since), plan.run_out.slope));
-        }
-        let long = self.long_at(whole(way));
-        let (_, short) = split(plan, plan.start);
-        let short = short + whole(beside);
-        let (x, z) = if plan.long_x {
-            (long, short)
-        } else {
-            (short, long)
-        };
-        Position {
-            x,
-            z,
-            c: plan.start.c,
-        }
-    }
-
-    fn long_at(&self, way: Length) -> Length {
-        let (long, _) = split(&self.plan, self.plan.start);
-        if self.plan.backward {
-            long - way
-        } else {
-            long + way
-        }
-    }
-
-    fn move_index(&self, way: Fine) -> u8 {
-        let plan = &self.plan;
-        let run_in = plan.run_in.at > 0;
-        let behind_run_in = u8::from(run_in && way >= plan.run_in.at);
-        let in_run_out =
-            u8::from(plan.run_out.at > 0 && self.out.is_none() && way >= plan.run_out.at);
-        behind_run_in.wrapping_add(in_run_out)
-    }
-}
-
-/// An angle counted in the direction the spindle is to turn.
-fn turned(plan: &ThreadPlan, angle: Turns) -> Turns {
-    if plan.reverse { -angle } else { angle }
-}
-
-/// Long and short coordinate.
-fn split(plan: &ThreadPlan, at: Position) -> (Length, Length) {
-    if plan.long_x {
-        (at.x, at.z)
-    } else {
-        (at.z, at.x)
     }
 }
 
