@@ -19,7 +19,7 @@
 
 use super::cia402::{Controlword, State, Statusword};
 use super::emcy::Emcy;
-use super::frame::{Frame, NodeId};
+use super::frame::{Frame, NodeId, Service};
 use super::increments::{Increments, Scale};
 use super::nmt::{NmtCommand, NmtState};
 use super::pdo::{DriveCommand, DriveStatus};
@@ -291,23 +291,20 @@ impl DriveMaster {
 
     /// Takes a frame from the bus. True if it came from this drive.
     pub fn receive(&mut self, frame: &Frame) -> bool {
-        if let Some((node, status)) = DriveStatus::decode(frame) {
-            if node == self.config.node {
-                self.hear(status);
-                return true;
-            }
-        } else if let Some((node, state)) = NmtState::decode(frame) {
-            if node == self.config.node {
-                self.hear_state(state);
-                return true;
-            }
-        } else if let Some((node, emcy)) = Emcy::decode(frame)
-            && node == self.config.node
-        {
-            self.error_code = emcy.code;
-            return true;
+        // Whose it is comes first: a board shows every frame to every master.
+        let Some((service, node)) = frame.id().service() else {
+            return false;
+        };
+        if node != self.config.node {
+            return false;
         }
-        false
+        match service {
+            Service::Tpdo1 => DriveStatus::decode(frame).map(|(_, status)| self.hear(status)),
+            Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
+            Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.error_code = emcy.code),
+            _ => None,
+        }
+        .is_some()
     }
 
     fn hear(&mut self, status: DriveStatus) {

@@ -2,11 +2,13 @@
 //!
 //! A work is a sequence of steps from a state of its own; every step is one tick, or one move.
 
+mod bus;
 mod calls;
 mod cycle;
 mod motion;
 mod spindle;
 
+pub use bus::Commanding;
 pub use cycle::{Grooves, Threads};
 pub use motion::{ThreadPass, TimedMove};
 pub use spindle::Tracking;

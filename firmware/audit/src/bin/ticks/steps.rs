@@ -1,7 +1,7 @@
 //! What is counted: rows `plan/…` for what the background does once a move or a call, `move/…` for expansion, `tick/…`
 //! for one tick.
 
-use audit::work::{Grooves, ThreadPass, Threads, TimedMove, Tracking, Work};
+use audit::work::{Commanding, Grooves, ThreadPass, Threads, TimedMove, Tracking, Work};
 
 use crate::count::{count, spin};
 
@@ -26,6 +26,7 @@ pub fn all() {
     once("plan/thread", || pass.plan());
     steps("tick/thread", &pass);
     steps("tick/observer", &Tracking::at_300_rpm());
+    steps("tick/drive", &Commanding::x());
 }
 
 fn once<R>(name: &str, mut what: impl FnMut() -> R) {
