@@ -10,6 +10,7 @@ mod groove;
 mod moves;
 mod shape;
 mod slope;
+mod taper;
 mod thread;
 
 pub use expand::{Moves, expand};

@@ -7,7 +7,8 @@
 use core::num::NonZero;
 
 use super::check::{blame, thread_ranges};
-use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle};
+use super::slope::{FINE_BITS, FINE_HALF, HalfAngle};
+use super::taper::{Taper, flip, scaled};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{CutIn, ThreadCall};
 use crate::units::{Diameter, Length};
@@ -64,23 +65,6 @@ pub(crate) struct Shape {
     /// E, zero for none.
     run_in: u64,
     run_out: Option<Leave>,
-}
-
-/// What a taper adds.
-#[derive(Clone, Copy, Debug)]
-struct Taper {
-    /// Sign of i.
-    sign: i64,
-    /// |i|.
-    size: u64,
-    /// True where the thread gets nearer to A towards its start (s·i > 0).
-    towards_start: bool,
-    /// |i|·tan(a/2)/|W|: radius lost per nanometre of u.
-    per_depth: Fine,
-    /// |i|/|W|, used by run-ins only.
-    per_travel: Fine,
-    /// |i|·(tan(a/2) ± |i|·tan(a/2)/|W|)/|W|, used by clipped run-ins only.
-    per_clipped: Fine,
 }
 
 /// What a run-out needs.
@@ -490,58 +474,9 @@ impl Flanks {
     }
 }
 
-impl Taper {
-    /// The slopes of a taper of `slant` (i) over `travel`; `None` for a straight thread.
-    fn new(slant: Length, side: i64, travel: NonZero<u64>, tangent: HalfAngle) -> Option<Self> {
-        if slant == Length::ZERO {
-            return None;
-        }
-        let size = slant.nm().unsigned_abs();
-        let wide = u128::from(size);
-        let travel = NonZero::<u128>::from(travel);
-        let towards_start = slant.signum() == side;
-        let per_depth = wide.wrapping_mul(tangent.fine()) / travel;
-        let both = if towards_start {
-            tangent.fine().wrapping_add(per_depth)
-        } else {
-            tangent.fine().wrapping_sub(per_depth)
-        };
-        Some(Self {
-            sign: slant.signum(),
-            size,
-            towards_start,
-            per_depth,
-            per_travel: (wide << FINE_BITS) / travel,
-            per_clipped: wide.wrapping_mul(both) / travel,
-        })
-    }
-
-    /// What is left of i after `lost` of its magnitude, rounded once. The slopes are rounded down, so an exact half in
-    /// `lost` never shows as more; taking it down leaves the larger remainder: halves away from zero.
-    #[inline]
-    fn left_after(&self, lost: Fine) -> Length {
-        let lost = lost.wrapping_add(FINE_HALF.wrapping_sub(1)) >> FINE_BITS;
-        Length::from_nm(flip(self.size.wrapping_sub(lost as u64) as i64, self.sign))
-    }
-}
-
 /// `from` plus `by` in the direction of `sign` (±1). Saturates nowhere: coordinates are far inside the integer's range, and
 /// this is the innermost arithmetic of the cycles.
 #[inline]
 const fn moved(from: Length, by: i64, sign: i64) -> Length {
     Length::from_nm(from.nm().wrapping_add(flip(by, sign)))
-}
-
-/// `value` with the sign of `sign` (±1).
-#[inline]
-const fn flip(value: i64, sign: i64) -> i64 {
-    value.wrapping_mul(sign)
-}
-
-/// `a·b/c` to the nearest nanometre, halves up.
-fn scaled(a: u64, b: u64, c: NonZero<u64>) -> Length {
-    let c = NonZero::<u128>::from(c);
-    let product = u128::from(a).wrapping_mul(u128::from(b)).wrapping_mul(2);
-    let rounded = (product.wrapping_add(c.get()) / c) >> 1;
-    Length::from_nm(rounded as i64)
 }

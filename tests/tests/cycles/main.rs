@@ -1,8 +1,9 @@
 //! Cycles: calls in, moves out, against the worked examples, against a slow reference written from the text, and at
-//! random.
+//! random; and from program text, as it is typed.
 
 mod alarms;
 mod build;
 mod examples;
 mod random;
 mod reference;
+mod texts;

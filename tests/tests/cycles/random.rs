@@ -10,14 +10,14 @@ use crate::build::*;
 use crate::reference;
 
 /// Cycles per test; in release the number the project promises.
-const CYCLES: u32 = if cfg!(debug_assertions) {
+pub const CYCLES: u32 = if cfg!(debug_assertions) {
     3_000
 } else {
     100_000
 };
 
 /// SplitMix64.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -28,12 +28,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn chance(&mut self, percent: u64) -> bool {
+    pub fn chance(&mut self, percent: u64) -> bool {
         self.next() % 100 < percent
     }
 
     /// low…high, both included.
-    fn within(&mut self, low: i64, high: i64) -> i64 {
+    pub fn within(&mut self, low: i64, high: i64) -> i64 {
         low + (self.next() % (high - low + 1) as u64) as i64
     }
 
@@ -42,7 +42,7 @@ impl Random {
         self.within(low_um * 1000, high_um * 1000) / lsb * lsb
     }
 
-    fn sign(&mut self) -> i64 {
+    pub fn sign(&mut self) -> i64 {
         if self.chance(50) { 1 } else { -1 }
     }
 

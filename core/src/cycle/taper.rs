@@ -1,0 +1,133 @@
+//! Slopes of a tapered thread, and how its points are rounded.
+//!
+//! Knows one pass's depth at a time, nothing of passes.
+
+use core::num::NonZero;
+
+use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle};
+use crate::units::Length;
+
+/// What a taper adds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Taper {
+    /// Sign of i.
+    pub(crate) sign: i64,
+    /// |i|.
+    pub(crate) size: u64,
+    /// True where the thread gets nearer to A towards its start (s·i > 0).
+    pub(crate) towards_start: bool,
+    /// |i|·tan(a/2)/|W|: radius lost per nanometre of u.
+    pub(crate) per_depth: Fine,
+    /// |i|/|W|, used by run-ins only.
+    pub(crate) per_travel: Fine,
+    /// |i|·(tan(a/2) ± |i|·tan(a/2)/|W|)/|W|, used by clipped run-ins only.
+    pub(crate) per_clipped: Fine,
+}
+
+impl Taper {
+    /// The slopes of a taper of `slant` (i) over `travel`; `None` for a straight thread.
+    pub(crate) fn new(
+        slant: Length,
+        side: i64,
+        travel: NonZero<u64>,
+        tangent: HalfAngle,
+    ) -> Option<Self> {
+        if slant == Length::ZERO {
+            return None;
+        }
+        let size = slant.nm().unsigned_abs();
+        let wide = u128::from(size);
+        let travel = NonZero::<u128>::from(travel);
+        let towards_start = slant.signum() == side;
+        let per_depth = wide.wrapping_mul(tangent.fine()) / travel;
+        let both = if towards_start {
+            tangent.fine().wrapping_add(per_depth)
+        } else {
+            tangent.fine().wrapping_sub(per_depth)
+        };
+        Some(Self {
+            sign: slant.signum(),
+            size,
+            towards_start,
+            per_depth,
+            per_travel: (wide << FINE_BITS) / travel,
+            per_clipped: wide.wrapping_mul(both) / travel,
+        })
+    }
+
+    /// What is left of i after `lost` of its magnitude, rounded once. The slopes are rounded down, so an exact half in
+    /// `lost` never shows as more; taking it down leaves the larger remainder: halves away from zero.
+    #[inline]
+    pub(crate) fn left_after(&self, lost: Fine) -> Length {
+        let lost = lost.wrapping_add(FINE_HALF.wrapping_sub(1)) >> FINE_BITS;
+        Length::from_nm(flip(self.size.wrapping_sub(lost as u64) as i64, self.sign))
+    }
+}
+
+/// `value` with the sign of `sign` (±1).
+#[inline]
+pub(crate) const fn flip(value: i64, sign: i64) -> i64 {
+    value.wrapping_mul(sign)
+}
+
+/// `a·b/c` to the nearest nanometre, halves up.
+pub(crate) fn scaled(a: u64, b: u64, c: NonZero<u64>) -> Length {
+    let c = NonZero::<u128>::from(c);
+    let product = u128::from(a).wrapping_mul(u128::from(b)).wrapping_mul(2);
+    let rounded = (product.wrapping_add(c.get()) / c) >> 1;
+    Length::from_nm(rounded as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taper(i: i64, travel: u64, degrees: u8) -> Taper {
+        let travel = NonZero::new(travel).unwrap();
+        Taper::new(
+            Length::from_nm(i),
+            1,
+            travel,
+            HalfAngle::of(degrees).unwrap(),
+        )
+        .unwrap()
+    }
+
+    /// At 90° the shift is the depth, so a point can lie exactly between two nanometres: halves go away from zero, in
+    /// both directions alike.
+    #[test]
+    fn halves_go_away_from_zero() {
+        for sign in [1, -1] {
+            // 7 nm over 16: each nanometre of depth takes 0.4375 away.
+            let taper = taper(7 * sign, 16, 90);
+            let left = |u: u128| taper.left_after(u * taper.per_depth).nm() * sign;
+            // 7, 6.5625, 6.125, 5.6875, 5.25, 4.8125, 4.375, 3.9375, 3.5
+            let want = [7, 7, 6, 6, 5, 5, 4, 4, 4];
+            for (u, want) in want.into_iter().enumerate() {
+                assert_eq!(left(u as u128), want, "{u}");
+            }
+        }
+    }
+
+    /// An odd divisor has no exact slope in binary; exact halves must still be seen as such.
+    #[test]
+    fn halves_survive_an_inexact_slope() {
+        // 5/6 nm a nanometre: after 3 · n, n odd, 2.5 · n are gone.
+        let taper = taper(5_000_000_005, 6_000_000_006, 90);
+        for n in (1..2_000_000_001u128).step_by(100_000_000) {
+            let gone = 5 * n / 2;
+            let left = taper.left_after(3 * n * taper.per_depth).nm();
+            assert_eq!(left, 5_000_000_005 - gone as i64, "{n}");
+        }
+    }
+
+    #[test]
+    fn ratios_round_once() {
+        let scaled = |a, b, c| scaled(a, b, NonZero::new(c).unwrap()).nm();
+        assert_eq!(scaled(1, 1, 2), 1);
+        assert_eq!(scaled(1, 1, 3), 0);
+        assert_eq!(scaled(2, 1, 3), 1);
+        assert_eq!(scaled(500_000, 1_500_000, 35_000_000), 21_429);
+        assert_eq!(scaled(1 << 42, 1 << 42, 1 << 43), 1 << 41);
+    }
+}
