@@ -163,6 +163,7 @@ fn from_source() -> Result<()> {
         let unpacked = debian_source()?;
         copy_tree(&unpacked, &library)
             .context("cannot put the library source into the compiler's folder")?;
+        fs::remove_dir_all(run::scratch("rust-src")?)?;
     }
     println!("building core for {TARGET} from its source");
     let dir = run::scratch("build-std")?;

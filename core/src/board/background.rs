@@ -6,7 +6,7 @@
 
 use heapless::{Deque, Vec};
 
-use super::queue::{CallOut, SegmentIn};
+use super::queue::{CallOut, SegmentIn, put, room, take};
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
 use crate::feasible;
@@ -108,7 +108,7 @@ impl Background {
             self.queue(span, Stops::default(), Action::End);
             return (true, None);
         }
-        let Some(call) = calls.dequeue() else {
+        let Some(call) = take(calls) else {
             return (false, None);
         };
         match self.open(&call, settings) {
@@ -146,12 +146,12 @@ impl Background {
     }
 
     fn hand_over(&mut self, segments: &mut SegmentIn<'_>) -> bool {
-        if segments.capacity().saturating_sub(segments.len()) < self.planned.len() {
+        if room(segments) < self.planned.len() {
             return false;
         }
         while let Some(segment) = self.planned.pop_front() {
             // There is room; the answer is always yes.
-            if segments.enqueue(segment).is_err() {
+            if put(segments, segment).is_err() {
                 self.failed = true;
             }
         }

@@ -28,3 +28,31 @@ pub type SegmentIn<'a> = Producer<'a, Segment>;
 pub type SegmentOut<'a> = Consumer<'a, Segment>;
 /// The tick's end of the events.
 pub type EventIn<'a> = Producer<'a, Event>;
+
+// The ends do not carry the size of their ring in their type, and heapless divides by it. Each door below first says
+// that it is not zero (a ring of no places would have a capacity of −1), so that no panic is left to be reached.
+
+/// Puts `value` into a queue, or gives it back where there is no room.
+pub fn put<T>(queue: &mut Producer<'_, T>, value: T) -> Result<(), T> {
+    if queue.capacity() == usize::MAX {
+        return Err(value);
+    }
+    queue.enqueue(value)
+}
+
+/// Takes the oldest entry.
+pub fn take<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
+    if queue.capacity() == usize::MAX {
+        return None;
+    }
+    queue.dequeue()
+}
+
+/// How many entries still have room.
+pub fn room<T>(queue: &Producer<'_, T>) -> usize {
+    let capacity = queue.capacity();
+    if capacity == usize::MAX {
+        return 0;
+    }
+    capacity.saturating_sub(queue.len())
+}

@@ -11,7 +11,7 @@ use heapless::Vec;
 
 use super::background::{AXES, overridden};
 use super::event::{Command, Event};
-use super::queue::{EventIn, SegmentOut};
+use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{
     DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Mode, NodeId, Scale,
@@ -463,7 +463,7 @@ impl Ticker {
         if self.operator.hold && !next.stops.hold_not_before {
             return None;
         }
-        let segment = segments.dequeue()?;
+        let segment = take(segments)?;
         self.state = State::Running;
         self.in_program = true;
         self.start(&segment, events)
@@ -510,7 +510,7 @@ impl Ticker {
         match self.state {
             State::Stopping(outcome) => {
                 // One a tick; the queue is short.
-                segments.dequeue();
+                take(segments);
                 if !self.executor.is_free() || segments.ready() {
                     return None;
                 }
@@ -611,7 +611,7 @@ const fn at_most(percent: u8, most: u8) -> u8 {
 /// A reader that does not keep up loses the newest events, not the machine its tick; states and alarms are also in the
 /// tick's output.
 fn emit(events: &mut EventIn<'_>, event: Event) {
-    if events.enqueue(event).is_err() {
+    if put(events, event).is_err() {
         // Nothing to be done: the queue is bounded and the tick does not wait.
     }
 }

@@ -4,6 +4,7 @@
 use core::hint::black_box;
 
 use leadscrew_core::alarm::{At, Span};
+use leadscrew_core::board::Command;
 use leadscrew_core::bus::{
     CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
     Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Scale, SpindleCommand, Statusword,
@@ -13,8 +14,8 @@ use leadscrew_core::cycle::{Move, MoveKind, ThreadMove};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
-    ArcCall, Aux, Call, CallKind, CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut,
-    SpindleCall, ThreadCall, ThreadCycle,
+    ArcCall, Aux, Call, CallKind, CutIn, Dialect, FeedRate, GrooveCall, Infeed, Options, Position,
+    RunOut, SpindleCall, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
@@ -114,6 +115,7 @@ records! {
     GrooveCall { start end_x end_z z_written peck step relief retract feed }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
     EncoderSample { count edge_age_ns index }
+    Options { dialect skip optional_stop dry_run position }
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }
@@ -144,6 +146,11 @@ choices! {
     ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
+    Dialect { Dialect::Gsk980td } or Dialect::Gsk988;
+    Command {
+        Command::Hold, Command::Resume, Command::Reset, Command::Stop, Command::SingleBlock(any()),
+        Command::FeedOverride(any()), Command::RapidOverride(any()),
+    } or Command::SpindleOverride(any());
     MoveKind {
         MoveKind::Rapid, MoveKind::Feed(any()),
         MoveKind::Arc { i: any(), k: any(), clockwise: any(), feed: any() },

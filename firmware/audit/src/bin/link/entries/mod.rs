@@ -4,10 +4,12 @@
 //! Text for people (`Display`, the templates of alarms) is not made on a board and is not here.
 
 mod alarm;
+mod board;
 mod bus;
 mod cycle;
 mod motion;
 mod params;
+mod program;
 mod spindle;
 mod units;
 
@@ -20,4 +22,6 @@ pub fn all() {
     motion::all();
     spindle::all();
     bus::all();
+    board::all();
+    program::all();
 }

@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_core::cycle::Move;
 use leadscrew_core::motion::{
-    Limits, Line, PathRate, Profile, Rate, Run, ThreadPlan, ThreadRun, plan,
+    Arc, Limits, Line, PathRate, Profile, Rate, Run, ThreadPlan, ThreadRun, plan,
 };
 use leadscrew_core::program::Position;
 
@@ -32,6 +32,9 @@ fn path() {
         line.distances(),
         line.at(any()),
     ));
+    if let Ok(arc) = Arc::new(any(), any(), any(), any(), any()) {
+        sink((arc.length(), arc.end(), arc.bend(), arc.at(any())));
+    }
 }
 
 #[inline(never)]

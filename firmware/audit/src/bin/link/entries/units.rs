@@ -2,7 +2,9 @@
 
 use audit::any::{any, sink};
 use leadscrew_core::program::{FeedRate, start_angle};
-use leadscrew_core::units::{Angle, Diameter, Lead, Length, StartAngle, Turns};
+use leadscrew_core::units::{
+    Angle, Diameter, Direction, Divisor, Lead, Length, StartAngle, Turns, mul_div,
+};
 
 /// All of this room.
 pub fn all() {
@@ -10,6 +12,8 @@ pub fn all() {
     feed();
     angles();
     lengths();
+    directions();
+    division();
 }
 
 #[inline(never)]
@@ -44,4 +48,16 @@ fn lengths() {
         length.is_in_range(),
     ));
     sink(Diameter::of_radius(any()).radius());
+}
+
+#[inline(never)]
+fn directions() {
+    sink(Direction::of_vector(any(), any()));
+    sink(Direction::of_turns(any()).turned(any()).sin_cos());
+}
+
+#[inline(never)]
+fn division() {
+    sink(Divisor::new(any()).divide(any()));
+    sink(mul_div(any(), any(), any()));
 }

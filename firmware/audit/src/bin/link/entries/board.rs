@@ -1,0 +1,35 @@
+//! The whole board, both contexts, and the operator.
+
+use audit::any::{any, sink};
+use leadscrew_core::board::{Board, overridden};
+use leadscrew_core::bus::Frame;
+use leadscrew_core::params::Params;
+
+/// All of this room.
+pub fn all() {
+    board();
+    sink(overridden(any(), any()));
+}
+
+#[inline(never)]
+fn board() {
+    let params: Params = any();
+    let Ok(mut board) = Board::new(&params, any()) else {
+        return;
+    };
+    while any() {
+        sink(board.offer(&any()));
+        sink(board.background());
+        let frames: [Frame; 8] = any();
+        sink(board.tick(any(), frames.get(..any()).unwrap_or(&frames)));
+        sink((
+            board.event(),
+            board.is_busy(),
+            board.ticker().in_program(),
+            board.ticker().spindle_command(),
+        ));
+        if any() {
+            board.command(any());
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Text to calls. It runs where the text is, which is not the board; that any bytes at all are read without a panic is
+//! proven here all the same.
+
+use audit::any::{any, sink};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{Events, Interpreter, Reader};
+use leadscrew_core::units::Decimal;
+
+/// All of this room.
+pub fn all() {
+    events();
+    lines();
+    chunks();
+    decimal();
+}
+
+const BYTES: usize = 600;
+
+#[inline(never)]
+fn events() {
+    let params: Params = any();
+    let bytes: [u8; BYTES] = any();
+    let text = bytes.get(..any()).unwrap_or(&bytes);
+    Events::new(text, &params, any()).for_each(sink);
+}
+
+#[inline(never)]
+fn lines() {
+    let params: Params = any();
+    let mut interpreter = Interpreter::new(&params, any());
+    while any() {
+        let bytes: [u8; BYTES] = any();
+        let text = bytes.get(..any()).unwrap_or(&bytes);
+        sink(interpreter.line(text, any(), &mut sink));
+        sink((
+            interpreter.is_ended(),
+            interpreter.position(),
+            interpreter.finish(),
+        ));
+    }
+}
+
+#[inline(never)]
+fn chunks() {
+    let params: Params = any();
+    let mut reader = Reader::new(&params, any());
+    while any() {
+        let bytes: [u8; BYTES] = any();
+        let text = bytes.get(..any()).unwrap_or(&bytes);
+        sink(reader.push(text, &mut sink));
+    }
+    sink(reader.finish(&mut sink));
+}
+
+#[inline(never)]
+fn decimal() {
+    let bytes: [u8; 64] = any();
+    let (decimal, rest) = Decimal::parse(bytes.get(..any()).unwrap_or(&bytes));
+    sink((decimal.scaled(any()), rest.len()));
+    sink(Decimal::new(any(), any()).scaled(any()));
+}
