@@ -172,7 +172,7 @@ fn read_definition(mut f: Fields, tables: &mut Tables) {
         name: accessor,
         kind: record.kind.clone(),
         doc: format!(
-            "{} (parameter {number}; [{sheet}]).",
+            "{}. Parameter {number} ({sheet}).",
             en.replace("{}", "`member`")
         ),
         members: Vec::new(),
