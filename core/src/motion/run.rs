@@ -84,7 +84,8 @@ impl Run {
 
     /// One tick at `rate`.
     pub fn tick(&mut self, rate: Rate) -> Step {
-        let Some(mut current) = self.current else {
+        // A planned motion is some 200 bytes: it is read in place.
+        let Some(current) = &self.current else {
             return Step {
                 position: self.position,
                 joined: false,
@@ -92,19 +93,14 @@ impl Run {
             };
         };
         let progress = self.profile.tick(rate);
-        let mut travel = progress.travel.beyond(self.origin);
+        let travel = progress.travel.beyond(self.origin);
         let end = Travel::of(current.length);
-        let mut joined = false;
-        if travel > end
-            && let Some(next) = self.next.take()
-        {
-            travel = travel.beyond(end);
-            self.origin = Travel::from_raw(self.origin.raw().saturating_add(end.raw()));
-            self.current = Some(next);
-            current = next;
-            joined = true;
+        let joined = travel > end && self.next.is_some();
+        if joined {
+            self.position = self.enter_next(end, travel.beyond(end));
+        } else {
+            self.position = current.path.at(travel);
         }
-        self.position = current.path.at(travel);
         if progress.done {
             self.current = None;
             self.next = None;
@@ -114,6 +110,16 @@ impl Run {
             joined,
             done: progress.done,
         }
+    }
+
+    /// Makes the joined motion the current one, which starts where the one of length `end` stops; its position at
+    /// `travel`.
+    fn enter_next(&mut self, end: Travel, travel: Travel) -> Position {
+        self.origin = Travel::from_raw(self.origin.raw().saturating_add(end.raw()));
+        self.current = self.next.take();
+        self.current
+            .as_ref()
+            .map_or(self.position, |motion| motion.path.at(travel))
     }
 
     /// Gives up what is left, the joined motion too: the axes stop as on a feed hold, and then the run is done.
