@@ -106,16 +106,18 @@ impl Limits {
             acceleration: u64::MAX,
             jerk: u64::MAX,
         };
+        // One division for each axis: length / distance in 2^-shift, as fine as 64 bits allow, at least 2⁻²⁰ at 4 km.
+        let shift = length.leading_zeros().min(63);
         for (axis, distance) in Axis::ALL.into_iter().zip(distances) {
-            if distance == 0 {
+            let Some(ratio) = (length << shift).checked_div(distance) else {
                 continue;
-            }
+            };
             let own = self.of_axis(axis, pace);
-            let speed = mul_div(u64::from(own.speed.raw()), length, distance);
+            let speed = stretched(u64::from(own.speed.raw()), ratio, shift);
             path = path.least(PathLimits {
                 speed: PathRate::from_raw(u32::try_from(speed).unwrap_or(u32::MAX)),
-                acceleration: mul_div(own.acceleration, length, distance),
-                jerk: mul_div(own.jerk, length, distance),
+                acceleration: stretched(own.acceleration, ratio, shift),
+                jerk: stretched(own.jerk, ratio, shift),
             });
         }
         path
@@ -204,6 +206,12 @@ impl AxisLimits {
             jerk: per_tick(jerk.nm_per_s3(), tick_us, 3).saturating_sub(8 << 16),
         }
     }
+}
+
+/// `limit` · `ratio` / 2^`shift`, saturating.
+fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
+    let product = u128::from(limit).saturating_mul(u128::from(ratio)) >> shift.min(63);
+    u64::try_from(product).unwrap_or(u64::MAX)
 }
 
 fn over(value: u128, divisor: u128) -> u128 {

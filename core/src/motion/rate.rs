@@ -29,15 +29,15 @@ impl PathRate {
         let nm = if feed.nm_per_min() < 0 {
             0
         } else {
-            feed.nm_per_min() as u128
+            feed.nm_per_min() as u64
         };
-        // nm/min · µs · 256 / (60 · 10⁶ µs/min)
+        // nm/min · µs · 256 / (60 · 10⁶ µs/min); what saturates here is far beyond the type.
         let scaled = nm
-            .saturating_mul(tick_us as u128)
+            .saturating_mul(tick_us as u64)
             .saturating_mul(256)
             .saturating_add(30_000_000)
             / 60_000_000;
-        if scaled > u32::MAX as u128 {
+        if scaled > u32::MAX as u64 {
             Self(u32::MAX)
         } else {
             Self(scaled as u32)
