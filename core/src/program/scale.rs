@@ -107,19 +107,18 @@ impl Scale {
     /// A C word.
     #[inline]
     pub(super) fn angle(&self, word: &Word) -> Result<Angle, Alarm> {
-        match word.value.scaled(self.angle_decimals) {
-            Ok(count) => {
-                let udeg = count.saturating_mul(self.step_udeg);
-                if Length::from_nm(udeg).is_in_range() {
-                    Ok(Angle::from_udeg(udeg))
-                } else {
-                    let limit = Length::INPUT_LIMIT.nm() / 1_000_000;
-                    Err(word.out_of_range(Arg::Int(limit.wrapping_neg()), Arg::Int(limit)))
-                }
-            }
-            Err(DecimalError::Inexact) => Err(beyond_increment(word, self.angle_decimals)),
-            Err(DecimalError::TooLarge) => Err(word.alarm(Code::NumberTooLong)),
+        const LIMIT: i64 = Length::INPUT_LIMIT.nm();
+        let count = match word.value.scaled(self.angle_decimals) {
+            Ok(count) => count,
+            Err(DecimalError::Inexact) => return Err(beyond_increment(word, self.angle_decimals)),
+            Err(DecimalError::TooLarge) => i64::MAX,
+        };
+        let udeg = count.saturating_mul(self.step_udeg);
+        if udeg.unsigned_abs() > LIMIT.unsigned_abs() {
+            let limit = |udeg| Arg::Angle(Angle::from_udeg(udeg));
+            return Err(word.out_of_range(limit(LIMIT.wrapping_neg()), limit(LIMIT)));
         }
+        Ok(Angle::from_udeg(udeg))
     }
 
     /// A distance of a cycle in millimetres or inches, within a printed range.
@@ -178,7 +177,7 @@ impl Scale {
         let count = match word.value.scaled(decimals) {
             Ok(count) => count,
             Err(DecimalError::Inexact) => return Err(beyond_increment(word, decimals)),
-            Err(DecimalError::TooLarge) => return Err(word.alarm(Code::NumberTooLong)),
+            Err(DecimalError::TooLarge) => i64::MAX,
         };
         let nm = count.saturating_mul(step);
         if nm <= 0 || nm > most {

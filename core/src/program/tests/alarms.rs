@@ -1,7 +1,7 @@
 //! Every alarm and warning of this folder, provoked: number, word, line and columns.
 
 use super::*;
-use crate::alarm::{Arg, Code};
+use crate::alarm::{Arg, Code, Lang};
 use std::collections::BTreeSet;
 use std::string::String;
 
@@ -67,6 +67,11 @@ const CASES: &[(&str, u16, u32, u16, u16, char)] = &[
     ("G1 X1 F-5", 4025, 1, 7, 10, 'F'),
     ("G1 X1 F1000000", 4025, 1, 7, 15, 'F'),
     ("G20 G1 X1 F100000", 4025, 1, 11, 18, 'F'),
+    ("G1 X1 F999999999999999999", 4025, 1, 7, 26, 'F'),
+    ("C999999999999999999", 4025, 1, 1, 20, 'C'),
+    ("X999999999999999999", 4025, 1, 1, 20, 'X'),
+    ("X-999999999999999999", 4025, 1, 1, 21, 'X'),
+    ("G78 J999999999999999999", 4025, 1, 5, 24, 'J'),
     ("T10000", 4025, 1, 1, 7, 'T'),
     ("N100000000", 4025, 1, 1, 11, 'N'),
     ("G4 X-1", 4025, 1, 4, 7, 'X'),
@@ -175,6 +180,27 @@ fn every_alarm_names_its_place() {
             (*number, span(*line, *column, *end), *word),
             "{text}"
         );
+    }
+}
+
+#[test]
+fn texts_have_the_figures_they_ask_for() {
+    for (text, ..) in CASES {
+        let alarm = alarm(text);
+        for lang in [Lang::En, Lang::Zh] {
+            let template = String::from_iter([alarm.code.cause(lang), alarm.code.help(lang)]);
+            assert!(
+                !template.contains("{w}") || alarm.word.is_some(),
+                "{text}: {template}"
+            );
+            for (index, arg) in alarm.args.iter().enumerate() {
+                let place = std::format!("{{{index}}}");
+                assert!(
+                    !template.contains(&place) || *arg != Arg::None,
+                    "{text}: {template}"
+                );
+            }
+        }
     }
 }
 
