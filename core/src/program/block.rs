@@ -182,26 +182,19 @@ impl Block {
         column: u16,
         end: u16,
     ) -> Result<(), Alarm> {
-        let slot = Slot { value, column, end };
         let set = Letters::one(letter);
-        if set.common(ADDRESSES).is_empty() {
-            self.mark(column, end);
-            return match letter {
-                b'G' => self.add_g(slot),
-                b'M' => self.add_m(slot),
-                _ => Err(self.word(letter, &slot).alarm(Code::UnknownAddress)),
-            };
+        let new = set.common(ADDRESSES).without(self.present);
+        if new.is_empty() {
+            return self.add_code(letter, Slot { value, column, end });
         }
-        if !self.present.common(set).is_empty() {
-            return Err(self.word(letter, &slot).alarm(Code::WordTwice));
-        }
-        if !set.common(NAMES).is_empty() {
+        if !new.common(NAMES).is_empty() {
             let first = if letter == b'N' {
                 self.is_empty()
             } else {
                 self.has_no_lead()
             };
             if !first {
+                let slot = Slot { value, column, end };
                 return Err(self.word(letter, &slot).alarm(Code::WordNotFirst));
             }
         }
@@ -210,9 +203,22 @@ impl Block {
         }
         self.present = self.present.and(set);
         if let Some(place) = self.words.get_mut(usize::from(letter.wrapping_sub(b'A'))) {
-            *place = slot;
+            *place = Slot { value, column, end };
         }
         Ok(())
+    }
+
+    /// Takes in a word that fills no free slot of a letter: G, M, or one to refuse.
+    fn add_code(&mut self, letter: u8, slot: Slot) -> Result<(), Alarm> {
+        self.mark(slot.column, slot.end);
+        match letter {
+            b'G' => self.add_g(slot),
+            b'M' => self.add_m(slot),
+            _ if Letters::one(letter).common(ADDRESSES).is_empty() => {
+                Err(self.word(letter, &slot).alarm(Code::UnknownAddress))
+            }
+            _ => Err(self.word(letter, &slot).alarm(Code::WordTwice)),
+        }
     }
 
     /// Refuses an axis given both ways.
@@ -256,6 +262,7 @@ impl Block {
         }
     }
 
+    #[inline]
     fn add_g(&mut self, slot: Slot) -> Result<(), Alarm> {
         let word = self.word(b'G', &slot);
         let code = i64::from(word.count(u32::MAX)?);

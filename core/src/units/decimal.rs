@@ -19,22 +19,21 @@ pub enum DecimalError {
     TooLarge,
 }
 
-/// Appends the digits at the front of `text` to `mantissa`, counts them and gives what follows.
+/// Appends the digits at the front of `text` to `mantissa`; with it come their count and what follows.
 #[inline(always)]
-fn digits_of<'t>(text: &'t [u8], mantissa: &mut i64, count: &mut usize) -> &'t [u8] {
-    let mut rest = text;
-    let mut value = *mantissa;
-    while let [byte, tail @ ..] = rest {
-        let digit = byte.wrapping_sub(b'0');
+fn digits_of(text: &[u8], mantissa: i64) -> (i64, usize, &[u8]) {
+    let mut rest = text.iter();
+    let mut value = mantissa;
+    while let Some(byte) = rest.as_slice().first() {
+        let digit = u64::from(*byte).wrapping_sub(u64::from(b'0'));
         if digit > 9 {
             break;
         }
-        value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
-        rest = tail;
+        value = value.wrapping_mul(10).wrapping_add(digit.cast_signed());
+        rest.next();
     }
-    *mantissa = value;
-    *count = text.len().wrapping_sub(rest.len());
-    rest
+    let rest = rest.as_slice();
+    (value, text.len().wrapping_sub(rest.len()), rest)
 }
 
 /// 10⁰ … 10¹⁸.
@@ -71,17 +70,20 @@ impl Decimal {
     #[inline]
     #[must_use]
     pub fn parse(text: &[u8]) -> (Self, &[u8]) {
-        let (sign, negative, mut rest) = match text {
+        let (sign, negative, rest) = match text {
             [b'-', rest @ ..] => (true, true, rest),
             [b'+', rest @ ..] => (true, false, rest),
             _ => (false, false, text),
         };
-        let (mut mantissa, mut digits, mut decimals, mut point) = (0, 0, 0, false);
-        rest = digits_of(rest, &mut mantissa, &mut digits);
+        let (mut mantissa, mut digits, mut rest) = digits_of(rest, 0);
+        let (mut decimals, mut point) = (0, false);
         if let [b'.', tail @ ..] = rest {
             point = true;
-            rest = digits_of(tail, &mut mantissa, &mut decimals);
+            (mantissa, decimals, rest) = digits_of(tail, mantissa);
             digits = digits.saturating_add(decimals);
+        }
+        if digits > usize::from(Self::MAX_DIGITS) {
+            (digits, decimals) = (255, 0);
         }
         let number = Self {
             mantissa: if negative {
@@ -89,8 +91,9 @@ impl Decimal {
             } else {
                 mantissa
             },
-            decimals: decimals.min(255) as u8,
-            digits: digits.min(255) as u8,
+            // At most 18, or 255.
+            decimals: decimals as u8,
+            digits: digits as u8,
             point,
             sign,
         };
@@ -109,7 +112,7 @@ impl Decimal {
         self.decimals
     }
 
-    /// Digits written, leading zeros included (`P020560` has 6); at most 255.
+    /// Digits written, leading zeros included (`P020560` has 6); 255 for more than [`MAX_DIGITS`](Self::MAX_DIGITS).
     #[must_use]
     pub const fn digits(self) -> u8 {
         self.digits
@@ -189,6 +192,7 @@ mod tests {
         assert!(x.has_point() && x.has_sign());
         assert!(read("3.").has_point());
         assert!(read("+3").has_sign());
+        assert_eq!(read("1234567890123456789").digits(), 255);
         assert_eq!(Decimal::parse(b"X").0.digits(), 0);
         assert_eq!(Decimal::parse(b".").0.digits(), 0);
         assert_eq!(Decimal::parse(b"1.2.3").1, b".3");
@@ -207,7 +211,7 @@ mod tests {
         );
         assert_eq!(read(&format!("0.{}", "0".repeat(17))).scaled(3), Ok(0));
         assert_eq!(
-            read("0.000000000000000001").scaled(0),
+            read(".000000000000000001").scaled(0),
             Err(DecimalError::Inexact)
         );
     }
