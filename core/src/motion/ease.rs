@@ -175,3 +175,79 @@ impl Ease {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::float_arithmetic, clippy::arithmetic_side_effects)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+
+    const MACHINES: [(u64, u64, u64); 6] = [
+        // Speed, acceleration, jerk: jerk alone, both, hardly any jerk limit, slow, fast, a tick's travel and less.
+        (34_500_000, 3_000_000_000, 60_000_000_000),
+        (200_000_000, 2_000_000_000, 60_000_000_000),
+        (50_000_000, 1_000_000_000, 10_000_000_000_000),
+        (100_000, 3_000_000_000, 60_000_000_000),
+        (400_000_000, 500_000_000, 5_000_000_000),
+        (1_000, 3_000_000_000, 60_000_000_000),
+    ];
+
+    /// The curve from its definition: the second derivative rises over R, stays, falls over R.
+    fn exact(h: f64, half: f64, rise: f64) -> f64 {
+        let whole = 2.0 * half;
+        let x = (h + half).clamp(0.0, whole);
+        let top = 1.0 / (whole - rise);
+        let cubes = |x: f64| x.max(0.0).powi(3);
+        let inside = top / (6.0 * rise)
+            * (cubes(x) - cubes(x - rise) - cubes(x - whole + rise) + cubes(x - whole));
+        inside + (h - half).max(0.0)
+    }
+
+    #[test]
+    fn the_curve_is_the_one_of_its_definition() {
+        for (speed, acceleration, jerk) in MACHINES {
+            let ease = Ease::new(speed, speed, Bounds { acceleration, jerk });
+            let (half, rise) = (ease.half as f64, ease.rise as f64);
+            for n in -1100..=1100_i64 {
+                let h = ease.half * n / 1000;
+                let error = (ease.at(h) as f64 - exact(h as f64, half, rise)).abs() / 65536.0;
+                assert!(
+                    error < 0.01 + half / 65536.0 * 3e-9,
+                    "{speed}: {error} nm at {n}"
+                );
+            }
+            assert_eq!(ease.at(ease.half), ease.half);
+            assert_eq!(ease.at(-ease.half), 0);
+        }
+    }
+
+    #[test]
+    fn half_is_what_the_limits_allow() {
+        for (speed, acceleration, jerk) in MACHINES {
+            let ease = Ease::new(speed, speed, Bounds { acceleration, jerk });
+            let (v, a, j) = (speed as f64, acceleration as f64, jerk as f64);
+            let time = if v >= a * a / j {
+                v / a + a / j
+            } else {
+                2.0 * (v / j).sqrt()
+            };
+            let half = ease.half_nm() as f64;
+            // Never shorter, and longer by the rounding to nanoseconds and nanometres alone.
+            assert!(half >= v * time / 2.0 - 1e-3 && half <= v * (time + 4e-9) / 2.0 + 1.0);
+        }
+        assert_eq!(
+            Ease::new(
+                0,
+                1,
+                Bounds {
+                    acceleration: 1,
+                    jerk: 1
+                }
+            ),
+            Ease::NONE
+        );
+        assert_eq!(Ease::NONE.at(5), 5);
+        assert_eq!(Ease::NONE.at(-5), 0);
+    }
+}

@@ -4,5 +4,8 @@
 //! hardware captures it; what follows the spindle asks for the angle at the instant its setpoint takes effect.
 
 mod observer;
+#[cfg(test)]
+#[allow(clippy::float_arithmetic, clippy::arithmetic_side_effects)]
+mod tests;
 
 pub use observer::{EncoderSample, Observer, SpindleEvent};

@@ -13,7 +13,7 @@ use crate::{pass, position};
 const PASSES: u32 = if cfg!(debug_assertions) {
     1_000
 } else {
-    20_000
+    10_000
 };
 
 /// xorshift64*.

@@ -24,7 +24,8 @@ impl ThreadPlan {
     pub(super) fn travel(&self, relative: Turns) -> Fine {
         let low = (-self.join_angle - Turns::ONE).raw();
         let high = (self.done_angle + Turns::ONE).raw();
-        let relative = relative.raw().clamp(low, high);
+        // Not `clamp`, which panics where the limits cross.
+        let relative = relative.raw().max(low).min(high);
         let turns = relative >> 32;
         let part = (relative as u64) & 0xffff_ffff;
         let (lead, rest) = self.lead;

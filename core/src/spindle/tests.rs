@@ -1,0 +1,220 @@
+//! The observer on an ideal encoder: angles, index, slip, counts that are no power of two, standstill.
+
+extern crate std;
+
+use std::vec::Vec;
+
+use super::*;
+use crate::units::{Rpm, Ticks, TurnRate, Turns};
+
+const TURN: i128 = 1 << 32;
+
+/// An encoder at a steady speed, exact in integers: `step` 2⁻³² turns a tick from `angle`, its counter at `zero` where the
+/// angle is 0.
+#[derive(Clone, Copy)]
+struct Encoder {
+    counts: i64,
+    zero: i32,
+    angle: i64,
+    step: i64,
+    edges: bool,
+    tick_ns: i64,
+}
+
+impl Encoder {
+    fn new(step: i64) -> Self {
+        Self {
+            counts: 4096,
+            zero: 0,
+            angle: 0,
+            step,
+            edges: true,
+            tick_ns: 1_000_000,
+        }
+    }
+
+    fn count(&self, angle: i64) -> i64 {
+        (i128::from(angle) * i128::from(self.counts)).div_euclid(TURN) as i64
+    }
+
+    fn tick(&mut self) -> EncoderSample {
+        let before = self.count(self.angle);
+        self.angle += self.step;
+        let count = self.count(self.angle);
+        let shown = |count: i64| self.zero.wrapping_add(count as i32);
+        let turn = |count: i64| count.div_euclid(self.counts);
+        let index = if count > before && turn(count) > turn(before) {
+            Some(turn(count) * self.counts)
+        } else {
+            let upper = turn(before) * self.counts;
+            (count < before && before > upper && count <= upper).then_some(upper)
+        };
+        let boundary = i128::from(count + i64::from(self.step < 0)) * TURN;
+        let way = (i128::from(self.angle) * i128::from(self.counts) - boundary).abs();
+        let age = way * i128::from(self.tick_ns)
+            / (i128::from(self.step.abs().max(1)) * i128::from(self.counts));
+        EncoderSample {
+            count: shown(count),
+            edge_age_ns: (self.edges && self.step != 0).then_some(age as u32),
+            index: index.map(shown),
+        }
+    }
+}
+
+/// Step of a speed in a tick of a millisecond.
+fn step(rpm: i32) -> i64 {
+    TurnRate::of_rpm(Rpm::new(rpm)).raw() / 1000
+}
+
+/// Signed distance of two angles within a turn.
+fn apart(a: Turns, b: i64) -> i64 {
+    i64::from((a.raw() as i32).wrapping_sub(b as i32))
+}
+
+#[test]
+fn steady_speed_is_known_exactly_with_edge_times() {
+    for rpm in [1, 10, 300, 3000, 4000, -1, -300, -4000] {
+        for counts in [4096, 5000, 1, 1000] {
+            let mut encoder = Encoder::new(step(rpm));
+            encoder.counts = counts;
+            // The hardware counter wraps on the way.
+            encoder.zero = if rpm > 0 { i32::MAX - 3 } else { i32::MIN + 3 };
+            let mut observer = Observer::new(counts as u32, 35, 1000);
+            // One count in eight ticks is about where the age of edges is still used in full.
+            let enough = counts * step(rpm).abs() >= (1 << 32) / 8;
+            for _ in 0..3000 {
+                observer.tick(encoder.tick());
+            }
+            if !enough {
+                continue;
+            }
+            let indexed = observer.indexed();
+            assert_eq!(indexed, step(rpm).abs() * 3000 >= 1 << 32);
+            // A nanosecond of the edge's time, and the truncated scale.
+            let allowed = step(rpm).abs() / 1_000_000 + 4;
+            let error = apart(observer.angle(), encoder.angle);
+            assert!(
+                !indexed || error.abs() <= allowed,
+                "{rpm} {counts}: {error}"
+            );
+            let ahead = observer.predict(Ticks::whole(3));
+            let error = apart(ahead, encoder.angle + 3 * encoder.step);
+            assert!(
+                !indexed || error.abs() <= 4 * allowed,
+                "{rpm} {counts}: {error}"
+            );
+            assert_eq!(observer.speed().rpm(), Rpm::new(rpm));
+            assert!(observer.is_turning());
+        }
+    }
+}
+
+#[test]
+fn counts_alone_are_good_to_about_half_a_count() {
+    for rpm in [30, 300, 3000, -300] {
+        let mut encoder = Encoder::new(step(rpm));
+        encoder.edges = false;
+        let mut observer = Observer::new(4096, 35, 1000);
+        let mut worst = 0;
+        for n in 0..5000 {
+            observer.tick(encoder.tick());
+            if n > 3000 {
+                worst = worst.max(apart(observer.angle(), encoder.angle).abs());
+            }
+        }
+        // 2⁻³² turns: 0.55 counts.
+        assert!(worst <= 576_716, "{rpm}: {worst}");
+    }
+}
+
+#[test]
+fn starts_from_rest_and_stands_again() {
+    let mut encoder = Encoder::new(0);
+    let mut observer = Observer::new(4096, 35, 1000);
+    let mut worst = 0;
+    // 1000 rpm in half a second, hold, down again.
+    let top = step(1000);
+    let speeds: Vec<i64> = (0..1500)
+        .map(|n: i64| match n {
+            0..500 => top * n / 500,
+            500..1000 => top,
+            _ => top * (1500 - n) / 500,
+        })
+        .collect();
+    for (n, speed) in speeds.into_iter().enumerate() {
+        encoder.step = speed;
+        observer.tick(encoder.tick());
+        // Two milliseconds' change of acceleration is what the filter has to learn at the corners.
+        if n % 500 > 100 {
+            worst = worst.max(apart(observer.angle(), encoder.angle).abs());
+        }
+    }
+    assert!(worst <= (1 << 32) / 4096, "{worst}");
+    encoder.step = 0;
+    for _ in 0..500 {
+        observer.tick(encoder.tick());
+    }
+    assert!(!observer.is_turning());
+    assert_eq!(observer.speed().rpm(), Rpm::STOPPED);
+    assert!(apart(observer.angle(), encoder.angle).abs() <= (1 << 32) / 4096);
+}
+
+#[test]
+fn reversal_keeps_the_angle() {
+    let mut encoder = Encoder::new(step(300));
+    let mut observer = Observer::new(4096, 35, 1000);
+    for n in 0..4000_i64 {
+        encoder.step = step(300) * (1000 - (n - 2000).abs().min(2000)) / 1000;
+        observer.tick(encoder.tick());
+        let error = apart(observer.angle(), encoder.angle).abs();
+        assert!(n < 1000 || error <= (1 << 32) / 4096, "{n}: {error}");
+    }
+}
+
+#[test]
+fn the_first_index_is_the_zero_and_the_nearest_turn_is_kept() {
+    for (first, rpm) in [(0.0, 300), (0.3, 300), (0.8, 300), (0.3, -300), (0.8, -300)] {
+        let mut encoder = Encoder::new(step(rpm));
+        encoder.angle = (first * 4_294_967_296.0) as i64;
+        let mut observer = Observer::new(4096, 35, 1000);
+        let mut events = Vec::new();
+        let mut before = observer.angle();
+        for _ in 0..1000 {
+            let predicted = observer.predict(Ticks::ONE);
+            if let Some(event) = observer.tick(encoder.tick()) {
+                let jump = (observer.angle() - predicted).raw().abs();
+                assert!(jump <= (1 << 31) + (1 << 20));
+                events.push(event);
+            }
+            before = observer.angle();
+        }
+        assert_eq!(events, [SpindleEvent::Indexed]);
+        assert!(apart(before, encoder.angle).abs() < 1 << 8);
+    }
+}
+
+#[test]
+fn lost_counts_are_noticed_at_the_next_index() {
+    for rpm in [300, -300] {
+        for lost in [1_i32, 2, -7] {
+            let mut encoder = Encoder::new(step(rpm));
+            let mut observer = Observer::new(4096, 35, 1000);
+            for _ in 0..500 {
+                observer.tick(encoder.tick());
+            }
+            encoder.zero += lost;
+            let mut events = Vec::new();
+            for _ in 0..490 {
+                events.extend(observer.tick(encoder.tick()));
+            }
+            // One count is within what an index on a boundary may do.
+            let slip = SpindleEvent::Slipped { counts: lost };
+            let wanted = if lost == 1 {
+                Vec::new()
+            } else {
+                std::vec![slip; 2]
+            };
+            assert_eq!(events, wanted);
+        }
+    }
+}
