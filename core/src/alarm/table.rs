@@ -446,10 +446,10 @@ codes! {
     /// A value of a TOML kind that no parameter has; {0} the parameter, {1} an example.
     ParamKind = 4412, "{0}: a value is a whole number, or a text with a unit", "write a value such as {1}",
         "{0}：值应为整数，或带单位的文本", "请写如 {1} 的值";
-    /// A ramp does not fit a profile: axis, ticks, most ticks.
-    RampTooLong = 4420, "speeding {0} up to its rapid rate takes {1} ticks, and a profile holds {2}",
+    /// A ramp does not fit a profile: axis with the longest part of it, ticks, most ticks.
+    RampTooLong = 4420, "speeding up takes {1} ticks, {0} most of them, and a profile holds {2}",
         "raise 1620.{0} or 1622.{0}, lower 1420.{0}, or make the tick (9000) longer",
-        "{0} 轴加速到快移速度需要 {1} 个周期，超过上限 {2}", "请增大 1620.{0} 或 1622.{0}，减小 1420.{0}，或加长周期（9000）";
+        "加速需要 {1} 个周期（主要是 {0} 轴），超过上限 {2}", "请增大 1620.{0} 或 1622.{0}，减小 1420.{0}，或加长周期（9000）";
     /// Travel limits the wrong way round: axis.
     SoftLimitsInverted = 4421, "the travel limits of {0} leave no room: 1321.{0} is not below 1320.{0}",
         "make 1320.{0} larger than 1321.{0}, or write \"none\" for no limit",

@@ -88,17 +88,24 @@ impl Params {
     /// On a slanted path one axis may set the speed, another the acceleration, a third the jerk; the path's ramps are
     /// never longer than the longest of any axis, so those are what must fit.
     fn check_ramps(&self, report: &mut impl FnMut(Alarm)) {
-        let (mut longest, mut speed_ticks, mut acceleration_ticks) = (Axis::X, 0, 0);
+        let none = (Axis::X, 0);
+        let (mut to_speed, mut to_acceleration) = (none, none);
         for axis in Axis::ALL {
-            let (to_speed, to_acceleration) = self.ramps(axis);
-            if to_speed > speed_ticks {
-                longest = axis;
-                speed_ticks = to_speed;
+            let (speed, acceleration) = self.ramps(axis);
+            if speed > to_speed.1 {
+                to_speed = (axis, speed);
             }
-            acceleration_ticks = acceleration_ticks.max(to_acceleration);
+            if acceleration > to_acceleration.1 {
+                to_acceleration = (axis, acceleration);
+            }
         }
-        let ticks = speed_ticks.saturating_add(acceleration_ticks);
+        let ticks = to_speed.1.saturating_add(to_acceleration.1);
         if ticks > PROFILE_TICKS {
+            let longest = if to_acceleration.1 > to_speed.1 {
+                to_acceleration.0
+            } else {
+                to_speed.0
+            };
             report(alarm(
                 Code::RampTooLong,
                 [letter(longest), Arg::Int(ticks), Arg::Int(PROFILE_TICKS)],
@@ -253,6 +260,14 @@ mod tests {
                 [z, Arg::Int(2102), Arg::Int(2048), none],
                 // 1 998 ticks and the 50 of C: exactly what a profile holds.
                 &[("1620.Z", "0.13347")],
+            ),
+            (
+                // 20 000 °/s² at 5 000 °/s³ are 4 000 ticks, besides the 360 to its speed.
+                &[("1622.C", "5000")],
+                Code::RampTooLong,
+                [Arg::Letter(b'C'), Arg::Int(4360), Arg::Int(2048), none],
+                // 1 688 ticks and the 360.
+                &[("1622.C", "11848.35")],
             ),
             (
                 &[("1320.X", "-300")],

@@ -146,15 +146,17 @@ impl Loaded {
             Arg::Letter(letter) => Axis::ALL.into_iter().find(|axis| axis.letter() == letter),
             _ => None,
         };
-        let part = |entry: &Entry| match entry.part {
+        let is_axis = |entry: &Entry| match entry.part {
             Part::Axis(of) => axis.is_none_or(|axis| axis == of),
             Part::Whole | Part::Bit(_) => true,
         };
+        // A ramp is made of several axes; what the named one has counts first.
         let source = Entry::all()
             .iter()
-            .filter(|entry| numbers(alarm.code).contains(&entry.no) && part(entry))
-            .filter_map(|entry| self.sources.get(&key(entry)))
-            .max_by_key(|source| source.order);
+            .filter(|entry| numbers(alarm.code).contains(&entry.no))
+            .filter_map(|entry| Some((is_axis(entry), self.sources.get(&key(entry))?)))
+            .max_by_key(|(is_axis, source)| (*is_axis, source.order))
+            .map(|(_, source)| source);
         source.map_or_else(
             || Place {
                 file: "the built-in machine".into(),

@@ -284,6 +284,14 @@ fn a_cross_check_points_at_the_value_written_last() {
             "2.toml:1:10-23 4422 the cutting feed of X (1430.X) is above its rapid rate (1420.X) / lower 1430.X or raise 1420.X"
         ]
     );
+    // The ramp is made of two axes; that of the longer part is to blame.
+    let ramps = load_texts(&["1622.C = \"15000 °/s³\"", "1620.Z = \"0.3 m/s²\""], &[]);
+    assert_eq!(
+        told(&ramps),
+        [
+            "1.toml:1:10-22 4420 speeding up takes 2223 ticks, C most of them, and a profile holds 2048 / raise 1620.C or 1622.C, lower 1420.C, or make the tick (9000) longer"
+        ]
+    );
     let warned = load_texts(&[], &["5213=0"]);
     assert!(warned.is_good());
     assert_eq!(told(&warned).len(), 1);
