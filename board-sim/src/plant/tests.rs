@@ -2,8 +2,8 @@ extern crate std;
 
 use super::*;
 use leadscrew_core::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Mode, NmtState, Phase, SpindleCommand,
-    SyncProducer, Ticks,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Mode, NmtState, Periods, Phase,
+    SpindleCommand, SyncProducer,
 };
 use leadscrew_core::units::{Length, Rpm};
 use std::vec;
@@ -282,11 +282,11 @@ impl Bench {
             letter,
             node,
             scale: Scale::new(1, 100).unwrap(),
-            step: Ticks::new(50),
-            silence: Ticks::new(12),
+            step: Periods::new(50),
+            silence: Periods::new(12),
             following: (letter != b'S').then_some(FollowingLimit {
                 increments: 10_000,
-                time: Ticks::new(10),
+                time: Periods::new(10),
             }),
         };
         Self {

@@ -14,8 +14,8 @@ use super::event::{Command, Event};
 use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{
-    DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Mode, NodeId, Scale,
-    SpindleCommand, SyncProducer, Ticks as Periods,
+    DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Mode, NodeId, Periods,
+    Scale, SpindleCommand, SyncProducer,
 };
 use crate::motion::{Action, Arrival, Conditions, Executor, Motion, Rate, Segment, Setpoint};
 use crate::params::Params;

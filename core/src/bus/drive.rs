@@ -28,9 +28,9 @@ use crate::units::{Angle, Length};
 
 /// A time in SYNC periods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Ticks(u32);
+pub struct Periods(u32);
 
-impl Ticks {
+impl Periods {
     /// `count` SYNC periods.
     #[must_use]
     pub const fn new(count: u32) -> Self {
@@ -71,9 +71,9 @@ pub struct DriveConfig {
     /// Its increments; used here only to put positions into messages.
     pub scale: Scale,
     /// Time for each step of enabling, and for a fault reset.
-    pub step: Ticks,
+    pub step: Periods,
     /// Time without a status after which an enabled drive counts as lost.
-    pub silence: Ticks,
+    pub silence: Periods,
     /// Following error; `None` for a drive that is not in position mode.
     pub following: Option<FollowingLimit>,
 }
@@ -84,7 +84,7 @@ pub struct FollowingLimit {
     /// The largest distance, in increments.
     pub increments: u32,
     /// How long a greater one is tolerated.
-    pub time: Ticks,
+    pub time: Periods,
 }
 
 /// A step on the way to operation enabled, or out of a fault.
@@ -169,14 +169,14 @@ pub struct DriveMaster {
     config: DriveConfig,
     phase: Phase,
     failure: Option<DriveFailure>,
-    /// Ticks since the step began; while enabled, ticks for which demands have been refused.
-    waited: Ticks,
+    /// Periods since the step began; while enabled, ticks for which demands have been refused.
+    waited: Periods,
     /// A demand has taken the enabled drive up where it stands.
     follows: bool,
-    /// Ticks since the last status.
-    quiet: Ticks,
-    /// Ticks for which the following error has been too great.
-    astray: Ticks,
+    /// Periods since the last status.
+    quiet: Periods,
+    /// Periods for which the following error has been too great.
+    astray: Periods,
     /// The last status.
     status: Option<DriveStatus>,
     /// A status came after the step began.
@@ -199,10 +199,10 @@ impl DriveMaster {
             config,
             phase: Phase::Offline,
             failure: None,
-            waited: Ticks(0),
+            waited: Periods(0),
             follows: false,
-            quiet: Ticks(0),
-            astray: Ticks(0),
+            quiet: Periods(0),
+            astray: Periods(0),
             status: None,
             answered: false,
             error_code: 0,
@@ -309,7 +309,7 @@ impl DriveMaster {
 
     fn hear(&mut self, status: DriveStatus) {
         self.status = Some(status);
-        self.quiet = Ticks(0);
+        self.quiet = Periods(0);
         self.answered = true;
         let state = status.status.state();
         if self.phase == Phase::Enabled {
@@ -344,9 +344,9 @@ impl DriveMaster {
             (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
             (Step::EnableOperation, Some(State::OperationEnabled)) => {
                 self.phase = Phase::Enabled;
-                self.waited = Ticks(0);
+                self.waited = Periods(0);
                 self.follows = false;
-                self.astray = Ticks(0);
+                self.astray = Periods(0);
             }
             _ => {}
         }
@@ -362,9 +362,9 @@ impl DriveMaster {
             .following
             .is_some_and(|limit| distance > limit.increments);
         if !astray {
-            self.astray = Ticks(0);
-        } else if self.astray == Ticks(0) {
-            self.astray = Ticks(1);
+            self.astray = Periods(0);
+        } else if self.astray == Periods(0) {
+            self.astray = Periods(1);
         }
     }
 
@@ -402,7 +402,7 @@ impl DriveMaster {
                 Some(Controlword::ENABLE_OPERATION)
             }
             // The bit must rise: the first word of this step has it low.
-            Phase::Step(Step::FaultReset) if self.waited <= Ticks(1) => {
+            Phase::Step(Step::FaultReset) if self.waited <= Periods(1) => {
                 Some(Controlword::DISABLE_VOLTAGE)
             }
             Phase::Step(Step::FaultReset) => Some(Controlword::FAULT_RESET),
@@ -448,7 +448,7 @@ impl DriveMaster {
             Phase::Enabled if self.quiet > self.config.silence => {
                 self.latch(DriveFailure::Silent);
             }
-            Phase::Enabled if self.astray > Ticks(0) => self.check_following(),
+            Phase::Enabled if self.astray > Periods(0) => self.check_following(),
             Phase::Enabled | Phase::Standby | Phase::Offline => {}
         }
     }
@@ -477,7 +477,7 @@ impl DriveMaster {
 
     const fn enter(&mut self, step: Step) {
         self.phase = Phase::Step(step);
-        self.waited = Ticks(0);
+        self.waited = Periods(0);
         self.answered = false;
     }
 

@@ -21,7 +21,7 @@ mod sync;
 
 pub use cia402::{Controlword, State, Statusword};
 pub use drive::{
-    DriveConfig, DriveFailure, DriveMaster, DriveOutput, FollowingLimit, Phase, Step, Ticks,
+    DriveConfig, DriveFailure, DriveMaster, DriveOutput, FollowingLimit, Periods, Phase, Step,
 };
 pub use emcy::Emcy;
 pub use frame::{CobId, Frame, NodeId, Service};

@@ -7,8 +7,8 @@ use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::board::Command;
 use leadscrew_core::bus::{
     CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
-    Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Scale, SpindleCommand, Statusword,
-    SyncProducer, Ticks,
+    Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, Scale, SpindleCommand,
+    Statusword, SyncProducer,
 };
 use leadscrew_core::cycle::{Move, MoveKind, ThreadMove};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
@@ -88,7 +88,7 @@ macro_rules! wrapped {
     )*};
 }
 wrapped!(Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
-    FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Ticks::new MilliRpm::new Statusword::from_raw
+    FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Periods::new MilliRpm::new Statusword::from_raw
     Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw);
 
 /// Types that are the sum of their public fields.

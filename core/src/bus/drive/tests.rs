@@ -14,11 +14,11 @@ fn master() -> DriveMaster {
         letter: b'X',
         node: NODE,
         scale: Scale::new(1, 100).unwrap(),
-        step: Ticks::new(20),
-        silence: Ticks::new(8),
+        step: Periods::new(20),
+        silence: Periods::new(8),
         following: Some(FollowingLimit {
             increments: 1000,
-            time: Ticks::new(5),
+            time: Periods::new(5),
         }),
     })
 }
@@ -384,9 +384,9 @@ fn frames_of_others_are_not_its_own() {
 
 #[test]
 fn ticks_from_milliseconds_round_up() {
-    assert_eq!(Ticks::from_ms(500, 1000), Some(Ticks::new(500)));
-    assert_eq!(Ticks::from_ms(1, 3000), Some(Ticks::new(1)));
-    assert_eq!(Ticks::from_ms(10, 750), Some(Ticks::new(14)));
-    assert_eq!(Ticks::from_ms(u32::MAX, 1), Some(Ticks::new(u32::MAX)));
-    assert_eq!(Ticks::from_ms(1, 0), None);
+    assert_eq!(Periods::from_ms(500, 1000), Some(Periods::new(500)));
+    assert_eq!(Periods::from_ms(1, 3000), Some(Periods::new(1)));
+    assert_eq!(Periods::from_ms(10, 750), Some(Periods::new(14)));
+    assert_eq!(Periods::from_ms(u32::MAX, 1), Some(Periods::new(u32::MAX)));
+    assert_eq!(Periods::from_ms(1, 0), None);
 }

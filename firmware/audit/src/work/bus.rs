@@ -2,7 +2,7 @@
 
 use leadscrew_core::bus::{
     DriveConfig, DriveMaster, DriveOutput, DriveStatus, FollowingLimit, Frame, Increments, NodeId,
-    Scale, Statusword, Ticks,
+    Periods, Scale, Statusword,
 };
 
 use super::Work;
@@ -36,11 +36,11 @@ impl Work for Commanding {
             letter: b'X',
             node: NodeId::DRIVE_X,
             scale: self.scale,
-            step: Ticks::new(500),
-            silence: Ticks::new(12),
+            step: Periods::new(500),
+            silence: Periods::new(12),
             following: Some(FollowingLimit {
                 increments: 10_000,
-                time: Ticks::new(10),
+                time: Periods::new(10),
             }),
         });
         master.enable().expect("a new master has no failure");
