@@ -1,8 +1,8 @@
 //! How fast a program is read: `parse [LINES | FILE] [ROUNDS]` prints bytes, lines, calls and a check sum.
 //!
 //! Without a file it makes a program of linear moves with a G76, a G78 and a G75 every hundred lines, as a CAM system
-//! writes one. Under callgrind, two sizes give the instructions a line with the start-up subtracted; with ROUNDS the
-//! wall time is printed too.
+//! writes one. Under callgrind the difference of two runs that differ in ROUNDS alone is reading alone; with ROUNDS
+//! above 1 the wall time is printed too.
 
 #![allow(clippy::arithmetic_side_effects)]
 

@@ -20,6 +20,7 @@ mod plan;
 mod reader;
 mod run_out;
 mod scale;
+mod speeds;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -1,19 +1,20 @@
-//! The modal state and what a block does to it: units, coordinate systems, tool offsets, spindle, feed.
+//! The modal state and what a block does to it: units, coordinate systems, tool offsets, dwell.
 //!
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
 //! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
 
 use super::block::{Block, Letters, Word, g_arg};
-use super::call::{FeedRate, Position};
-use super::codes::{Group, MGroup};
+use super::call::Position;
+use super::codes::Group;
 use super::groove::GrooveWords;
 use super::options::Options;
 use super::plan::Plan;
 use super::scale::{Scale, seconds};
+use super::speeds::ModalFeed;
 use super::thread::ThreadWords;
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::params::Params;
-use crate::units::{Feed, FeedPerTurn, Length, Millis, Rpm};
+use crate::units::{Length, Millis};
 
 /// How axis words move (group 01).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,14 +40,6 @@ impl Motion {
     }
 }
 
-/// The feed in force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ModalFeed {
-    None,
-    PerMinute(Feed),
-    PerTurn(FeedPerTurn),
-}
-
 /// What a program has set so far.
 #[derive(Clone, Debug)]
 pub(super) struct State<'p> {
@@ -66,12 +59,12 @@ pub(super) struct State<'p> {
     pub(super) origin: Position,
     /// Where the machine stands after the blocks so far.
     pub(super) position: Position,
-    per_turn: bool,
-    feed: ModalFeed,
-    speed: u32,
+    pub(super) per_turn: bool,
+    pub(super) feed: ModalFeed,
+    pub(super) speed: u32,
     /// −1, 0 or +1.
-    direction: i32,
-    speed_limit: Option<u32>,
+    pub(super) direction: i32,
+    pub(super) speed_limit: Option<u32>,
     pub(super) thread: ThreadWords,
     pub(super) groove: GrooveWords,
     /// O of the program, if it has one.
@@ -281,7 +274,7 @@ impl<'p> State<'p> {
             50 => {
                 if sets_limit {
                     self.limit_speed(block, plan)?;
-                    self.before_motion_codes(block, plan, None)?;
+                    self.before_motion_codes(block, plan, None);
                 }
                 self.set_coordinates(block, word)
             }
@@ -304,122 +297,6 @@ impl<'p> State<'p> {
             None => Alarm::new(Code::WordWithoutUse, block.lead()),
         })
     }
-
-    // -- feed and spindle -------------------------------------------------------------------------------------------
-
-    /// F outside threads.
-    #[inline]
-    fn set_feed(&mut self, word: &Word) -> Result<(), Alarm> {
-        self.feed = if self.per_turn {
-            ModalFeed::PerTurn(self.scale.feed_per_turn(word)?)
-        } else {
-            ModalFeed::PerMinute(self.scale.feed(word)?)
-        };
-        Ok(())
-    }
-
-    /// The feed of a cut at `span`; in a dry run the dry-run feed, once there is one to replace.
-    #[inline]
-    pub(super) fn feed(&self, span: Span, code: i64) -> Result<FeedRate, Alarm> {
-        let feed = match self.feed {
-            ModalFeed::None => {
-                let args = [g_arg(code), Arg::None, Arg::None, Arg::None];
-                return Err(Alarm::new(Code::FeedMissing, span).with(args));
-            }
-            ModalFeed::PerMinute(feed) => FeedRate::PerMinute(feed),
-            ModalFeed::PerTurn(feed) => FeedRate::PerTurn(feed, self.rpm()),
-        };
-        if self.options.dry_run {
-            return Ok(FeedRate::PerMinute(self.params.dry_run_feed()));
-        }
-        Ok(feed)
-    }
-
-    /// Commanded spindle speed.
-    pub(super) fn rpm(&self) -> Rpm {
-        let speed = i32::try_from(self.speed).unwrap_or(i32::MAX);
-        Rpm::new(speed.saturating_mul(self.direction))
-    }
-
-    fn speed(&self, word: &Word) -> Result<u32, Alarm> {
-        let limit = self.params.spindle_max_rpm();
-        let speed = word.count(u32::MAX)?;
-        if speed > limit {
-            let args = [
-                Arg::Int(i64::from(speed)),
-                Arg::Int(i64::from(limit)),
-                Arg::None,
-                Arg::None,
-            ];
-            return Err(word.alarm(Code::SpeedWordTooHigh).with(args));
-        }
-        Ok(speed)
-    }
-
-    /// S and the M codes that come before the motion.
-    fn before_motion(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
-        let word = block.find(b'S');
-        if let Some(word) = &word {
-            self.speed = self.speed(word)?;
-        }
-        self.before_motion_codes(block, plan, word)
-    }
-
-    /// M03 M04 M08; `speed` is the S word of the block, if it is an ordinary one.
-    fn before_motion_codes(
-        &mut self,
-        block: &Block,
-        plan: &mut Plan,
-        speed: Option<Word>,
-    ) -> Result<(), Alarm> {
-        let turn = block
-            .m(MGroup::Spindle)
-            .filter(|word| word.value.mantissa() != 5);
-        if let Some(word) = &turn {
-            self.direction = if word.value.mantissa() == 3 { 1 } else { -1 };
-        }
-        if let Some(word) = speed.or(turn) {
-            if let Some(limit) = self.speed_limit
-                && self.speed > limit
-            {
-                let asked = Arg::Int(i64::from(self.speed));
-                let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
-                plan.warn(word.alarm(Code::SpeedLimited).with(args));
-                self.speed = limit;
-            }
-            plan.spindle(word.span, self.rpm());
-        }
-        if let Some(word) = block.m(MGroup::Coolant)
-            && word.value.mantissa() == 8
-        {
-            plan.coolant_on(word.span);
-        }
-        Ok(())
-    }
-
-    /// M05 M09 M00 M01 M02 M30.
-    fn after_motion(&mut self, block: &Block, plan: &mut Plan) {
-        if let Some(word) = block.m(MGroup::Spindle)
-            && word.value.mantissa() == 5
-        {
-            self.direction = 0;
-            plan.spindle_stop(word.span);
-        }
-        if let Some(word) = block.m(MGroup::Coolant)
-            && word.value.mantissa() == 9
-        {
-            plan.coolant_off(word.span);
-        }
-        if let Some(word) = block.m(MGroup::Flow) {
-            let code = word.value.mantissa();
-            self.ended = matches!(code, 2 | 30);
-            if code != 1 || self.options.optional_stop {
-                plan.flow(word.span, code as u16);
-            }
-        }
-    }
-
-    // -- G04, G50 ---------------------------------------------------------------------------------------------------
 
     fn dwell(
         &mut self,
@@ -449,23 +326,6 @@ impl<'p> State<'p> {
             }
             (None, None) => Err(needs_words(word)),
         }
-    }
-
-    /// G50 without X U Z W: S is the speed limit.
-    fn limit_speed(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
-        let Some(word) = block.find(b'S') else {
-            return Ok(());
-        };
-        let limit = self.speed(&word)?;
-        self.speed_limit = Some(limit);
-        if self.speed > limit && self.direction != 0 {
-            let asked = Arg::Int(i64::from(self.speed));
-            let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
-            plan.warn(word.alarm(Code::SpeedLimited).with(args));
-            self.speed = limit;
-            plan.spindle(word.span, self.rpm());
-        }
-        Ok(())
     }
 
     /// G50 X Z: the tool stands at these coordinates from now on; U W H move the zero by as much the other way.

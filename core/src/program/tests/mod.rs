@@ -9,6 +9,7 @@ mod alarms;
 mod calls;
 mod cycles;
 mod forms;
+mod parameters;
 mod random;
 
 use super::*;
