@@ -268,7 +268,7 @@ pub struct Drive {
     #[arg(long, value_name = "PERCENT@HZ")]
     pub spindle_ripple: Option<Ripple>,
     /// Interpolation tick in microseconds, instead of parameter 9000
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(250..=10_000))]
     pub tick_us: Option<u32>,
 }
 

@@ -4,14 +4,17 @@
 //! move list's formats ([`movelist`]), exact numbers ([`number`]) and JSON ([`json`]). Data goes to standard output,
 //! words for people to standard error. Knows nothing of how motion is made.
 
+pub mod candump;
 pub mod checking;
 pub mod cli;
 pub mod commands;
 pub mod diagnostics;
 pub mod drawing;
+pub mod execution;
 pub mod failure;
 pub mod interrupt;
 pub mod json;
+pub mod machine;
 pub mod movelist;
 pub mod number;
 pub mod params;

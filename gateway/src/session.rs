@@ -7,7 +7,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Options, Position};
 use leadscrew_core::units::{Angle, Length};
 
-use crate::cli::{DialectName, Global};
+use crate::cli::{DialectName, Drive, Global};
 use crate::failure::{Failure, Outcome};
 use crate::params::{self, Loaded};
 
@@ -35,6 +35,17 @@ impl<'a> Session<'a> {
         })
     }
 
+    /// The same for a machine that is to run with `drive`'s tick.
+    pub fn with_drive(global: &'a Global, drive: &Drive) -> Outcome<Self> {
+        let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
+        Ok(Self {
+            global,
+            params: load_with(global, tick)?.params,
+            lang: global.lang(),
+            colour: colour(),
+        })
+    }
+
     /// How programs are read.
     pub fn options(&self) -> Options {
         let at = self.global.at.unwrap_or_default();
@@ -57,7 +68,13 @@ impl<'a> Session<'a> {
 
 /// The parameters that the options make, with everything that is wrong with them told; wrong ones end the command.
 pub fn load(global: &Global) -> Outcome<Loaded> {
-    let loaded = params::load(&global.params, &global.set, global.lang())?;
+    load_with(global, None)
+}
+
+/// The same with one more `--set` at the end.
+fn load_with(global: &Global, last: Option<String>) -> Outcome<Loaded> {
+    let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
+    let loaded = params::load(&global.params, &set, global.lang())?;
     loaded.tell(colour());
     if loaded.is_good() {
         return Ok(loaded);

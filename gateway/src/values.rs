@@ -160,11 +160,11 @@ impl FromStr for Ripple {
             .ok_or("expected PERCENT@HZ, for example `10@5`")?;
         let milli_percent = decimal(percent.trim_end_matches('%'), 3)?;
         let milli_hz = decimal(hz, 3)?;
-        if !(0..=50_000).contains(&milli_percent) {
-            return Err(format!("{percent} % is outside 0 to 50 %"));
+        if !(0..=90_000).contains(&milli_percent) {
+            return Err(format!("{percent} % is outside 0 to 90 %"));
         }
-        if !(1..=200_000).contains(&milli_hz) {
-            return Err(format!("{hz} Hz is outside 0.001 to 200 Hz"));
+        if !(10..=1_000_000).contains(&milli_hz) {
+            return Err(format!("{hz} Hz is outside 0.01 to 1000 Hz"));
         }
         Ok(Self {
             milli_percent: u32::try_from(milli_percent).map_err(|e| e.to_string())?,
@@ -272,7 +272,7 @@ mod tests {
             })
         );
         assert_eq!("1.3".parse::<Tolerance>(), Ok(Tolerance { pm: 1_300_000 }));
-        for wrong in ["10", "60@5", "10@0", "-1@5"] {
+        for wrong in ["10", "91@5", "10@0", "-1@5"] {
             assert!(wrong.parse::<Ripple>().is_err(), "{wrong}");
         }
         assert!("-1".parse::<Tolerance>().is_err());

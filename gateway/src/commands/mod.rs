@@ -4,6 +4,9 @@ mod check;
 mod completions;
 mod expand;
 mod params;
+mod plot;
+mod run;
+mod simulate;
 mod unavailable;
 
 use crate::cli::{Cli, Command};
@@ -18,6 +21,14 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Params { command } => params::run(&cli.global, command),
         Command::Check(args) => check::run(&Session::new(&cli.global)?, args),
         Command::Expand(args) => expand::run(&Session::new(&cli.global)?, args),
+        Command::Simulate(args) => {
+            simulate::run(&Session::with_drive(&cli.global, &args.drive)?, args)
+        }
+        Command::Plot(args) => {
+            plot::format(&args.output)?;
+            plot::run(&Session::with_drive(&cli.global, &args.drive)?, args)
+        }
+        Command::Run(args) => run::run(&Session::with_drive(&cli.global, &args.drive)?, args),
         _ => unavailable::command(cli),
     }
 }

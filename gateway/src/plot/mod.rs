@@ -18,7 +18,7 @@ const WIDTH: f64 = 1280.0;
 /// Room for labels left and right of every panel.
 const MARGIN: f64 = 76.0;
 /// Height of the title block.
-const TITLE: f64 = 84.0;
+const TITLE: f64 = 104.0;
 
 /// Everything that goes into a picture.
 #[derive(Debug)]
@@ -40,8 +40,7 @@ impl Picture {
         let mut top = TITLE;
         let mut body = Group::new();
         top = path::draw(&mut body, top, &self.path) + 34.0;
-        top = time::speeds(&mut body, top, &self.series) + 22.0;
-        top = time::synchronism(&mut body, top, &self.series);
+        top = time::draw(&mut body, top, &self.series);
         let height = top + 54.0;
 
         document.assign("viewBox", (0, 0, WIDTH, height));
@@ -77,6 +76,38 @@ fn px(value: f64) -> String {
     crate::number::text::<1>(tenths)
 }
 
+/// Leaves out points that nobody would miss: within `tolerance` of the line that is drawn instead (Douglas and Peucker).
+fn simplified(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let mut keep = vec![false; points.len()];
+    let mut open = vec![(0, points.len().saturating_sub(1))];
+    while let Some((first, last)) = open.pop() {
+        let (Some(&a), Some(&b)) = (points.get(first), points.get(last)) else {
+            continue;
+        };
+        keep[first] = true;
+        keep[last] = true;
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let length = dx.hypot(dy);
+        let distance = |p: (f64, f64)| {
+            let (px, py) = (p.0 - a.0, p.1 - a.1);
+            if length < 1e-12 {
+                px.hypot(py)
+            } else {
+                (px * dy - py * dx).abs() / length
+            }
+        };
+        let worst = (first + 1..last).map(|n| (n, distance(points[n])));
+        if let Some((n, distance)) = worst.max_by(|a, b| a.1.total_cmp(&b.1))
+            && distance > tolerance
+        {
+            open.push((first, n));
+            open.push((n, last));
+        }
+    }
+    let kept = points.iter().zip(keep).filter(|(_, keep)| *keep);
+    kept.map(|(point, _)| *point).collect()
+}
+
 /// The `d` of a polyline.
 fn polyline(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut data = String::new();
@@ -87,4 +118,44 @@ fn polyline(points: impl IntoIterator<Item = (f64, f64)>) -> String {
         data.push_str(&px(y));
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn simplifying_keeps_corners_and_spikes() {
+        let line: Vec<_> = (0..1000)
+            .map(|n| (f64::from(n), if n == 500 { 9.0 } else { 1.0 }))
+            .collect();
+        assert_eq!(
+            simplified(&line, 0.2),
+            [
+                (0.0, 1.0),
+                (499.0, 1.0),
+                (500.0, 9.0),
+                (501.0, 1.0),
+                (999.0, 1.0)
+            ]
+        );
+        assert_eq!(simplified(&[], 0.2), []);
+        assert_eq!(simplified(&[(1.0, 2.0)], 0.2), [(1.0, 2.0)]);
+    }
+
+    #[test]
+    fn a_picture_of_nothing_is_a_picture() {
+        let picture = Picture {
+            title: "<empty> & \"quoted\"".into(),
+            subtitle: String::new(),
+            path: Vec::new(),
+            series: Envelope::new(0.001),
+        };
+        let svg = picture.svg();
+        assert!(
+            svg.starts_with("<svg ") && svg.contains("&lt;empty&gt; &amp; "),
+            "{svg}"
+        );
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
 }

@@ -102,7 +102,7 @@ fn strokes_in_layers(
     place: impl Fn((f64, f64)) -> (f64, f64),
 ) {
     for kind in [Kind::Rapid, Kind::Feed, Kind::Thread] {
-        let mut drawn: HashSet<[i64; 4]> = HashSet::new();
+        let mut drawn: HashSet<[[i64; 2]; 2]> = HashSet::new();
         let mut run: Vec<(f64, f64)> = Vec::new();
         let mut data = String::new();
         let mut finish = |run: &mut Vec<(f64, f64)>| {
@@ -114,9 +114,12 @@ fn strokes_in_layers(
         for stroke in strokes.iter().filter(|stroke| stroke.kind == kind) {
             for pair in stroke.points.windows(2) {
                 let (from, to) = (place(pair[0]), place(pair[1]));
-                let tenths = |value: f64| (value * 10.0).round() as i64;
-                let segment = [tenths(from.0), tenths(from.1), tenths(to.0), tenths(to.1)];
-                if segment[..2] == segment[2..] || !drawn.insert(segment) {
+                let tenths =
+                    |(x, y): (f64, f64)| [(x * 10.0).round() as i64, (y * 10.0).round() as i64];
+                // There and back is one line: dashes over dashes would fill their gaps.
+                let mut segment = [tenths(from), tenths(to)];
+                segment.sort_unstable();
+                if segment[0] == segment[1] || !drawn.insert(segment) {
                     continue;
                 }
                 if run.last() != Some(&from) {

@@ -6,13 +6,24 @@ use svg::node::element::Group;
 use super::frame::{self, LEFT, RIGHT};
 use super::scale::Scale;
 use super::series::{Channel, Envelope};
-use super::text;
+use super::{simplified, text};
 
 const SPEEDS: f64 = 150.0;
 const SYNCHRONISM: f64 = 110.0;
 
+/// Both panels, the second only where something was locked; returns the lower edge with its labels.
+pub(super) fn draw(document: &mut Group, top: f64, series: &Envelope) -> f64 {
+    let locked = series.range(Channel::Error).is_some();
+    let mut bottom = speeds(document, top, series, !locked);
+    if locked {
+        bottom = synchronism(document, bottom + 22.0, series);
+    }
+    document.append(text(RIGHT + 14.0, bottom + 18.0, "right name", "s"));
+    bottom
+}
+
 /// Axis speeds on the left scale, the spindle on the right one; returns the lower edge.
-pub(super) fn speeds(document: &mut Group, top: f64, series: &Envelope) -> f64 {
+fn speeds(document: &mut Group, top: f64, series: &Envelope, last: bool) -> f64 {
     let bottom = top + SPEEDS;
     let time = time_scale(series);
     let ranges =
@@ -25,9 +36,9 @@ pub(super) fn speeds(document: &mut Group, top: f64, series: &Envelope) -> f64 {
     let right = Scale::new(-turns, turns, bottom - 8.0, top + 8.0);
 
     frame::panel(document, top, bottom);
-    frame::columns(document, &time, top, bottom, false);
-    frame::rows(document, &left, 5.0);
-    frame::rows_right(document, &right, 5.0);
+    frame::columns(document, &time, top, bottom, last);
+    frame::rows(document, &left, 8.0);
+    frame::rows_right(document, &right, 8.0);
     frame::line(
         document,
         "zero",
@@ -56,7 +67,7 @@ pub(super) fn speeds(document: &mut Group, top: f64, series: &Envelope) -> f64 {
 }
 
 /// Setpoint minus exact helix while locked; returns the lower edge.
-pub(super) fn synchronism(document: &mut Group, top: f64, series: &Envelope) -> f64 {
+fn synchronism(document: &mut Group, top: f64, series: &Envelope) -> f64 {
     let top = top + 18.0;
     let bottom = top + SYNCHRONISM;
     let time = time_scale(series);
@@ -74,7 +85,7 @@ pub(super) fn synchronism(document: &mut Group, top: f64, series: &Envelope) -> 
     );
     for curve in series.curves(Channel::Error) {
         let points = curve.into_iter().map(|(t, v)| (time.px(t), scale.px(v)));
-        frame::line(document, "line error", points);
+        curve_line(document, "error", points);
     }
     document.append(text(LEFT - 8.0, top - 8.0, "left name", "µm"));
     frame::key(
@@ -84,8 +95,17 @@ pub(super) fn synchronism(document: &mut Group, top: f64, series: &Envelope) -> 
         "error",
         "synchronism error: setpoint against the exact helix, while locked",
     );
-    document.append(text(RIGHT + 14.0, bottom + 18.0, "right name", "s"));
     bottom
+}
+
+/// A curve with no more points than its picture needs.
+fn curve_line(document: &mut Group, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+    let points: Vec<_> = points.collect();
+    frame::line(
+        document,
+        &format!("line {class}"),
+        simplified(&points, 0.15),
+    );
 }
 
 fn time_scale(series: &Envelope) -> Scale {

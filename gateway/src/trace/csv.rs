@@ -50,7 +50,7 @@ impl<W: Write> Csv<W> {
         integer(out, point.step);
         out.push(b',');
         out.extend_from_slice(point.state.name().as_bytes());
-        out.extend_from_slice(if point.error_pm.is_some() {
+        out.extend_from_slice(if point.error_nm.is_some() {
             b",1\n"
         } else {
             b",0\n"
@@ -89,7 +89,7 @@ mod tests {
             line: 6,
             step: 9,
             state: State::Run,
-            error_pm: Some(-250_000),
+            error_nm: Some(-250),
         })
         .unwrap();
         let text = String::from_utf8(csv.finish().unwrap()).unwrap();

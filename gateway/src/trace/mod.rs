@@ -32,8 +32,8 @@ pub struct Setpoint {
     pub step: u64,
     /// What the machine is doing.
     pub state: State,
-    /// Long-axis distance from the exact helix in picometres, while locked to it.
-    pub error_pm: Option<i64>,
+    /// Long-axis distance from the exact helix in nanometres, while locked to it.
+    pub error_nm: Option<i64>,
 }
 
 /// What the machine is doing.

@@ -41,7 +41,7 @@ impl Peaks {
             return [0; 3];
         };
         // A third difference looks at four setpoints: those that follow a locked one still contain it.
-        self.since_locked = if point.error_pm.is_some() {
+        self.since_locked = if point.error_nm.is_some() {
             0
         } else {
             self.since_locked.saturating_add(1)

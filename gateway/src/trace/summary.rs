@@ -14,7 +14,7 @@ pub struct Summary {
     last: Option<(i64, i64)>,
     path_nm: f64,
     locked: u64,
-    error_max_pm: i64,
+    error_max_nm: i64,
     error_squares: f64,
     peaks: Peaks,
     hash: SetpointHash,
@@ -30,7 +30,7 @@ impl Summary {
             last: None,
             path_nm: 0.0,
             locked: 0,
-            error_max_pm: 0,
+            error_max_nm: 0,
             error_squares: 0.0,
             peaks: Peaks::default(),
             hash: SetpointHash::default(),
@@ -45,9 +45,9 @@ impl Summary {
             // Per tick far below 2⁵³ nm, so nothing is lost in the conversion.
             self.path_nm += ((point.x_nm - x) as f64).hypot((point.z_nm - z) as f64);
         }
-        if let Some(error) = point.error_pm {
+        if let Some(error) = point.error_nm {
             self.locked += 1;
-            self.error_max_pm = self.error_max_pm.max(error.abs());
+            self.error_max_nm = self.error_max_nm.max(error.abs());
             self.error_squares += (error as f64) * (error as f64);
         }
         self.hash.push(point);
@@ -56,14 +56,27 @@ impl Summary {
 
     /// The worst synchronism error is within `tolerance`; true where nothing was synchronised.
     pub fn within(&self, tolerance: Tolerance) -> bool {
-        self.error_max_pm <= tolerance.pm
+        self.error_max_nm.saturating_mul(1000) <= tolerance.pm
+    }
+
+    /// Why a tolerance is not met.
+    pub fn above(&self, tolerance: Tolerance) -> String {
+        format!(
+            "the worst synchronism error {} µm is above the tolerance of {} µm",
+            number::text::<3>(self.error_max_nm),
+            number::text::<6>(tolerance.pm),
+        )
+    }
+
+    /// The hash of the setpoints.
+    pub fn hash(&self) -> String {
+        self.hash.text()
     }
 
     /// Root mean square of the error in picometres.
     fn error_rms_pm(&self) -> i64 {
-        (self.error_squares / self.locked.max(1) as f64)
-            .sqrt()
-            .round() as i64
+        let nm = (self.error_squares / self.locked.max(1) as f64).sqrt();
+        (nm * 1000.0).round() as i64
     }
 
     fn path(&self) -> i64 {
@@ -86,7 +99,7 @@ impl Summary {
                 json.null("max");
                 json.null("rms");
             } else {
-                json.decimal::<6>("max", self.error_max_pm);
+                json.decimal::<3>("max", self.error_max_nm);
                 json.decimal::<6>("rms", self.error_rms_pm());
             }
         });
@@ -130,7 +143,7 @@ impl Summary {
         if self.locked > 0 {
             line.push_str(&format!(
                 " · worst synchronism error {} µm ({} µm RMS)",
-                number::rounded::<6>(self.error_max_pm, 3),
+                number::text::<3>(self.error_max_nm),
                 number::rounded::<6>(self.error_rms_pm(), 3),
             ));
         }
@@ -150,7 +163,7 @@ impl Summary {
         if self.locked > 0 {
             text.push_str(&format!(
                 "synchronism worst {} µm, {} µm RMS over {} locked ticks\n",
-                number::rounded::<6>(self.error_max_pm, 3),
+                number::text::<3>(self.error_max_nm),
                 number::rounded::<6>(self.error_rms_pm(), 3),
                 self.locked,
             ));
@@ -191,10 +204,10 @@ mod tests {
     #[test]
     fn sums_up_what_went_by() {
         let mut summary = Summary::new(1000);
-        for (tick, (x_nm, z_nm, error_pm)) in [
+        for (tick, (x_nm, z_nm, error_nm)) in [
             (0, 0, None),
-            (3_000, 4_000, Some(300_000)),
-            (6_000, 8_000, Some(-400_000)),
+            (3_000, 4_000, Some(300)),
+            (6_000, 8_000, Some(-400)),
         ]
         .into_iter()
         .enumerate()
@@ -205,7 +218,7 @@ mod tests {
                 z_nm,
                 step: 1,
                 state: State::Run,
-                error_pm,
+                error_nm,
                 ..Setpoint::default()
             });
         }

@@ -1,0 +1,124 @@
+//! `plot`: a picture of a program's path and of what the machine does over time.
+
+use std::path::Path;
+
+use leadscrew_core::cycle;
+use leadscrew_core::program::Event;
+
+use crate::cli::Plot;
+use crate::drawing::Drawing;
+use crate::execution::Execution;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
+use crate::machine::Observer;
+use crate::plot::{Envelope, Picture, Sample, Stroke};
+use crate::program::Program;
+use crate::session::Session;
+use crate::source::SourceFile;
+use crate::trace::{Setpoint, Summary};
+
+/// Draws a program.
+pub fn run(session: &Session, args: &Plot) -> Outcome {
+    interrupt::watch();
+    let source = SourceFile::new(&args.program);
+    let mut execution = Execution::prepare(session, &source)?;
+    let path = path(session, &source)?;
+    let tick_us = session.params.tick_us();
+    let mut watcher = Watcher {
+        tick_us: f64::from(tick_us),
+        summary: Summary::new(tick_us),
+        series: Envelope::new(f64::from(tick_us) / 1e6),
+        spindle: None,
+    };
+    execution.run(&args.drive, &mut watcher)?;
+    let summary = watcher.summary;
+    if !execution.is_interrupted() {
+        let picture = Picture {
+            title: title(&args.program),
+            subtitle: summary.line(),
+            path,
+            series: watcher.series,
+        };
+        std::fs::write(&args.output, picture.svg())
+            .map_err(|error| Failure::file("write", args.output.display(), &error))?;
+        if !session.global.json {
+            eprintln!("{}: {}", args.output.display(), summary.line());
+        }
+    }
+    execution.conclude(&summary, None)
+}
+
+/// Refuses formats by name, before anything is computed.
+pub fn format(output: &Path) -> Outcome {
+    let ending = output
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
+    match ending.to_ascii_lowercase().as_str() {
+        "svg" => Ok(()),
+        known @ ("png" | "html") => Err(Failure::Usage(format!(
+            "pictures as `{known}` are not available yet; write `-o {}`",
+            output.with_extension("svg").display()
+        ))),
+        _ => Err(Failure::Usage(format!(
+            "`{}`: the ending of the file chooses the format, and `.svg` is the one there is",
+            output.display()
+        ))),
+    }
+}
+
+fn title(program: &Path) -> String {
+    program
+        .file_name()
+        .unwrap_or(program.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// The tool path of a program that has been checked.
+fn path(session: &Session, source: &SourceFile) -> Outcome<Vec<Stroke>> {
+    let options = session.options();
+    let unreadable = |error| Failure::file("read", source.name(), &error);
+    let mut program = Program::open(source, &session.params, options).map_err(unreadable)?;
+    let mut drawing = Drawing::new(&options.position);
+    let mut at = options.position;
+    while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {
+        let Event::Call(call) = event else { continue };
+        for step in cycle::expand(&call, at).into_iter().flatten() {
+            drawing.push(&step, &call.origin);
+            at = step.to;
+        }
+    }
+    let (strokes, left_out) = drawing.finish();
+    if left_out > 0 {
+        eprintln!(
+            "the picture shows the first {} moves; {left_out} more did not fit",
+            strokes.len()
+        );
+    }
+    Ok(strokes)
+}
+
+/// Collects the time series.
+struct Watcher {
+    tick_us: f64,
+    summary: Summary,
+    series: Envelope,
+    spindle: Option<i64>,
+}
+
+impl Observer for Watcher {
+    fn setpoint(&mut self, point: &Setpoint) -> Outcome {
+        let [x, z, _] = self.summary.push(point);
+        let turned = point.s1_urev - self.spindle.replace(point.s1_urev).unwrap_or(point.s1_urev);
+        // Nanometres a tick to millimetres a minute, millionths of a turn a tick to turns a minute.
+        let minute = 60e6 / self.tick_us;
+        self.series.push(&Sample {
+            x: x as f64 * minute / 1e6,
+            z: z as f64 * minute / 1e6,
+            rpm: turned as f64 * minute / 1e6,
+            error: point.error_nm.map(|nm| nm as f64 / 1e3),
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,102 @@
+//! `run`: check all of a program, upload it, run it, tell the result.
+
+use std::fs::File;
+use std::io::{BufWriter, IsTerminal as _};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leadscrew_board_sim::Direction;
+use leadscrew_core::bus::Frame;
+
+use crate::candump::Log;
+use crate::cli::Run;
+use crate::execution::Execution;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
+use crate::machine::Observer;
+use crate::session::Session;
+use crate::source::SourceFile;
+use crate::trace::{Setpoint, Summary};
+
+/// Runs a program.
+pub fn run(session: &Session, args: &Run) -> Outcome {
+    interrupt::watch();
+    let source = SourceFile::new(&args.program);
+    let mut execution = Execution::prepare(session, &source)?;
+    let tick_us = session.params.tick_us();
+    let log = match &args.record {
+        Some(path) => {
+            let file = File::create(path)
+                .map_err(|error| Failure::file("write", path.display(), &error))?;
+            Some(Log::new(BufWriter::new(file), tick_us))
+        }
+        None => None,
+    };
+    let mut watcher = Watcher {
+        tick_us,
+        summary: Summary::new(tick_us),
+        log,
+        bar: bar(execution.report.moves, session.global.json),
+    };
+    let ran = execution.run(&args.drive, &mut watcher);
+    watcher.bar.finish_and_clear();
+    ran?;
+    if let (Some(log), Some(path)) = (watcher.log, &args.record) {
+        log.finish()
+            .map_err(|error| Failure::file("write", path.display(), &error))?;
+    }
+    let verdict = execution.conclude(&watcher.summary, args.tolerance);
+    if !session.global.json {
+        let word = match verdict {
+            Ok(()) => "done",
+            Err(Failure::Interrupted) => "interrupted",
+            Err(Failure::Machine) => "stopped",
+            Err(_) => "out of tolerance",
+        };
+        println!("{}: {word}: {}", source.name(), watcher.summary.line());
+        println!("setpoints {}", watcher.summary.hash());
+    }
+    verdict
+}
+
+/// A bar over the moves, only where somebody watches.
+fn bar(moves: u64, json: bool) -> ProgressBar {
+    if json || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(moves), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} move {pos}/{len}  {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Sums up, shows progress, records frames.
+struct Watcher {
+    tick_us: u32,
+    summary: Summary,
+    log: Option<Log<BufWriter<File>>>,
+    bar: ProgressBar,
+}
+
+impl Observer for Watcher {
+    fn setpoint(&mut self, point: &Setpoint) -> Outcome {
+        self.summary.push(point);
+        if !self.bar.is_hidden() && point.tick.is_multiple_of(1 << 10) {
+            let time = Duration::from_micros(point.tick.saturating_mul(u64::from(self.tick_us)));
+            self.bar.set_position(point.step);
+            self.bar.set_message(format!(
+                "line {}, {:.1} s machine time",
+                point.line,
+                time.as_secs_f64()
+            ));
+        }
+        Ok(())
+    }
+
+    fn frame(&mut self, tick: u64, _: Direction, frame: &Frame) {
+        if let Some(log) = &mut self.log {
+            log.push(tick, frame);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! `simulate`: the setpoints of a program, tick by tick.
+
+use std::fs::File;
+use std::io;
+
+use crate::cli::Simulate;
+use crate::execution::Execution;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
+use crate::machine::Observer;
+use crate::session::Session;
+use crate::source::SourceFile;
+use crate::trace::{Csv, Setpoint, Summary};
+
+/// Simulates a program.
+pub fn run(session: &Session, args: &Simulate) -> Outcome {
+    interrupt::watch();
+    let source = SourceFile::new(&args.program);
+    let mut execution = Execution::prepare(session, &source)?;
+    let tick_us = session.params.tick_us();
+    let cannot = |error: io::Error| match &args.output {
+        Some(path) => Failure::file("write", path.display(), &error),
+        None => Failure::stdout(&error),
+    };
+    let csv = match &args.output {
+        Some(path) => Some(Csv::new(File::create(path).map_err(cannot)?, tick_us)),
+        None => None,
+    };
+    let mut recorder = Recorder {
+        summary: Summary::new(tick_us),
+        csv,
+        cannot: &cannot,
+    };
+    execution.run(&args.drive, &mut recorder)?;
+    let Recorder { summary, csv, .. } = recorder;
+    if let Some(csv) = csv {
+        csv.finish().map_err(cannot)?;
+    }
+    if !session.global.json {
+        eprint!("{}", summary.text());
+    }
+    execution.conclude(&summary, args.tolerance)
+}
+
+/// Writes rows and sums up.
+struct Recorder<'a> {
+    summary: Summary,
+    csv: Option<Csv<File>>,
+    cannot: &'a dyn Fn(io::Error) -> Failure,
+}
+
+impl Observer for Recorder<'_> {
+    fn setpoint(&mut self, point: &Setpoint) -> Outcome {
+        self.summary.push(point);
+        match &mut self.csv {
+            Some(csv) => csv.push(point).map_err(self.cannot),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What `simulate`, `plot` and `run` have in common: check all of it, run it on the machine, judge it, tell the result.
+
+use std::io::{self, Write as _};
+
+use crate::checking::{self, Report};
+use crate::cli::Drive;
+use crate::diagnostics::{self, Diagnostic};
+use crate::failure::{Failure, Outcome};
+use crate::json::Json;
+use crate::machine::{self, Ended, Observer};
+use crate::session::Session;
+use crate::source::SourceFile;
+use crate::trace::Summary;
+use crate::values::Tolerance;
+
+/// A program on the machine.
+#[derive(Debug)]
+pub struct Execution<'a> {
+    session: &'a Session<'a>,
+    source: &'a SourceFile,
+    /// What checking it gave.
+    pub report: Report,
+    ended: Ended,
+}
+
+impl<'a> Execution<'a> {
+    /// Checks a program and tells what it has to say. A program with an alarm does not get further than this.
+    pub fn prepare(session: &'a Session, source: &'a SourceFile) -> Outcome<Self> {
+        let report = checking::check(session, source)?;
+        for diagnostic in report.alarms.iter().chain(&report.warnings) {
+            diagnostics::print(diagnostic, session.colour);
+        }
+        let execution = Self {
+            session,
+            source,
+            report,
+            ended: Ended::default(),
+        };
+        if execution.report.alarms.is_empty() {
+            return Ok(execution);
+        }
+        if session.global.json {
+            execution.print_json(&Summary::new(session.params.tick_us()), false)?;
+        }
+        Err(Failure::Wrong)
+    }
+
+    /// Runs it; what the machine tells is told.
+    pub fn run(&mut self, drive: &Drive, observer: &mut dyn Observer) -> Outcome {
+        self.ended = machine::run(self.session, drive, self.source, observer)?;
+        let known = |warning: &Diagnostic| {
+            self.report
+                .warnings
+                .iter()
+                .any(|w| w.number == warning.number)
+        };
+        self.ended.warnings.retain(|warning| !known(warning));
+        for diagnostic in self.ended.alarms.iter().chain(&self.ended.warnings) {
+            diagnostics::print(diagnostic, self.session.colour);
+        }
+        Ok(())
+    }
+
+    /// The user ended it.
+    pub fn is_interrupted(&self) -> bool {
+        self.ended.interrupted
+    }
+
+    /// The verdict, and the JSON result where it is wanted.
+    pub fn conclude(&self, summary: &Summary, tolerance: Option<Tolerance>) -> Outcome {
+        let within = tolerance.is_none_or(|tolerance| summary.within(tolerance));
+        let ran = self.ended.alarms.is_empty() && !self.ended.interrupted;
+        if self.session.global.json {
+            self.print_json(summary, ran && within)?;
+        }
+        if !self.ended.alarms.is_empty() {
+            return Err(Failure::Machine);
+        }
+        if self.ended.interrupted {
+            return Err(Failure::Interrupted);
+        }
+        match tolerance {
+            Some(tolerance) if !within => Err(Failure::WrongBecause(summary.above(tolerance))),
+            _ => Ok(()),
+        }
+    }
+
+    fn print_json(&self, summary: &Summary, ok: bool) -> Outcome {
+        let mut json = Json::new();
+        json.object(|json| {
+            json.flag("ok", ok);
+            summary.fields(json);
+            let alarms = self.report.alarms.iter().chain(&self.ended.alarms);
+            let warnings = self.report.warnings.iter().chain(&self.ended.warnings);
+            json.array_at("alarms", |json| {
+                alarms.for_each(|d| json.object(|json| d.fields(json, true)))
+            });
+            json.array_at("warnings", |json| {
+                warnings.for_each(|d| json.object(|json| d.fields(json, true)))
+            });
+        });
+        let mut bytes = json.into_bytes();
+        bytes.push(b'\n');
+        io::stdout()
+            .write_all(&bytes)
+            .map_err(|error| Failure::stdout(&error))
+    }
+}

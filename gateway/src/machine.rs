@@ -1,0 +1,230 @@
+//! A program carried out by the machine inside this process: the simulated board, drives and spindle, in virtual time.
+
+use leadscrew_board_sim::plant::{PlantError, PlantOptions, Ripple};
+use leadscrew_board_sim::{Direction, Doing, Row, Sim, SimError};
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::{Command, Event};
+use leadscrew_core::bus::Frame;
+use leadscrew_core::program::{Call, Event as ProgramEvent};
+
+use crate::cli::Drive;
+use crate::diagnostics::Diagnostic;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
+use crate::program::Program;
+use crate::session::Session;
+use crate::source::SourceFile;
+use crate::trace::{Setpoint, State};
+
+/// How a run ended.
+#[derive(Debug, Default)]
+pub struct Ended {
+    /// What stopped the machine.
+    pub alarms: Vec<Diagnostic>,
+    /// What it had to tell; the first of each kind.
+    pub warnings: Vec<Diagnostic>,
+    /// The user wanted to end, and the machine has come to rest.
+    pub interrupted: bool,
+}
+
+/// Who watches a run.
+pub trait Observer {
+    /// The next tick.
+    fn setpoint(&mut self, point: &Setpoint) -> Outcome;
+
+    /// A frame on the wire at the tick after `tick`.
+    fn frame(&mut self, tick: u64, direction: Direction, frame: &Frame) {
+        let _ = (tick, direction, frame);
+    }
+}
+
+/// A machine at power-up.
+fn power_up(session: &Session, drive: &Drive) -> Outcome<Box<Sim>> {
+    let ripple = match drive.spindle_ripple {
+        None => None,
+        Some(ripple) => Some(
+            Ripple::new(ripple.milli_percent, ripple.milli_hz)
+                .ok_or_else(|| Failure::Usage("the spindle cannot have this ripple".into()))?,
+        ),
+    };
+    let options = PlantOptions {
+        at: session.options().position,
+        ripple,
+        ..PlantOptions::default()
+    };
+    Sim::new(&session.params, &options)
+        .map(Box::new)
+        .map_err(|error| no_machine(session, error))
+}
+
+/// Words for a machine that cannot be.
+fn no_machine(session: &Session, error: SimError) -> Failure {
+    let reason = match error {
+        SimError::Plant(PlantError::Position(axis)) => format!(
+            "`--at` puts {} where its drive cannot count to",
+            char::from(axis.letter())
+        ),
+        SimError::Plant(error) => format!("the parameters make no simulated machine: {error:?}"),
+        SimError::Board(alarm) => {
+            let nowhere = SourceFile::new(std::path::Path::new("the simulated board"));
+            return Failure::WrongBecause(
+                Diagnostic::new(&alarm, &nowhere, session.lang, false).message,
+            );
+        }
+    };
+    Failure::WrongBecause(reason)
+}
+
+/// Runs a program from its first to its last call.
+pub fn run(
+    session: &Session,
+    drive: &Drive,
+    source: &SourceFile,
+    observer: &mut dyn Observer,
+) -> Outcome<Ended> {
+    let mut sim = power_up(session, drive)?;
+    let mut feeder = Feeder::new(session, source)?;
+    let mut ended = Ended::default();
+    let mut stopping = false;
+    let mut tick = 0;
+    loop {
+        if interrupt::requested() && !stopping {
+            stopping = true;
+            ended.interrupted = true;
+            sim.command(Command::Hold);
+        }
+        if !stopping {
+            feeder.feed(&mut sim, &mut ended)?;
+        }
+        let row = sim.step_on(&mut |direction, frame| observer.frame(tick, direction, frame));
+        tick += 1;
+        if let Some(row) = row {
+            observer.setpoint(&setpoint(&row))?;
+        }
+        while let Some(event) = sim.event() {
+            match event {
+                Event::Alarm(alarm) => {
+                    stopping = true;
+                    ended.alarms.push(feeder.words(&alarm));
+                }
+                Event::Warning(warning)
+                    if ended.warnings.iter().all(|w| w.number != warning.number()) =>
+                {
+                    ended.warnings.push(feeder.words(&warning));
+                }
+                _ => {}
+            }
+        }
+        let over = if stopping {
+            at_rest(&sim)
+        } else {
+            feeder.is_empty() && !sim.is_busy()
+        };
+        if over {
+            break;
+        }
+    }
+    let mut result = Ok(());
+    sim.last_rows(|row| {
+        if result.is_ok() {
+            result = observer.setpoint(&setpoint(&row));
+        }
+    });
+    result.map(|()| ended)
+}
+
+/// A hold or a stop has come to its end.
+fn at_rest(sim: &Sim) -> bool {
+    use leadscrew_core::board::State as Board;
+    matches!(
+        sim.board().ticker().state(),
+        Board::Idle | Board::Held | Board::Alarm(_)
+    )
+}
+
+/// Hands the calls of a program to the machine as it takes them.
+struct Feeder<'a> {
+    session: &'a Session<'a>,
+    source: &'a SourceFile,
+    program: Program<'a>,
+    waiting: Option<Call>,
+    over: bool,
+}
+
+impl<'a> Feeder<'a> {
+    fn new(session: &'a Session, source: &'a SourceFile) -> Outcome<Self> {
+        Ok(Self {
+            session,
+            source,
+            program: Program::open(source, &session.params, session.options())
+                .map_err(|error| Failure::file("read", source.name(), &error))?,
+            waiting: None,
+            over: false,
+        })
+    }
+
+    fn is_empty(&self) -> bool {
+        self.over && self.waiting.is_none()
+    }
+
+    fn words(&self, alarm: &Alarm) -> Diagnostic {
+        Diagnostic::new(
+            alarm,
+            self.source,
+            self.session.lang,
+            self.program.is_inch(),
+        )
+    }
+
+    /// As many calls as there is room for.
+    fn feed(&mut self, sim: &mut Sim, ended: &mut Ended) -> Outcome {
+        loop {
+            if let Some(call) = &self.waiting {
+                if !sim.offer(call) {
+                    return Ok(());
+                }
+                self.waiting = None;
+            }
+            if self.over {
+                return Ok(());
+            }
+            let next = self
+                .program
+                .next_event()
+                .map_err(|error| Failure::file("read", self.source.name(), &error))?;
+            match next {
+                None => self.over = true,
+                Some(Ok(ProgramEvent::Call(call))) => self.waiting = Some(call),
+                // Told when the program was checked.
+                Some(Ok(ProgramEvent::Warning(_))) => {}
+                Some(Err(alarm)) => {
+                    self.over = true;
+                    ended.alarms.push(self.words(&alarm));
+                }
+            }
+        }
+    }
+}
+
+fn setpoint(row: &Row) -> Setpoint {
+    Setpoint {
+        tick: row.tick,
+        x_nm: row.position.x.nm(),
+        z_nm: row.position.z.nm(),
+        c_udeg: row.position.c.udeg(),
+        s1_urev: row.spindle.micro_turns(),
+        // The spindle has no position mode yet.
+        s1_set_urev: None,
+        line: row.line,
+        step: u64::from(row.number),
+        state: match row.doing {
+            Doing::Idle => State::Idle,
+            Doing::Run => State::Run,
+            Doing::Hold => State::Hold,
+            Doing::Dwell => State::Dwell,
+            Doing::Wait => State::Wait,
+            Doing::Alarm => State::Alarm,
+        },
+        error_nm: row.error.map(|error| error.nm()),
+    }
+}
