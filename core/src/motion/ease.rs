@@ -116,10 +116,18 @@ impl Ease {
             return Self::NONE;
         }
         let (time, rise) = bounds.time(follower);
-        // Half the way that h makes in that time, up to whole nanometres.
-        let half = mul_div_up(speed, time, 2 * NS).min(1 << 42);
+        let half = half_way(speed, time);
         let rise = mul_div(speed, rise, NS).min(half).max(1);
         Self::of(half, rise)
+    }
+
+    /// The half length of [`Ease::new`], without the rest of the work.
+    pub fn half_for(speed: u64, follower: u64, bounds: Bounds) -> Fine {
+        if speed == 0 || follower == 0 {
+            return 0;
+        }
+        let (time, _) = bounds.time(follower);
+        (half_way(speed, time) << 16) as i64
     }
 
     /// The ease with half length `half` and rising part `rise` ≤ `half`, whole nanometres.
@@ -174,6 +182,11 @@ impl Ease {
                 .wrapping_add(self.rise_gain >> 2)
         }
     }
+}
+
+/// Half the way that h makes in a time (ns), up to whole nanometres.
+fn half_way(speed: u64, time: u64) -> u64 {
+    mul_div_up(speed, time, 2 * NS).min(1 << 42)
 }
 
 #[cfg(test)]

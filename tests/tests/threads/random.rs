@@ -5,8 +5,9 @@ use leadscrew_core::cycle::{Move, Stage};
 use leadscrew_core::motion::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};
 use leadscrew_core::params::{Entry, Params, Part};
 use leadscrew_core::program::Position;
-use leadscrew_core::units::{Axis, Length, Rpm, TurnRate, Turns};
+use leadscrew_core::units::{Axis, Lead, Length, Rpm, StartAngle, TurnRate, Turns};
 
+use crate::watch::Watch;
 use crate::{pass, position};
 
 /// Passes tried: many where the code is fast.
@@ -118,7 +119,13 @@ fn case(random: &mut Random) -> Case {
     }
     let rpm = if random.chance(50) { rpm } else { -rpm };
     Case {
-        moves: pass(&points, lead, rpm, long_x),
+        moves: pass(
+            &points,
+            Lead::new(lead, 1).unwrap(),
+            rpm,
+            long_x,
+            StartAngle::INDEX,
+        ),
         params,
         from,
         rpm,
@@ -128,43 +135,6 @@ fn case(random: &mut Random) -> Case {
 
 fn long(case: &Case, at: Position) -> i64 {
     if case.long_x { at.x.nm() } else { at.z.nm() }
-}
-
-/// Checks a tick's differences against an axis' limits; remembers the last positions.
-struct Watch {
-    last: Vec<i64>,
-    speed: f64,
-    acceleration: f64,
-    jerk: f64,
-    worst: [f64; 3],
-}
-
-impl Watch {
-    fn new(params: &Params, axis: Axis, at: i64) -> Self {
-        let tick = f64::from(params.tick_us()) * 1e-6;
-        Self {
-            last: vec![at; 4],
-            speed: params.max_feed(axis).nm_per_min() as f64 / 60.0 * tick,
-            acceleration: params.acceleration(axis).nm_per_s2() as f64 * tick.powi(2),
-            jerk: params.jerk(axis).nm_per_s3() as f64 * tick.powi(3),
-            worst: [0.0; 3],
-        }
-    }
-
-    fn see(&mut self, at: i64) {
-        self.last.rotate_left(1);
-        self.last[3] = at;
-        let p = &self.last;
-        // Rounding to nanometres may add half of one per position.
-        let over = [
-            ((p[3] - p[2]).abs() as f64 - 1.0) / self.speed,
-            ((p[3] - 2 * p[2] + p[1]).abs() as f64 - 2.0) / self.acceleration,
-            ((p[3] - 3 * p[2] + 3 * p[1] - p[0]).abs() as f64 - 4.0) / self.jerk,
-        ];
-        for (worst, now) in self.worst.iter_mut().zip(over) {
-            *worst = worst.max(now);
-        }
-    }
 }
 
 /// Ticks until the pass is over, with a spindle whose angle is `angle(tick)`; hands every point on.
