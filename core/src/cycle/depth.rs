@@ -196,28 +196,20 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     let (d, m) = (u128::from(first), u128::from(min_step));
     let left = d.wrapping_mul(d).wrapping_sub(m.wrapping_mul(m));
     let right = d.wrapping_mul(m).wrapping_mul(2);
-    // c = n − 1 is wanted, the smallest with left² < c · right²: between the squares next to left/right.
-    let quotient = left.checked_div(right).unwrap_or(0);
-    if quotient >= 100 {
+    // Wanted: the smallest c = n − 1 with left² < c · right². The ratio with 16 fractional bits, rounded down, puts
+    // (left/right)² into a gap of less than 1.004 above `whole`: the answer is one of two, and long products tell which.
+    let ratio = (left << 16).checked_div(right).unwrap_or(0);
+    if ratio >= 100 << 16 {
         // √(n − 1) stays below 100.
         return u32::MAX;
     }
-    let whole = quotient as u32;
-    let (mut low, mut high) = (
-        whole.wrapping_mul(whole),
-        whole.wrapping_add(1).wrapping_mul(whole.wrapping_add(1)),
-    );
-    let left_squared = product(left, left);
-    let right_squared = product(right, right);
-    while high.wrapping_sub(low) > 1 {
-        let middle = low.wrapping_add(high) >> 1;
-        if left_squared < times(right_squared, middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
+    let whole = (ratio.wrapping_mul(ratio) >> 32) as u32;
+    let c = whole.wrapping_add(1);
+    if product(left, left) < times(product(right, right), c) {
+        c.wrapping_add(1)
+    } else {
+        c.wrapping_add(2)
     }
-    high.wrapping_add(1)
 }
 
 /// A 256-bit product: (high, low). The factors here are below 2⁸⁶.

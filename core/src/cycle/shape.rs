@@ -6,6 +6,7 @@
 
 use core::num::NonZero;
 
+use super::Stage;
 use super::check::{blame, thread_ranges};
 use super::slope::{FINE_BITS, FINE_HALF, HalfAngle};
 use super::taper::{Taper, flip, scaled};
@@ -74,8 +75,10 @@ struct Leave {
     x: Length,
     /// Z of its start.
     z: Length,
-    /// J, not clipped yet.
+    /// J. With X long it is clipped already, for all passes alike.
     short: Length,
+    /// With Z long, the way on X from the run-out's start at full depth out to A: J's limit.
+    room: i64,
     /// K.
     long: u64,
 }
@@ -220,10 +223,17 @@ impl Shape {
                 ]),
             );
         }
+        let z = self.end.z - z;
+        let short = if self.long_x {
+            short.min((z - self.start.z).times(self.sigma))
+        } else {
+            short
+        };
         Ok(Some(Leave {
             x,
-            z: self.end.z - z,
+            z,
             short,
+            room: (self.start.x - self.end.x - x).times(self.side).nm(),
             long: length,
         }))
     }
@@ -242,12 +252,12 @@ impl Shape {
 
     /// `u` of rough pass `n` at `depth`, or of the finishing passes.
     #[inline]
-    pub(crate) fn flank(&self, n: u32, depth: Length, finishing: bool) -> u64 {
+    pub(crate) fn flank(&self, n: u32, depth: Length, stroke: Stage) -> u64 {
         let flanks = &self.flanks;
-        let (base, slope) = match (finishing, n & 1) {
-            (true, _) => (flanks.finish, 0),
-            (false, 1) => flanks.odd,
-            (false, _) => flanks.even,
+        let (base, slope) = match (stroke, n & 1) {
+            (Stage::Finish, _) => (flanks.finish, 0),
+            (_, 1) => flanks.odd,
+            (_, _) => flanks.even,
         };
         // Never negative: depths of rough passes end at k − d.
         base.wrapping_add(slope.wrapping_mul(depth.nm())) as u64
@@ -285,15 +295,12 @@ impl Shape {
                     z: out.z,
                 };
                 let end = if self.long_x {
-                    let room = moved(leave.z, self.start.z.nm(), -1).nm();
-                    let back = out.short.nm().min(flip(room, self.sigma));
                     Point {
                         x: x_end,
-                        z: moved(leave.z, back, self.sigma.wrapping_neg()),
+                        z: moved(leave.z, out.short.nm(), self.sigma.wrapping_neg()),
                     }
                 } else {
-                    let room = moved(self.start.x, leave.x.nm(), -1).nm();
-                    let back = out.short.nm().min(flip(room, self.side));
+                    let back = out.short.nm().min(out.room.wrapping_sub(above));
                     Point {
                         x: moved(leave.x, back, self.side),
                         z: self.end.z,

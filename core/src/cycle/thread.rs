@@ -71,7 +71,8 @@ struct Passes {
 struct Pass {
     number: u32,
     depth: Length,
-    finishing: bool,
+    /// Rough or finish.
+    stroke: Stage,
 }
 
 /// What a thread cycle amounts to, for reports and for checks of physics.
@@ -125,7 +126,7 @@ impl ThreadMoves {
         };
         if !shape.is_surely_long_enough() {
             for pass in passes {
-                let u = shape.flank(pass.number, pass.depth, pass.finishing);
+                let u = shape.flank(pass.number, pass.depth, pass.stroke);
                 shape.check_pass(pass.number, &shape.corners(pass.depth, u), span)?;
             }
         }
@@ -245,10 +246,12 @@ impl ThreadMoves {
             long_x: self.shape.long_x,
         };
         for pass in self.passes {
-            let u = self.shape.flank(pass.number, pass.depth, pass.finishing);
+            let u = self.shape.flank(pass.number, pass.depth, pass.stroke);
             let corners = self.shape.corners(pass.depth, u);
             summary.passes = summary.passes.wrapping_add(1);
-            summary.rough = summary.rough.wrapping_add(u32::from(!pass.finishing));
+            summary.rough = summary
+                .rough
+                .wrapping_add(u32::from(pass.stroke == Stage::Rough));
             let shift = (corners.begin.z - self.home.z).abs();
             summary.z_shift_max = summary.z_shift_max.max(shift);
             let stroke = self.shape.stroke(&corners);
@@ -267,7 +270,7 @@ impl ThreadMoves {
         let Some(pass) = self.passes.next() else {
             return false;
         };
-        let u = self.shape.flank(pass.number, pass.depth, pass.finishing);
+        let u = self.shape.flank(pass.number, pass.depth, pass.stroke);
         let corners = self.shape.corners(pass.depth, u);
         if self.shape.has_run_out() {
             self.to_leave = self.helix.angle(self.along(corners.leave, corners.begin));
@@ -276,9 +279,7 @@ impl ThreadMoves {
             self.to_line = self.helix.angle(self.along(corners.line, corners.begin));
         }
         self.corners = corners;
-        if pass.finishing {
-            self.stroke = Stage::Finish;
-        }
+        self.stroke = pass.stroke;
         if let (Some(rapid), Some(thread)) = (&mut self.rapid.tag, &mut self.thread.tag) {
             rapid.pass = pass.number;
             rapid.depth = pass.depth;
@@ -368,18 +369,18 @@ impl Iterator for Passes {
     #[inline]
     fn next(&mut self) -> Option<Pass> {
         let number = self.number.wrapping_add(1);
-        let (depth, finishing) = match self.rough.next_depth(number) {
-            Some(depth) => (depth, false),
+        let (depth, stroke) = match self.rough.next_depth(number) {
+            Some(depth) => (depth, Stage::Rough),
             None => {
                 self.finish_left = self.finish_left.checked_sub(1)?;
-                (self.height, true)
+                (self.height, Stage::Finish)
             }
         };
         self.number = number;
         Some(Pass {
             number,
             depth,
-            finishing,
+            stroke,
         })
     }
 }
