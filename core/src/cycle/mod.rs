@@ -7,6 +7,7 @@ mod check;
 mod depth;
 mod expand;
 mod groove;
+mod helix;
 mod moves;
 mod shape;
 mod slope;

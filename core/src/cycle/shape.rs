@@ -51,9 +51,9 @@ pub(crate) struct Shape {
     /// D.
     end: Point,
     /// Sign of Z_D − Z_A.
-    pub(crate) sigma: i64,
+    sigma: i64,
     /// +1 external, −1 internal.
-    pub(crate) side: i64,
+    side: i64,
     /// |Z_D − Z_A|.
     travel: u64,
     /// k.

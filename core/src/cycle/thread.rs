@@ -2,18 +2,14 @@
 //!
 //! The order of passes and of the moves in a pass; where their corners lie is `shape`, how deep they are is `depth`.
 
-use core::num::NonZero;
-
 use super::check::blame;
 use super::depth::{Depths, MOST_PASSES};
+use super::helix::{Helix, TURN_UDEG};
 use super::shape::{Corners, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{ThreadCall, ThreadCycle, start_angle};
-use crate::units::{Lead, Length, StartAngle};
-
-/// Millionths of a degree in a turn.
-const TURN_UDEG: u32 = 360_000_000;
+use crate::units::{Length, StartAngle};
 
 /// The moves of a G76 or G78 cycle.
 ///
@@ -382,63 +378,5 @@ impl Iterator for Passes {
             depth,
             stroke,
         })
-    }
-}
-
-/// Distance along a lead to helix angle.
-#[derive(Clone, Copy, Debug)]
-struct Helix {
-    /// Lead: `nm` nanometres per `turns` turns.
-    nm: NonZero<u64>,
-    turns: u64,
-    /// Turns per nanometre with 128 fractional bits, rounded up, whole turns left out: (high, low). `None` for leads so
-    /// large or so uneven that this is not exact enough.
-    per_nm: Option<(u64, u64)>,
-}
-
-impl Helix {
-    fn new(lead: Lead) -> Self {
-        // A Lead is positive by construction.
-        let nm = NonZero::new(lead.numerator().unsigned_abs()).unwrap_or(NonZero::<u64>::MIN);
-        let turns = lead.denominator().unsigned_abs();
-        let per_nm = (nm.get() < 1 << 34).then(|| {
-            let wide = NonZero::<u128>::from(nm);
-            let part = u128::from(turns % nm) << 64;
-            let (high, rest) = (part / wide, part % wide);
-            // rest < nm < 2³⁴, so one more does not carry.
-            let low = ((rest << 64) / wide).wrapping_add(1);
-            (high as u64, low as u64)
-        });
-        Self { nm, turns, per_nm }
-    }
-
-    /// The angle turned over `distance` nanometres (below 2⁴⁴), modulo a turn, to the nearest millionth of a degree,
-    /// halves up.
-    #[inline]
-    fn angle(&self, distance: u64) -> u32 {
-        let rounded = match self.per_nm {
-            // Exact: the part of a turn comes out too large, by no more than 2⁻⁶⁴ + 2⁻⁸⁴ turns, which is less than 2⁻³⁵·⁵
-            // millionths of a degree; a true value below a half is below it by at least 1/(2·nm) > 2⁻³⁵ of one.
-            Some((high, low)) => {
-                let carried = u128::from(distance).wrapping_mul(u128::from(low)) >> 64;
-                let part = distance
-                    .wrapping_mul(high)
-                    .wrapping_add(carried as u64)
-                    .wrapping_add(1);
-                let scaled = u128::from(part).wrapping_mul(u128::from(TURN_UDEG));
-                (scaled.wrapping_add(1 << 63) >> 64) as u32
-            }
-            None => self.wide_angle(distance),
-        };
-        if rounded >= TURN_UDEG { 0 } else { rounded }
-    }
-
-    /// The same by division.
-    #[cold]
-    fn wide_angle(&self, distance: u64) -> u32 {
-        let nm = NonZero::<u128>::from(self.nm);
-        let part = u128::from(distance).wrapping_mul(u128::from(self.turns)) % nm;
-        let scaled = part.wrapping_mul(u128::from(TURN_UDEG));
-        (scaled.wrapping_add(nm.get() >> 1) / nm) as u32
     }
 }
