@@ -2,8 +2,8 @@ extern crate std;
 
 use super::*;
 use leadscrew_core::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Mode, NmtState, Periods, Phase,
-    SpindleCommand, SyncProducer,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, NmtState, Periods, Phase,
+    SpindleMaster, SyncProducer,
 };
 use leadscrew_core::units::{Length, Rpm};
 use std::vec;
@@ -271,7 +271,8 @@ struct Bench {
     plant: Plant,
     sync: SyncProducer,
     masters: [DriveMaster; 3],
-    spindle: DriveMaster,
+    spindle: SpindleMaster,
+    speed: MilliRpm,
     frames: Vec<Frame>,
     heard: Vec<Frame>,
 }
@@ -297,7 +298,8 @@ impl Bench {
                 DriveMaster::new(config(b'Z', NodeId::DRIVE_Z)),
                 DriveMaster::new(config(b'C', NodeId::DRIVE_C)),
             ],
-            spindle: DriveMaster::new(config(b'S', NodeId::SPINDLE_1)),
+            spindle: SpindleMaster::new(config(b'S', NodeId::SPINDLE_1)),
+            speed: MilliRpm::STOPPED,
             frames: Vec::new(),
             heard: Vec::new(),
         }
@@ -314,16 +316,17 @@ impl Bench {
             for master in &mut self.masters {
                 master.receive(frame);
             }
-            self.spindle.receive(frame);
+            self.spindle.drive_mut().receive(frame);
         }
         for (master, demand) in self.masters.iter_mut().zip(demands) {
             let out = master.tick(demand);
             self.frames.extend(out.network);
             self.frames.extend(out.command);
         }
-        let out = self.spindle.tick(None);
-        self.frames.extend(out.network);
-        self.frames.extend(out.command);
+        let out = self.spindle.tick(self.speed);
+        self.frames.extend(out.speed);
+        self.frames.extend(out.drive.network);
+        self.frames.extend(out.drive.command);
         (sample, self.plant.truth())
     }
 
@@ -331,11 +334,11 @@ impl Bench {
         for master in &mut self.masters {
             master.enable().unwrap();
         }
-        self.spindle.enable().unwrap();
+        self.spindle.drive_mut().enable().unwrap();
         for tick in 1..200 {
             self.tick([None; 3]);
             let all = self.masters.iter().all(DriveMaster::is_enabled);
-            if all && self.spindle.is_enabled() {
+            if all && self.spindle.drive().is_enabled() {
                 return tick;
             }
         }
@@ -441,15 +444,10 @@ fn a_drive_that_restarts_says_so() {
 #[test]
 fn the_spindle_turns_as_its_drive_is_told() {
     let mut bench = Bench::new(&PlantOptions::default());
-    let turn = SpindleCommand {
-        mode: Mode::Velocity,
-        velocity: MilliRpm::of(Rpm::new(300), 100),
-    };
-    // Before it is enabled, nothing turns.
-    bench.frames.push(turn.frame(NodeId::SPINDLE_1));
     bench.enable();
     assert_eq!(bench.plant.truth().speed, MilliRpm::STOPPED);
-    bench.frames.push(turn.frame(NodeId::SPINDLE_1));
+    bench.speed = MilliRpm::of(Rpm::new(300), 100);
+    bench.tick([None; 3]);
     bench.tick([None; 3]);
     // The ramp of 150 ms begins at that SYNC: 0.375 turns, then 5 a second.
     let mut last = bench.plant.truth();
@@ -472,6 +470,36 @@ fn the_spindle_turns_as_its_drive_is_told() {
         })
         .unwrap();
     assert_eq!(i64::from(status.0.actual.get()), (status.1 * 4096) >> 32);
+}
+
+#[test]
+fn a_spindle_enabled_again_does_not_start_by_itself() {
+    let mut bench = Bench::new(&PlantOptions::default());
+    bench.enable();
+    bench.speed = MilliRpm::of(Rpm::new(300), 100);
+    for _ in 0..300 {
+        bench.tick([None; 3]);
+    }
+    assert_eq!(bench.plant.truth().speed.get(), 300_000);
+    // A fault stops it. The cause goes away, the fault is reset, the drive enabled.
+    let spindle_drive = |bench: &mut Bench, trouble| bench.plant.spindle_drive().trouble(trouble);
+    spindle_drive(&mut bench, Trouble::Fault(0x3210));
+    for _ in 0..300 {
+        bench.tick([None; 3]);
+    }
+    assert_eq!(bench.spindle.drive().alarm().unwrap().number(), 4357);
+    spindle_drive(&mut bench, Trouble::None);
+    bench.speed = MilliRpm::STOPPED;
+    bench.spindle.drive_mut().reset();
+    for _ in 0..10 {
+        bench.tick([None; 3]);
+    }
+    bench.spindle.drive_mut().enable().unwrap();
+    for _ in 0..100 {
+        bench.tick([None; 3]);
+        assert_eq!(bench.plant.truth().speed, MilliRpm::STOPPED);
+    }
+    assert!(bench.spindle.drive().is_enabled());
 }
 
 #[test]
@@ -501,11 +529,7 @@ fn the_same_frames_give_the_same_bits() {
             ..PlantOptions::default()
         });
         bench.enable();
-        let turn = SpindleCommand {
-            mode: Mode::Velocity,
-            velocity: MilliRpm::new(-123_456),
-        };
-        bench.frames.push(turn.frame(NodeId::SPINDLE_1));
+        bench.speed = MilliRpm::new(-123_456);
         (0..500).map(|_| bench.tick([None; 3])).collect::<Vec<_>>()
     };
     assert_eq!(run(), run());

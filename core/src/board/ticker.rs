@@ -14,8 +14,8 @@ use super::event::{Command, Event};
 use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{
-    DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Mode, NodeId, Periods,
-    Scale, SpindleCommand, SyncProducer,
+    DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId, Periods, Scale,
+    SpindleMaster, SyncProducer,
 };
 use crate::motion::{Action, Arrival, Conditions, Executor, Motion, Rate, Segment, Setpoint};
 use crate::params::Params;
@@ -115,14 +115,12 @@ pub struct Ticker {
     sync: SyncProducer,
     axes: [DriveMaster; 3],
     scales: [Scale; 3],
-    spindle_drive: DriveMaster,
+    spindle_drive: SpindleMaster,
     /// Where the machine stood when the power went, if its drives agree.
     remembered: Option<Position>,
     ahead: [Ticks; 3],
     /// S with M03/M04, before override.
     commanded: Rpm,
-    /// What the spindle drive was last told.
-    told: Option<MilliRpm>,
     /// Percent in force; frozen inside a thread cycle.
     spindle_percent: u8,
     /// Single block or feed hold has stopped between two segments.
@@ -143,16 +141,17 @@ impl Ticker {
         let scale = |axis| Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
         let scales = [scale(Axis::X)?, scale(Axis::Z)?, scale(Axis::C)?];
         let [scale_x, scale_z, scale_c] = scales;
-        let master = |letter, node, scale: Scale, following| {
-            DriveMaster::new(DriveConfig {
-                letter,
-                node,
-                scale,
-                step,
-                // A status comes every fourth SYNC.
-                silence: Periods::new(12),
-                following,
-            })
+        let config = |letter, node, scale: Scale, following| DriveConfig {
+            letter,
+            node,
+            scale,
+            step,
+            // A status comes every fourth SYNC.
+            silence: Periods::new(12),
+            following,
+        };
+        let master = |letter, node, scale, following| {
+            DriveMaster::new(config(letter, node, scale, following))
         };
         let following = |axis, scale: Scale| {
             Some(FollowingLimit {
@@ -192,11 +191,10 @@ impl Ticker {
                 master(b'C', NodeId::DRIVE_C, scale_c, following(Axis::C, scale_c)),
             ],
             scales,
-            spindle_drive: master(b'S', NodeId::SPINDLE_1, scale_c, None),
+            spindle_drive: SpindleMaster::new(config(b'S', NodeId::SPINDLE_1, scale_c, None)),
             remembered,
             ahead: [ahead(Axis::X), ahead(Axis::Z), ahead(Axis::C)],
             commanded: Rpm::STOPPED,
-            told: None,
             spindle_percent: 100,
             paused: false,
             in_program: false,
@@ -318,7 +316,7 @@ impl Ticker {
                 return;
             }
         }
-        self.spindle_drive.receive(frame);
+        self.spindle_drive.drive_mut().receive(frame);
     }
 
     fn observe(&mut self, mut sample: EncoderSample, events: &mut EventIn<'_>) {
@@ -339,7 +337,7 @@ impl Ticker {
     fn watch_drives(&mut self, events: &mut EventIn<'_>) {
         if self.state == State::Starting {
             let mut enabled = true;
-            for drive in self.axes.iter_mut().chain([&mut self.spindle_drive]) {
+            for drive in self.axes.iter_mut().chain([self.spindle_drive.drive_mut()]) {
                 // A failure stays latched until reset; it is raised below.
                 let asked = drive.enable();
                 enabled &= asked.is_ok() && drive.is_enabled();
@@ -358,7 +356,7 @@ impl Ticker {
         let failed = self
             .axes
             .iter()
-            .chain([&self.spindle_drive])
+            .chain([self.spindle_drive.drive()])
             .find_map(DriveMaster::alarm);
         if let Some(alarm) = failed {
             self.raise(alarm, events);
@@ -403,7 +401,7 @@ impl Ticker {
             }
             Some(Wish::Reset) => match self.state {
                 State::Alarm(_) => {
-                    for drive in self.axes.iter_mut().chain([&mut self.spindle_drive]) {
+                    for drive in self.axes.iter_mut().chain([self.spindle_drive.drive_mut()]) {
                         drive.reset();
                     }
                     self.operator.hold = false;
@@ -564,23 +562,19 @@ impl Ticker {
                 put(frame);
             }
         }
-        let output = self.spindle_drive.tick(None);
-        for frame in [output.network, output.command].into_iter().flatten() {
-            put(frame);
-        }
         let in_cycle = self.executor.stops().thread_cycle
             && matches!(self.state, State::Running | State::Held);
         if !in_cycle {
             self.spindle_percent = self.operator.spindle;
         }
         let velocity = MilliRpm::of(self.commanded, u16::from(self.spindle_percent));
-        if self.spindle_drive.is_enabled() && self.told != Some(velocity) {
-            let command = SpindleCommand {
-                mode: Mode::Velocity,
-                velocity,
-            };
-            put(command.frame(self.spindle_drive.config().node));
-            self.told = Some(velocity);
+        let output = self.spindle_drive.tick(velocity);
+        let drive = output.drive;
+        for frame in [output.speed, drive.network, drive.command]
+            .into_iter()
+            .flatten()
+        {
+            put(frame);
         }
         if let Some(axis) = out_of_range {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];

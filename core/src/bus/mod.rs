@@ -17,6 +17,7 @@ mod frame;
 mod increments;
 mod nmt;
 mod pdo;
+mod spindle;
 mod sync;
 
 pub use cia402::{Controlword, State, Statusword};
@@ -28,4 +29,5 @@ pub use frame::{CobId, Frame, NodeId, Service};
 pub use increments::{Increments, Scale};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
+pub use spindle::{SpindleMaster, SpindleOutput};
 pub use sync::{SyncProducer, is_sync};

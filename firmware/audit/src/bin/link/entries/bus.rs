@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_core::bus::{
     CobId, DriveCommand, DriveMaster, DriveStatus, Emcy, Frame, Increments, MilliRpm, NmtCommand,
-    NmtState, Scale, SpindleCommand, Statusword, SyncProducer, is_sync,
+    NmtState, Scale, SpindleCommand, SpindleMaster, Statusword, SyncProducer, is_sync,
 };
 
 /// All of this room.
@@ -13,6 +13,7 @@ pub fn all() {
     decode();
     increments();
     drive();
+    spindle();
 }
 
 #[inline(never)]
@@ -86,5 +87,15 @@ fn drive() {
         if any() {
             master.reset();
         }
+    }
+}
+
+#[inline(never)]
+fn spindle() {
+    let mut master = SpindleMaster::new(any());
+    while any() {
+        sink(master.drive_mut().enable().is_ok());
+        sink(master.drive_mut().receive(&any()));
+        sink(master.tick(any()));
     }
 }
