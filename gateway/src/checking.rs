@@ -3,6 +3,7 @@
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::program::{Call, CallKind, Event, Position, ThreadCall, ThreadCycle};
+use leadscrew_core::units::Length;
 use leadscrew_core::{cycle, feasible};
 
 use crate::diagnostics::Diagnostic;
@@ -112,8 +113,8 @@ impl Checker<'_> {
             Ok(moves) => moves,
             Err(alarm) => {
                 // The interpreter goes on where the block ends, and cycles end where they begin.
-                self.tell(&alarm, inch);
-                return;
+                self.causes(call, inch);
+                return self.tell(&alarm, inch);
             }
         };
         if let Some(warning) = moves.warning() {
@@ -155,6 +156,22 @@ impl Checker<'_> {
         for step in moves {
             self.report.moves += 1;
             self.at = step.to;
+        }
+    }
+
+    /// A thread that geometry refuses may have its cause elsewhere: a feed rate where the lead should be makes a run-out
+    /// longer than the thread. Without run-in and run-out physics can still be asked.
+    fn causes(&mut self, call: &Call, inch: bool) {
+        let CallKind::Thread(thread) = &call.kind else {
+            return;
+        };
+        let mut bare = *thread;
+        bare.run_in.value = Length::ZERO;
+        bare.run_out = None;
+        if let Ok(findings) = feasible::thread_findings(&bare, call.span, &self.session.params) {
+            for alarm in findings.alarms.iter().flatten() {
+                self.tell(alarm, inch);
+            }
         }
     }
 

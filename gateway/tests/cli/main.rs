@@ -64,5 +64,7 @@ fn cases(kind: &str) -> Vec<String> {
     cases
 }
 
+mod check;
 mod expand;
+mod machine;
 mod usage;

@@ -1,0 +1,141 @@
+//! `check`: what people read when a program is wrong, and what scripts read.
+
+use serde_json::Value;
+
+use crate::{cases, code, golden, leadscrew, root, stderr, stdout};
+
+#[test]
+fn golden_diagnostics_in_both_languages() {
+    for case in cases("check") {
+        for lang in ["en", "zh"] {
+            let output = leadscrew(&["check", &format!("{case}/program.nc"), "--lang", lang]);
+            golden(
+                &root().join(&case).join(format!("expected.{lang}.txt")),
+                &stderr(&output),
+            );
+            assert_eq!(code(&output), 1, "{case}");
+        }
+    }
+}
+
+#[test]
+fn the_printed_g78_is_refused_for_the_spindle_and_for_the_lead() {
+    let output = leadscrew(&["check", "--json", "examples/g78-as-printed.nc"]);
+    assert_eq!(code(&output), 1);
+    let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(result["ok"], false);
+    let file = &result["files"][0];
+    assert_eq!(file["file"], "examples/g78-as-printed.nc");
+    let alarms = file["alarms"].as_array().unwrap();
+    let messages: Vec<&str> = alarms
+        .iter()
+        .map(|alarm| alarm["message"].as_str().unwrap())
+        .collect();
+    assert_eq!(alarms.len(), 2, "{messages:?}");
+    assert!(messages[0].contains("spindle"), "{messages:?}");
+    assert!(
+        messages[1].contains("300 mm") && messages[1].contains("70 mm"),
+        "{messages:?}"
+    );
+    for alarm in alarms {
+        for field in [
+            "file",
+            "no",
+            "line",
+            "column",
+            "end_column",
+            "message",
+            "help",
+        ] {
+            assert!(!alarm[field].is_null(), "{field}");
+        }
+    }
+    assert_eq!(file["warnings"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn every_other_example_is_good() {
+    for example in std::fs::read_dir(root().join("examples")).unwrap() {
+        let name = format!(
+            "examples/{}",
+            example.unwrap().file_name().to_str().unwrap()
+        );
+        if name != "examples/g78-as-printed.nc" {
+            let output = leadscrew(&["check", &name]);
+            assert_eq!(code(&output), 0, "{name}: {}", stderr(&output));
+        }
+    }
+}
+
+#[test]
+fn cycles_are_reported_with_what_they_need() {
+    let output = leadscrew(&[
+        "check",
+        "--json",
+        "examples/o0013-g76-m68x6.nc",
+        "examples/o0008-g75-grooves.nc",
+    ]);
+    let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(result["ok"], true);
+    let thread = &result["files"][0]["cycles"][0];
+    assert_eq!(thread["line"], 6);
+    assert_eq!(thread["cycle"], "G76");
+    assert_eq!(thread["passes"], 6);
+    // The last pass stands 3.68 mm · tan 30° from A.
+    assert_eq!(thread["z_shift_max_mm"], 2.124649);
+    let sum = thread["z_shift_max_mm"].as_f64().unwrap() + thread["lead_in_mm"].as_f64().unwrap();
+    assert!((thread["start_before_mm"].as_f64().unwrap() - sum).abs() < 1e-9);
+    // 8000 mm/min at 6 mm a turn.
+    assert_eq!(thread["rpm_max"], 1333);
+    assert!(thread["time_s"].as_f64().unwrap() > 10.0);
+    let groove = &result["files"][1]["cycles"][0];
+    assert_eq!(
+        (groove["cycle"].as_str(), groove["passes"].as_u64()),
+        (Some("G75"), Some(10))
+    );
+}
+
+#[test]
+fn one_bad_file_among_good_ones_fails() {
+    let output = leadscrew(&["check", "examples/shaft.nc", "examples/g78-as-printed.nc"]);
+    assert_eq!(code(&output), 1);
+    assert!(stdout(&output).contains("examples/shaft.nc: ok"));
+    assert!(stdout(&output).contains("examples/g78-as-printed.nc: 2 alarms"));
+}
+
+#[test]
+fn strict_makes_a_long_lead_in_a_failure() {
+    let folder = std::env::temp_dir().join(format!("leadscrew-strict-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let program = folder.join("short.nc");
+    std::fs::write(
+        &program,
+        "M3 S1000\nG0 X80 Z4\nG76 P010060 Q1500 R0.1\nG76 X60.64 Z-14 P36800 Q18000 F6\nM30\n",
+    )
+    .unwrap();
+    let program = program.to_str().unwrap();
+    let relaxed = leadscrew(&["check", program]);
+    assert_eq!(code(&relaxed), 0, "{}", stderr(&relaxed));
+    assert!(
+        stderr(&relaxed).contains("warning[4940]"),
+        "{}",
+        stderr(&relaxed)
+    );
+    assert_eq!(code(&leadscrew(&["check", "--strict", program])), 1);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn parameters_decide() {
+    let good = leadscrew(&["check", "examples/o0013-g76-m68x6.nc"]);
+    assert_eq!(code(&good), 0);
+    // 300 rpm at 6 mm a turn are 1800 mm/min.
+    let slow = leadscrew(&[
+        "check",
+        "examples/o0013-g76-m68x6.nc",
+        "--set",
+        "1430.Z=1700",
+    ]);
+    assert_eq!(code(&slow), 1);
+    assert!(stderr(&slow).contains("1700 mm/min"), "{}", stderr(&slow));
+}

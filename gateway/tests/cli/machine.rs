@@ -1,0 +1,320 @@
+//! `simulate`, `plot` and `run`: setpoints, certificates, pictures, interruption.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::{code, leadscrew, root, stderr, stdout};
+
+const THREAD: &str = "examples/o0013-g76-m68x6.nc";
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("leadscrew-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn result(args: &[&str]) -> Value {
+    let output = leadscrew(args);
+    serde_json::from_str(&stdout(&output))
+        .unwrap_or_else(|error| panic!("{args:?}: {error}: {}", stderr(&output)))
+}
+
+#[test]
+fn setpoints_as_csv_begin_and_end_standing() {
+    let folder = Folder::new("csv");
+    let csv = folder.file("setpoints.csv");
+    let output = leadscrew(&["simulate", THREAD, "-o", &csv]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(output.stdout.is_empty());
+    assert!(
+        stderr(&output).contains("synchronism worst"),
+        "{}",
+        stderr(&output)
+    );
+    let text = std::fs::read_to_string(csv).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,line,move,state,locked")
+    );
+    assert_eq!(lines.next(), Some("0,0,0,0,0,0,,0,0,idle,0"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    for (n, row) in rows.iter().enumerate() {
+        assert_eq!(row.len(), 11);
+        assert_eq!(row[0], (n + 1).to_string());
+        assert_eq!(row[1], ((n + 1) * 1000).to_string());
+        assert!(
+            ["idle", "run", "hold", "dwell", "wait", "alarm"].contains(&row[9]),
+            "{row:?}"
+        );
+    }
+    // G50 X100 Z50 at power-up: back there at the end is back at the machine's zero.
+    let last = rows.last().unwrap();
+    assert_eq!((last[2], last[3], last[10]), ("0", "0", "0"));
+    assert!(rows.iter().any(|row| row[9] == "dwell" && row[7] == "3"));
+    assert!(rows.iter().any(|row| row[9] == "wait" && row[7] == "6"));
+    // Six passes, each locked once without a gap.
+    let starts = rows
+        .windows(2)
+        .filter(|pair| pair[0][10] == "0" && pair[1][10] == "1")
+        .count();
+    assert_eq!(starts, 6);
+}
+
+#[test]
+fn locked_rows_lie_on_one_helix() {
+    let folder = Folder::new("helix");
+    let csv = folder.file("setpoints.csv");
+    let output = leadscrew(&["simulate", THREAD, "-o", &csv, "--spindle-ripple", "5@2"]);
+    assert_eq!(code(&output), 0);
+    let text = std::fs::read_to_string(csv).unwrap();
+    let mut by_move: std::collections::BTreeMap<u32, Vec<f64>> = std::collections::BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let row: Vec<&str> = line.split(',').collect();
+        if row[10] == "1" {
+            let z: f64 = row[3].parse().unwrap();
+            let turns = row[5].parse::<f64>().unwrap() / 1e6;
+            // Lead 6 mm towards −Z: what is left after taking the helix out, in nanometres.
+            let pass = row[8].parse().unwrap();
+            by_move.entry(pass).or_default().push(z + 6e6 * turns);
+        }
+    }
+    assert!(by_move.len() >= 6);
+    for (pass, residue) in by_move {
+        let (low, high) = residue
+            .iter()
+            .fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        // The angle is printed to a millionth of a turn: 6 nm; the error allowed is 1 µm.
+        assert!(high - low < 2000.0, "move {pass}: {low}…{high}");
+    }
+}
+
+#[test]
+fn simulate_and_run_give_the_same_setpoints_every_time() {
+    for flags in [
+        &[][..],
+        &["--spindle-ripple", "10@5"],
+        &["--tick-us", "2000"],
+        &["--at", "X=20,Z=-5"],
+    ] {
+        let json = |command: &str| {
+            let mut args = vec![command, THREAD, "--json"];
+            args.extend_from_slice(flags);
+            result(&args)
+        };
+        let first = json("simulate");
+        assert_eq!(first["ok"], true, "{flags:?}: {first}");
+        assert_eq!(first, json("simulate"), "{flags:?}");
+        assert_eq!(first, json("run"), "{flags:?}");
+        assert_eq!(first["setpoint_hash"].as_str().unwrap().len(), 16);
+        assert_eq!(
+            (first["moves"].as_u64(), first["late"].as_u64()),
+            (Some(35), Some(0))
+        );
+    }
+    let plain = result(&["run", THREAD, "--json"]);
+    let rippled = result(&["run", THREAD, "--json", "--spindle-ripple", "10@5"]);
+    assert_ne!(plain["setpoint_hash"], rippled["setpoint_hash"]);
+}
+
+#[test]
+fn the_hash_can_be_made_from_the_csv() {
+    let folder = Folder::new("hash");
+    let csv = folder.file("setpoints.csv");
+    let program = folder.file("short.nc");
+    std::fs::write(&program, "G0 X3 Z2\nG4 P20\nG1 X2 F300\nM30\n").unwrap();
+    let summary = result(&["simulate", &program, "-o", &csv, "--json"]);
+    let text = std::fs::read_to_string(csv).unwrap();
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect())
+        .collect();
+    let runs = |row: &&Vec<&str>| row[9] == "run";
+    let first = rows.iter().position(|row| runs(&row)).unwrap();
+    let last = rows.iter().rposition(|row| runs(&row)).unwrap();
+    let crc = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
+    let mut digest = crc.digest();
+    for row in &rows[first..=last] {
+        for field in [row[2], row[3], row[4], "0", "0", "0", "0"] {
+            digest.update(&field.parse::<i64>().unwrap().to_le_bytes());
+        }
+    }
+    assert_eq!(
+        summary["setpoint_hash"],
+        format!("{:016x}", digest.finalize())
+    );
+}
+
+#[test]
+fn tolerance_is_a_verdict() {
+    let flags = [
+        "simulate",
+        THREAD,
+        "--spindle-ripple",
+        "10@5",
+        "--tolerance",
+    ];
+    let with = |tolerance: &str| leadscrew(&[&flags[..], &[tolerance]].concat());
+    assert_eq!(code(&with("1.3")), 0);
+    let refused = with("0.01");
+    assert_eq!(code(&refused), 1);
+    assert!(
+        stderr(&refused).contains("above the tolerance of 0.01 µm"),
+        "{}",
+        stderr(&refused)
+    );
+}
+
+#[test]
+fn a_program_with_an_alarm_does_not_move() {
+    for command in ["simulate", "run"] {
+        let output = leadscrew(&[command, "examples/g78-as-printed.nc", "--json"]);
+        assert_eq!(code(&output), 1, "{command}");
+        let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+        assert_eq!(result["ok"], false);
+        assert_eq!(result["ticks"], 0);
+        assert_eq!(result["alarms"].as_array().unwrap().len(), 2);
+    }
+    let folder = Folder::new("refused");
+    let picture = folder.file("x.svg");
+    assert_eq!(
+        code(&leadscrew(&[
+            "plot",
+            "examples/g78-as-printed.nc",
+            "-o",
+            &picture
+        ])),
+        1
+    );
+    assert!(!std::path::Path::new(&picture).exists());
+}
+
+#[test]
+fn run_tells_its_result_on_stdout() {
+    let output = leadscrew(&["run", THREAD]);
+    assert_eq!(code(&output), 0);
+    let text = stdout(&output);
+    assert!(
+        text.starts_with(&format!("{THREAD}: done: 35 moves")),
+        "{text}"
+    );
+    assert!(text.contains("worst synchronism error"), "{text}");
+}
+
+#[test]
+fn the_bus_can_be_recorded() {
+    let folder = Folder::new("record");
+    let log = folder.file("bus.log");
+    assert_eq!(code(&leadscrew(&["run", THREAD, "--record", &log])), 0);
+    let text = std::fs::read_to_string(log).unwrap();
+    // SYNC with its counter, then the X drive's target.
+    let syncs = text.lines().filter(|line| line.contains(" 080#")).count();
+    let targets = text.lines().filter(|line| line.contains(" 210#")).count();
+    assert!(
+        syncs > 20_000 && syncs.abs_diff(targets) <= 2,
+        "{syncs} {targets}"
+    );
+}
+
+#[test]
+fn pictures_show_every_kind_of_move() {
+    let folder = Folder::new("plot");
+    let picture = folder.file("shaft.svg");
+    let output = leadscrew(&["plot", "examples/shaft.nc", "-o", &picture]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let svg = std::fs::read_to_string(picture).unwrap();
+    for part in [
+        "line rapid",
+        "line feed",
+        "line thread",
+        "line x",
+        "line z",
+        "line rpm",
+        "line error",
+        "class=\"start\"",
+        "class=\"end\"",
+        "shaft.nc",
+        "X ⌀ mm",
+        "Z mm",
+        "centre",
+    ] {
+        assert!(svg.contains(part), "{part}");
+    }
+    assert!(!svg.contains("NaN"));
+    assert!(svg.len() < 200_000, "{}", svg.len());
+}
+
+#[test]
+fn an_unwritable_output_is_told_before_the_work() {
+    let output = leadscrew(&["simulate", THREAD, "-o", "/no/such/folder/out.csv"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("cannot write `/no/such/folder/out.csv`"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// Long enough in virtual time that the signal arrives while it runs.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_brings_the_machine_to_a_stop() {
+    let folder = Folder::new("interrupt");
+    let program = folder.file("long.nc");
+    let csv = folder.file("long.csv");
+    let mut text = String::from("M3 S300\n");
+    for _ in 0..2000 {
+        text.push_str("G1 X20 Z-100 F60\nG1 X10 Z0\n");
+    }
+    std::fs::write(&program, text).unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(["simulate", &program, "-o", &csv])
+        .current_dir(root())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The file appears when the machine starts.
+    let patience = Instant::now();
+    while std::fs::metadata(&csv).map_or(0, |data| data.len()) == 0 {
+        assert!(
+            patience.elapsed() < Duration::from_secs(60),
+            "it never started"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let signal = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(signal.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(code(&output), 130, "{}", stderr(&output));
+    let text = std::fs::read_to_string(&csv).unwrap();
+    let mut ends = text
+        .lines()
+        .rev()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let (last, before) = (ends.next().unwrap(), ends.next().unwrap());
+    assert_eq!(last[2..5], before[2..5], "the axes stand at the end");
+    assert_ne!(last[9], "alarm");
+}
