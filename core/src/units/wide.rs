@@ -2,19 +2,10 @@
 
 /// The high 64 bits of `a · b`.
 ///
-/// Four 32-bit multiplications, so that a 32-bit processor needs no library call and every target gives the same bits.
+/// A 32-bit processor needs four multiplications for it and no library call.
 #[must_use]
 pub const fn mul_high(a: u64, b: u64) -> u64 {
-    const LOW: u64 = 0xffff_ffff;
-    let (ah, al) = (a >> 32, a & LOW);
-    let (bh, bl) = (b >> 32, b & LOW);
-    // Each product is below 2⁶⁴ − 2³³, so a carry of 32 bits still fits.
-    let low = al.wrapping_mul(bl) >> 32;
-    let cross = al.wrapping_mul(bh).wrapping_add(low);
-    let other = ah.wrapping_mul(bl).wrapping_add(cross & LOW);
-    ah.wrapping_mul(bh)
-        .wrapping_add(cross >> 32)
-        .wrapping_add(other >> 32)
+    ((a as u128).wrapping_mul(b as u128) >> 64) as u64
 }
 
 /// `a · b / c` rounded down; `u64::MAX` where that does not fit or `c` is zero. A 128-bit division: for the background,
