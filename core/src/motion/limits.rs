@@ -48,7 +48,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis and the tick.
+    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis and the tick. A top speed above 16.7 mm (16.7°)
+    /// a tick, which at 1 ms is 1000 m/min or 2796 rpm of C, counts as that.
     #[must_use]
     pub fn from_params(params: &Params) -> Self {
         let tick_us = params.tick_us();
