@@ -36,11 +36,11 @@ pub struct Arc {
 
 /// How strongly a path is bent: what the limits need to know of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bend {
+pub(super) struct Bend {
     /// Path length per radian, nm; at least 1.
-    pub radius: u64,
+    pub(super) radius: u64,
     /// By how much a derivative of the position may exceed that of a circle of this radius: a factor in 2⁻³², 1 or more.
-    pub stretch: u64,
+    pub(super) stretch: u64,
 }
 
 /// Why there is no such arc.
@@ -145,8 +145,7 @@ impl Arc {
     }
 
     /// How strongly it is bent.
-    #[must_use]
-    pub fn bend(&self) -> Bend {
+    pub(super) fn bend(&self) -> Bend {
         let length = self.length.nm() as u64;
         // Radians in 2⁻⁵⁹: 2⁻⁶³ turns · 2⁻⁶⁰.
         let angle = mul_high(self.sweep.unsigned_abs() << 1, TAU).max(1);

@@ -3,6 +3,7 @@
 //! Knows parameters and directions; knows nothing of moves, profiles or time.
 
 use super::arc::Bend;
+use super::line::Line;
 use super::rate::PathRate;
 use crate::params::Params;
 use crate::units::{Acceleration, Axis, Feed, Jerk, mul_div};
@@ -16,18 +17,18 @@ pub enum Pace {
     Cutting,
 }
 
-/// The limits of one axis, or of a path.
+/// The limits of one axis, or of a path, per tick.
 ///
 /// Acceleration and jerk are in 2⁻³² nm (rotary: µ°) per tick² and per tick³. All are rounded down and lack what the
 /// 2⁻¹⁶ nm of the path's resolution can add to a difference of setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PathLimits {
+pub(super) struct PathLimits {
     /// Top speed.
-    pub speed: PathRate,
+    pub(super) speed: PathRate,
     /// Top acceleration, 2⁻³² nm/tick².
-    pub acceleration: u64,
+    pub(super) acceleration: u64,
     /// Top jerk, 2⁻³² nm/tick³.
-    pub jerk: u64,
+    pub(super) jerk: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +86,7 @@ impl Limits {
     }
 
     /// Limits of one axis alone.
-    #[must_use]
-    pub const fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
+    const fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
         let limits = self.axis(axis);
         PathLimits {
             speed: match pace {
@@ -98,10 +98,10 @@ impl Limits {
         }
     }
 
-    /// Limits along a straight path of `length` on which the axes cover `distances` (X, Z, C): of every axis its limit
-    /// times length / distance, and the least of those.
-    #[must_use]
-    pub fn line(&self, length: u64, distances: [u64; 3], pace: Pace) -> PathLimits {
+    /// Limits along a straight path: of every axis its limit times the path's length over the axis' own way, and the least
+    /// of those.
+    pub(super) fn line(&self, line: &Line, pace: Pace) -> PathLimits {
+        let length = line.length().nm() as u64;
         let mut path = PathLimits {
             speed: PathRate::from_raw(u32::MAX),
             acceleration: u64::MAX,
@@ -109,7 +109,7 @@ impl Limits {
         };
         // One division for each axis: length / distance in 2^-shift, as fine as 64 bits allow, at least 2⁻²⁰ at 4 km.
         let shift = length.leading_zeros().min(63);
-        for (axis, distance) in Axis::ALL.into_iter().zip(distances) {
+        for (axis, distance) in Axis::ALL.into_iter().zip(line.distances()) {
             let Some(ratio) = (length << shift).checked_div(distance) else {
                 continue;
             };
@@ -129,8 +129,7 @@ impl Limits {
     /// On a circle of radius R at speed V, acceleration A and jerk J the tool feels A along and V²/R across the path,
     /// and J, 3·V·A/R and V³/R². Half of the weaker axis' acceleration is kept for A, half of its jerk for J; where V
     /// takes less than its part, they get the rest.
-    #[must_use]
-    pub fn arc(&self, bend: &Bend, top: PathRate) -> PathLimits {
+    pub(super) fn arc(&self, bend: &Bend, top: PathRate) -> PathLimits {
         let axes = self
             .of_axis(Axis::X, Pace::Cutting)
             .least(self.of_axis(Axis::Z, Pace::Cutting));
@@ -179,8 +178,7 @@ impl Limits {
 
 impl PathLimits {
     /// What both allow.
-    #[must_use]
-    pub fn least(self, other: Self) -> Self {
+    fn least(self, other: Self) -> Self {
         Self {
             speed: self.speed.min(other.speed),
             acceleration: self.acceleration.min(other.acceleration),
@@ -244,6 +242,8 @@ fn per_tick(value: i64, tick_us: u32, power: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::program::Position;
+    use crate::units::{Angle, Length};
 
     #[test]
     fn per_tick_figures_of_the_built_in_machine() {
@@ -259,7 +259,12 @@ mod tests {
     fn the_slower_axis_of_a_diagonal_counts_by_its_share() {
         let limits = Limits::from_params(&Params::default());
         // 3-4-5: X moves 3 of 5.
-        let path = limits.line(5_000, [3_000, 4_000, 0], Pace::Cutting);
+        let to = Position {
+            x: Length::from_nm(3_000),
+            z: Length::from_nm(-4_000),
+            c: Angle::ZERO,
+        };
+        let path = limits.line(&Line::new(Position::default(), to), Pace::Cutting);
         let x = limits.of_axis(Axis::X, Pace::Cutting);
         let z = limits.of_axis(Axis::Z, Pace::Cutting);
         assert_eq!(path.speed.raw(), (z.speed.raw() as u64 * 5 / 4) as u32);

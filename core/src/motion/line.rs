@@ -55,9 +55,8 @@ impl Line {
         self.feed_length
     }
 
-    /// What each axis covers (X, Z, C).
-    #[must_use]
-    pub const fn distances(&self) -> [u64; 3] {
+    /// What each axis covers (X, Z, C), in nm and µ°.
+    pub(super) const fn distances(&self) -> [u64; 3] {
         [
             magnitude(self.from.x.nm(), self.to.x.nm()),
             magnitude(self.from.z.nm(), self.to.z.nm()),

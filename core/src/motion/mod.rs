@@ -1,9 +1,9 @@
 //! Segments in, setpoints out, one for each tick.
 //!
 //! All motion is one idea: a path parameter driven by a master, which is time or, for threads, the spindle's angle
-//! ([`ThreadPlan`], [`ThreadRun`]). Where it is time: [`plan`] makes a move into a
-//! [`Path`], a speed and a ramp in the background; in the tick the [`Profile`] turns the rate the operator and the spindle
-//! leave into a distance, jerk-limited, and the path turns the distance into a position. Feed hold, override and abort
+//! ([`ThreadPlan`], [`ThreadRun`]). Where it is time, [`plan`] makes a move into a [`Path`], a speed and a ramp in the
+//! background; in the tick the [`Profile`] turns the rate the operator and the spindle leave into a distance,
+//! jerk-limited, and the path turns the distance into a position. Feed hold, override and abort
 //! are rates; nothing is replanned for them. The tick is integers, constant work and no division.
 //!
 //! Knows nothing of program text, cycles' insides or the bus.
@@ -23,9 +23,9 @@ mod shape;
 mod thread;
 mod wide;
 
-pub use arc::{ARC_TOLERANCE, Arc, ArcError, Bend};
+pub use arc::{ARC_TOLERANCE, Arc, ArcError};
 pub use executor::{Arrival, Conditions, Executor, Motion, Setpoint};
-pub use limits::{Limits, Pace, PathLimits};
+pub use limits::{Limits, Pace};
 pub use line::Line;
 pub use path::Path;
 pub use plan::Timed;

@@ -61,12 +61,12 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
     match target.kind {
         MoveKind::Rapid => {
             let line = line(from, target)?;
-            let path = limits.line(line.length().nm() as u64, line.distances(), Pace::Rapid);
+            let path = limits.line(&line, Pace::Rapid);
             plan(Path::Line(line), path.speed, &path, None, span, limits).map(Some)
         }
         MoveKind::Feed(feed) => {
             let line = line(from, target)?;
-            let path = limits.line(line.length().nm() as u64, line.distances(), Pace::Cutting);
+            let path = limits.line(&line, Pace::Cutting);
             let nominal = nominal(feed, line.length(), line.feed_length(), limits, span)?;
             plan(Path::Line(line), nominal, &path, Some(feed), span, limits).map(Some)
         }

@@ -12,8 +12,7 @@ use crate::units::Length;
 ///
 /// A motion too short for that top speed gets the shorter ramp of the lower speed that is quickest at `nominal`. `None`
 /// where the ramp would be longer than [`CAPACITY`] ticks.
-#[must_use]
-pub fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Option<Ramp> {
+pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Option<Ramp> {
     let units = units(length);
     let cap = limits.speed.raw().max(2);
     let goal = nominal.raw().min(cap).max(1);
@@ -63,8 +62,7 @@ pub fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Option<Ra
 
 /// Ticks from the start at rest to rest at the end, at [`super::Rate::FULL`] throughout: how often the profile ticks
 /// until it is done. Zero for no length.
-#[must_use]
-pub fn duration_ticks(length: Length, nominal: PathRate, ramp: &Ramp) -> u64 {
+pub(super) fn duration_ticks(length: Length, nominal: PathRate, ramp: &Ramp) -> u64 {
     ticks_in_units(units(length), nominal, ramp)
 }
 

@@ -29,11 +29,11 @@ fn path() {
     sink((
         line.length(),
         line.feed_length(),
-        line.distances(),
+        line.end(),
         line.at(any()),
     ));
     if let Ok(arc) = Arc::new(any(), any(), any(), any(), any()) {
-        sink((arc.length(), arc.end(), arc.bend(), arc.at(any())));
+        sink((arc.length(), arc.end(), arc.at(any())));
     }
 }
 
