@@ -19,47 +19,13 @@
 
 use super::cia402::{Controlword, State, Statusword};
 use super::emcy::Emcy;
+use super::failure::DriveFailure;
 use super::frame::{Frame, NodeId, Service};
 use super::increments::{Increments, Scale};
 use super::nmt::{NmtCommand, NmtState};
 use super::pdo::{DriveCommand, DriveStatus};
-use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::units::{Angle, Length};
-
-/// A time in SYNC periods.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Periods(u32);
-
-impl Periods {
-    /// `count` SYNC periods.
-    #[must_use]
-    pub const fn new(count: u32) -> Self {
-        Self(count)
-    }
-
-    /// `ms` milliseconds at a SYNC period of `tick_us` microseconds, rounded up; `None` for a period of 0.
-    #[must_use]
-    pub const fn from_ms(ms: u32, tick_us: u32) -> Option<Self> {
-        let rounded_up = (ms as u64)
-            .wrapping_mul(1000)
-            .wrapping_add((tick_us as u64).saturating_sub(1));
-        match rounded_up.checked_div(tick_us as u64) {
-            Some(ticks) if ticks <= u32::MAX as u64 => Some(Self(ticks as u32)),
-            Some(_) => Some(Self(u32::MAX)),
-            None => None,
-        }
-    }
-
-    /// The number of SYNC periods.
-    #[must_use]
-    pub const fn get(self) -> u32 {
-        self.0
-    }
-
-    const fn one_more(self) -> Self {
-        Self(self.0.saturating_add(1))
-    }
-}
+use super::periods::Periods;
+use crate::alarm::Alarm;
 
 /// What there is to know about a drive beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,42 +83,6 @@ pub enum Phase {
     Enabled,
 }
 
-/// What went wrong with a drive. Latched until [`DriveMaster::reset`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DriveFailure {
-    /// No status at all after NMT start.
-    NoAnswer,
-    /// A step took too long; the last statusword tells where the drive stays.
-    Step(Step, Statusword),
-    /// The drive reports a fault.
-    Fault {
-        /// The statusword that says so.
-        status: Statusword,
-        /// Error code of the drive's last emergency message; 0 where there was none.
-        code: u16,
-    },
-    /// The drive left operation enabled without being told.
-    Lost(Statusword),
-    /// The drive restarted.
-    Restarted,
-    /// An enabled drive has been given demands, for as long as a step may take, and none where it stands.
-    Jump {
-        /// Where it is held.
-        target: Increments,
-        /// Where it was to be at once.
-        demand: Increments,
-    },
-    /// No status for too long while enabled.
-    Silent,
-    /// The drive is too far from its target.
-    Following {
-        /// Where it was to be.
-        target: Increments,
-        /// Where it is.
-        actual: Increments,
-    },
-}
-
 /// The frames a master wants sent, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DriveOutput {
@@ -199,10 +129,10 @@ impl DriveMaster {
             config,
             phase: Phase::Offline,
             failure: None,
-            waited: Periods(0),
+            waited: Periods::new(0),
             follows: false,
-            quiet: Periods(0),
-            astray: Periods(0),
+            quiet: Periods::new(0),
+            astray: Periods::new(0),
             status: None,
             answered: false,
             error_code: 0,
@@ -309,7 +239,7 @@ impl DriveMaster {
 
     fn hear(&mut self, status: DriveStatus) {
         self.status = Some(status);
-        self.quiet = Periods(0);
+        self.quiet = Periods::new(0);
         self.answered = true;
         let state = status.status.state();
         if self.phase == Phase::Enabled {
@@ -344,9 +274,9 @@ impl DriveMaster {
             (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
             (Step::EnableOperation, Some(State::OperationEnabled)) => {
                 self.phase = Phase::Enabled;
-                self.waited = Periods(0);
+                self.waited = Periods::new(0);
                 self.follows = false;
-                self.astray = Periods(0);
+                self.astray = Periods::new(0);
             }
             _ => {}
         }
@@ -362,9 +292,9 @@ impl DriveMaster {
             .following
             .is_some_and(|limit| distance > limit.increments);
         if !astray {
-            self.astray = Periods(0);
-        } else if self.astray == Periods(0) {
-            self.astray = Periods(1);
+            self.astray = Periods::new(0);
+        } else if self.astray == Periods::new(0) {
+            self.astray = Periods::new(1);
         }
     }
 
@@ -402,7 +332,7 @@ impl DriveMaster {
                 Some(Controlword::ENABLE_OPERATION)
             }
             // The bit must rise: the first word of this step has it low.
-            Phase::Step(Step::FaultReset) if self.waited <= Periods(1) => {
+            Phase::Step(Step::FaultReset) if self.waited <= Periods::new(1) => {
                 Some(Controlword::DISABLE_VOLTAGE)
             }
             Phase::Step(Step::FaultReset) => Some(Controlword::FAULT_RESET),
@@ -448,7 +378,7 @@ impl DriveMaster {
             Phase::Enabled if self.quiet > self.config.silence => {
                 self.latch(DriveFailure::Silent);
             }
-            Phase::Enabled if self.astray > Periods(0) => self.check_following(),
+            Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
             Phase::Enabled | Phase::Standby | Phase::Offline => {}
         }
     }
@@ -477,7 +407,7 @@ impl DriveMaster {
 
     const fn enter(&mut self, step: Step) {
         self.phase = Phase::Step(step);
-        self.waited = Periods(0);
+        self.waited = Periods::new(0);
         self.answered = false;
     }
 
@@ -499,56 +429,7 @@ impl DriveMaster {
     /// The latched failure as an alarm that names drive, node and figures.
     #[must_use]
     pub fn alarm(&self) -> Option<Alarm> {
-        let failure = self.failure?;
-        let (third, fourth) = match failure {
-            DriveFailure::NoAnswer | DriveFailure::Restarted => (Arg::None, Arg::None),
-            DriveFailure::Silent => (Arg::Int(i64::from(self.config.silence.get())), Arg::None),
-            DriveFailure::Step(_, status) | DriveFailure::Lost(status) => {
-                (Arg::Statusword(status.raw()), Arg::None)
-            }
-            DriveFailure::Fault { status, code } => (Arg::Statusword(status.raw()), Arg::Hex(code)),
-            DriveFailure::Jump { target, demand } => {
-                (self.distance(demand.distance(target)), Arg::None)
-            }
-            DriveFailure::Following { target, actual } => {
-                let limit = self.config.following.map_or(0, |limit| limit.increments);
-                (self.distance(actual.distance(target)), self.distance(limit))
-            }
-        };
-        Some(Alarm::new(failure.code(), Span::default()).with([
-            Arg::Letter(self.config.letter),
-            Arg::Int(i64::from(self.config.node.get())),
-            third,
-            fourth,
-        ]))
-    }
-
-    fn distance(&self, increments: u32) -> Arg {
-        let distance = self.config.scale.length(increments);
-        match self.config.letter {
-            b'X' | b'Y' | b'Z' => Arg::Length(Length::from_nm(distance)),
-            _ => Arg::Angle(Angle::from_udeg(distance)),
-        }
-    }
-}
-
-impl DriveFailure {
-    const fn code(self) -> Code {
-        match self {
-            Self::NoAnswer => Code::DriveNoAnswer,
-            Self::Step(Step::Contact, _) => Code::DriveNotInitialised,
-            Self::Step(Step::Release, _) => Code::DriveNotReleased,
-            Self::Step(Step::Shutdown, _) => Code::DriveNotReady,
-            Self::Step(Step::SwitchOn, _) => Code::DriveNotSwitchedOn,
-            Self::Step(Step::EnableOperation, _) => Code::DriveNotEnabled,
-            Self::Step(Step::FaultReset, _) => Code::DriveFaultNotReset,
-            Self::Fault { .. } => Code::DriveFault,
-            Self::Lost(_) => Code::DriveLost,
-            Self::Restarted => Code::DriveRestarted,
-            Self::Jump { .. } => Code::DriveJump,
-            Self::Silent => Code::DriveSilent,
-            Self::Following { .. } => Code::FollowingError,
-        }
+        self.failure.map(|failure| failure.alarm(&self.config))
     }
 }
 

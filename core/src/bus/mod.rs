@@ -13,21 +13,23 @@
 mod cia402;
 mod drive;
 mod emcy;
+mod failure;
 mod frame;
 mod increments;
 mod nmt;
 mod pdo;
+mod periods;
 mod spindle;
 mod sync;
 
 pub use cia402::{Controlword, State, Statusword};
-pub use drive::{
-    DriveConfig, DriveFailure, DriveMaster, DriveOutput, FollowingLimit, Periods, Phase, Step,
-};
+pub use drive::{DriveConfig, DriveMaster, DriveOutput, FollowingLimit, Phase, Step};
 pub use emcy::Emcy;
+pub use failure::DriveFailure;
 pub use frame::{CobId, Frame, NodeId, Service};
 pub use increments::{Increments, Scale};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
+pub use periods::Periods;
 pub use spindle::{SpindleMaster, SpindleOutput};
 pub use sync::{SyncProducer, is_sync};

@@ -2,7 +2,9 @@
 extern crate std;
 
 use super::*;
-use crate::bus::{CobId, Service};
+use crate::alarm::{Arg, Code};
+use crate::bus::CobId;
+use crate::units::Length;
 use std::string::String;
 use std::vec::Vec;
 use std::{format, vec};

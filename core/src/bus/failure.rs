@@ -1,0 +1,98 @@
+//! What can go wrong with a drive, and how it is told.
+
+use super::cia402::Statusword;
+use super::drive::{DriveConfig, Step};
+use super::increments::Increments;
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::units::{Angle, Length};
+
+/// What went wrong with a drive. Latched until [`DriveMaster::reset`](super::DriveMaster::reset).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveFailure {
+    /// No status at all after NMT start.
+    NoAnswer,
+    /// A step took too long; the last statusword tells where the drive stays.
+    Step(Step, Statusword),
+    /// The drive reports a fault.
+    Fault {
+        /// The statusword that says so.
+        status: Statusword,
+        /// Error code of the drive's last emergency message; 0 where there was none.
+        code: u16,
+    },
+    /// The drive left operation enabled without being told.
+    Lost(Statusword),
+    /// The drive restarted.
+    Restarted,
+    /// An enabled drive has been given demands, for as long as a step may take, and none where it stands.
+    Jump {
+        /// Where it is held.
+        target: Increments,
+        /// Where it was to be at once.
+        demand: Increments,
+    },
+    /// No status for too long while enabled.
+    Silent,
+    /// The drive is too far from its target.
+    Following {
+        /// Where it was to be.
+        target: Increments,
+        /// Where it is.
+        actual: Increments,
+    },
+}
+
+impl DriveFailure {
+    /// An alarm that names drive, node and figures.
+    #[must_use]
+    pub fn alarm(self, config: &DriveConfig) -> Alarm {
+        let (third, fourth) = match self {
+            Self::NoAnswer | Self::Restarted => (Arg::None, Arg::None),
+            Self::Silent => (Arg::Int(i64::from(config.silence.get())), Arg::None),
+            Self::Step(_, status) | Self::Lost(status) => {
+                (Arg::Statusword(status.raw()), Arg::None)
+            }
+            Self::Fault { status, code } => (Arg::Statusword(status.raw()), Arg::Hex(code)),
+            Self::Jump { target, demand } => (distance(config, demand.distance(target)), Arg::None),
+            Self::Following { target, actual } => {
+                let limit = config.following.map_or(0, |limit| limit.increments);
+                (
+                    distance(config, actual.distance(target)),
+                    distance(config, limit),
+                )
+            }
+        };
+        Alarm::new(self.code(), Span::default()).with([
+            Arg::Letter(config.letter),
+            Arg::Int(i64::from(config.node.get())),
+            third,
+            fourth,
+        ])
+    }
+
+    const fn code(self) -> Code {
+        match self {
+            Self::NoAnswer => Code::DriveNoAnswer,
+            Self::Step(Step::Contact, _) => Code::DriveNotInitialised,
+            Self::Step(Step::Release, _) => Code::DriveNotReleased,
+            Self::Step(Step::Shutdown, _) => Code::DriveNotReady,
+            Self::Step(Step::SwitchOn, _) => Code::DriveNotSwitchedOn,
+            Self::Step(Step::EnableOperation, _) => Code::DriveNotEnabled,
+            Self::Step(Step::FaultReset, _) => Code::DriveFaultNotReset,
+            Self::Fault { .. } => Code::DriveFault,
+            Self::Lost(_) => Code::DriveLost,
+            Self::Restarted => Code::DriveRestarted,
+            Self::Jump { .. } => Code::DriveJump,
+            Self::Silent => Code::DriveSilent,
+            Self::Following { .. } => Code::FollowingError,
+        }
+    }
+}
+
+fn distance(config: &DriveConfig, increments: u32) -> Arg {
+    let distance = config.scale.length(increments);
+    match config.letter {
+        b'X' | b'Y' | b'Z' => Arg::Length(Length::from_nm(distance)),
+        _ => Arg::Angle(Angle::from_udeg(distance)),
+    }
+}
