@@ -1,3 +1,4 @@
 //! Whole-system tests; the tests themselves are in `tests/`.
 
+pub mod limits;
 pub mod machine;

@@ -7,6 +7,12 @@ use leadscrew_core::board::Event;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Call, Events, Options};
 
+/// Ticks that a run goes on for after the machine has nothing left to do.
+pub const STANDING_TICKS: usize = 20;
+
+/// Ticks after which a run counts as hanging.
+const LONGEST: u64 = 1_000_000;
+
 /// What running a program gave.
 #[derive(Debug, Default)]
 pub struct Ran {
@@ -42,6 +48,9 @@ pub fn machine(params: &Params, options: &PlantOptions) -> Sim {
 }
 
 /// Runs a program to its end. `operate` is called before every tick with the machine and the ticks so far.
+///
+/// # Panics
+/// Where the machine does not come to an end.
 pub fn run(
     text: &str,
     params: &Params,
@@ -56,6 +65,7 @@ pub fn run(
         while waiting.peek().is_some_and(|call| sim.offer(call)) {
             waiting.next();
         }
+        assert!(ticks < LONGEST, "the machine does not come to an end");
         operate(&mut sim, ticks);
         ran.rows.extend(sim.step());
         ticks += 1;
@@ -68,6 +78,10 @@ pub fn run(
         if ran.alarm.is_some() {
             waiting = Vec::new().into_iter().peekable();
         }
+    }
+    // Nothing may come later.
+    for _ in 0..STANDING_TICKS {
+        ran.rows.extend(sim.step());
     }
     sim.last_rows(|row| ran.rows.push(row));
     ran

@@ -6,6 +6,7 @@
 
 use heapless::{Deque, Vec};
 
+use super::detour::Route;
 use super::queue::{CallOut, SegmentIn, put, room, take};
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
@@ -13,7 +14,7 @@ use crate::feasible;
 use crate::motion::{Action, Limits, Pass, Segment, Stops, ThreadPlan, plan};
 use crate::params::Params;
 use crate::program::{Call, CallKind, Position};
-use crate::units::{Axis, Length, Rpm, TurnRate};
+use crate::units::{Length, Rpm, TurnRate};
 
 /// What planning depends on besides the program.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +25,6 @@ pub struct Settings<'a> {
     pub limits: &'a Limits,
     /// Spindle override in percent.
     pub spindle_percent: u8,
-    /// Single block is on.
-    pub single_block: bool,
 }
 
 /// The state of the background.
@@ -195,7 +194,7 @@ impl Background {
             }
             return Ok(());
         }
-        let stops = stops(next, settings.single_block);
+        let stops = stops(next);
         let action = match next.kind {
             MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
                 let timed = plan::timed(self.position, next, settings.limits)?;
@@ -270,10 +269,10 @@ pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     Rpm::new(i32::try_from(rounded).unwrap_or(0))
 }
 
-fn stops(next: &Move, single_block: bool) -> Stops {
+fn stops(next: &Move) -> Stops {
     let Some(tag) = next.tag else {
         return Stops {
-            single_block: single_block && !matches!(next.kind, MoveKind::Spindle(_)),
+            single_block: !matches!(next.kind, MoveKind::Spindle(_)),
             ..Stops::default()
         };
     };
@@ -283,10 +282,46 @@ fn stops(next: &Move, single_block: bool) -> Stops {
         hold_not_inside: behind_stroke,
         hold_not_before: behind_stroke,
         // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
-        single_block: single_block && (!thread_cycle || tag.stage == Stage::Return),
+        single_block: !thread_cycle || tag.stage == Stage::Return,
         thread_cycle,
     }
 }
 
-/// The order of axes in every array.
-pub(super) const AXES: [Axis; 3] = Axis::ALL;
+/// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
+pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
+    let mut at = route.from;
+    let stops = Stops {
+        hold_not_inside: true,
+        hold_not_before: true,
+        thread_cycle: true,
+        ..Stops::default()
+    };
+    let mut queue_up = |action| {
+        let leg = Segment {
+            number: 0,
+            span: Span::default(),
+            stops,
+            action,
+        };
+        put(queue, leg).is_ok()
+    };
+    for to in route
+        .via
+        .into_iter()
+        .flatten()
+        .filter(|to| *to != route.from)
+    {
+        let leg = Move {
+            span: Span::default(),
+            to,
+            kind: MoveKind::Rapid,
+            tag: None,
+        };
+        let Ok(Some(timed)) = plan::timed(at, &leg, limits) else {
+            break;
+        };
+        queue_up(Action::Timed(timed));
+        at = to;
+    }
+    queue_up(Action::End);
+}

@@ -2,13 +2,13 @@
 //!
 //! Two contexts. The **tick** ([`Ticker`], one SYNC period, bounded) observes the spindle, watches the drives, executes
 //! segments and makes frames. The **background** ([`Background`]) expands and plans. They are joined by single-producer
-//! queues and, the other way, by one message: start afresh from here.
+//! queues and, the other way, by one message: start afresh from here, or plan this way.
 //!
 //! ```text
 //!          calls          segments                       SYNC, RPDOs
 //! gateway ──────► Background ──────► Ticker ──────────────────────► drives
 //!                      ▲               │ ▲
-//!                      └── restart ────┘ └── encoder sample, TPDOs
+//!                      └─── notice ────┘ └── encoder sample, TPDOs
 //! ```
 //!
 //! Terms: a *period* is the time between two SYNCs; a *setpoint* computed in period k takes effect at SYNC(k+1) plus the
@@ -17,13 +17,18 @@
 //! It must not know hardware, sockets, clocks or flash.
 
 mod background;
+mod detour;
+mod drives;
 mod event;
+mod operator;
 mod queue;
 mod ticker;
 
 pub use background::{Background, Settings, overridden};
+pub use detour::Route;
 pub use event::{Command, Event};
-pub use ticker::{FRAMES, Operator, Outcome, Output, State, Ticker};
+pub use operator::Operator;
+pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::Frame;
@@ -31,7 +36,7 @@ use crate::motion::Limits;
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::spindle::EncoderSample;
-use queue::{Calls, Events, Segments};
+use queue::{Calls, Events, Segments, take};
 
 /// A motion board with both its contexts, called in turn from one thread (simulation, tests). Firmware takes the same
 /// two halves apart.
@@ -41,6 +46,7 @@ pub struct Board {
     limits: Limits,
     calls: Calls,
     segments: Segments,
+    detours: Segments,
     events: Events,
     background: Background,
     ticker: Ticker,
@@ -61,6 +67,7 @@ impl Board {
             limits: Limits::from_params(params),
             calls: Calls::new(),
             segments: Segments::new(),
+            detours: Segments::new(),
             events: Events::new(),
             background: Background::new(remembered.unwrap_or_default()),
             ticker,
@@ -83,7 +90,6 @@ impl Board {
             params: &self.params,
             limits: &self.limits,
             spindle_percent: self.ticker.operator().spindle_percent(),
-            single_block: self.ticker.operator().single_block(),
         };
         let (_, mut calls) = self.calls.split();
         let (mut segments, _) = self.segments.split();
@@ -99,13 +105,24 @@ impl Board {
     /// One SYNC period; see [`Ticker::tick`].
     pub fn tick(&mut self, sample: EncoderSample, received: &[Frame]) -> Output {
         let (_, mut segments) = self.segments.split();
+        let (mut planned, mut detours) = self.detours.split();
         let (mut events, _) = self.events.split();
-        let output = self
-            .ticker
-            .tick(sample, received, &mut segments, &mut events);
-        if let Some(position) = output.restart {
-            while self.calls.dequeue().is_some() {}
-            self.background.restart(position);
+        let mut ends = Ends {
+            segments: &mut segments,
+            detours: &mut detours,
+            events: &mut events,
+        };
+        let output = self.ticker.tick(sample, received, &mut ends);
+        match output.notice {
+            None => {}
+            Some(Notice::Restart(position)) => {
+                while self.calls.dequeue().is_some() {}
+                self.background.restart(position);
+            }
+            Some(Notice::Route(route)) => {
+                while take(&mut detours).is_some() {}
+                background::plan_route(&route, &self.limits, &mut planned);
+            }
         }
         output
     }

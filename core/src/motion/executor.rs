@@ -12,6 +12,10 @@ use crate::program::{FeedRate, Position};
 use crate::spindle::Observer;
 use crate::units::{Length, Rpm, Ticks, TurnRate, Turns};
 
+/// Ticks for which the axes stand at the end of a pass before the next segment begins. The last setpoints of the pass and
+/// the first of the next segment then share no third difference, so their jerks do not add.
+const SETTLING: u8 = 2;
+
 /// What one tick of motion depends on.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
@@ -97,6 +101,8 @@ pub struct Executor {
     aborting: bool,
     /// Ticks for which the spindle has stood in a stroke.
     stalled: u32,
+    /// Ticks since the pass came to rest.
+    settled: u8,
 }
 
 impl Executor {
@@ -128,6 +134,7 @@ impl Executor {
             arrival,
             aborting: false,
             stalled: 0,
+            settled: 0,
         }
     }
 
@@ -165,12 +172,6 @@ impl Executor {
         }
     }
 
-    /// The last pass begun: what a resume after an immediate retract does again.
-    #[must_use]
-    pub const fn last_pass(&self) -> Option<&Pass> {
-        self.pass.as_ref()
-    }
-
     /// Begins a segment of motion; commands and marks are the board's. Ignored while another is under way.
     pub fn begin(&mut self, segment: &Segment) {
         if !self.is_free() {
@@ -184,6 +185,7 @@ impl Executor {
             Action::Timed(timed) if self.run.begin(&timed) => Active::Timed(timed.feed),
             Action::Thread(pass) => {
                 self.pass = Some(pass);
+                self.settled = 0;
                 Active::Waiting { pass, ticks: 0 }
             }
             Action::Dwell(ticks) => Active::Dwell(ticks),
@@ -319,7 +321,10 @@ impl Executor {
                 match point.phase {
                     Phase::Waiting => Motion::Wait,
                     Phase::Done => {
-                        self.active = Active::Free;
+                        self.settled = self.settled.saturating_add(1);
+                        if self.settled > SETTLING {
+                            self.active = Active::Free;
+                        }
                         Motion::Run
                     }
                     Phase::Joining | Phase::Locked | Phase::Braking => Motion::Run,

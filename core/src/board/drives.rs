@@ -1,0 +1,161 @@
+//! The board's drives together: brought up, watched, told where to be.
+//!
+//! Knows positions, scales and the masters of the drives; knows nothing of segments or of why a position is demanded.
+
+use heapless::Vec;
+
+use super::ticker::FRAMES;
+use crate::alarm::Alarm;
+use crate::bus::{
+    DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId, Periods, Scale,
+    SpindleMaster, SyncProducer,
+};
+use crate::params::Params;
+use crate::program::Position;
+use crate::units::{Angle, Axis, Length};
+
+/// A status comes every fourth SYNC; three of them missing is silence.
+const SILENCE: Periods = Periods::new(12);
+
+/// X, Z, C and spindle 1.
+#[derive(Debug)]
+pub(super) struct Drives {
+    axes: [DriveMaster; 3],
+    scales: [Scale; 3],
+    spindle: SpindleMaster,
+    sync: SyncProducer,
+}
+
+impl Drives {
+    /// `None` for a tick or a scale of nothing.
+    pub(super) fn new(params: &Params) -> Option<Self> {
+        let tick_us = params.tick_us();
+        let step = Periods::from_ms(params.drive_time_ms(), tick_us)?;
+        let scale = |axis| Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
+        let scales = [scale(Axis::X)?, scale(Axis::Z)?, scale(Axis::C)?];
+        let [scale_x, scale_z, scale_c] = scales;
+        let following = |axis, scale: Scale| {
+            Some(FollowingLimit {
+                increments: scale.limit(params.following_error_limit(axis)),
+                time: Periods::from_ms(params.following_error_ms(), tick_us)?,
+            })
+        };
+        let config = |letter, node, scale: Scale, following| DriveConfig {
+            letter,
+            node,
+            scale,
+            step,
+            silence: SILENCE,
+            following,
+        };
+        let axis = |axis: Axis, node, scale| {
+            DriveMaster::new(config(axis.letter(), node, scale, following(axis, scale)))
+        };
+        Some(Self {
+            axes: [
+                axis(Axis::X, NodeId::DRIVE_X, scale_x),
+                axis(Axis::Z, NodeId::DRIVE_Z, scale_z),
+                axis(Axis::C, NodeId::DRIVE_C, scale_c),
+            ],
+            scales,
+            spindle: SpindleMaster::new(config(b'S', NodeId::SPINDLE_1, scale_c, None)),
+            sync: SyncProducer::new(),
+        })
+    }
+
+    fn all(&mut self) -> impl Iterator<Item = &mut DriveMaster> {
+        self.axes.iter_mut().chain([self.spindle.drive_mut()])
+    }
+
+    /// A frame from the bus.
+    pub(super) fn hear(&mut self, frame: &Frame) {
+        for drive in self.all() {
+            if drive.receive(frame) {
+                return;
+            }
+        }
+    }
+
+    /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by
+    /// [`failure`](Self::failure).
+    pub(super) fn enable(&mut self) -> bool {
+        let mut enabled = true;
+        for drive in self.all() {
+            enabled &= drive.enable().is_ok() && drive.is_enabled();
+        }
+        enabled
+    }
+
+    /// The first latched failure.
+    pub(super) fn failure(&self) -> Option<Alarm> {
+        self.axes
+            .iter()
+            .chain([self.spindle.drive()])
+            .find_map(DriveMaster::alarm)
+    }
+
+    /// Forgets failures and resets faults; the drives have to be enabled again.
+    pub(super) fn reset(&mut self) {
+        for drive in self.all() {
+            drive.reset();
+        }
+    }
+
+    /// Where the machine is: `remembered` to the nanometre if the drives agree with it to their increment, else what
+    /// they say.
+    pub(super) fn position(&self, remembered: Option<Position>) -> Position {
+        let [x, z, c] = &self.axes;
+        let [scale_x, scale_z, scale_c] = &self.scales;
+        let read = Position {
+            x: Length::from_nm(scale_x.position(x.target())),
+            z: Length::from_nm(scale_z.position(z.target())),
+            c: Angle::from_udeg(scale_c.position(c.target())),
+        };
+        match remembered {
+            Some(remembered) if self.demands(remembered) == self.demands(read) => remembered,
+            _ => read,
+        }
+    }
+
+    fn demands(&self, position: Position) -> [Option<Increments>; 3] {
+        let [x, z, c] = &self.scales;
+        [
+            x.increments(position.x.nm()),
+            z.increments(position.z.nm()),
+            c.increments(position.c.udeg()),
+        ]
+    }
+
+    /// The frames of a period: SYNC, then what each drive is told. An axis whose position its drive cannot count comes
+    /// back; its drive is held where it is.
+    pub(super) fn send(
+        &mut self,
+        position: Position,
+        velocity: MilliRpm,
+        frames: &mut Vec<Frame, FRAMES>,
+    ) -> Option<Axis> {
+        // FRAMES is more than one SYNC and three frames for each of four drives.
+        let mut put = |frame: Frame| frames.push(frame).is_ok();
+        put(self.sync.next());
+        let mut beyond = None;
+        let demands = self.demands(position);
+        for ((drive, demand), axis) in self.axes.iter_mut().zip(demands).zip(Axis::ALL) {
+            if demand.is_none() {
+                beyond = Some(axis);
+            }
+            let output = drive.tick(demand);
+            for frame in [output.network, output.command].into_iter().flatten() {
+                put(frame);
+            }
+        }
+        let output = self.spindle.tick(velocity);
+        let drive = output.drive;
+        for frame in [output.speed, drive.network, drive.command]
+            .into_iter()
+            .flatten()
+        {
+            put(frame);
+        }
+        beyond
+    }
+}
