@@ -1,4 +1,5 @@
-//! Expansion alone: G76 cycles of 56 passes, five moves each, every one seen whole.
+//! Expansion alone: G76 cycles of 56 passes, five moves each, every one seen whole where it lies (`advance`; a copy of
+//! each, as `next` makes it, takes some twenty instructions more).
 //!
 //! `cargo run --release --example expand -- 1000`; counted with
 //! `valgrind --tool=callgrind target/release/examples/expand 1000` and again with 2000: the difference is free of

@@ -38,10 +38,10 @@ impl Helix {
     }
 
     /// The angle turned over `distance` nanometres (below 2⁴⁴), modulo a turn, to the nearest millionth of a degree,
-    /// halves up.
+    /// halves up: 0…360 000 000, the full turn where only rounding makes it one.
     #[inline]
     pub(crate) fn angle(&self, distance: u64) -> u32 {
-        let rounded = match self.per_nm {
+        match self.per_nm {
             // Exact: the part of a turn comes out too large, by no more than 2⁻⁶⁴ + 2⁻⁸⁴ turns, which is less than 2⁻³⁵·⁵
             // millionths of a degree; a true value below a half is below it by at least 1/(2·nm) > 2⁻³⁵ of one.
             Some((high, low)) => {
@@ -54,8 +54,7 @@ impl Helix {
                 (scaled.wrapping_add(1 << 63) >> 64) as u32
             }
             None => self.wide_angle(distance),
-        };
-        if rounded >= TURN_UDEG { 0 } else { rounded }
+        }
     }
 
     /// The same by division.
@@ -75,11 +74,7 @@ mod tests {
     fn angle(nm: i64, turns: i64, distance: u64) -> u32 {
         let helix = Helix::new(Lead::new(nm, turns).unwrap());
         // Both ways must agree wherever the fast one is taken.
-        let slow = helix.wide_angle(distance);
-        assert_eq!(
-            helix.angle(distance),
-            if slow == TURN_UDEG { 0 } else { slow }
-        );
+        assert_eq!(helix.angle(distance), helix.wide_angle(distance));
         helix.angle(distance)
     }
 
@@ -99,7 +94,7 @@ mod tests {
         assert_eq!(angle(3_600_000_000, 1, 5), 1);
         assert_eq!(angle(3_600_000_000, 1, 4), 0);
         // The last half before a turn is the turn.
-        assert_eq!(angle(3_600_000_000, 1, 3_600_000_000 - 5), 0);
+        assert_eq!(angle(3_600_000_000, 1, 3_600_000_000 - 5), TURN_UDEG);
         assert_eq!(angle(3_600_000_000, 1, 3_600_000_000 - 6), 359_999_999);
     }
 

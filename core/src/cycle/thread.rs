@@ -27,6 +27,9 @@ pub struct ThreadMoves {
     shape: Shape,
     passes: Passes,
     step: Step,
+    /// What follows the approach and the stroke, in every pass alike.
+    after_approach: Step,
+    after_stroke: Step,
     /// The pass under way.
     corners: Corners,
     /// Rough or finish.
@@ -163,6 +166,16 @@ impl ThreadMoves {
             shape,
             passes,
             step: Step::Approach,
+            after_approach: if shape.has_run_in() {
+                Step::RunIn
+            } else {
+                Step::Stroke
+            },
+            after_stroke: if shape.has_run_out() {
+                Step::RunOut
+            } else {
+                Step::Retract
+            },
             corners: Corners::default(),
             stroke: Stage::Rough,
             to_line: 0,
@@ -186,11 +199,7 @@ impl ThreadMoves {
                         return None;
                     }
                     let begin = self.corners.begin;
-                    self.step = if self.shape.has_run_in() {
-                        Step::RunIn
-                    } else {
-                        Step::Stroke
-                    };
+                    self.step = self.after_approach;
                     if begin != self.home {
                         return self.rapid(begin, Stage::Approach);
                     }
@@ -201,8 +210,8 @@ impl ThreadMoves {
                 }
                 Step::Stroke => {
                     let leave = self.corners.leave;
-                    let last = !self.shape.has_run_out();
-                    self.step = if last { Step::Retract } else { Step::RunOut };
+                    let last = self.after_stroke == Step::Retract;
+                    self.step = self.after_stroke;
                     return self.thread(leave, self.stroke, self.to_line, last);
                 }
                 Step::RunOut => {
@@ -329,6 +338,7 @@ impl ThreadMoves {
 
     #[inline]
     fn thread(&mut self, to: Point, stage: Stage, turned: u32, last: bool) -> Option<&Move> {
+        // Both are at most a turn, and the start angle is less.
         let angle = self.angle.wrapping_add(turned);
         let next = &mut self.thread;
         next.to.x = to.x;
