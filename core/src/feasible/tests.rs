@@ -7,7 +7,7 @@ use std::vec::Vec;
 use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::cycle::{Move, MoveKind, ThreadMoves};
-use crate::params::{Entry, Params};
+use crate::params::{Entry, Params, Part};
 use crate::program::{CutIn, FeedRate, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
 use crate::units::{Angle, Axis, Diameter, Feed, Lead, Length, Millis, Rpm};
 
@@ -164,6 +164,28 @@ fn every_refusal() {
     let mut run_in = g78(3 * MM, 600);
     run_in.run_in = at(nm(200_000));
     assert_eq!(code(run_in), Code::RunInTooFast);
+    // A feed that is just reached is none too many; the feed of the short axis counts along a taper.
+    let mut just = o0013(1000);
+    just.lead = at(Lead::new(8 * MM, 1).unwrap());
+    just.end_z = at(nm(-400 * MM));
+    assert!(thread(&just, Span::default(), &params).is_ok());
+    just.lead = at(Lead::new(8 * MM + 1, 1).unwrap());
+    assert_eq!(code(just), Code::LeadTooFast);
+    let mut slow_x = params.clone();
+    let entry = Entry::find(1430, Some(Part::Axis(Axis::X))).unwrap();
+    slow_x.set(entry, 500 * MM).unwrap();
+    let mut taper = o0013(1000);
+    taper.run_out = None;
+    taper.taper = at(nm(-7 * MM));
+    taper.end_z = at(nm(-60 * MM));
+    taper.rpm = Rpm::new(800);
+    assert!(thread(&taper, Span::default(), &slow_x).is_ok());
+    taper.rpm = Rpm::new(840);
+    let alarm = thread(&taper, Span::default(), &slow_x).unwrap_err();
+    assert_eq!(
+        (alarm.code, alarm.args[0]),
+        (Code::LeadTooFast, Arg::Letter(b'X'))
+    );
     // Two starts halve the pitch.
     let mut double = g78(71 * MM, 1);
     double.starts = at(2);

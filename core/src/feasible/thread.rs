@@ -6,7 +6,7 @@ use crate::cycle::{MoveKind, ThreadMoves};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
 use crate::program::ThreadCall;
-use crate::units::{Axis, Feed, Length, Rpm, TurnRate, mul_div};
+use crate::units::{Axis, Feed, Length, Rpm, mul_div};
 
 /// What a thread cycle needs at its commanded speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,7 @@ pub fn thread_findings(
     } else if speed > params.spindle_max_rpm() {
         let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
         let args = [
-            Arg::Rpm(call.rpm),
+            Arg::Rpm(positive(call.rpm)),
             Arg::Rpm(Rpm::new(most)),
             Arg::None,
             Arg::None,
@@ -201,7 +201,7 @@ pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Al
 
 /// Plans a pass, and checks its run-out's speed.
 fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<ThreadPlan, Alarm> {
-    let plan = ThreadPlan::at_speed(pass.from, pass.moves(), params, rpm, TurnRate::ZERO)
+    let plan = ThreadPlan::for_rpm(pass.from, pass.moves(), params, rpm)
         .map_err(|alarm| at_word(call, alarm))?;
     let last = pass.last();
     let (MoveKind::Thread(thread), Some(run_out)) = (last.kind, call.run_out) else {
@@ -242,9 +242,14 @@ fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<Thr
         Arg::Letter(short_axis.letter()),
         Arg::Feed(speed),
         Arg::Feed(most),
-        Arg::Rpm(rpm),
+        Arg::Rpm(positive(rpm)),
     ];
     Err(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
+}
+
+/// S as it is written: without the direction.
+const fn positive(rpm: Rpm) -> Rpm {
+    Rpm::new(rpm.get().saturating_abs())
 }
 
 /// Puts the planner's alarm at the word that has to change, where it is written.

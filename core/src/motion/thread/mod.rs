@@ -24,10 +24,12 @@
 //! `H`, `B` and the corners are planned in the background ([`ThreadPlan`]) for the faster of commanded and measured
 //! speed with a margin; the tick ([`ThreadRun`]) only evaluates.
 
+mod pace;
 mod path;
 mod plan;
 mod ramp;
 mod run;
+mod shape;
 
 pub use plan::ThreadPlan;
 pub use run::{Phase, Retract, ThreadPoint, ThreadRun};

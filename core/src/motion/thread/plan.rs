@@ -1,13 +1,15 @@
 //! A pass planned: every figure the tick needs, from the moves of the pass, the axes' limits and the spindle's speed.
 
-use super::ramp::{DIAGONAL, Machine, Slope, along, inverse, seen, slope};
+use super::pace::{Pace, lead_nm, lead_turns};
+use super::ramp::{Slope, along, inverse};
+use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{Move, MoveKind, Stage, ThreadMove};
-use crate::motion::ease::{Bounds, Ease, Fine};
+use crate::cycle::Move;
+use crate::motion::ease::{Ease, Fine};
 use crate::motion::wide::{mul_div_up, ratio};
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Axis, Feed, Lead, Length, Rpm, TurnRate, Turns, mul_div};
+use crate::units::{Lead, Length, Rpm, TurnRate, Turns, mul_div};
 
 /// A ramp of the short axis away from (or back to) the pass's line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,11 +22,19 @@ pub(super) struct Ramp {
 }
 
 impl Ramp {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         slope: 0,
         ease: Ease::NONE,
         at: 0,
     };
+
+    /// How far beside the line a run-in begins.
+    fn beside_at_start(&self) -> Fine {
+        along(
+            self.ease.at(self.at.wrapping_sub(self.ease.half())),
+            self.slope,
+        )
+    }
 }
 
 /// One pass of a thread, ready for [`ThreadRun`](super::ThreadRun).
@@ -66,22 +76,13 @@ pub struct ThreadPlan {
     way_needed: Length,
 }
 
-/// The run-in, stroke and run-out among the moves of a pass.
-#[derive(Clone, Copy)]
-struct Pass {
-    run_in: Option<Position>,
-    stroke: Position,
-    run_out: Option<Position>,
-    first: (Span, ThreadMove),
-}
-
 impl ThreadPlan {
     /// Plans the pass whose synchronous moves are `moves` (one to three, the first of them starting at `from`) for the
     /// faster of commanded and `measured` speed, with the margin of parameter 9010. Pass [`TurnRate::ZERO`] where
     /// nothing is measured yet.
     ///
     /// # Errors
-    /// Spindle standing ([`Code::SpindleStopped`]); lead times speed above what the long axis may do
+    /// Spindle standing ([`Code::SpindleStopped`]); lead times speed above what the long axis (or, along a taper, the short one) may do
     /// ([`Code::LeadTooFast`]); the stroke too short for joining and braking at this speed
     /// ([`Code::StrokeTooShortForSpeed`]); the run-in too short for the short axis at this speed ([`Code::RunInTooFast`]).
     pub fn new(
@@ -90,223 +91,87 @@ impl ThreadPlan {
         params: &Params,
         measured: TurnRate,
     ) -> Result<Self, Alarm> {
-        let (span, first) = first_thread(moves)?;
-        Self::at_speed(from, moves, params, first.rpm, measured).map_err(|mut alarm| {
-            alarm.span = span;
-            alarm
-        })
+        let shape = Shape::of(from, moves)?;
+        Self::at_speed(&shape, params, shape.thread.rpm, measured)
     }
 
     /// As [`ThreadPlan::new`], for another commanded speed than the moves'.
-    pub(crate) fn at_speed(
+    pub(crate) fn for_rpm(
         from: Position,
         moves: &[Move],
         params: &Params,
         commanded: Rpm,
+    ) -> Result<Self, Alarm> {
+        Self::at_speed(&Shape::of(from, moves)?, params, commanded, TurnRate::ZERO)
+    }
+
+    fn at_speed(
+        shape: &Shape,
+        params: &Params,
+        commanded: Rpm,
         measured: TurnRate,
     ) -> Result<Self, Alarm> {
-        let pass = collect(moves)?;
-        let (span, thread) = pass.first;
-        let fail = |code, word: Option<u8>, args| Alarm {
-            code,
-            span,
-            word,
-            args,
-        };
-        let long_x = thread.long_x;
-        let (long_axis, short_axis) = if long_x {
-            (Axis::X, Axis::Z)
-        } else {
-            (Axis::Z, Axis::X)
-        };
-        let split = |p: Position| if long_x { (p.x, p.z) } else { (p.z, p.x) };
-        let fine = |length: Length| length.nm().wrapping_shl(16);
-
-        // Speed.
-        if commanded.get() == 0 && measured == TurnRate::ZERO {
-            return Err(fail(Code::SpindleStopped, None, [Arg::None; 4]));
-        }
-        let reverse = if commanded.get() == 0 {
-            measured.is_negative()
-        } else {
-            commanded.get() < 0
-        };
-        let nominal = TurnRate::of_rpm(commanded).abs().max(measured.abs());
-        let margin = u64::from(params.spindle_variation_percent()).saturating_add(100);
-        let nominal_raw = nominal.raw().unsigned_abs();
-        let limit = mul_div_up(nominal_raw, margin, 100);
-        let speed_limit = TurnRate::from_raw(i64::try_from(limit).unwrap_or(i64::MAX));
-        let speed = travel(thread.lead, limit);
-        let wanted = per_minute(travel(thread.lead, nominal_raw));
-        let most = params.max_feed(long_axis);
-        let never = params.rapid(long_axis);
-        if wanted > most || per_minute(speed) > never {
-            let (value, bound) = if wanted > most {
-                (wanted, most)
-            } else {
-                (per_minute(speed), never)
-            };
-            let args = [
-                Arg::Letter(long_axis.letter()),
-                Arg::Feed(value),
-                Arg::Feed(bound),
-                Arg::Rpm(nominal.rpm()),
-            ];
-            return Err(fail(Code::LeadTooFast, Some(b'F'), args));
-        }
-
-        // Geometry, along the long axis from the start point.
-        let (long_0, short_0) = split(from);
-        let (line_start_long, line_start_short) = split(pass.run_in.unwrap_or(from));
-        let (stroke_long, stroke_short) = split(pass.stroke);
-        let (end_long, end_short) = split(pass.run_out.unwrap_or(pass.stroke));
-        let length = (end_long - long_0).abs();
-        let run_in_way = fine((line_start_long - long_0).abs());
-        let run_out_way = fine((end_long - stroke_long).abs());
-        let stroke_way = fine((stroke_long - line_start_long).abs());
-        let taper = slope(fine(stroke_short - line_start_short), stroke_way.max(1));
-
-        let machine = Machine {
-            speed,
-            long: bounds(params, long_axis),
-            short: bounds(params, short_axis),
-            short_speed: per_second(params.max_feed(short_axis)),
-            taper: taper.unsigned_abs(),
-        };
-
-        // The run-in brings the short axis from beside the line's extension onto it; mirrored it is a ramp.
-        let mut run_in = Ramp::NONE;
-        let mut join = machine.plain();
-        if run_in_way > 0 {
-            let beside = fine(short_0 - line_start_short).wrapping_add(along(run_in_way, taper));
-            let corner = machine.corner(beside, run_in_way);
-            if !corner.whole {
-                let args = [
-                    Arg::Length(whole(machine.way_needed(beside))),
-                    Arg::Rpm(nominal.rpm()),
-                    Arg::None,
-                    Arg::None,
-                ];
-                return Err(fail(Code::RunInTooFast, Some(b'E'), args));
-            }
-            join = corner.long;
-            run_in = Ramp {
-                slope: signed(corner.slope, beside),
-                ease: corner.ease,
-                at: run_in_way,
-            };
-        }
-
-        // The run-out leaves the line. The margin on the speed is given up, step by step, before the run-out is.
-        let mut run_out = Ramp::NONE;
-        let mut brake = machine.plain();
-        let mut way_needed = Length::ZERO;
-        let beside = fine(end_short - stroke_short).wrapping_sub(along(run_out_way, taper));
-        if run_out_way > 0 {
-            let mut corner = machine.corner(beside, run_out_way);
-            for less in MARGINS {
-                if corner.whole || less >= margin {
-                    continue;
-                }
-                let slower = Machine {
-                    speed: travel(thread.lead, mul_div_up(nominal_raw, less, 100)),
-                    ..machine
-                };
-                let tried = slower.corner(beside, run_out_way);
-                if tried.whole {
-                    corner = tried;
-                }
-            }
-            brake = corner.long;
-            run_out = Ramp {
-                slope: signed(corner.slope, beside),
-                ease: corner.ease,
-                at: fine(length).wrapping_sub(run_out_way),
-            };
-            if !corner.whole {
-                let slowest = Machine {
-                    speed: travel(thread.lead, nominal_raw),
-                    ..machine
-                };
-                way_needed = whole(slowest.way_needed(beside));
-            }
-        }
+        let pace = Pace::new(shape, params, commanded, measured)?;
+        let machine = pace.machine(shape, params, pace.margin);
+        let (join, run_in) = pace.run_in(shape, &machine)?;
+        let (brake, run_out, lag_way) = pace.run_out(shape, &machine, params);
 
         // Everything has its place: join and run-in before, brake and run-out behind the locked part.
-        let before = join.half().max(run_in_way);
-        let behind = brake.half().max(run_out_way);
-        if before.saturating_add(behind) > fine(length) {
-            let args = [
-                Arg::Length(length),
+        let length = shape.fine_length();
+        let before = join.half().max(shape.run_in);
+        let behind = brake.half().max(shape.run_out);
+        let long_x = shape.thread.long_x;
+        if before.saturating_add(behind) > length {
+            let word = if long_x { b'X' } else { b'Z' };
+            let alarm = shape.alarm(Code::StrokeTooShortForSpeed).word(word);
+            return Err(alarm.with([
+                Arg::Length(shape.length),
                 Arg::Length(whole(before)),
                 Arg::Length(whole(behind)),
-                Arg::Rpm(nominal.rpm()),
-            ];
-            return Err(fail(
-                Code::StrokeTooShortForSpeed,
-                Some(if long_x { b'X' } else { b'Z' }),
-                args,
-            ));
+                Arg::Rpm(pace.nominal.rpm()),
+            ]));
         }
 
-        // A retract in mid-thread takes the run-out's slope, 45° where there is none.
-        let mean = if run_out_way > 0 {
-            slope(beside, run_out_way).unsigned_abs()
-        } else {
-            DIAGONAL
-        };
-        let steep = mean.min(machine.steepest());
-        let retract = Ramp {
-            slope: i64::try_from(steep).unwrap_or(0),
-            ease: Ease::new(speed, seen(speed, steep), machine.short),
-            at: 0,
-        };
-
+        let retract = pace.retract(shape, &machine);
         let slopes = [run_in.slope, run_out.slope].map(i64::unsigned_abs);
         let steepest = slopes.into_iter().max().unwrap_or(0);
-        let done = fine(length).saturating_add(brake.half());
-        let target = pass.run_out.unwrap_or(pass.stroke);
-        let corner = run_in.ease.half();
+        let lead = shape.thread.lead;
+        let per_tick = mul_div(machine.speed << 16, u64::from(params.tick_us()), 1_000_000);
         let mut plan = Self {
-            span,
-            start: from,
-            end: target,
+            span: shape.span,
+            start: shape.from,
+            end: shape.end,
             long_x,
-            backward: end_long < long_0,
-            reverse,
-            lead: (
-                mul_div(
-                    thread.lead.numerator().unsigned_abs(),
-                    1,
-                    thread.lead.denominator().unsigned_abs(),
-                ),
-                rest(thread.lead),
-            ),
-            start_angle: thread.pass_angle.turns(),
-            length: fine(length),
+            backward: shape.backward,
+            reverse: pace.reverse,
+            lead: (mul_div(lead_nm(lead), 1, lead_turns(lead)), rest(lead)),
+            start_angle: shape.thread.pass_angle.turns(),
+            length,
             join,
             brake,
             stop: machine.straight(steepest),
-            join_angle: angle_of(join.half(), thread.lead),
-            done_angle: angle_of(done, thread.lead),
-            taper,
+            join_angle: angle_of(join.half(), lead),
+            done_angle: angle_of(length.saturating_add(brake.half()), lead),
+            taper: shape.taper,
             run_in,
-            run_in_rise: along(run_in.ease.at(run_in.at.wrapping_sub(corner)), run_in.slope),
+            run_in_rise: run_in.beside_at_start(),
             run_out,
             retract,
-            retract_inverse: inverse(steep),
-            speed: i64::try_from(mul_div(speed << 16, u64::from(params.tick_us()), 1_000_000))
-                .unwrap_or(i64::MAX)
-                .max(1),
-            speed_limit,
+            retract_inverse: inverse(retract.slope.unsigned_abs()),
+            speed: i64::try_from(per_tick).unwrap_or(i64::MAX).max(1),
+            speed_limit: pace.limit,
             short_lag: Length::ZERO,
-            way_needed,
+            way_needed: Length::ZERO,
         };
-        if way_needed > Length::ZERO {
+        if let Some(way) = lag_way {
             // By the tick's own arithmetic, so that the last setpoint is this one to the nanometre.
             plan.end = plan.position(plan.length, None);
-            let (_, short) = split(plan.end);
-            plan.short_lag = end_short - short;
+            plan.short_lag = if long_x {
+                shape.end.z - plan.end.z
+            } else {
+                shape.end.x - plan.end.x
+            };
+            plan.way_needed = whole(way);
         }
         Ok(plan)
     }
@@ -378,65 +243,13 @@ impl ThreadPlan {
     }
 }
 
-/// Percent of the spindle's speed for which a run-out is tried that does not fit with the whole margin.
-const MARGINS: [u64; 4] = [110, 105, 102, 100];
-
-/// The first synchronous move and its block.
-fn first_thread(moves: &[Move]) -> Result<(Span, ThreadMove), Alarm> {
-    let first = moves.first().map(|m| (m.span, m.kind));
-    match first {
-        Some((span, MoveKind::Thread(thread))) => Ok((span, thread)),
-        Some((span, _)) => Err(Alarm::new(Code::ThreadMovesMixed, span)),
-        None => Err(Alarm::new(Code::ThreadMovesMixed, Span::default())),
-    }
-}
-
-/// Sorts the moves of a pass.
-fn collect(moves: &[Move]) -> Result<Pass, Alarm> {
-    let first = first_thread(moves)?;
-    let mixed = Alarm::new(Code::ThreadMovesMixed, first.0);
-    let mut run_in = None;
-    let mut stroke = None;
-    let mut run_out = None;
-    for each in moves {
-        if !matches!(each.kind, MoveKind::Thread(_)) {
-            return Err(mixed);
-        }
-        let place = match each.tag.map(|tag| tag.stage) {
-            Some(Stage::RunIn) => &mut run_in,
-            Some(Stage::RunOut) => &mut run_out,
-            _ => &mut stroke,
-        };
-        if place.replace(each.to).is_some() {
-            return Err(mixed);
-        }
-    }
-    let stroke = stroke.ok_or(mixed)?;
-    Ok(Pass {
-        run_in,
-        stroke,
-        run_out,
-        first,
-    })
-}
-
-/// Nanometres per second at 2⁻³² turns per second, rounded up.
-fn travel(lead: Lead, rate: u64) -> u64 {
-    let per_turn = mul_div_up(
-        lead.numerator().unsigned_abs(),
-        1 << 16,
-        lead.denominator().unsigned_abs(),
-    );
-    mul_div_up(per_turn, rate, 1 << 48)
-}
-
 /// The part of the lead below a nanometre, 2⁻³² nm.
 fn rest(lead: Lead) -> u64 {
     let below = lead
         .numerator()
         .checked_rem(lead.denominator())
         .unwrap_or(0);
-    let fraction = ratio(below, lead.denominator().unsigned_abs(), 32);
+    let fraction = ratio(below, lead_turns(lead), 32);
     fraction.unsigned_abs().min(u64::from(u32::MAX))
 }
 
@@ -444,47 +257,23 @@ fn rest(lead: Lead) -> u64 {
 fn angle_of(travel: Fine, lead: Lead) -> Turns {
     let scaled = mul_div_up(
         travel.max(0).unsigned_abs(),
-        lead.denominator().unsigned_abs(),
-        lead.numerator().unsigned_abs(),
+        lead_turns(lead),
+        lead_nm(lead),
     );
-    // At most half the range, so that sums of two still count.
-    let exact = if scaled < 1 << 40 {
+    // At most a quarter of the range, so that sums of two still count.
+    let exact = if scaled < 1 << 45 {
         mul_div_up(
             travel.max(0).unsigned_abs(),
-            lead.denominator().unsigned_abs().saturating_mul(1 << 16),
-            lead.numerator().unsigned_abs(),
+            lead_turns(lead).saturating_mul(1 << 16),
+            lead_nm(lead),
         )
     } else {
-        1 << 56
+        1 << 61
     };
-    Turns::from_raw(i64::try_from(exact).unwrap_or(1 << 56))
-}
-
-fn bounds(params: &Params, axis: Axis) -> Bounds {
-    Bounds {
-        acceleration: params.acceleration(axis).nm_per_s2().unsigned_abs(),
-        jerk: params.jerk(axis).nm_per_s3().unsigned_abs(),
-    }
-}
-
-fn per_second(feed: Feed) -> u64 {
-    feed.nm_per_min().unsigned_abs() / 60
-}
-
-fn per_minute(speed: u64) -> Feed {
-    Feed::from_nm_per_min(i64::try_from(speed.saturating_mul(60)).unwrap_or(i64::MAX))
+    Turns::from_raw(i64::try_from(exact).unwrap_or(1 << 61))
 }
 
 /// Whole nanometres, rounded to the nearest.
 pub(super) const fn whole(fine: Fine) -> Length {
     Length::from_nm(fine.wrapping_add(1 << 15) >> 16)
-}
-
-fn signed(magnitude: u64, sign_of: Fine) -> Slope {
-    let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
-    if sign_of < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
-    }
 }

@@ -174,6 +174,10 @@ impl ThreadRun {
         if self.out.is_some() {
             return Retract::Leaving;
         }
+        if self.master != Master::Spindle && self.phase != Phase::Done {
+            // A stop is under way already.
+            return Retract::Finishing;
+        }
         match self.phase {
             Phase::Done => return Retract::Standing,
             Phase::Waiting => {
