@@ -1,55 +1,101 @@
-//! What a tick costs on the host: `tick line|arc|thread|observer TICKS` runs the steps that the emulated board counts.
+//! What the emulated board counts, on the host: `tick` lists the works, `tick NAME` runs one.
 //!
-//! Under callgrind, two numbers of ticks give the instructions of one with the start-up subtracted.
+//! Under `valgrind --tool=callgrind --toggle-collect='*counted_step*'` only the steps themselves are counted; the
+//! instructions of one are the total over the number that is printed.
 
 use std::hint::black_box;
 use std::process::ExitCode;
 
 #[path = "../../firmware/audit/src/work/mod.rs"]
-#[allow(dead_code, unused_imports, reason = "the board counts more than this")]
 mod work;
 
-use work::{ThreadPass, TimedMove, Tracking, Work};
+use work::{Counter, Work};
 
 fn main() -> ExitCode {
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    let [kind, ticks] = args.as_slice() else {
-        return usage();
+    let mut args = std::env::args().skip(1);
+    let mut runner = Runner {
+        wanted: args.next(),
+        kind: args.next(),
+        steps: 0,
     };
-    let Ok(ticks) = ticks.parse() else {
-        return usage();
-    };
-    match kind.as_str() {
-        "line" => run(&TimedMove::line(), ticks),
-        "arc" => run(&TimedMove::arc(), ticks),
-        "thread" => run(&ThreadPass::o0013(), ticks),
-        "observer" => run(&Tracking::at_300_rpm(), ticks),
-        _ => return usage(),
+    work::all(&mut runner);
+    if runner.wanted.is_some() {
+        println!("{} steps", runner.steps);
+        if runner.steps == 0 {
+            eprintln!("no such work: `tick` lists them");
+            return ExitCode::FAILURE;
+        }
     }
     ExitCode::SUCCESS
 }
 
-/// Runs the steps from their beginning again and again. The state at the beginning is made once and copied.
-fn run<W: Work>(work: &W, ticks: u64)
-where
-    W::State: Clone,
-{
-    let (begin, steps) = (work.begin(), work.steps());
-    let mut left = ticks;
-    while left > 0 {
-        let mut state = begin.clone();
-        for number in 0..steps {
-            black_box(work.step(black_box(&mut state), number));
-            left = left.saturating_sub(1);
-            if left == 0 {
-                break;
-            }
-        }
-    }
-    println!("{ticks} ticks");
+/// Runs the one that is wanted, or lists all.
+struct Runner {
+    wanted: Option<String>,
+    kind: Option<String>,
+    steps: u32,
 }
 
-fn usage() -> ExitCode {
-    eprintln!("tick line|arc|thread|observer TICKS");
-    ExitCode::from(2)
+impl Counter for Runner {
+    fn steps<W: Work>(&mut self, name: &str, work: &W) {
+        let Some(wanted) = &self.wanted else {
+            for kind in work.kinds() {
+                println!("{name} {kind}");
+            }
+            return;
+        };
+        if wanted != name {
+            return;
+        }
+        // Which kind a step is shows only afterwards: the sequence is the same every time, so a first run tells.
+        let of_kind = self
+            .kind
+            .as_deref()
+            .and_then(|kind| work.kinds().iter().position(|one| *one == kind));
+        let kinds = run(work, |_| false);
+        let count = kinds
+            .iter()
+            .filter(|kind| of_kind.is_none_or(|wanted| wanted == **kind))
+            .count();
+        self.steps = u32::try_from(count).unwrap_or(u32::MAX);
+        run(work, |number| {
+            of_kind.is_none() || kinds.get(number).copied() == of_kind
+        });
+    }
+
+    fn once<R>(&mut self, name: &str, mut what: impl FnMut() -> R) {
+        match &self.wanted {
+            None => println!("{name} "),
+            Some(wanted) if wanted == name => {
+                counted_step(|| black_box(what()));
+                self.steps = 1;
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// Runs all steps, those that are `counted` through a door of their own, and gives the kind of each.
+fn run<W: Work>(work: &W, counted: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut state = work.begin();
+    let mut kinds = Vec::new();
+    for number in 0..work.steps() {
+        work.prepare(&mut state, number);
+        let state_now = black_box(&mut state);
+        let out = if counted(number) {
+            counted_step(|| work.step(state_now, number))
+        } else {
+            work.step(state_now, number)
+        };
+        let out = black_box(out);
+        kinds.push(work.kind(&out));
+        work.finish(&mut state, &out);
+    }
+    kinds
+}
+
+/// What callgrind counts.
+#[inline(never)]
+fn counted_step<R>(step: impl FnOnce() -> R) -> R {
+    step()
 }

@@ -2,9 +2,12 @@
 //! down at 25 MHz, so one count is 40 instructions. The same sequence of steps is run several times, each time a few
 //! instructions later against the timer; the sum over the runs resolves single steps to a few instructions.
 
+use core::cell::RefCell;
 use core::hint::black_box;
 use core::ptr::{read_volatile, write_volatile};
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use audit::work::{Counter, Work};
 
 use crate::print;
 
@@ -20,8 +23,9 @@ const RUNS: u32 = 20;
 const SHIFT: u32 = PER_COUNT / RUNS;
 
 /// Longest sequence of steps.
-pub const MAX_STEPS: usize = 16384;
+const MAX_STEPS: usize = 16384;
 static SUMS: [AtomicU32; MAX_STEPS] = [const { AtomicU32::new(0) }; MAX_STEPS];
+static KINDS: [AtomicU8; MAX_STEPS] = [const { AtomicU8::new(0) }; MAX_STEPS];
 /// Sum over the runs for a step that does nothing.
 static EMPTY: AtomicU32 = AtomicU32::new(0);
 
@@ -34,13 +38,11 @@ pub fn start() {
         write_volatile(CONTROL, 1);
     }
     EMPTY.store(0, Ordering::Relaxed);
-    collect(64, || (), |(), _| ());
-    let sum: u32 = SUMS
-        .iter()
-        .take(64)
-        .map(|sum| sum.load(Ordering::Relaxed))
-        .sum();
-    EMPTY.store((sum + 32) / 64, Ordering::Relaxed);
+    let steps = Nothing.steps();
+    collect(&Nothing, steps);
+    let sums = SUMS.iter().take(steps);
+    let sum: u32 = sums.map(|sum| sum.load(Ordering::Relaxed)).sum();
+    EMPTY.store(sum / steps as u32, Ordering::Relaxed);
 }
 
 #[inline(always)]
@@ -60,50 +62,88 @@ pub fn spin(n: u32) {
     }
 }
 
-fn collect<S, R>(
-    steps: usize,
-    mut begin: impl FnMut() -> S,
-    mut step: impl FnMut(&mut S, usize) -> R,
-) {
+/// The sums of every step over the runs, less what measuring costs, are in [`SUMS`] afterwards; the kinds in [`KINDS`].
+fn collect<W: Work>(work: &W, steps: usize) {
+    assert!(steps <= MAX_STEPS, "more steps than there is room for");
     for sum in &SUMS {
         sum.store(0, Ordering::Relaxed);
     }
     for run in 0..RUNS {
-        let mut state = begin();
+        let mut state = work.begin();
         spin(run * SHIFT / 2);
-        for (number, sum) in SUMS.iter().enumerate().take(steps) {
+        for (number, (sum, kind)) in SUMS.iter().zip(&KINDS).enumerate().take(steps) {
+            work.prepare(&mut state, number);
             let before = now();
-            black_box(step(black_box(&mut state), number));
+            let out = black_box(work.step(black_box(&mut state), number));
             let after = now();
-            sum.store(
-                sum.load(Ordering::Relaxed) + before.wrapping_sub(after),
-                Ordering::Relaxed,
-            );
+            sum.fetch_add(before.wrapping_sub(after), Ordering::Relaxed);
+            kind.store(work.kind(&out) as u8, Ordering::Relaxed);
+            work.finish(&mut state, &out);
         }
     }
 }
 
-/// Runs `steps` steps from a state that `begin` makes, and prints mean and worst.
-pub fn count<S, R>(
-    name: impl core::fmt::Display,
-    steps: usize,
-    begin: impl FnMut() -> S,
-    step: impl FnMut(&mut S, usize) -> R,
-) {
-    assert!(
-        steps <= MAX_STEPS,
-        "{name}: more steps than there is room for"
-    );
-    collect(steps, begin, step);
-    let (mut total, mut worst) = (0_u64, 0_u32);
-    for sum in SUMS.iter().take(steps) {
-        let sum = sum
-            .load(Ordering::Relaxed)
-            .saturating_sub(EMPTY.load(Ordering::Relaxed));
-        total += u64::from(sum);
-        worst = worst.max(sum);
+/// Counts and prints.
+pub struct Printer;
+
+impl Counter for Printer {
+    fn steps<W: Work>(&mut self, name: &str, work: &W) {
+        let steps = work.steps();
+        collect(work, steps);
+        for (kind, ending) in work.kinds().iter().enumerate() {
+            let (mut count, mut total, mut worst) = (0_u32, 0_u64, 0_u32);
+            for (sum, of) in SUMS.iter().zip(&KINDS).take(steps) {
+                if usize::from(of.load(Ordering::Relaxed)) == kind {
+                    let empty = EMPTY.load(Ordering::Relaxed);
+                    let sum = sum.load(Ordering::Relaxed).saturating_sub(empty);
+                    count += 1;
+                    total += u64::from(sum);
+                    worst = worst.max(sum);
+                }
+            }
+            // A sum over the runs of counts of 40 is one of instructions times RUNS / 40.
+            let mean = (total * u64::from(SHIFT))
+                .checked_div(u64::from(count))
+                .unwrap_or(0);
+            print(format_args!("{name}{ending} {mean} {}\n", worst * SHIFT));
+        }
     }
-    // A sum over the runs of counts of 40 is one of instructions times RUNS / 40.
-    let mean = total * u64::from(SHIFT) / steps as u64;
-    print(format_args!("{name} {mean} {}\n", worst * SHIFT));
+
+    fn once<R>(&mut self, name: &str, what: impl FnMut() -> R) {
+        self.steps(name, &Once(RefCell::new(what)));
+    }
+}
+
+/// Something that happens once, as a work of one step.
+struct Once<F>(RefCell<F>);
+
+impl<R, F: FnMut() -> R> Work for Once<F> {
+    type State = ();
+    type Out = R;
+
+    fn steps(&self) -> usize {
+        1
+    }
+
+    fn begin(&self) {}
+
+    fn step(&self, (): &mut (), _: usize) -> R {
+        (self.0.borrow_mut())()
+    }
+}
+
+/// A work that does nothing: what it takes is what measuring costs.
+struct Nothing;
+
+impl Work for Nothing {
+    type State = ();
+    type Out = ();
+
+    fn steps(&self) -> usize {
+        64
+    }
+
+    fn begin(&self) {}
+
+    fn step(&self, (): &mut (), _: usize) {}
 }

@@ -5,17 +5,18 @@
 use core::fmt::{Arguments, Write};
 use core::panic::PanicInfo;
 
+use audit::work::{self, Counter};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio;
 
 mod count;
-mod steps;
 
 #[entry]
 fn main() -> ! {
     count::start();
-    steps::all();
+    count::Printer.once("known-loop-2000", || count::spin(1000));
+    work::all(&mut count::Printer);
     debug::exit(EXIT_SUCCESS);
     stop()
 }
