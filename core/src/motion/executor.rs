@@ -304,12 +304,12 @@ impl Executor {
                 } else {
                     (now.ahead_z, now.ahead_x)
                 };
-                let mut other = *run;
+                let beside = (long != short).then_some(*run);
                 let point = run.tick(now.observer.predict(long));
                 self.position = point.position;
-                if long != short {
+                if let Some(mut beside) = beside {
                     // The other axis' drive is slower or faster: its coordinate is that of its own instant.
-                    let beside = other.tick(now.observer.predict(short)).position;
+                    let beside = beside.tick(now.observer.predict(short)).position;
                     if plan_long_x {
                         self.position.z = beside.z;
                     } else {
