@@ -259,7 +259,7 @@ fn an_emergency_stop_in_a_stroke_stops_both_axes_on_the_path() {
             }
         });
         assert_eq!(ran.alarm.expect("an alarm").number(), 4300);
-        // Inside the rounded corner of a run-out the stop's jerk and the corner's may add [D31].
+        // Inside the rounded corner of a run-out the stop's jerk and the corner's may add [D53].
         let excess = first_excess_with(&ran.rows, &params, 2.0);
         assert_eq!(excess, None, "stop at {tick}");
         let last = ran.rows.last().expect("rows");

@@ -511,6 +511,10 @@ codes! {
     /// Parameter 107 is not followed.
     RunOutSpeedIgnored = 4943, "parameter 107 is {0}, and the run-out stays as J and K say", "set parameter 107 to 0",
         "参数 107 为 {0}，退尾仍按 J、K 执行", "请将参数 107 设为 0";
+    /// Parameter 5129 asks for overlapping moves [D59].
+    HighSpeedNotBuilt = 4944, "the high-speed mode (parameter 5129) is not available yet: moves between passes stop exactly",
+        "nothing needs to be done; set parameter 5129 to 0 to silence this",
+        "高速模式（参数 5129）尚不可用：各刀之间准确停止", "无需处理；将参数 5129 设为 0 可取消此提示";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

@@ -12,5 +12,5 @@ mod thread;
 mod time;
 
 pub use limits::within_limits;
-pub use thread::{ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
+pub use thread::{FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
 pub use time::time;

@@ -77,7 +77,7 @@ fn g78(lead: i64, rpm: i32) -> ThreadCall {
     }
 }
 
-fn codes(alarms: [Option<Alarm>; 4]) -> Vec<Code> {
+fn codes(alarms: [Option<Alarm>; FINDINGS]) -> Vec<Code> {
     alarms
         .into_iter()
         .flatten()
@@ -101,7 +101,7 @@ fn g78_example_is_refused_for_both_and_runs_when_mended() {
     );
 
     let report = thread(&g78(3 * MM, 10), Span::default(), &params).unwrap();
-    assert_eq!(report.warnings, [None; 4]);
+    assert_eq!(report.warnings, [None; FINDINGS]);
     assert_eq!(report.passes, 4);
     assert_eq!(report.z_shift_max, Length::ZERO);
     // 3 mm at 11.5 rpm is 575 µm/s: √(v³/j) is 1780.1 nm, rounded up.
@@ -121,7 +121,7 @@ fn o0013_runs_at_300() {
         report.lead_in
     );
     assert_eq!(report.start_before, report.lead_in + report.z_shift_max);
-    assert_eq!(report.warnings, [None; 4]);
+    assert_eq!(report.warnings, [None; FINDINGS]);
 }
 
 #[test]
@@ -234,6 +234,10 @@ fn every_warning() {
     let entry = Entry::find(107, None).unwrap();
     params.set(entry, 100_000_000).unwrap();
     assert_eq!(warned(o0013(300), &params), [Code::RunOutSpeedIgnored]);
+
+    let mut params = Params::default();
+    params.set(Entry::find(5129, None).unwrap(), 1).unwrap();
+    assert_eq!(warned(o0013(300), &params), [Code::HighSpeedNotBuilt]);
 }
 
 #[test]

@@ -8,6 +8,9 @@ use crate::params::Params;
 use crate::program::ThreadCall;
 use crate::units::{Axis, Feed, Length, Rpm, mul_div};
 
+/// Different warnings, or different alarms, that one thread cycle can have.
+pub const FINDINGS: usize = 5;
+
 /// What a thread cycle needs at its commanded speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadReport {
@@ -19,8 +22,8 @@ pub struct ThreadReport {
     pub lead_in: Length,
     /// Start at least this far before the material: lead-in, and the shift where Z is the long axis.
     pub start_before: Length,
-    /// What leaves a mark and stops nothing: long lead-in, falling lead, run-out that lags, parameter 107.
-    pub warnings: [Option<Alarm>; 4],
+    /// What leaves a mark and stops nothing: long lead-in, falling lead, run-out that lags, parameters 107 and 5129.
+    pub warnings: [Option<Alarm>; FINDINGS],
 }
 
 impl ThreadReport {
@@ -38,7 +41,7 @@ impl ThreadReport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadFindings {
     /// In the order of importance; empty if the cycle can run.
-    pub alarms: [Option<Alarm>; 4],
+    pub alarms: [Option<Alarm>; FINDINGS],
     /// The report, where the cycle can run.
     pub report: Option<ThreadReport>,
 }
@@ -150,6 +153,15 @@ pub fn thread_findings(
             Arg::None,
         ));
     }
+    if params.thread_high_speed() {
+        warnings.push(warn(
+            Code::HighSpeedNotBuilt,
+            span,
+            Arg::None,
+            Arg::None,
+            Arg::None,
+        ));
+    }
     if params.runout_speed() != Feed::default() && call.run_out.is_some() {
         let set = Arg::Feed(params.runout_speed());
         warnings.push(warn(
@@ -161,7 +173,7 @@ pub fn thread_findings(
         ));
     }
     Ok(ThreadFindings {
-        alarms: [None; 4],
+        alarms: [None; FINDINGS],
         report: Some(ThreadReport {
             passes: summary.passes,
             z_shift_max: summary.z_shift_max,
@@ -352,9 +364,9 @@ impl Figures {
     }
 }
 
-/// A list of at most four.
+/// A list of at most [`FINDINGS`]: as many as there are different ones.
 #[derive(Clone, Copy, Debug, Default)]
-struct List([Option<Alarm>; 4]);
+struct List([Option<Alarm>; FINDINGS]);
 
 impl List {
     fn push(&mut self, alarm: Alarm) {
