@@ -257,16 +257,26 @@ impl Sim {
         ready
     }
 
-    /// The row whose setpoint takes effect now, completed by the truth.
-    fn release(&mut self) -> Option<Row> {
+    /// SYNCs from a tick to the first at which its row's truth is known.
+    fn wait(&self) -> usize {
         let (whole, rest) = self.delay;
         // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
-        let wait = whole
+        whole
             .saturating_add(1)
-            .saturating_add(usize::from(rest != 0));
-        if self.pending.len() < wait {
+            .saturating_add(usize::from(rest != 0))
+    }
+
+    /// The row whose setpoint takes effect now, completed by the truth.
+    fn release(&mut self) -> Option<Row> {
+        if self.pending.len() < self.wait() {
             return None;
         }
+        self.complete()
+    }
+
+    /// The oldest row that waits, with what is true now.
+    fn complete(&mut self) -> Option<Row> {
+        let (_, rest) = self.delay;
         let Pending { mut row, run } = self.pending.pop_front()?;
         row.spindle = self.between(rest);
         row.error = run.map(|run| {
@@ -292,9 +302,13 @@ impl Sim {
     /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
     /// busy any more.
     pub fn last_rows(&mut self, mut each: impl FnMut(Row)) {
+        // A machine that has run for less than the latency has a first row that is younger than that.
+        for _ in self.pending.len()..self.wait() {
+            self.advance();
+        }
         while !self.pending.is_empty() {
             self.advance();
-            if let Some(row) = self.release() {
+            if let Some(row) = self.complete() {
                 each(row);
             }
         }

@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::plant::{PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Doing, Row, Sim, SimError};
-use leadscrew_core::alarm::Alarm;
+use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::program::{Call, Event as ProgramEvent};
@@ -87,6 +87,7 @@ pub fn run(
     let mut ended = Ended::default();
     let mut stopping = false;
     let mut tick = 0;
+    let mut line = 0;
     loop {
         if interrupt::requested() && !stopping {
             stopping = true;
@@ -103,9 +104,10 @@ pub fn run(
         }
         while let Some(event) = sim.event() {
             match event {
+                Event::Started { line: started, .. } => line = started,
                 Event::Alarm(alarm) => {
                     stopping = true;
-                    ended.alarms.push(feeder.words(&alarm));
+                    ended.alarms.push(feeder.words(&placed(alarm, line)));
                 }
                 Event::Warning(warning)
                     if ended.warnings.iter().all(|w| w.number != warning.number()) =>
@@ -131,6 +133,18 @@ pub fn run(
         }
     });
     result.map(|()| ended)
+}
+
+/// An alarm that has no place in the text happened while `line` was carried out.
+fn placed(mut alarm: Alarm, line: u32) -> Alarm {
+    if alarm.span.line == 0 {
+        alarm.span = Span {
+            line,
+            column: 1,
+            end: u16::MAX,
+        };
+    }
+    alarm
 }
 
 /// A hold or a stop has come to its end.

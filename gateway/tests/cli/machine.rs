@@ -136,6 +136,65 @@ fn simulate_and_run_give_the_same_setpoints_every_time() {
 }
 
 #[test]
+fn every_row_is_there_whatever_the_latency() {
+    let folder = Folder::new("latency");
+    let csv = folder.file("setpoints.csv");
+    let rows = |latency: &str| {
+        let set = [format!("9003.X={latency}"), format!("9003.Z={latency}")];
+        let mut args = vec!["simulate", THREAD, "-o", &csv, "--json"];
+        // A drive that is late is that far behind: leave it the room.
+        for value in [&set[0], &set[1], "1828.X=100", "1828.Z=100"] {
+            args.extend(["--set", value]);
+        }
+        let summary = result(&args);
+        let text = std::fs::read_to_string(&csv).unwrap();
+        assert_eq!(
+            summary["ticks"].as_u64(),
+            Some(text.lines().count() as u64 - 2),
+            "{latency}"
+        );
+        assert!(
+            summary["sync_error_um"]["max"].as_f64().unwrap() < 1.0,
+            "{latency}: {summary}"
+        );
+        let last = text.lines().last().unwrap().to_owned();
+        assert!(last.split(',').nth(9) == Some("idle"), "{last}");
+    };
+    for latency in ["0", "400", "1000", "5500", "20000"] {
+        rows(latency);
+    }
+}
+
+#[test]
+fn a_machine_that_stops_on_an_alarm_is_exit_4() {
+    // Drives 6 ms late at 16 m/min are 1.6 mm behind; 1 mm is allowed.
+    let late = ["--set", "9003.X=6000", "--set", "9003.Z=6000"];
+    let output = leadscrew(&[&["run", THREAD][..], &late].concat());
+    assert_eq!(code(&output), 4);
+    assert!(
+        stderr(&output).contains("alarm[4361]: following error of drive Z"),
+        "{}",
+        stderr(&output)
+    );
+    // The line that was being carried out.
+    assert!(
+        stderr(&output).contains(&format!("{THREAD}:4:1")),
+        "{}",
+        stderr(&output)
+    );
+    assert!(
+        stdout(&output).starts_with(&format!("{THREAD}: stopped: ")),
+        "{}",
+        stdout(&output)
+    );
+    let json = result(&[&["simulate", THREAD, "--json"][..], &late].concat());
+    assert_eq!(
+        (json["ok"].as_bool(), json["alarms"][0]["line"].as_u64()),
+        (Some(false), Some(4))
+    );
+}
+
+#[test]
 fn the_hash_can_be_made_from_the_csv() {
     let folder = Folder::new("hash");
     let csv = folder.file("setpoints.csv");
