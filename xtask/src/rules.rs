@@ -7,9 +7,10 @@ use anyhow::{Context, Result, bail};
 
 use crate::run;
 
-/// Folders that an absolute path may begin with: those of every machine. Anything else is somebody's own.
+/// Folders that an absolute path may begin with: those of every machine, and `no` as in *no such folder*. Anything else
+/// is somebody's own.
 const COMMON_FOLDERS: &[&str] = &[
-    "bin", "dev", "etc", "lib", "proc", "run", "sys", "tmp", "usr", "var",
+    "bin", "dev", "etc", "lib", "no", "proc", "run", "sys", "tmp", "usr", "var",
 ];
 
 /// Checks all files under version control.

@@ -69,10 +69,11 @@ impl Drives {
 
     /// A frame from the bus.
     pub(super) fn hear(&mut self, frame: &Frame) {
-        for drive in self.all() {
-            if drive.receive(frame) {
-                return;
-            }
+        let Some((_, node)) = frame.id().service() else {
+            return;
+        };
+        if let Some(drive) = self.all().find(|drive| drive.config().node == node) {
+            drive.receive(frame);
         }
     }
 
@@ -135,8 +136,8 @@ impl Drives {
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
         // FRAMES is more than one SYNC and three frames for each of four drives.
-        let mut put = |frame: Frame| frames.push(frame).is_ok();
-        put(self.sync.next());
+        let mut put = |frame: Option<Frame>| frame.is_some_and(|frame| frames.push(frame).is_ok());
+        put(Some(self.sync.next()));
         let mut beyond = None;
         let demands = self.demands(position);
         for ((drive, demand), axis) in self.axes.iter_mut().zip(demands).zip(Axis::ALL) {
@@ -144,18 +145,14 @@ impl Drives {
                 beyond = Some(axis);
             }
             let output = drive.tick(demand);
-            for frame in [output.network, output.command].into_iter().flatten() {
-                put(frame);
-            }
+            put(output.network);
+            put(output.command);
         }
         let output = self.spindle.tick(velocity);
         let drive = output.drive;
-        for frame in [output.speed, drive.network, drive.command]
-            .into_iter()
-            .flatten()
-        {
-            put(frame);
-        }
+        put(output.speed);
+        put(drive.network);
+        put(drive.command);
         beyond
     }
 }

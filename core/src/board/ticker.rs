@@ -233,14 +233,16 @@ impl Ticker {
             setpoint.motion = Motion::Run;
         }
         self.settle(&setpoint, moved, ends);
-        let mut frames = Vec::new();
-        self.send(&mut frames, ends.events);
-        Output {
-            frames,
+        // Made where it will stay: the frames are not copied.
+        let mut output = Output {
+            frames: Vec::new(),
             setpoint,
             state: self.state,
             notice: self.notice.take(),
-        }
+        };
+        self.send(&mut output.frames, ends.events);
+        output.state = self.state;
+        output
     }
 
     fn execute(&mut self, ends: &mut Ends<'_, '_>) -> Setpoint {
@@ -416,10 +418,12 @@ impl Ticker {
         if self.operator.hold && !next.stops.hold_not_before {
             return None;
         }
-        let segment = take(ends.segments)?;
         self.state = State::Running;
         self.in_program = true;
-        self.start(&segment, ends.events)
+        let instant = self.start(next, ends.events);
+        // Read in its place: a segment is large.
+        take(ends.segments);
+        instant
     }
 
     fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) -> Option<(u32, u32)> {

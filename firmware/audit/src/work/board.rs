@@ -1,7 +1,7 @@
 //! Whole ticks of the board, with the plant around it; a step is a tick. The plant and the background are not counted.
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
-use leadscrew_core::board::{Board, Output};
+use leadscrew_core::board::{self, Board, Output};
 use leadscrew_core::bus::{Frame, SyncProducer};
 use leadscrew_core::motion::Motion;
 use leadscrew_core::params::Params;
@@ -43,6 +43,8 @@ pub struct Machine {
     sample: EncoderSample,
     answers: [Frame; ANSWERS],
     answered: usize,
+    /// The drives are enabled.
+    ready: bool,
     /// Calls the board has taken.
     taken: usize,
 }
@@ -88,18 +90,22 @@ impl Work for WholeBoard {
             sample: EncoderSample::default(),
             answers: [SyncProducer::new().next(); ANSWERS],
             answered: 0,
+            ready: false,
             taken: 0,
         }
     }
 
     fn prepare(&self, machine: &mut Machine, _: usize) {
-        while let Some(Some(call)) = self.calls.get(machine.taken)
+        while let Some(event) = machine.board.event() {
+            machine.ready |= event == board::Event::Ready;
+        }
+        while machine.ready
+            && let Some(Some(call)) = self.calls.get(machine.taken)
             && machine.board.offer(call)
         {
             machine.taken += 1;
         }
         while machine.board.background() {}
-        while machine.board.event().is_some() {}
         machine.sample = machine.plant.advance();
     }
 
