@@ -163,6 +163,12 @@ pub fn print(diagnostic: &Diagnostic, colour: bool) {
     let _ = writeln!(std::io::stderr(), "{}", diagnostic.render(colour));
 }
 
+/// Words for people that are no diagnostic: standard error, too.
+pub fn say(text: &str) {
+    // A closed standard error leaves nobody to tell.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
+
 /// The line as it can be shown: tabs become one space each, so that columns stay columns, and control characters and
 /// undecodable bytes one replacement character each.
 fn printable(raw: &[u8]) -> String {

@@ -2,7 +2,11 @@
 //!
 //! One file a command ([`commands`]); what several share has a room of its own: words for alarms ([`diagnostics`]), the
 //! move list's formats ([`movelist`]), exact numbers ([`number`]) and JSON ([`json`]). Data goes to standard output,
-//! words for people to standard error. Knows nothing of how motion is made.
+//! words for people to standard error.
+//!
+//! A program file becomes a stream of events ([`program`]); [`checking`] looks at all of it without a machine, and
+//! [`execution`] runs it on one ([`machine`]) while [`trace`] watches the setpoints and [`drawing`] and [`plot`] make the
+//! picture. Knows nothing of how motion is made.
 
 pub mod candump;
 pub mod checking;

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use crate::failure::{Failure, Outcome};
+
 /// Longest line that is shown in a message.
 const SHOWN: u64 = 4096;
 
@@ -24,6 +26,17 @@ impl SourceFile {
     /// The name as it was typed.
     pub fn name(&self) -> String {
         self.path.display().to_string()
+    }
+
+    /// Refuses `output` where it would overwrite the program.
+    pub fn protect(&self, output: &Path) -> Outcome {
+        match (self.path.canonicalize(), output.canonicalize()) {
+            (Ok(program), Ok(output)) if program == output => Err(Failure::Usage(format!(
+                "`{}` is the program itself: write the output to another file",
+                self.name()
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Opens it.

@@ -6,6 +6,7 @@ use leadscrew_core::cycle;
 use leadscrew_core::program::Event;
 
 use crate::cli::Plot;
+use crate::diagnostics;
 use crate::drawing::Drawing;
 use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
@@ -21,6 +22,7 @@ use crate::trace::{Setpoint, Summary};
 pub fn run(session: &Session, args: &Plot) -> Outcome {
     interrupt::watch();
     let source = SourceFile::new(&args.program);
+    source.protect(&args.output)?;
     let mut execution = Execution::prepare(session, &source)?;
     let path = path(session, &source)?;
     let tick_us = session.params.tick_us();
@@ -42,7 +44,12 @@ pub fn run(session: &Session, args: &Plot) -> Outcome {
         std::fs::write(&args.output, picture.svg())
             .map_err(|error| Failure::file("write", args.output.display(), &error))?;
         if !session.global.json {
-            eprintln!("{}: {}", args.output.display(), summary.line());
+            diagnostics::say(&format!(
+                "{}: {}
+",
+                args.output.display(),
+                summary.line()
+            ));
         }
     }
     execution.conclude(&summary, None)
@@ -91,10 +98,11 @@ fn path(session: &Session, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     }
     let (strokes, left_out) = drawing.finish();
     if left_out > 0 {
-        eprintln!(
-            "the picture shows the first {} moves; {left_out} more did not fit",
+        diagnostics::say(&format!(
+            "the picture shows the first {} moves; {left_out} more did not fit
+",
             strokes.len()
-        );
+        ));
     }
     Ok(strokes)
 }

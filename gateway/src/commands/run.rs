@@ -1,7 +1,7 @@
 //! `run`: check all of a program, upload it, run it, tell the result.
 
 use std::fs::File;
-use std::io::{BufWriter, IsTerminal as _};
+use std::io::{BufWriter, IsTerminal as _, Write as _};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -22,6 +22,9 @@ use crate::trace::{Setpoint, Summary};
 pub fn run(session: &Session, args: &Run) -> Outcome {
     interrupt::watch();
     let source = SourceFile::new(&args.program);
+    if let Some(path) = &args.record {
+        source.protect(path)?;
+    }
     let mut execution = Execution::prepare(session, &source)?;
     let tick_us = session.params.tick_us();
     let log = match &args.record {
@@ -53,8 +56,17 @@ pub fn run(session: &Session, args: &Run) -> Outcome {
             Err(Failure::Machine) => "stopped",
             Err(_) => "out of tolerance",
         };
-        println!("{}: {word}: {}", source.name(), watcher.summary.line());
-        println!("setpoints {}", watcher.summary.hash());
+        let text = format!(
+            "{}: {word}: {}
+setpoints {}
+",
+            source.name(),
+            watcher.summary.line(),
+            watcher.summary.hash()
+        );
+        std::io::stdout()
+            .write_all(text.as_bytes())
+            .map_err(|error| Failure::stdout(&error))?;
     }
     verdict
 }

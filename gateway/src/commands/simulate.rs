@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io;
 
 use crate::cli::Simulate;
+use crate::diagnostics;
 use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
@@ -16,6 +17,9 @@ use crate::trace::{Csv, Setpoint, Summary};
 pub fn run(session: &Session, args: &Simulate) -> Outcome {
     interrupt::watch();
     let source = SourceFile::new(&args.program);
+    if let Some(path) = &args.output {
+        source.protect(path)?;
+    }
     let mut execution = Execution::prepare(session, &source)?;
     let tick_us = session.params.tick_us();
     let cannot = |error: io::Error| match &args.output {
@@ -37,7 +41,7 @@ pub fn run(session: &Session, args: &Simulate) -> Outcome {
         csv.finish().map_err(cannot)?;
     }
     if !session.global.json {
-        eprint!("{}", summary.text());
+        diagnostics::say(&summary.text());
     }
     execution.conclude(&summary, args.tolerance)
 }

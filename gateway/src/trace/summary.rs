@@ -132,6 +132,14 @@ impl Summary {
         i64::try_from(value).unwrap_or(i64::MAX)
     }
 
+    /// The worst error for a person; the simulation tells nanometres apart.
+    fn worst(&self) -> String {
+        match self.error_max_nm {
+            0 => "below 0.001".into(),
+            nm => number::text::<3>(nm),
+        }
+    }
+
     /// One line: moves, time, path, synchronism.
     pub fn line(&self) -> String {
         let mut line = format!(
@@ -143,7 +151,7 @@ impl Summary {
         if self.locked > 0 {
             line.push_str(&format!(
                 " · worst synchronism error {} µm ({} µm RMS)",
-                number::text::<3>(self.error_max_nm),
+                self.worst(),
                 number::rounded::<6>(self.error_rms_pm(), 3),
             ));
         }
@@ -163,7 +171,7 @@ impl Summary {
         if self.locked > 0 {
             text.push_str(&format!(
                 "synchronism worst {} µm, {} µm RMS over {} locked ticks\n",
-                number::text::<3>(self.error_max_nm),
+                self.worst(),
                 number::rounded::<6>(self.error_rms_pm(), 3),
                 self.locked,
             ));

@@ -333,6 +333,23 @@ fn an_unwritable_output_is_told_before_the_work() {
     );
 }
 
+#[test]
+fn the_program_is_never_overwritten() {
+    let folder = Folder::new("overwrite");
+    let program = folder.file("p.svg");
+    std::fs::write(&program, "G0 X1\nM30\n").unwrap();
+    for args in [["simulate", "-o"], ["plot", "-o"], ["run", "--record"]] {
+        let output = leadscrew(&[args[0], &program, args[1], &program]);
+        assert_eq!(code(&output), 2, "{args:?}");
+        assert!(
+            stderr(&output).contains("is the program itself"),
+            "{}",
+            stderr(&output)
+        );
+    }
+    assert_eq!(std::fs::read_to_string(&program).unwrap(), "G0 X1\nM30\n");
+}
+
 /// Long enough in virtual time that the signal arrives while it runs.
 #[cfg(unix)]
 #[test]
