@@ -6,7 +6,7 @@
 
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::board::{Board, Command, Event, Outcome, State};
+use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::motion::{Motion, ThreadRun};
 use leadscrew_core::params::Params;
@@ -134,9 +134,10 @@ impl Sim {
 
     /// Lets the drives come up. Their steps have times of their own, so this ends.
     fn start(&mut self) -> Result<(), SimError> {
+        let mut output = Output::default();
         loop {
             self.advance();
-            let output = self.board.tick(self.sample, &self.answers);
+            self.board.tick(self.sample, &self.answers, &mut output);
             self.exchange(&output.frames, &mut |_, _| {});
             while let Some(event) = self.board.event() {
                 match event {
@@ -226,10 +227,11 @@ impl Sim {
         self.advance();
         let ready = self.release();
         while self.board.background() {}
-        let output = self.board.tick(self.sample, &self.answers);
+        let mut output = Output::default();
+        self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;
         let run = self.board.ticker().executor().thread().copied();
-        let doing = match (output.state, setpoint.motion) {
+        let doing = match (self.board.ticker().state(), setpoint.motion) {
             (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => Doing::Alarm,
             (_, Motion::Hold) | (State::Held, _) => Doing::Hold,
             (_, Motion::Dwell) => Doing::Dwell,

@@ -63,15 +63,13 @@ pub enum Notice {
     Route(Route),
 }
 
-/// What one tick gives.
-#[derive(Clone, Debug)]
+/// What one tick gives. Made once and filled in every tick: nothing as large is copied about in it.
+#[derive(Clone, Debug, Default)]
 pub struct Output {
     /// To be sent in this order; SYNC first.
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
-    /// Where the machine is.
-    pub state: State,
     /// For the background.
     pub notice: Option<Notice>,
 }
@@ -217,7 +215,8 @@ impl Ticker {
         sample: EncoderSample,
         received: &[Frame],
         ends: &mut Ends<'_, '_>,
-    ) -> Output {
+        output: &mut Output,
+    ) {
         for frame in received {
             self.drives.hear(frame);
         }
@@ -233,16 +232,13 @@ impl Ticker {
             setpoint.motion = Motion::Run;
         }
         self.settle(&setpoint, moved, ends);
-        // Made where it will stay: the frames are not copied.
-        let mut output = Output {
-            frames: Vec::new(),
-            setpoint,
-            state: self.state,
-            notice: self.notice.take(),
-        };
+        output.setpoint = setpoint;
+        output.notice = None;
+        if self.notice.is_some() {
+            output.notice = self.notice.take();
+        }
+        output.frames.clear();
         self.send(&mut output.frames, ends.events);
-        output.state = self.state;
-        output
     }
 
     fn execute(&mut self, ends: &mut Ends<'_, '_>) -> Setpoint {
