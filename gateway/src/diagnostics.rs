@@ -50,6 +50,17 @@ impl Diagnostic {
                 + 1
         };
         let column = columns(alarm.span.column);
+        // A span says where a value was written, the alarm which value it is: U is shown for an end written as U.
+        let written = raw.as_ref().and_then(|raw| {
+            let letter = raw.get(usize::from(alarm.span.column).checked_sub(1)?)?;
+            letter
+                .is_ascii_alphabetic()
+                .then(|| letter.to_ascii_uppercase())
+        });
+        let alarm = &Alarm {
+            word: alarm.word.map(|word| written.unwrap_or(word)),
+            ..*alarm
+        };
         Self {
             file: source.name(),
             number: alarm.number(),
