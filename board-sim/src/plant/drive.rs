@@ -1,4 +1,5 @@
-//! A CiA 402 drive on the bus: an axis in cyclic synchronous position, or a spindle in cyclic synchronous velocity.
+//! A CiA 402 drive on the bus: an axis in cyclic synchronous position, or a spindle in cyclic synchronous velocity or
+//! position. A spindle's drive changes its mode only while the spindle stands.
 //!
 //! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers.
 
@@ -60,6 +61,8 @@ pub struct Drive {
     spindle: SpindleCommand,
     next_spindle: SpindleCommand,
     follower: Follower,
+    /// The spindle turns: its mode cannot change.
+    turning: bool,
     /// SYNCs since the last answer.
     syncs: u8,
     /// SYNCs until the power state may change again.
@@ -85,6 +88,7 @@ impl Drive {
             spindle: standing,
             next_spindle: standing,
             follower,
+            turning: false,
             syncs: 0,
             busy: 0,
             trouble: Trouble::None,
@@ -116,6 +120,25 @@ impl Drive {
             (Power::Enabled, Mode::Velocity) => self.spindle.velocity,
             _ => MilliRpm::STOPPED,
         }
+    }
+
+    /// True while it turns a spindle in position mode.
+    #[must_use]
+    pub fn is_positioning(&self) -> bool {
+        self.power == Power::Enabled
+            && self.spindle.mode == Mode::Position
+            && self.trouble != Trouble::Stuck
+    }
+
+    /// Says whether the spindle turns; while it does, a new mode has to wait, and the new speed counts.
+    pub const fn turns(&mut self, turning: bool) {
+        self.turning = turning;
+    }
+
+    /// The target the next SYNC will latch.
+    #[must_use]
+    pub fn coming_target(&self) -> Option<Increments> {
+        self.command.map(|command| command.target)
     }
 
     /// Makes something go wrong from the next SYNC on, or right again.
@@ -184,7 +207,12 @@ impl Drive {
     /// Takes over what came since the last SYNC.
     fn latch(&mut self, send: &mut impl FnMut(Frame)) -> Option<Increments> {
         self.busy = self.busy.saturating_sub(1);
-        self.spindle = self.next_spindle;
+        let enabled = self.power == Power::Enabled;
+        if self.turning && enabled && self.next_spindle.mode != self.spindle.mode {
+            self.spindle.velocity = self.next_spindle.velocity;
+        } else {
+            self.spindle = self.next_spindle;
+        }
         let command = self.command?;
         let word = command.control.raw();
         if self.busy == 0 {

@@ -1,4 +1,6 @@
 //! How a drive's position follows its targets: late by a latency, and behind by a lag.
+//!
+//! Targets are 32-bit increments for an axis; a spindle in position mode turns on and on, and counts in 64.
 
 use leadscrew_core::bus::Increments;
 
@@ -9,7 +11,7 @@ const KEPT: usize = 128;
 #[derive(Clone, Copy, Debug)]
 pub struct Follower {
     /// Latched targets; the last at `newest`.
-    targets: [i32; KEPT],
+    targets: [i64; KEPT],
     newest: usize,
     /// Latency: whole SYNC periods, and the rest in 2⁻¹⁶ periods.
     whole: usize,
@@ -35,7 +37,7 @@ impl Follower {
         }
         let pull = (1i64 << 16).checked_div(i64::from(lag_ticks).wrapping_add(1))?;
         Some(Self {
-            targets: [at.get(); KEPT],
+            targets: [i64::from(at.get()); KEPT],
             newest: 0,
             whole,
             part,
@@ -46,9 +48,14 @@ impl Follower {
 
     /// A SYNC: takes the latched target and moves.
     pub fn follow(&mut self, target: Increments) {
+        self.follow_count(i64::from(target.get()));
+    }
+
+    /// The same for a target that does not wrap.
+    pub fn follow_count(&mut self, target: i64) {
         self.newest = self.newest.wrapping_add(1) % KEPT;
         if let Some(slot) = self.targets.get_mut(self.newest) {
-            *slot = target.get();
+            *slot = target;
         }
         let later = self.target_before(self.whole);
         let earlier = self.target_before(self.whole.wrapping_add(1));
@@ -64,20 +71,40 @@ impl Follower {
 
     /// Stops where it is and forgets what was still to come.
     pub fn stop(&mut self) {
-        let at = self.actual();
-        self.targets = [at.get(); KEPT];
-        self.actual = i64::from(at.get()) << 16;
+        self.stand_at(self.count());
+    }
+
+    /// Stands at `count` and forgets what was still to come.
+    pub fn stand_at(&mut self, count: i64) {
+        self.targets = [count; KEPT];
+        self.actual = count << 16;
+    }
+
+    /// The last target.
+    #[must_use]
+    pub fn newest(&self) -> i64 {
+        self.target_before(0)
+    }
+
+    /// Where it is, in 2⁻¹⁶ increments, not wrapped.
+    #[must_use]
+    pub const fn fine(&self) -> i64 {
+        self.actual
+    }
+
+    const fn count(&self) -> i64 {
+        self.actual.wrapping_add(1 << 15) >> 16
     }
 
     /// Where it is, to the nearest increment.
     #[must_use]
     pub const fn actual(&self) -> Increments {
-        Increments::new((self.actual.wrapping_add(1 << 15) >> 16) as i32)
+        Increments::new(self.count() as i32)
     }
 
     fn target_before(&self, syncs: usize) -> i64 {
         let slot = self.newest.wrapping_sub(syncs) % KEPT;
-        self.targets.get(slot).copied().map_or(0, i64::from)
+        self.targets.get(slot).copied().unwrap_or(0)
     }
 }
 

@@ -47,6 +47,24 @@ impl FineTurns {
         }
     }
 
+    /// The angle of `raw` · 2⁻¹⁶ increments, `per_turn` of them to a turn.
+    #[must_use]
+    pub const fn of_fine_increments(raw: i64, per_turn: u32) -> Self {
+        let scaled = (raw as i128) << 48;
+        let half = (per_turn >> 1) as i128;
+        match scaled.wrapping_add(half).checked_div_euclid(per_turn as i128) {
+            Some(angle) => Self(angle),
+            None => Self(0),
+        }
+    }
+
+    /// The nearest increment, `per_turn` of them to a turn, not wrapped.
+    #[must_use]
+    pub const fn increments(self, per_turn: u32) -> i64 {
+        let scaled = self.0.wrapping_mul(per_turn as i128);
+        (scaled.wrapping_add(1 << 63) >> 64) as i64
+    }
+
     /// Rounded to millionths of a turn.
     #[must_use]
     pub const fn micro_turns(self) -> i64 {
@@ -284,6 +302,12 @@ impl Spindle {
         MilliRpm::new(speed.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32)
     }
 
+    /// True while it does not turn.
+    #[must_use]
+    pub const fn stands(&self) -> bool {
+        self.speed == 0
+    }
+
     /// Lets `ns` nanoseconds pass, and shows every piece of them in order.
     pub fn advance(&mut self, ns: u64, mut show: impl FnMut(&Piece)) {
         let target = i64::from(self.commanded.get())
@@ -308,6 +332,26 @@ impl Spindle {
             self.follow(&piece);
             left = left.wrapping_sub(duration);
         }
+    }
+
+    /// Position mode: turns to `angle` in `ns` nanoseconds, at one speed. The drive makes the angle exact; what coasts
+    /// on after it lets go is the speed of this stretch.
+    pub fn turn_to(&mut self, angle: FineTurns, ns: u64, show: impl FnOnce(&Piece)) {
+        // Turns to units of the base in two halves: a stretch is a few turns at most, turn below 2⁶³.
+        let way = angle.raw().wrapping_sub(self.angle().raw());
+        let units = (way >> 32).wrapping_mul(self.turn) >> 32;
+        let twice = i128::from(ns).wrapping_mul(2);
+        let speed = units.checked_div(twice).unwrap_or(0);
+        self.commanded = MilliRpm::STOPPED;
+        self.speed = speed as i64;
+        self.phase = 0;
+        let mut piece = self.piece(0, ns);
+        piece.gain = Gain::NONE;
+        piece.offset = 0;
+        piece.offset = angle.raw().wrapping_sub(piece.angle(ns).raw());
+        show(&piece);
+        self.base = piece.base_after(ns);
+        self.offset = piece.offset.wrapping_sub(self.steady_ripple());
     }
 
     fn piece(&self, slope: i64, duration: u64) -> Piece {

@@ -109,6 +109,8 @@ pub struct DriveMaster {
     astray: Periods,
     /// The last status.
     status: Option<DriveStatus>,
+    /// Statuses in a row that tell the same position.
+    same: u8,
     /// A status came after the step began.
     answered: bool,
     /// Error code of the last emergency message.
@@ -134,6 +136,7 @@ impl DriveMaster {
             quiet: Periods::new(0),
             astray: Periods::new(0),
             status: None,
+            same: 0,
             answered: false,
             error_code: 0,
             target: Increments::new(0),
@@ -237,7 +240,28 @@ impl DriveMaster {
         .is_some()
     }
 
+    /// True where the drive has told the same position `times` times in a row.
+    #[must_use]
+    pub const fn has_told_the_same(&self, times: u8) -> bool {
+        self.same >= times
+    }
+
+    /// For a drive that has moved without a demand (a spindle that turned): its target is now where it was when it last
+    /// told, and the next demand takes it up there.
+    pub const fn hold_here(&mut self) {
+        if let Some(status) = self.status {
+            self.target = status.actual;
+            self.last_target = status.actual;
+        }
+        self.follows = false;
+        self.waited = Periods::new(0);
+    }
+
     fn hear(&mut self, status: DriveStatus) {
+        self.same = match self.status {
+            Some(last) if last.actual == status.actual => self.same.saturating_add(1),
+            _ => 1,
+        };
         self.status = Some(status);
         self.quiet = Periods::new(0);
         self.answered = true;

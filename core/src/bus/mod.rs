@@ -31,5 +31,5 @@ pub use increments::{Increments, Scale};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
 pub use periods::Periods;
-pub use spindle::{SpindleMaster, SpindleOutput};
+pub use spindle::{SpindleDemand, SpindleMaster, SpindleOutput};
 pub use sync::{SyncProducer, is_sync};

@@ -2,9 +2,13 @@
 //!
 //! Mode and speed go out on change (RPDO2). A drive keeps the last speed it was told, so it is told 0 before it gets
 //! torque and as soon as it has lost it: enabling never starts a spindle.
+//!
+//! For tapping it is in position mode. That mode begins where the spindle stands: [`SpindleMaster::engage`] makes the
+//! drive's own position its target, and only then is the mode told, in one period with that target.
 
 use super::drive::{DriveConfig, DriveMaster, DriveOutput, Phase, Step};
 use super::frame::Frame;
+use super::increments::Increments;
 use super::pdo::{MilliRpm, Mode, SpindleCommand};
 
 /// The frames a spindle's master wants sent, in this order.
@@ -14,6 +18,15 @@ pub struct SpindleOutput {
     pub speed: Option<Frame>,
     /// Those of every drive.
     pub drive: DriveOutput,
+}
+
+/// What a spindle is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpindleDemand {
+    /// Turn at a speed.
+    Speed(MilliRpm),
+    /// Be at a position at the next SYNC, in increments that wrap.
+    Position(Increments),
 }
 
 /// The master of a spindle drive.
@@ -45,19 +58,44 @@ impl SpindleMaster {
         &mut self.drive
     }
 
-    /// One SYNC period: `speed` is what the spindle is to turn at; while its drive is not enabled, it is told 0.
-    pub fn tick(&mut self, speed: MilliRpm) -> SpindleOutput {
-        let drive = self.drive.tick(None);
+    /// Takes the spindle up where it stands, for position mode: its position, which is the first demand. `None` while the
+    /// drive is not enabled or has not told the same position twice in a row.
+    pub fn engage(&mut self) -> Option<Increments> {
+        if !self.drive.is_enabled() || !self.drive.has_told_the_same(2) {
+            return None;
+        }
+        self.drive.hold_here();
+        Some(self.drive.target())
+    }
+
+    /// One SYNC period. While its drive is not enabled, it is told a speed of 0.
+    pub fn tick(&mut self, demand: SpindleDemand) -> SpindleOutput {
+        let (wish, position) = match demand {
+            SpindleDemand::Speed(velocity) => (
+                SpindleCommand {
+                    mode: Mode::Velocity,
+                    velocity,
+                },
+                None,
+            ),
+            SpindleDemand::Position(position) => (
+                SpindleCommand {
+                    mode: Mode::Position,
+                    velocity: MilliRpm::STOPPED,
+                },
+                Some(position),
+            ),
+        };
+        let drive = self.drive.tick(position);
         let wanted = match self.drive.phase() {
             // Who is being started knows nothing of what it was told before.
             Phase::Offline | Phase::Step(Step::Contact) => None,
-            Phase::Enabled => Some(speed),
-            Phase::Standby | Phase::Step(_) => Some(MilliRpm::STOPPED),
-        }
-        .map(|velocity| SpindleCommand {
-            mode: Mode::Velocity,
-            velocity,
-        });
+            Phase::Enabled => Some(wish),
+            Phase::Standby | Phase::Step(_) => Some(SpindleCommand {
+                mode: Mode::Velocity,
+                velocity: MilliRpm::STOPPED,
+            }),
+        };
         let changed = wanted.filter(|_| wanted != self.told);
         self.told = wanted;
         SpindleOutput {
@@ -95,7 +133,8 @@ mod tests {
     }
 
     fn told(master: &mut SpindleMaster, rpm: i32) -> Option<(Mode, i32)> {
-        let frame = master.tick(MilliRpm::new(rpm.saturating_mul(1000))).speed?;
+        let speed = SpindleDemand::Speed(MilliRpm::new(rpm.saturating_mul(1000)));
+        let frame = master.tick(speed).speed?;
         let (node, command) = SpindleCommand::decode(&frame)?;
         assert_eq!(node, NodeId::SPINDLE_1);
         Some((command.mode, command.velocity.get() / 1000))
@@ -138,5 +177,44 @@ mod tests {
         assert_eq!(told(&mut m, 300), None);
         m.drive_mut().reset();
         assert_eq!(start(&mut m), expected);
+    }
+
+    fn answer_at(master: &mut SpindleMaster, actual: i32) {
+        let status = DriveStatus {
+            status: Statusword::from_raw(0x0237),
+            actual: Increments::new(actual),
+        };
+        master
+            .drive_mut()
+            .receive(&status.frame(NodeId::SPINDLE_1));
+    }
+
+    #[test]
+    fn position_mode_begins_where_it_stands_with_mode_and_target_in_one_period() {
+        let mut m = master();
+        start(&mut m);
+        // It has turned; it counts as standing once it tells the same twice.
+        told(&mut m, 0);
+        for actual in [5_000, 7_000] {
+            answer_at(&mut m, actual);
+            assert_eq!(m.engage(), None);
+            told(&mut m, 0);
+        }
+        answer_at(&mut m, 7_000);
+        let base = m.engage().unwrap();
+        assert_eq!(base, Increments::new(7_000));
+        let output = m.tick(SpindleDemand::Position(base));
+        let (_, command) = SpindleCommand::decode(&output.speed.unwrap()).unwrap();
+        assert_eq!(command.mode, Mode::Position);
+        let target = |output: SpindleOutput| {
+            let (_, command) = crate::bus::DriveCommand::decode(&output.drive.command?)?;
+            Some(command.target.get())
+        };
+        assert_eq!(target(output), Some(7_000));
+        let output = m.tick(SpindleDemand::Position(Increments::new(7_300)));
+        assert_eq!((output.speed, target(output)), (None, Some(7_300)));
+        // Back to speed: told on change, and once.
+        assert_eq!(told(&mut m, 0), Some((Mode::Velocity, 0)));
+        assert_eq!(told(&mut m, 0), None);
     }
 }

@@ -5,7 +5,7 @@ extern crate std;
 use super::super::*;
 use leadscrew_core::bus::{
     DriveConfig, DriveFailure, DriveMaster, FollowingLimit, NmtState, Periods, Phase,
-    SpindleMaster, SyncProducer,
+    SpindleDemand, SpindleMaster, SyncProducer,
 };
 use leadscrew_core::units::{Length, Rpm};
 use std::vec;
@@ -201,11 +201,11 @@ fn the_spindle_turns_as_its_drive_is_told() {
     }
     assert_eq!(last.speed.get(), 300_000);
     assert_eq!(last.angle.micro_turns(), 5_375_000);
-    // Its status carries the encoder.
+    // Its status carries the angle in increments of the drive.
     let status = (0..4)
         .find_map(|_| {
             bench.tick([None; 3]);
-            let angle = bench.plant.truth().angle.turns().raw();
+            let angle = bench.plant.truth().angle.micro_turns();
             bench
                 .heard
                 .iter()
@@ -214,7 +214,7 @@ fn the_spindle_turns_as_its_drive_is_told() {
                 .map(|(_, status)| (status, angle))
         })
         .unwrap();
-    assert_eq!(i64::from(status.0.actual.get()), (status.1 * 4096) >> 32);
+    assert_eq!(i64::from(status.0.actual.get()) * 10, status.1 * 36);
 }
 
 #[test]
