@@ -62,6 +62,27 @@ impl Code {
 codes! {
 
     // -- 02xx–03xx: the trade's own numbers -------------------------------------------------------------------------
+    /// Rigid tap: S missing, zero or above what it may be; {0} the highest.
+    TapSpeed = 200, "rigid tapping needs a spindle speed S of 1 to {0} rpm",
+        "write S in the block of the rigid M code (5200.0 = 0) or in the block of G84 or G88 (5200.0 = 1); parameters 5241 and 3772 set the highest",
+        "刚性攻丝需要 1 至 {0} rpm 的主轴转速 S", "请在刚性攻丝 M 代码程序段（5200.0 = 0）或 G84、G88 程序段（5200.0 = 1）中写 S；最高转速由参数 5241、3772 设定";
+    /// Tap without a feed, or with a lead of zero.
+    TapFeed = 201, "the tap has no lead: F is missing, zero or out of range", "write F in the block of G84 or G88 (G98: lead times S; G99: the lead); after a change between G98 and G99 write it again",
+        "攻丝没有导程：F 缺少、为零或超出范围", "请在 G84 或 G88 程序段中写 F（G98：导程乘 S；G99：导程）；G98 与 G99 切换后需重新写";
+    /// The rigid M code or its S in the wrong place; {0} the M code.
+    TapModePlace = 203, "M{0} and its S stand right before G84 or G88, once, and not with 5200.0 = 1",
+        "write M{0} S in the block right before G84 or G88; after G80 write it again",
+        "M{0} 及其 S 应紧接在 G84 或 G88 的前一段，只写一次；5200.0 = 1 时不写", "请在 G84 或 G88 的前一程序段写 M{0} S；G80 之后需重新写";
+    /// An axis moves between the rigid M code and its G84 or G88; {0} the M code.
+    TapModeAxis = 204, "an axis moves between M{0} and G84 or G88", "move before M{0}",
+        "M{0} 与 G84 或 G88 之间有轴移动", "请在 M{0} 之前移动";
+    /// Another plane in rigid mode.
+    TapPlane = 206, "the plane changes in rigid tapping", "write G17, G18 or G19 before the rigid M code, or after G80",
+        "刚性攻丝方式中切换平面", "请在刚性攻丝 M 代码之前或 G80 之后写 G17、G18 或 G19";
+    /// The bottom on the wrong side of R, at R, or d > Q.
+    TapDepth = 207, "the tap cannot go this way: its bottom is at R or on the side of the initial level, or D is more than Q",
+        "let the tool come from the initial level through R to the bottom, and D be at most Q",
+        "攻丝方向不对：孔底在 R 点或在初始平面一侧，或 D 大于 Q", "应由初始平面经 R 点到孔底，D 不大于 Q";
     /// F or I of a thread missing, zero, negative or out of range.
     LeadMissing = 313, "the thread has no lead", "write F (lead per turn) or I (turns per inch) in a thread block",
         "螺纹没有导程", "请在螺纹程序段中写 F（每转导程）或 I（每英寸牙数）";
@@ -146,8 +167,8 @@ codes! {
     /// No such M code; {0} its number.
     UnknownM = 4019, "there is no M{0}", "correct the code", "没有 M{0}", "请修改代码";
     /// A G code that exists and is not built; {0}.
-    GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76 or G78 cycle",
-        "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78 循环";
+    GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76, G78, G84 or G88 cycle",
+        "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78、G84、G88 循环";
     /// An M code that exists and is not built; {0} its number.
     MNotAvailable = 4021, "M{0} is not available yet", "leave it out", "M{0} 尚不可用", "请去掉";
     /// G33 [D19].
@@ -235,6 +256,36 @@ codes! {
     /// G75 with a cycle word and no X or U.
     GrooveWithoutX = 4050, "the groove has no bottom", "write X or U", "切槽没有槽底", "请写 X 或 U";
 
+    // 4060–4079: tapping.
+    /// G84 or G88 without rigid mode; {0} the code, {1} the rigid M code.
+    OrdinaryTapNotAvailable = 4060, "{0} without rigid mode: ordinary tapping is not available yet",
+        "write M{1} S in the block before, or set 5200.0 = 1 and write S in the block of {0}",
+        "{0} 未指令刚性方式：普通攻丝尚不可用", "请在前一程序段写 M{1} S，或设 5200.0 = 1 并在 {0} 程序段中写 S";
+    /// The tap axis would be Y; {0} the code, {1} the plane.
+    TapAxisMissing = 4061, "{0} in the plane of {1} taps along Y, and this lathe has no Y",
+        "choose another plane before it, or set 5209.0 = 1 (G84 Z, G88 X)",
+        "{0} 在 {1} 平面内沿 Y 轴攻丝，而本车床没有 Y 轴", "请先切换平面，或设 5209.0 = 1（G84 为 Z，G88 为 X）";
+    /// No bottom; {0} the code, {1} the letter of its axis.
+    TapBottomMissing = 4062, "{0} has no bottom", "write {1}, or its increment from the R plane", "{0} 没有孔底", "请写 {1}，或写距 R 平面的增量";
+    /// K neither 1 to 99 nor 198.
+    TapRepeats = 4063, "K is neither 1 to 99 nor 198", "write how often to tap, K198 to stay at the bottom, or leave K out",
+        "K 既不是 1 至 99，也不是 198", "请写攻丝次数，停在孔底写 K198，或省略";
+    /// A block that would tear the tap off or lose its phase; {0} the line of the K198.
+    TapLocked = 4064, "the tap stands in its hole since K198 of line {0}, and this would take it out of phase",
+        "go on with G84 or G88 to a deeper bottom, same axis, lead, hand and spindle, without R, hole position or the rigid M code",
+        "自第 {0} 行 K198 起丝锥停在孔内，此段会使其失去同步", "请继续写 G84 或 G88：孔底更深，攻丝轴、导程、旋向、主轴不变，不写 R、孔位置和刚性攻丝 M 代码";
+    /// A cycle or another motion while a tapping cycle is kept; {0} the code.
+    TapCycleKept = 4065, "{0} while a tapping cycle is in force", "write G80 before it", "攻丝循环有效时指令 {0}", "请在前面写 G80";
+    /// A spindle command in rigid mode.
+    TapSpindleBusy = 4066, "the spindle is in position mode for tapping and takes no {w} here", "write G80 before it",
+        "主轴处于攻丝位置方式，此处不能指令 {w}", "请在前面写 G80";
+    /// A clamp code whose successor means something else; {0} and {1} the codes.
+    TapClampCode = 4067, "M{0} cannot clamp: its successor M{1}, which would unclamp, means something else", "write another clamp code",
+        "M{0} 不能用于夹紧：其后继 M{1}（松开）另有含义", "请写其他夹紧代码";
+    /// K198 and nothing behind it; {0} the line.
+    TapLeftInHole = 4068, "the program ends with the tap in its hole", "go on with G84 or G88 to a deeper bottom, without K198",
+        "程序结束时丝锥仍在孔内", "请继续写 G84 或 G88 到更深的孔底，不写 K198";
+
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
     /// d leaves nothing to rough.
@@ -280,6 +331,11 @@ codes! {
     /// L = 0.
     CycleStartsRange = 4111, "a thread has at least one start", "write L1 to L99, or leave L out",
         "螺纹至少有一个头", "请写 L1 至 L99，或省略 L";
+    /// A hole with too many infeeds; {0} the limit.
+    TooManyPecks = 4130, "the hole would take more than {0} infeeds", "write a larger Q", "孔的进刀次数超过 {0}", "请增大 Q";
+    /// A tap call that cannot be; for calls that no program made.
+    TapCallRange = 4131, "speeds of a tap are above zero, and so is the depth it goes on from", "write S, or correct the depth",
+        "攻丝转速应大于零，继续攻丝的深度也应大于零", "请写 S，或修改深度";
 
     // -- 4200–4299 physics: feasible/, motion/, spindle/ -------------------------------------------------------------
     /// A move would need a ramp longer than the profile can hold.
@@ -353,6 +409,8 @@ codes! {
     /// The spindle does not reach its commanded speed.
     SpindleNotArrived = 4303, "the spindle turns at {0} instead of {1}", "check the spindle drive, its load and parameters 9004 and 9007",
         "主轴转速为 {0}，而不是 {1}", "请检查主轴驱动器、负载以及参数 9004 和 9007";
+    /// A tap, before the board can do it.
+    TapNotRunYet = 4304, "the machine cannot tap yet", "`leadscrew expand` shows what it would do", "机床尚不能攻丝", "`leadscrew expand` 可显示其动作";
 
     // 4350–4399: drives. {0} is the drive's letter, {1} its node.
     /// No status from a drive after it was started.
@@ -490,6 +548,9 @@ codes! {
     /// The limit of G50 S cuts a speed down; {0} the speed, {1} the limit.
     SpeedLimited = 4901, "S{0} is cut down to {1} rpm by the limit of G50 S", "write a smaller S, or a higher limit with G50 S",
         "S{0} 被 G50 S 限制为 {1} rpm", "请减小 S，或用 G50 S 提高限制";
+    /// The extraction override asks for more than the tap may; {0} asked, {1} the limit.
+    TapExtractionLimited = 4902, "the retract at {0} is cut down to {1} rpm (parameters 5241 and 3772)", "write a smaller J, or lower 5211",
+        "退刀转速 {0} 被限制为 {1} rpm（参数 5241、3772）", "请减小 J，或减小 5211";
 
     // -- 4920–4939 warnings: cycle/ ----------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
 use crate::feasible;
 use crate::motion::{Action, Limits, Pass, Segment, Stops, ThreadPlan, plan};
 use crate::params::Params;
-use crate::program::{Call, CallKind, Position};
+use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode};
 use crate::units::{Length, Rpm, TurnRate};
 
 /// What planning depends on besides the program.
@@ -214,7 +214,12 @@ impl Background {
                     Err(_) => Action::Dwell(u32::MAX),
                 }
             }
-            MoveKind::Spindle(rpm) => Action::Spindle(rpm),
+            MoveKind::Tap(_)
+            | MoveKind::Spindle(SpindleCall {
+                mode: SpindleMode::Rigid,
+                ..
+            }) => return Err(Alarm::new(Code::TapNotRunYet, next.span)),
+            MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
             MoveKind::Aux(aux) => Action::Aux(aux),
             MoveKind::Thread(_) => return Ok(()),
         };

@@ -2,7 +2,7 @@
 //! arithmetic of the cycles relies on it. Knows nothing of geometry.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::program::{GrooveCall, ThreadCall};
+use crate::program::{GrooveCall, TapCall, TapForm, ThreadCall};
 use crate::units::Length;
 
 /// An alarm at a word, or at the block where the value came from a parameter.
@@ -57,6 +57,22 @@ pub(crate) fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm>
         if let Some(step) = step {
             length(step, letter, Sign::NotNegative, block)?;
         }
+    }
+    Ok(())
+}
+
+/// Refuses lengths of a tap call that cannot be.
+pub(crate) fn tap_ranges(call: &TapCall, block: Span) -> Result<(), Alarm> {
+    let at = |value| At::new(value, Span::default());
+    for place in [&call.start, &call.hole, &call.step] {
+        length(&at(place.x), b'X', Sign::Any, block)?;
+        length(&at(place.z), b'Z', Sign::Any, block)?;
+    }
+    length(&call.level, b'R', Sign::Any, block)?;
+    length(&call.bottom, b'Z', Sign::Any, block)?;
+    if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
+        length(&peck.infeed, b'Q', Sign::Positive, block)?;
+        length(&peck.back, b'D', Sign::NotNegative, block)?;
     }
     Ok(())
 }

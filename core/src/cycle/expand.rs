@@ -1,6 +1,6 @@
 //! Any call to its moves.
 
-use super::{GrooveMoves, Move, MoveKind, ThreadMoves};
+use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
 use crate::alarm::Alarm;
 use crate::program::{Aux, Call, CallKind, Position};
 
@@ -17,6 +17,8 @@ pub enum Moves {
     Thread(ThreadMoves),
     /// G75.
     Groove(GrooveMoves),
+    /// G84, G88.
+    Tap(TapMoves),
 }
 
 /// The moves of `call` for a tool that stands at `at`. A straight move of no length is none. Dwells, spindle commands and
@@ -32,6 +34,7 @@ pub fn expand(call: &Call, at: Position) -> Result<Moves, Alarm> {
         CallKind::Groove(ref groove) => {
             return Ok(Moves::Groove(GrooveMoves::new(groove, call.span)?));
         }
+        CallKind::Tap(ref tap) => return Ok(Moves::Tap(TapMoves::new(tap, call.span)?)),
         CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(Moves::One(None)),
         CallKind::Rapid(to) => (to, MoveKind::Rapid),
         CallKind::Line(to, feed) => (to, MoveKind::Feed(feed)),
@@ -45,7 +48,7 @@ pub fn expand(call: &Call, at: Position) -> Result<Moves, Alarm> {
             (arc.end, kind)
         }
         CallKind::Dwell(time) => (at, MoveKind::Dwell(time)),
-        CallKind::Spindle(spindle) => (at, MoveKind::Spindle(spindle.rpm)),
+        CallKind::Spindle(spindle) => (at, MoveKind::Spindle(spindle)),
         CallKind::Aux(aux) => (at, MoveKind::Aux(aux)),
         CallKind::End(code) => (at, MoveKind::Aux(Aux::M(code))),
     };
@@ -63,7 +66,7 @@ impl Moves {
     pub const fn warning(&self) -> Option<Alarm> {
         match self {
             Self::Groove(groove) => groove.warning(),
-            Self::One(_) | Self::Thread(_) => None,
+            Self::One(_) | Self::Thread(_) | Self::Tap(_) => None,
         }
     }
 }
@@ -77,6 +80,7 @@ impl Iterator for Moves {
             Self::One(one) => one.take(),
             Self::Thread(thread) => thread.next(),
             Self::Groove(groove) => groove.next(),
+            Self::Tap(tap) => tap.next(),
         }
     }
 }

@@ -11,10 +11,12 @@ mod helix;
 mod moves;
 mod shape;
 mod slope;
+mod tap;
 mod taper;
 mod thread;
 
 pub use expand::{Moves, expand};
 pub use groove::GrooveMoves;
 pub use moves::*;
+pub use tap::TapMoves;
 pub use thread::{ThreadMoves, ThreadSummary};

@@ -1,8 +1,8 @@
 //! One [`Move`]: what the planner gets and `expand` prints.
 
 use crate::alarm::Span;
-use crate::program::{Aux, FeedRate, Position};
-use crate::units::{Lead, Length, Millis, Rpm, StartAngle};
+use crate::program::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapSpindle};
+use crate::units::{CentiRpm, Lead, Length, Millis, Rpm, StartAngle, TurnRatio};
 
 /// One move, with where it ends and where it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,10 +37,12 @@ pub enum MoveKind {
     },
     /// Straight, locked to the spindle angle.
     Thread(ThreadMove),
+    /// Straight along one axis, geared to the spindle: both from one master.
+    Tap(TapMove),
     /// Standing still.
     Dwell(Millis),
-    /// Spindle to a speed.
-    Spindle(Rpm),
+    /// Spindle to a speed, or to a stand in position mode.
+    Spindle(SpindleCall),
     /// Machine function.
     Aux(Aux),
 }
@@ -64,20 +66,54 @@ pub struct ThreadMove {
     pub rpm: Rpm,
 }
 
+/// A stroke of a tap, from rest to rest: the tap axis travels, the spindle turns with it. Seen from the angle where the
+/// spindle stands while the tap is at R, the commanded angle is a pure function of the axis: `±|p − level| / lead` turns,
+/// plus for a right-hand tap [G84/G88 sheet, cycles.md section 8].
+///
+/// The strokes of a hole follow each other with nothing but a dwell between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapMove {
+    /// The axis that travels.
+    pub axis: TapAxis,
+    /// The spindle that turns.
+    pub spindle: TapSpindle,
+    /// Tap-axis travel per turn (X: on the radius).
+    pub lead: Lead,
+    /// Right hand: plus on the way in.
+    pub hand: Hand,
+    /// Coordinate of the R plane on the tap axis, where the angles are counted from.
+    pub level: Length,
+    /// Coordinate of the hole's bottom on the tap axis; nothing goes beyond.
+    pub bottom: Length,
+    /// Turns of the spindle in this stroke, signed, exact.
+    pub turns: TurnRatio,
+    /// Speed of the spindle in this stroke, signed, the extraction override in it.
+    pub speed: CentiRpm,
+    /// True on the way out (its acceleration may be another, 5201.2).
+    pub outward: bool,
+    /// True for the first stroke of a hole: it begins at R, and the angle there is the one to count from. False where the
+    /// hole goes on after K198.
+    pub opens: bool,
+    /// True for the last stroke of a hole: it ends at R, and the tap is out. No stroke of a K198 hole has it until the call
+    /// that goes on.
+    pub closes: bool,
+}
+
 /// Place of a move in its cycle; the fields are those of the move list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tag {
     /// The cycle.
     pub cycle: Cycle,
-    /// Depth number from 1 (threads), column from 1 (G75).
+    /// Depth number from 1 (threads), column from 1 (G75), hole of the block from 1 (taps).
     pub pass: u32,
     /// Thread start from 1; 0 where it does not apply.
     pub start: u8,
-    /// Feed within the column from 1; 0 where it does not apply.
+    /// Feed within the column, infeed within the hole, from 1; 0 where it does not apply.
     pub peck: u32,
     /// What the move is for.
     pub stage: Stage,
-    /// Depth of the pass below the crest (threads), radius depth at the end of the move (G75).
+    /// Depth of the pass below the crest (threads), radius depth at the end of the move (G75), depth below R at the end of
+    /// the move (taps; negative above it).
     pub depth: Length,
 }
 
@@ -90,12 +126,16 @@ pub enum Cycle {
     G76,
     /// Enhanced multiple threading.
     G78,
+    /// Face tapping.
+    G84,
+    /// Side tapping.
+    G88,
 }
 
 /// What a move in a cycle is for (cli.md, stages).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Rapid to B.
+    /// Rapid to B (threads), to the hole (taps).
     Approach,
     /// Synchronous way to the pass's line.
     RunIn,
@@ -105,9 +145,9 @@ pub enum Stage {
     Finish,
     /// Chamfer at the end of the thread.
     RunOut,
-    /// Rapid X out (threads), back by e or to the start level (G75).
+    /// Rapid X out (threads), back by e or to the start level (G75), back by d or to R between pecks (taps).
     Retract,
-    /// Rapid back to the start along Z.
+    /// Rapid back to the start along Z, to the initial level (taps).
     Return,
     /// Cut of a groove.
     Peck,
@@ -115,4 +155,18 @@ pub enum Stage {
     Relief,
     /// To the next column.
     Shift,
+    /// C-axis clamp.
+    Clamp,
+    /// Rapid to R.
+    RPlane,
+    /// Infeed of a tap.
+    Tap,
+    /// Back into the hole between deep pecks.
+    Reenter,
+    /// Dwell at the bottom.
+    Dwell,
+    /// Out to R at the end.
+    Extract,
+    /// C-axis unclamp.
+    Unclamp,
 }

@@ -50,7 +50,7 @@ impl Timed {
 }
 
 /// Plans a rapid, a feed or an arc from the standing position `from`. `None` for moves that time does not drive along a
-/// path: threads, dwells, spindle and machine functions.
+/// path: threads, taps, dwells, spindle and machine functions.
 ///
 /// # Errors
 ///
@@ -84,9 +84,11 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
             let path = arc_limits(&arc, nominal, limits);
             plan(Path::Arc(arc), nominal, &path, Some(feed), span, limits).map(Some)
         }
-        MoveKind::Thread(_) | MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => {
-            Ok(None)
-        }
+        MoveKind::Thread(_)
+        | MoveKind::Tap(_)
+        | MoveKind::Dwell(_)
+        | MoveKind::Spindle(_)
+        | MoveKind::Aux(_) => Ok(None),
     }
 }
 

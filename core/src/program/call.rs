@@ -4,8 +4,10 @@
 //! range, twice) have been refused before a call exists; what follows from geometry is refused by `cycle`, what follows
 //! from physics by `feasible`.
 
+use core::num::NonZeroU8;
+
 use crate::alarm::{At, Span};
-use crate::units::{Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle};
+use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle};
 
 /// A point in machine coordinates; X is a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +59,8 @@ pub enum CallKind {
     Thread(ThreadCall),
     /// G75.
     Groove(GrooveCall),
+    /// G84, G88.
+    Tap(TapCall),
     /// M30, M02: the program is over. Also an [`Aux`] for the machine; no call follows.
     End(u16),
 }
@@ -96,11 +100,47 @@ pub struct ArcCall {
     pub feed: FeedRate,
 }
 
-/// Spindle in speed mode.
+/// What a spindle does with its speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SpindleMode {
+    /// It turns at it.
+    #[default]
+    Speed,
+    /// Rigid tapping: it is brought to a stand and waits in position mode; it turns with the tap axis only, at most at
+    /// this speed. Which spindle it is, the taps say.
+    Rigid,
+}
+
+/// A spindle command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpindleCall {
-    /// Commanded speed, signed; zero to stop.
+    /// Commanded speed, signed; zero to stop. In rigid mode a minus means a left-hand tap.
     pub rpm: Rpm,
+    /// Turning at that speed, or waiting for taps.
+    pub mode: SpindleMode,
+}
+
+impl SpindleCall {
+    /// Standing, in speed mode.
+    pub const STOPPED: Self = Self::speed(Rpm::STOPPED);
+
+    /// Turning at `rpm`.
+    #[must_use]
+    pub const fn speed(rpm: Rpm) -> Self {
+        Self {
+            rpm,
+            mode: SpindleMode::Speed,
+        }
+    }
+
+    /// Waiting for taps at `rpm`.
+    #[must_use]
+    pub const fn rigid(rpm: Rpm) -> Self {
+        Self {
+            rpm,
+            mode: SpindleMode::Rigid,
+        }
+    }
 }
 
 /// A machine function that moves no axis.
@@ -220,6 +260,162 @@ pub struct GrooveCall {
     pub retract: At<Length>,
     /// Speed of the pecks.
     pub feed: FeedRate,
+}
+
+/// Which tapping cycle [G84/G88 sheet].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TapCycle {
+    /// Face.
+    G84,
+    /// Side.
+    G88,
+}
+
+/// The linear axis that carries a tap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TapAxis {
+    /// Lead and travel are on the radius.
+    X,
+    /// Along the spindle.
+    Z,
+}
+
+impl TapAxis {
+    /// The coordinate of this axis.
+    #[must_use]
+    pub const fn of(self, position: Position) -> Length {
+        match self {
+            Self::X => position.x,
+            Self::Z => position.z,
+        }
+    }
+
+    /// `position` with this axis at `coordinate`.
+    #[must_use]
+    pub const fn with(self, mut position: Position, coordinate: Length) -> Position {
+        match self {
+            Self::X => position.x = coordinate,
+            Self::Z => position.z = coordinate,
+        }
+        position
+    }
+}
+
+/// A spindle that can tap (E word, M24–M27).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TapSpindle {
+    /// E1, M24.
+    #[default]
+    First,
+    /// E2, M25.
+    Second,
+    /// E3, M26.
+    Third,
+    /// E4, M27.
+    Fourth,
+}
+
+impl TapSpindle {
+    /// Spindle `number`; `None` outside 1…4.
+    #[must_use]
+    pub const fn new(number: u32) -> Option<Self> {
+        Some(match number {
+            1 => Self::First,
+            2 => Self::Second,
+            3 => Self::Third,
+            4 => Self::Fourth,
+            _ => return None,
+        })
+    }
+
+    /// 1…4.
+    #[must_use]
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::First => 1,
+            Self::Second => 2,
+            Self::Third => 3,
+            Self::Fourth => 4,
+        }
+    }
+}
+
+/// The hand of a tap: which way the spindle turns on the way in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Hand {
+    /// As M03.
+    #[default]
+    Right,
+    /// As M04.
+    Left,
+}
+
+/// How a tap goes down: the three forms of the [G84/G88 sheet].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TapForm {
+    /// At once (Q missing or zero).
+    Standard,
+    /// High-speed peck (5200.5 = 0): back by d after each infeed.
+    HighSpeed(TapPeck),
+    /// Deep peck (5200.5 = 1): back to R after each infeed, down again to d above the depth reached.
+    Deep(TapPeck),
+}
+
+/// The lengths of a peck, on the radius.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapPeck {
+    /// q: depth of an infeed, positive.
+    pub infeed: At<Length>,
+    /// d: D word or 5213, not negative, at most q.
+    pub back: At<Length>,
+}
+
+/// How often a tap call taps, and whether it comes back (K word).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TapRepeat {
+    /// So many holes, 1…99, each `step` from the one before.
+    Holes(NonZeroU8),
+    /// K198: one hole, and the tap stays at its bottom, locked.
+    Stay,
+}
+
+/// A rigid G84 or G88 with every word resolved: one block, one or more holes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapCall {
+    /// Which cycle.
+    pub cycle: TapCycle,
+    /// The tap axis (5209.0, plane).
+    pub axis: TapAxis,
+    /// Where the tool stands: at the initial level, or in the hole where the call goes on after K198.
+    pub start: Position,
+    /// The first hole, its tap axis at the initial level.
+    pub hole: Position,
+    /// From hole to hole: what was written as increments, zero for the rest and for the tap axis.
+    pub step: Position,
+    /// Coordinate of the R plane on the tap axis.
+    pub level: At<Length>,
+    /// Coordinate of the bottom on the tap axis.
+    pub bottom: At<Length>,
+    /// Standard, high-speed peck or deep peck.
+    pub form: TapForm,
+    /// Dwell at the bottom (P), zero for none.
+    pub dwell: Millis,
+    /// F/S (G98) or F (G99).
+    pub lead: At<Lead>,
+    /// By the sign of S.
+    pub hand: Hand,
+    /// Spindle speed of the infeed, above zero (its magnitude).
+    pub speed: CentiRpm,
+    /// Spindle speed of retracts and, in deep peck, of the re-entry, above zero: the infeed's with the extraction override.
+    pub extract: CentiRpm,
+    /// Which spindle turns the tap.
+    pub spindle: TapSpindle,
+    /// K.
+    pub repeat: TapRepeat,
+    /// M: C-axis clamp code before the R plane, its successor after the return.
+    pub clamp: Option<u16>,
+    /// True where the tap stands in the hole since a K198: it goes on from there.
+    pub continues: bool,
 }
 
 /// The start angle of start `index` of `starts`: `round(index · 360 000 / starts)` thousandths of a degree after the

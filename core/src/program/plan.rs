@@ -3,7 +3,7 @@
 use super::call::{Aux, Call, CallKind, Position, SpindleCall};
 use super::interpreter::Event;
 use crate::alarm::{Alarm, Span};
-use crate::units::{Millis, Rpm};
+use crate::units::Millis;
 
 /// Warnings a block can raise.
 const WARNINGS: usize = 2;
@@ -15,7 +15,7 @@ pub(super) struct Plan {
     pending: u16,
     origin: Position,
     warnings: [Alarm; WARNINGS],
-    spindle: (Span, Rpm),
+    spindle: (Span, SpindleCall),
     coolant_on: Span,
     tool: (Span, u16),
     dwell: (Span, Millis),
@@ -48,7 +48,7 @@ impl Plan {
             pending: 0,
             origin: Position::ZERO,
             warnings: [NONE; WARNINGS],
-            spindle: (NOWHERE, Rpm::STOPPED),
+            spindle: (NOWHERE, SpindleCall::STOPPED),
             coolant_on: NOWHERE,
             tool: (NOWHERE, 0),
             dwell: (NOWHERE, Millis::new(0)),
@@ -83,9 +83,9 @@ impl Plan {
         }
     }
 
-    pub(super) fn spindle(&mut self, span: Span, rpm: Rpm) {
+    pub(super) fn spindle(&mut self, span: Span, call: SpindleCall) {
         self.pending |= SPINDLE;
-        self.spindle = (span, rpm);
+        self.spindle = (span, call);
     }
 
     pub(super) fn coolant_on(&mut self, span: Span) {
@@ -142,19 +142,11 @@ impl Plan {
                 let index = usize::from(bit == WARNING_1);
                 return self.warnings.get(index).copied().map(Event::Warning);
             }
-            SPINDLE => (
-                self.spindle.0,
-                CallKind::Spindle(SpindleCall {
-                    rpm: self.spindle.1,
-                }),
-            ),
+            SPINDLE => (self.spindle.0, CallKind::Spindle(self.spindle.1)),
             COOLANT_ON => (self.coolant_on, CallKind::Aux(Aux::M(8))),
             TOOL => (self.tool.0, CallKind::Aux(Aux::T(self.tool.1))),
             DWELL => (self.dwell.0, CallKind::Dwell(self.dwell.1)),
-            SPINDLE_STOP => (
-                self.spindle_stop,
-                CallKind::Spindle(SpindleCall { rpm: Rpm::STOPPED }),
-            ),
+            SPINDLE_STOP => (self.spindle_stop, CallKind::Spindle(SpindleCall::STOPPED)),
             COOLANT_OFF => (self.coolant_off, CallKind::Aux(Aux::M(9))),
             FLOW => match self.flow.1 {
                 code @ (2 | 30) => (self.flow.0, CallKind::End(code)),

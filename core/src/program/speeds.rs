@@ -2,7 +2,7 @@
 //! limit of G50.
 
 use super::block::{Block, Word, g_arg};
-use super::call::FeedRate;
+use super::call::{FeedRate, SpindleCall};
 use super::codes::MGroup;
 use super::plan::Plan;
 use super::state::State;
@@ -99,7 +99,7 @@ impl State<'_> {
                 plan.warn(word.alarm(Code::SpeedLimited).with(args));
                 self.speed = limit;
             }
-            plan.spindle(word.span, self.rpm());
+            plan.spindle(word.span, SpindleCall::speed(self.rpm()));
         }
         if let Some(word) = block.m(MGroup::Coolant)
             && word.value.mantissa() == 8
@@ -142,7 +142,7 @@ impl State<'_> {
             let args = [asked, Arg::Int(i64::from(limit)), Arg::None, Arg::None];
             plan.warn(word.alarm(Code::SpeedLimited).with(args));
             self.speed = limit;
-            plan.spindle(word.span, self.rpm());
+            plan.spindle(word.span, SpindleCall::speed(self.rpm()));
         }
         Ok(())
     }

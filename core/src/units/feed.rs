@@ -125,6 +125,37 @@ impl Rpm {
     }
 }
 
+/// Spindle speed of a tap in hundredths of a turn per minute, signed like [`Rpm`]: fine enough for a whole speed times a
+/// whole percentage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CentiRpm(i32);
+
+impl CentiRpm {
+    /// `raw` hundredths of a turn per minute.
+    #[must_use]
+    pub const fn new(raw: i32) -> Self {
+        Self(raw)
+    }
+
+    /// The same speed.
+    #[must_use]
+    pub const fn of_rpm(rpm: Rpm) -> Self {
+        Self(rpm.0.saturating_mul(100))
+    }
+
+    /// Hundredths of a turn per minute, signed.
+    #[must_use]
+    pub const fn get(self) -> i32 {
+        self.0
+    }
+
+    /// As fast, the other way round.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        Self(self.0.saturating_neg())
+    }
+}
+
 /// A time in milliseconds (G04, dwell at the bottom of a hole).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Millis(u32);

@@ -12,14 +12,16 @@ mod decimal;
 mod feed;
 mod length;
 mod rate;
+mod ratio;
 mod trig;
 mod wide;
 
 pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
 pub use decimal::{Decimal, DecimalError};
-pub use feed::{Feed, FeedPerTurn, Lead, Millis, Rpm};
+pub use feed::{CentiRpm, Feed, FeedPerTurn, Lead, Millis, Rpm};
 pub use length::{Diameter, Length};
 pub use rate::{Ticks, TurnRate};
+pub use ratio::TurnRatio;
 pub use trig::Direction;
 pub use wide::{Divisor, mul_div, mul_high};

@@ -2,6 +2,7 @@
 //! optimiser must reckon with every value that the type can have.
 
 use core::hint::black_box;
+use core::num::NonZeroU8;
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::board::Command;
@@ -10,16 +11,17 @@ use leadscrew_core::bus::{
     Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, Scale, SpindleCommand,
     Statusword, SyncProducer,
 };
-use leadscrew_core::cycle::{Move, MoveKind, ThreadMove};
+use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
     ArcCall, Aux, Call, CallKind, CutIn, Dialect, FeedRate, GrooveCall, Infeed, Options, Position,
-    RunOut, SpindleCall, ThreadCall, ThreadCycle,
+    Hand, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapPeck, TapRepeat, TapSpindle,
+    ThreadCall, ThreadCycle,
 };
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, TurnRate, Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, TurnRate, TurnRatio, Turns,
 };
 
 static SOURCE: u64 = 0;
@@ -87,7 +89,7 @@ macro_rules! wrapped {
         }
     )*};
 }
-wrapped!(Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
+wrapped!(CentiRpm::new Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
     FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Periods::new MilliRpm::new Statusword::from_raw
     Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw);
 
@@ -106,13 +108,18 @@ records! {
     Position { x z c }
     Call { span origin kind }
     ArcCall { end i k clockwise feed }
-    SpindleCall { rpm }
+    SpindleCall { rpm mode }
     RunOut { short long }
     ThreadCall {
         cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
         run_in run_out lead increment rpm
     }
     GrooveCall { start end_x end_z z_written peck step relief retract feed }
+    TapPeck { infeed back }
+    TapCall {
+        cycle axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
+    }
+    TapMove { axis spindle lead hand level bottom turns speed outward opens closes }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
     EncoderSample { count edge_age_ns index }
     Options { dialect skip optional_stop dry_run position }
@@ -146,6 +153,13 @@ choices! {
     ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
+    SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid;
+    TapCycle { TapCycle::G84 } or TapCycle::G88;
+    TapAxis { TapAxis::X } or TapAxis::Z;
+    TapSpindle { TapSpindle::First, TapSpindle::Second, TapSpindle::Third } or TapSpindle::Fourth;
+    Hand { Hand::Right } or Hand::Left;
+    TapForm { TapForm::Standard, TapForm::HighSpeed(any()) } or TapForm::Deep(any());
+    TapRepeat { TapRepeat::Holes(NonZeroU8::MIN.saturating_add(any())) } or TapRepeat::Stay;
     Dialect { Dialect::Gsk980td } or Dialect::Gsk988;
     Command {
         Command::Hold, Command::Resume, Command::Reset, Command::Stop, Command::SingleBlock(any()),
@@ -154,11 +168,12 @@ choices! {
     MoveKind {
         MoveKind::Rapid, MoveKind::Feed(any()),
         MoveKind::Arc { i: any(), k: any(), clockwise: any(), feed: any() },
-        MoveKind::Thread(any()), MoveKind::Dwell(any()), MoveKind::Spindle(any()),
+        MoveKind::Thread(any()), MoveKind::Tap(any()), MoveKind::Dwell(any()), MoveKind::Spindle(any()),
     } or MoveKind::Aux(any());
     CallKind {
         CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
         CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
+        CallKind::Tap(any()),
     } or CallKind::End(any());
 }
 
@@ -169,6 +184,12 @@ impl Any for Lead {
                 return lead;
             }
         }
+    }
+}
+
+impl Any for TurnRatio {
+    fn any() -> Self {
+        Self::of_travel(any(), any())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Comma-separated: a header and one line a move, empty where a field does not apply. No field needs quoting.
 
 use super::Row;
-use crate::number::{decimal, integer, signed};
+use crate::number::{decimal, integer};
 
 /// Appends the header.
 pub(super) fn header(out: &mut Vec<u8>) {
@@ -31,11 +31,8 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     scaled(out, row.feed_rev);
     scaled(out, row.lead);
     scaled(out, row.start_udeg.map(i64::from));
-    // Spindle turns belong to taps only.
-    out.extend_from_slice(b",,");
-    if let Some(rpm) = row.rpm {
-        signed(out, i64::from(rpm));
-    }
+    scaled(out, row.rev);
+    scaled(out, row.rpm);
     text(out, row.mode);
     count(out, row.m);
     count(out, row.t);

@@ -1,7 +1,7 @@
 //! One JSON object a line, fields in the order of the contract, those that do not apply left out.
 
 use super::Row;
-use crate::number::{decimal, integer, signed};
+use crate::number::{decimal, integer};
 
 /// Appends one line.
 #[inline]
@@ -30,10 +30,8 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     scaled(out, b",\"feed_rev\":", row.feed_rev);
     scaled(out, b",\"lead\":", row.lead);
     scaled(out, b",\"start_deg\":", row.start_udeg.map(i64::from));
-    if let Some(rpm) = row.rpm {
-        out.extend_from_slice(b",\"rpm\":");
-        signed(out, i64::from(rpm));
-    }
+    scaled(out, b",\"rev\":", row.rev);
+    scaled(out, b",\"rpm\":", row.rpm);
     text(out, b",\"mode\":\"", row.mode);
     count(out, b",\"m\":", row.m);
     count(out, b",\"t\":", row.t);

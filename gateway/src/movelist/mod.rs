@@ -6,7 +6,8 @@ mod jsonl;
 mod text;
 
 use leadscrew_core::cycle::{Cycle, Move, MoveKind, Stage};
-use leadscrew_core::program::{Aux, FeedRate, Position};
+use leadscrew_core::program::{Aux, FeedRate, Position, SpindleMode};
+use leadscrew_core::units::Rpm;
 
 use crate::cli::Format;
 
@@ -28,7 +29,10 @@ struct Row {
     feed_rev: Option<i64>,
     lead: Option<i64>,
     start_udeg: Option<u32>,
-    rpm: Option<i32>,
+    /// Millionths of a turn, signed.
+    rev: Option<i64>,
+    /// Millionths of a turn per minute, signed.
+    rpm: Option<i64>,
     mode: Option<&'static str>,
     m: Option<u16>,
     t: Option<u16>,
@@ -60,6 +64,7 @@ impl Row {
             feed_rev: None,
             lead: None,
             start_udeg: None,
+            rev: None,
             rpm: None,
             mode: None,
             m: None,
@@ -94,16 +99,25 @@ impl Row {
             MoveKind::Thread(thread) => {
                 row.lead = Some(thread.lead.rounded().nm());
                 row.start_udeg = Some(thread.angle_udeg);
-                row.rpm = Some(thread.rpm.get());
+                row.rpm = Some(rpm(thread.rpm));
                 "thread"
             }
             MoveKind::Dwell(time) => {
                 row.ms = Some(time.get());
                 "dwell"
             }
-            MoveKind::Spindle(rpm) => {
-                row.rpm = Some(rpm.get());
-                row.mode = Some("speed");
+            MoveKind::Tap(tap) => {
+                row.lead = Some(tap.lead.rounded().nm());
+                row.rev = Some(tap.turns.micro());
+                row.rpm = Some(i64::from(tap.speed.get()) * 10_000);
+                "tap"
+            }
+            MoveKind::Spindle(spindle) => {
+                row.rpm = Some(rpm(spindle.rpm));
+                row.mode = Some(match spindle.mode {
+                    SpindleMode::Speed => "speed",
+                    SpindleMode::Rigid => "rigid",
+                });
                 "spindle"
             }
             MoveKind::Aux(Aux::M(code)) => {
@@ -126,11 +140,17 @@ impl Row {
     }
 }
 
+fn rpm(speed: Rpm) -> i64 {
+    i64::from(speed.get()) * 1_000_000
+}
+
 fn cycle_name(cycle: Cycle) -> &'static str {
     match cycle {
         Cycle::G75 => "G75",
         Cycle::G76 => "G76",
         Cycle::G78 => "G78",
+        Cycle::G84 => "G84",
+        Cycle::G88 => "G88",
     }
 }
 
@@ -146,6 +166,13 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Peck => "peck",
         Stage::Relief => "relief",
         Stage::Shift => "shift",
+        Stage::Clamp => "clamp",
+        Stage::RPlane => "rplane",
+        Stage::Tap => "tap",
+        Stage::Reenter => "reenter",
+        Stage::Dwell => "dwell",
+        Stage::Extract => "extract",
+        Stage::Unclamp => "unclamp",
     }
 }
 
@@ -173,7 +200,8 @@ pub fn push(format: Format, out: &mut Vec<u8>, n: u64, step: &Move, origin: &Pos
 mod tests {
     use leadscrew_core::alarm::Span;
     use leadscrew_core::cycle::{Tag, ThreadMove};
-    use leadscrew_core::units::{Angle, Feed, FeedPerTurn, Lead, Length, Rpm, StartAngle};
+    use leadscrew_core::program::SpindleCall;
+    use leadscrew_core::units::{Angle, Feed, FeedPerTurn, Lead, Length, StartAngle};
 
     use super::*;
 
@@ -256,7 +284,7 @@ mod tests {
         for kind in [
             MoveKind::Rapid,
             MoveKind::Dwell(leadscrew_core::units::Millis::new(2000)),
-            MoveKind::Spindle(Rpm::new(-300)),
+            MoveKind::Spindle(SpindleCall::rigid(Rpm::new(-300))),
             MoveKind::Aux(Aux::M(30)),
             MoveKind::Aux(Aux::T(101)),
         ] {

@@ -54,8 +54,11 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     if let Some(start) = row.start.filter(|start| *start > 1) {
         detail(format!("start {start}"));
     }
+    if let Some(rev) = row.rev {
+        detail(format!("{} turns", number::text::<6>(rev)));
+    }
     if let Some(rpm) = row.rpm {
-        detail(format!("{rpm} rpm"));
+        detail(format!("{} rpm", number::text::<6>(rpm)));
     }
     if let Some(m) = row.m {
         detail(format!("M{m:02}"));

@@ -465,11 +465,15 @@ fn other_calls_make_one_move_or_none() {
         one(CallKind::Dwell(time)),
         Some((here, MoveKind::Dwell(time)))
     );
-    let rpm = Rpm::new(-300);
-    assert_eq!(
-        one(CallKind::Spindle(SpindleCall { rpm })),
-        Some((here, MoveKind::Spindle(rpm)))
-    );
+    for spindle in [
+        SpindleCall::speed(Rpm::new(-300)),
+        SpindleCall::rigid(Rpm::new(1000)),
+    ] {
+        assert_eq!(
+            one(CallKind::Spindle(spindle)),
+            Some((here, MoveKind::Spindle(spindle)))
+        );
+    }
     assert_eq!(
         one(CallKind::Aux(Aux::T(101))),
         Some((here, MoveKind::Aux(Aux::T(101))))

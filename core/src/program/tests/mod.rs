@@ -78,7 +78,7 @@ fn span(line: u32, column: u16, end: u16) -> Span {
 }
 
 fn spindle(rpm: i32) -> CallKind {
-    CallKind::Spindle(SpindleCall { rpm: Rpm::new(rpm) })
+    CallKind::Spindle(SpindleCall::speed(Rpm::new(rpm)))
 }
 
 /// A deterministic stream of numbers.
