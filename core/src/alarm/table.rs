@@ -388,6 +388,9 @@ codes! {
     /// The moves handed over as one pass of a thread are not one.
     ThreadMovesMixed = 4259, "these moves are not one pass of a thread", "this is a fault of the controller, not of the program: report it",
         "这些动作不构成一刀螺纹", "这是控制器的故障而不是程序错误，请报告";
+    /// A spindle that has no drive in position mode here; {0} its number.
+    TapSpindleNotAvailable = 4262, "spindle {0} cannot tap yet: only spindle 1 has a drive on this bus", "write E1 or M24, or leave E out",
+        "{0} 号主轴尚不能攻丝：总线上只有 1 号主轴的驱动器", "请写 E1 或 M24，或省略 E";
     /// No index within two turns and a second.
     NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
         "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";
@@ -409,8 +412,9 @@ codes! {
     /// The spindle does not reach its commanded speed.
     SpindleNotArrived = 4303, "the spindle turns at {0} instead of {1}", "check the spindle drive, its load and parameters 9004 and 9007",
         "主轴转速为 {0}，而不是 {1}", "请检查主轴驱动器、负载以及参数 9004 和 9007";
-    /// A tap, before the board can do it.
-    TapNotRunYet = 4304, "the machine cannot tap yet", "`leadscrew expand` shows what it would do", "机床尚不能攻丝", "`leadscrew expand` 可显示其动作";
+    /// The spindle does not come to a stand for tapping.
+    SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
+        "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";
 
     // 4350–4399: drives. {0} is the drive's letter, {1} its node.
     /// No status from a drive after it was started.
@@ -576,6 +580,10 @@ codes! {
     HighSpeedNotBuilt = 4944, "the high-speed mode (parameter 5129) is not available yet: moves between passes stop exactly",
         "nothing needs to be done; set parameter 5129 to 0 to silence this",
         "高速模式（参数 5129）尚不可用：各刀之间准确停止", "无需处理；将参数 5129 设为 0 可取消此提示";
+    /// A tap too shallow for its speed; {0} S, {1} what is reached.
+    TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
+        "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
+        "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

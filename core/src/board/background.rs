@@ -9,9 +9,11 @@ use heapless::{Deque, Vec};
 use super::detour::Route;
 use super::queue::{CallOut, SegmentIn, put, room, take};
 use crate::alarm::{Alarm, Code, Span};
-use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
+use crate::cycle::{Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
-use crate::motion::{Action, Limits, Pass, Segment, Stops, ThreadPlan, plan};
+use crate::motion::{
+    Action, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, dwell_ticks, plan, stroke,
+};
 use crate::params::Params;
 use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode};
 use crate::units::{Length, Rpm, TurnRate};
@@ -25,6 +27,14 @@ pub struct Settings<'a> {
     pub limits: &'a Limits,
     /// Spindle override in percent.
     pub spindle_percent: u8,
+}
+
+/// A tap whose strokes are being collected.
+#[derive(Clone, Copy, Debug)]
+struct Collecting {
+    number: u32,
+    span: Span,
+    tap: Tap,
 }
 
 /// The state of the background.
@@ -43,6 +53,10 @@ pub struct Background {
     pass: Vec<Move, 3>,
     pass_start: Position,
     pass_number: u32,
+    /// The tap being collected: from R until it is back there.
+    tap: Option<Collecting>,
+    /// The move being taken is the last of its hole.
+    hole_ends: bool,
     /// Planned and not queued yet; a pass waits here for its retract.
     planned: Deque<Segment, 4>,
     complete: bool,
@@ -62,6 +76,8 @@ impl Background {
             pass: Vec::new(),
             pass_start: position,
             pass_number: 0,
+            tap: None,
+            hole_ends: false,
             planned: Deque::new(),
             complete: false,
             failed: false,
@@ -94,11 +110,15 @@ impl Background {
         }
         if let Some(moves) = &mut self.moves {
             if let Some(next) = moves.next() {
+                self.hole_ends = ends_hole(&next, moves);
                 if let Err(alarm) = self.take(&next, settings) {
                     self.fail(alarm);
                 }
             } else {
                 self.moves = None;
+                // A hole that stays locked ends at its bottom, and nothing stops there.
+                self.hole_ends = false;
+                self.close_tap(settings);
                 self.complete = !self.planned.is_empty();
             }
             return (true, None);
@@ -120,11 +140,18 @@ impl Background {
     }
 
     fn open(&mut self, call: &Call, settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
-        if let CallKind::Thread(thread) = &call.kind {
-            feasible::thread(thread, call.span, settings.params)?;
+        let mut warning = None;
+        match &call.kind {
+            CallKind::Thread(thread) => {
+                feasible::thread(thread, call.span, settings.params)?;
+            }
+            CallKind::Tap(tap) => {
+                warning = feasible::tap(tap, call.span, settings.params)?.warning;
+            }
+            _ => {}
         }
         let moves = expand(call, self.position)?;
-        let warning = moves.warning();
+        let warning = moves.warning().or(warning);
         // Before anything of the call moves; what has expanded once expands a second time to the same.
         feasible::within_limits(moves.clone(), self.position, settings.params)?;
         self.home = self.position;
@@ -140,6 +167,7 @@ impl Background {
         self.moves = None;
         self.ending = None;
         self.pass.clear();
+        self.tap = None;
         self.planned.clear();
         self.queue(alarm.span, Stops::default(), Action::Alarm(alarm));
     }
@@ -194,7 +222,16 @@ impl Background {
             }
             return Ok(());
         }
-        let stops = stops(next);
+        if let MoveKind::Tap(tap) = &next.kind {
+            return self.take_stroke(next, tap, settings);
+        }
+        if let (MoveKind::Dwell(time), Some(collecting)) = (&next.kind, &mut self.tap) {
+            let ticks = dwell_ticks(*time, settings.params.tick_us());
+            if collecting.tap.push(TapStep::Dwell(ticks)) {
+                return Ok(());
+            }
+        }
+        let stops = self.stops(next, settings.params);
         let action = match next.kind {
             MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
                 let timed = plan::timed(self.position, next, settings.limits)?;
@@ -205,26 +242,115 @@ impl Background {
                 }
             }
             MoveKind::Dwell(time) => {
-                let ticks = u64::from(time.get())
-                    .saturating_mul(1000)
-                    .div_ceil(u64::from(settings.params.tick_us().max(1)));
-                match u32::try_from(ticks) {
-                    Ok(0) => return Ok(()),
-                    Ok(ticks) => Action::Dwell(ticks),
-                    Err(_) => Action::Dwell(u32::MAX),
+                match dwell_ticks(time, settings.params.tick_us()) {
+                    0 => return Ok(()),
+                    ticks => Action::Dwell(ticks),
                 }
             }
-            MoveKind::Tap(_)
-            | MoveKind::Spindle(SpindleCall {
+            MoveKind::Spindle(SpindleCall {
                 mode: SpindleMode::Rigid,
                 ..
-            }) => return Err(Alarm::new(Code::TapNotRunYet, next.span)),
+            }) => Action::Rigid,
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
             MoveKind::Aux(aux) => Action::Aux(aux),
-            MoveKind::Thread(_) => return Ok(()),
+            MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
         };
         self.queue(next.span, stops, action);
         Ok(())
+    }
+
+    /// A stroke of a tap. Back at R the way through the hole is complete and goes to the queue as one segment.
+    fn take_stroke(
+        &mut self,
+        next: &Move,
+        tap: &TapMove,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let travel = tap.axis.of(next.to) - tap.axis.of(self.position);
+        let stroke = stroke(
+            tap,
+            travel,
+            settings.params,
+            settings.limits,
+            next.span,
+        )?;
+        let step = TapStep::Stroke(stroke);
+        let taken = match &mut self.tap {
+            Some(collecting) => collecting.tap.push(step),
+            None => {
+                let inward = (tap.bottom - tap.level).signum();
+                let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
+                    .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
+                let feed_override = settings.params.tap_feed_override();
+                let mut collected = Tap::new(gear, self.position, feed_override);
+                let taken = collected.push(step);
+                self.tap = Some(Collecting {
+                    number: self.number,
+                    span: next.span,
+                    tap: collected,
+                });
+                taken
+            }
+        };
+        if !taken {
+            // Not reached: whatever the pecks, the way in and out has seven different steps at most.
+            return Err(Alarm::new(Code::TapCallRange, next.span));
+        }
+        self.position = next.to;
+        if tap.axis.of(next.to) == tap.level {
+            self.close_tap(settings);
+            self.complete = true;
+        }
+        Ok(())
+    }
+
+    /// Lets the collected tap go to the queue.
+    fn close_tap(&mut self, settings: &Settings<'_>) {
+        let Some(collecting) = self.tap.take() else {
+            return;
+        };
+        let stops = Stops {
+            hold_not_inside: !settings.params.tap_hold_allowed(),
+            ..self.tap_stops(settings.params)
+        };
+        self.put(
+            collecting.number,
+            collecting.span,
+            stops,
+            Action::Tap(collecting.tap),
+        );
+    }
+
+    fn stops(&self, next: &Move, params: &Params) -> Stops {
+        let Some(tag) = next.tag else {
+            return Stops {
+                single_block: !matches!(next.kind, MoveKind::Spindle(_)),
+                ..Stops::default()
+            };
+        };
+        if is_tap(&tag) {
+            return self.tap_stops(params);
+        }
+        let thread_cycle = tag.start != 0;
+        let behind_stroke = thread_cycle && tag.stage == Stage::Retract;
+        Stops {
+            hold_not_inside: behind_stroke,
+            hold_not_before: behind_stroke,
+            // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
+            single_block: !thread_cycle || tag.stage == Stage::Return,
+            thread_cycle,
+            ..Stops::default()
+        }
+    }
+
+    /// Single block stops behind each hole with 5200.6 = 1, else behind the last one only ([G84/G88 sheet], its table).
+    fn tap_stops(&self, params: &Params) -> Stops {
+        Stops {
+            single_block: self.hole_ends,
+            stops_after_last_hole: !params.tap_hold_allowed(),
+            tap_cycle: true,
+            ..Stops::default()
+        }
     }
 
     fn plan_pass(&mut self, last: &Move, rpm: Rpm, settings: &Settings<'_>) -> Result<(), Alarm> {
@@ -274,22 +400,17 @@ pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     Rpm::new(i32::try_from(rounded).unwrap_or(0))
 }
 
-fn stops(next: &Move) -> Stops {
-    let Some(tag) = next.tag else {
-        return Stops {
-            single_block: !matches!(next.kind, MoveKind::Spindle(_)),
-            ..Stops::default()
-        };
+/// True for the last move of a hole: never inside it, and the single block of a tapping cycle stops nowhere else.
+fn ends_hole(next: &Move, rest: &Moves) -> bool {
+    let Some(tag) = next.tag.filter(is_tap) else {
+        return false;
     };
-    let thread_cycle = tag.start != 0;
-    let behind_stroke = thread_cycle && tag.stage == Stage::Retract;
-    Stops {
-        hold_not_inside: behind_stroke,
-        hold_not_before: behind_stroke,
-        // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
-        single_block: !thread_cycle || tag.stage == Stage::Return,
-        thread_cycle,
-    }
+    let after = rest.clone().next().and_then(|after| after.tag);
+    after.is_none_or(|after| after.pass != tag.pass)
+}
+
+const fn is_tap(tag: &Tag) -> bool {
+    matches!(tag.cycle, Cycle::G84 | Cycle::G88)
 }
 
 /// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.

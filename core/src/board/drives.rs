@@ -8,11 +8,11 @@ use super::ticker::FRAMES;
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId, Periods, Scale,
-    SpindleMaster, SyncProducer,
+    SpindleDemand, SpindleMaster, SyncProducer,
 };
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Angle, Axis, Length};
+use crate::units::{Angle, Axis, Length, Turns};
 
 /// A status comes every fourth SYNC; three of them missing is silence.
 const SILENCE: Periods = Periods::new(12);
@@ -23,7 +23,18 @@ pub(super) struct Drives {
     axes: [DriveMaster; 3],
     scales: [Scale; 3],
     spindle: SpindleMaster,
+    /// Increments of the spindle's drive to a turn.
+    per_turn: u32,
     sync: SyncProducer,
+}
+
+/// What the spindle is to do at the next SYNC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spindle {
+    /// Turn at a speed.
+    Speed(MilliRpm),
+    /// Be at an angle.
+    Angle(Turns),
 }
 
 impl Drives {
@@ -59,6 +70,7 @@ impl Drives {
             ],
             scales,
             spindle: SpindleMaster::new(config(b'S', NodeId::SPINDLE_1, scale_c, None)),
+            per_turn: params.spindle_increments(),
             sync: SyncProducer::new(),
         })
     }
@@ -118,6 +130,32 @@ impl Drives {
         }
     }
 
+    /// Takes the spindle up where it stands, for position mode: its angle. The drive counts in 32 bits; of all angles it
+    /// can mean the one nearest to `observed` is taken. `None` while the drive is not enabled or has not come to rest.
+    pub(super) fn engage_spindle(&mut self, observed: Turns) -> Option<Turns> {
+        let told = self.spindle.engage()?;
+        let near = self.spindle_increments(observed);
+        let off = told.get().wrapping_sub(near as i32);
+        let count = i128::from(near.wrapping_add(i64::from(off)));
+        let per_turn = i128::from(self.per_turn);
+        let half = per_turn >> 1;
+        let raw = (count << 32)
+            .wrapping_add(half)
+            .checked_div_euclid(per_turn)?;
+        i64::try_from(raw).ok().map(Turns::from_raw)
+    }
+
+    /// True while the spindle's drive is enabled.
+    pub(super) const fn has_spindle(&self) -> bool {
+        self.spindle.drive().is_enabled()
+    }
+
+    /// The increment nearest to a spindle angle, not wrapped.
+    fn spindle_increments(&self, angle: Turns) -> i64 {
+        let product = i128::from(angle.raw()).wrapping_mul(i128::from(self.per_turn));
+        (product.wrapping_add(1 << 31) >> 32) as i64
+    }
+
     fn demands(&self, position: Position) -> [Option<Increments>; 3] {
         let [x, z, c] = &self.scales;
         [
@@ -132,7 +170,7 @@ impl Drives {
     pub(super) fn send(
         &mut self,
         position: Position,
-        velocity: MilliRpm,
+        spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
         // FRAMES is more than one SYNC and three frames for each of four drives.
@@ -148,7 +186,14 @@ impl Drives {
             put(output.network);
             put(output.command);
         }
-        let output = self.spindle.tick(velocity);
+        let demand = match spindle {
+            Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
+            Spindle::Angle(angle) => {
+                let count = self.spindle_increments(angle);
+                SpindleDemand::Position(Increments::new(count as i32))
+            }
+        };
+        let output = self.spindle.tick(demand);
         let drive = output.drive;
         put(output.speed);
         put(drive.network);

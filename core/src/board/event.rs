@@ -18,6 +18,8 @@ pub enum Event {
     },
     /// The spindle has been given a speed.
     Spindle(Rpm),
+    /// The spindle is brought to a stand in position mode.
+    Rigid,
     /// A machine function has been switched.
     Aux(Aux),
     /// A condition that stops nothing.

@@ -11,14 +11,14 @@ use heapless::Vec;
 
 use super::background::overridden;
 use super::detour::{Detour, Route};
-use super::drives::Drives;
+use super::drives::{Drives, Spindle};
 use super::event::{Command, Event};
 use super::operator::{Operator, Wish};
 use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{Frame, MilliRpm};
 use crate::motion::{
-    Action, Arrival, Conditions, Executor, Motion, Pass, Phase, Retract, Segment, Setpoint,
+    Action, Arrival, Conditions, Executor, Motion, Pass, Phase, Retract, Segment, Setpoint, Stops,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -84,6 +84,19 @@ pub struct Ends<'a, 'q> {
     pub events: &'a mut EventIn<'q>,
 }
 
+/// Position mode of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rigid {
+    /// Speed mode.
+    Off,
+    /// Coming to a stand; the move that asked for it, its line, and the ticks it has taken.
+    Entering { number: u32, line: u32, ticks: u32 },
+    /// In position mode: it turns with the tap axis only.
+    On,
+    /// Speed mode as soon as it stands.
+    Leaving,
+}
+
 /// The tick side of a board.
 #[derive(Debug)]
 pub struct Ticker {
@@ -100,8 +113,14 @@ pub struct Ticker {
     commanded: Rpm,
     /// Percent in force; frozen inside a thread cycle.
     spindle_percent: u8,
+    /// Position mode.
+    rigid: Rigid,
+    /// Ticks the spindle may take to come to a stand.
+    stop_ticks: u32,
     /// Single block has stopped between two segments.
     paused: bool,
+    /// Single block stops before the next segment unless that belongs to a hole.
+    pauses_unless_hole: bool,
     /// The program has begun and not ended.
     in_program: bool,
     /// The last pass begun.
@@ -151,7 +170,10 @@ impl Ticker {
             ahead_z: ahead(Axis::Z),
             commanded: Rpm::STOPPED,
             spindle_percent: 100,
+            rigid: Rigid::Off,
+            stop_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
             paused: false,
+            pauses_unless_hole: false,
             in_program: false,
             pass: None,
             detour: Detour::None,
@@ -227,9 +249,9 @@ impl Ticker {
 
         let moved = !self.executor.is_free();
         let mut setpoint = self.execute(ends);
-        if let Some((number, line)) = instant {
+        if let Some((number, line, motion)) = instant {
             (setpoint.number, setpoint.line) = (number, line);
-            setpoint.motion = Motion::Run;
+            setpoint.motion = motion;
         }
         self.settle(&setpoint, moved, ends);
         output.setpoint = setpoint;
@@ -304,8 +326,17 @@ impl Ticker {
         self.executor.stop();
         self.detour = Detour::None;
         self.commanded = Rpm::STOPPED;
+        self.stay_rigid();
         self.state = State::Stopping(Outcome::Alarm(alarm));
         emit(events, Event::Alarm(alarm));
+    }
+
+    /// A stop: a spindle in position mode stays there, for a tap may be in its hole; one on the way there just stops.
+    const fn stay_rigid(&mut self) {
+        self.rigid = match self.rigid {
+            Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
+            Rigid::On | Rigid::Leaving => Rigid::On,
+        };
     }
 
     fn obey(&mut self, events: &mut EventIn<'_>) {
@@ -371,6 +402,8 @@ impl Ticker {
         self.paused = false;
         self.detour = Detour::None;
         self.clear_at = None;
+        self.pauses_unless_hole = false;
+        self.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
         let (Some(run), Some((_, pass))) = (self.executor.thread(), &self.pass) else {
             self.executor.stop();
@@ -398,10 +431,14 @@ impl Ticker {
         self.executor.retract(target);
     }
 
-    /// Begins the next segment where one may begin. Number and line of one that is over at once come back.
-    fn take_up(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32)> {
+    /// Begins the next segment where one may begin. Number and line of one that is over at once come back, or of one that
+    /// waits for the spindle.
+    fn take_up(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
         if !self.executor.is_free() {
             return None;
+        }
+        if let Rigid::Entering { .. } = self.rigid {
+            return self.enter_rigid(ends.events);
         }
         if self.detour != Detour::None {
             self.go_on_with_detour(ends);
@@ -411,6 +448,12 @@ impl Ticker {
             return None;
         }
         let next = ends.segments.peek()?;
+        if core::mem::take(&mut self.pauses_unless_hole) && !next.stops.tap_cycle {
+            self.paused = self.operator.single_block;
+            if self.paused {
+                return None;
+            }
+        }
         if self.operator.hold && !next.stops.hold_not_before {
             return None;
         }
@@ -422,10 +465,63 @@ impl Ticker {
         instant
     }
 
-    fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) -> Option<(u32, u32)> {
+    /// The spindle stands, and its drive has said where: from here on it is where it is told to be.
+    fn enter_rigid(&mut self, events: &mut EventIn<'_>) -> Option<(u32, u32, Motion)> {
+        let Rigid::Entering {
+            number,
+            line,
+            ticks,
+        } = &mut self.rigid
+        else {
+            return None;
+        };
+        *ticks = ticks.saturating_add(1);
+        let (number, line, ticks) = (*number, *line, *ticks);
+        if !self.observer.is_turning()
+            && let Some(angle) = self.drives.engage_spindle(self.observer.angle())
+        {
+            self.executor.set_spindle(Some(angle));
+            self.rigid = Rigid::On;
+        } else if ticks > self.stop_ticks {
+            let span = Span {
+                line,
+                ..Span::default()
+            };
+            let args = [
+                Arg::Rpm(self.observer.speed().rpm()),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ];
+            self.raise(Alarm::new(Code::SpindleNotStopped, span).with(args), events);
+        }
+        Some((number, line, Motion::Wait))
+    }
+
+    /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
+    /// lost then.
+    fn leave_rigid(&mut self) {
+        let lost = self.rigid != Rigid::Off && !self.drives.has_spindle();
+        let stands = self.rigid == Rigid::Leaving && !self.observer.is_turning();
+        if (lost || stands) && self.executor.tap().is_none() {
+            self.rigid = Rigid::Off;
+            self.executor.set_spindle(None);
+        }
+    }
+
+    fn start(
+        &mut self,
+        segment: &Segment,
+        events: &mut EventIn<'_>,
+    ) -> Option<(u32, u32, Motion)> {
         let (number, line) = (segment.number, segment.span.line);
         let instant = match segment.action {
-            Action::Timed(_) | Action::Thread(_) | Action::Dwell(_) => {
+            Action::Tap(_) if self.rigid != Rigid::On => {
+                // No program asks for this: its rigid mode comes first.
+                self.raise(Alarm::new(Code::TapModePlace, segment.span), events);
+                return None;
+            }
+            Action::Timed(_) | Action::Thread(_) | Action::Tap(_) | Action::Dwell(_) => {
                 if let Action::Thread(pass) = segment.action {
                     self.pass = Some((*segment, pass));
                 }
@@ -435,7 +531,23 @@ impl Ticker {
             }
             Action::Spindle(rpm) => {
                 self.commanded = rpm;
+                self.rigid = match self.rigid {
+                    Rigid::On | Rigid::Leaving => Rigid::Leaving,
+                    Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
+                };
                 Event::Spindle(rpm)
+            }
+            Action::Rigid => {
+                self.commanded = Rpm::STOPPED;
+                self.rigid = match self.rigid {
+                    Rigid::On | Rigid::Leaving => Rigid::On,
+                    Rigid::Off | Rigid::Entering { .. } => Rigid::Entering {
+                        number,
+                        line,
+                        ticks: 0,
+                    },
+                };
+                Event::Rigid
             }
             Action::Aux(aux) => Event::Aux(aux),
             Action::Alarm(alarm) => {
@@ -451,8 +563,16 @@ impl Ticker {
         };
         emit(events, Event::Started { number, line });
         emit(events, instant);
-        self.paused = segment.stops.single_block && self.operator.single_block;
-        Some((number, line))
+        self.pause_behind(segment.stops);
+        Some((number, line, Motion::Run))
+    }
+
+    /// Single block behind a segment.
+    const fn pause_behind(&mut self, stops: Stops) {
+        if stops.single_block && self.operator.single_block {
+            self.pauses_unless_hole = stops.stops_after_last_hole;
+            self.paused = !stops.stops_after_last_hole;
+        }
     }
 
     /// The next leg of a detour; its mark ends it.
@@ -523,9 +643,8 @@ impl Ticker {
             }
             State::Running | State::Held => {
                 let free = self.executor.is_free();
-                if moved && free && self.executor.stops().single_block && self.operator.single_block
-                {
-                    self.paused = true;
+                if moved && free {
+                    self.pause_behind(self.executor.stops());
                 }
                 let between = free
                     && match self.detour {
@@ -590,7 +709,14 @@ impl Ticker {
             self.spindle_percent = self.operator.spindle_percent();
         }
         let velocity = MilliRpm::of(self.commanded, u16::from(self.spindle_percent));
-        let beyond = self.drives.send(self.executor.position(), velocity, frames);
+        self.leave_rigid();
+        let spindle = match self.executor.spindle() {
+            Some(angle) => Spindle::Angle(angle),
+            None => Spindle::Speed(velocity),
+        };
+        let beyond = self
+            .drives
+            .send(self.executor.position(), spindle, frames);
         if let Some(axis) = beyond {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             let alarm = Alarm::new(Code::BeyondDriveRange, Span::default()).with(args);

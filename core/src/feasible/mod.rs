@@ -6,11 +6,13 @@
 
 mod limits;
 mod pass;
+mod tap;
 #[cfg(test)]
 mod tests;
 mod thread;
 mod time;
 
 pub use limits::within_limits;
+pub use tap::{TapReport, tap};
 pub use thread::{FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
 pub use time::time;

@@ -6,6 +6,7 @@
 use super::rate::Rate;
 use super::run::Run;
 use super::segment::{Action, Pass, Segment, Stops};
+use super::tap::{TapLine, TapRun};
 use super::thread::{Phase, Retract, ThreadRun};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{FeedRate, Position};
@@ -69,8 +70,10 @@ pub struct Setpoint {
     pub position: Position,
     /// What the axes are doing.
     pub motion: Motion,
-    /// The long axis is held to the helix.
+    /// The long axis is held to the helix, or axis and spindle to the tap's master.
     pub locked: bool,
+    /// Commanded angle of the spindle while it is in position mode.
+    pub spindle: Option<Turns>,
     /// Number of the move; 0 where nothing executes.
     pub number: u32,
     /// Its block's line; 0 where nothing executes.
@@ -78,11 +81,16 @@ pub struct Setpoint {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one, and no allocator to box its parts"
+)]
 enum Active {
     Free,
     Timed(Option<FeedRate>),
     Waiting { pass: Pass, ticks: u32 },
     Thread(ThreadRun),
+    Tap(TapRun),
     Dwell(u32),
 }
 
@@ -92,6 +100,8 @@ pub struct Executor {
     run: Run,
     active: Active,
     position: Position,
+    /// Commanded spindle angle, in position mode.
+    spindle: Option<Turns>,
     number: u32,
     span: Span,
     stops: Stops,
@@ -118,6 +128,7 @@ impl Executor {
             run: Run::new(),
             active: Active::Free,
             position: ZERO,
+            spindle: None,
             number: 0,
             span: Span {
                 line: 0,
@@ -129,6 +140,8 @@ impl Executor {
                 hold_not_before: false,
                 single_block: false,
                 thread_cycle: false,
+                tap_cycle: false,
+                stops_after_last_hole: false,
             },
             pass: None,
             arrival,
@@ -172,6 +185,28 @@ impl Executor {
         }
     }
 
+    /// The line of the tap under way.
+    #[must_use]
+    pub const fn tap(&self) -> Option<&TapLine> {
+        match &self.active {
+            Active::Tap(run) => Some(run.line()),
+            _ => None,
+        }
+    }
+
+    /// Commanded spindle angle, in position mode.
+    #[must_use]
+    pub const fn spindle(&self) -> Option<Turns> {
+        self.spindle
+    }
+
+    /// The spindle stands at `angle` in position mode, or is in speed mode again. Not while a tap is under way.
+    pub const fn set_spindle(&mut self, angle: Option<Turns>) {
+        if self.tap().is_none() {
+            self.spindle = angle;
+        }
+    }
+
     /// Begins a segment of motion; commands and marks are the board's. Ignored while another is under way.
     pub fn begin(&mut self, segment: &Segment) {
         if !self.is_free() {
@@ -188,6 +223,12 @@ impl Executor {
                 self.settled = 0;
                 Active::Waiting { pass, ticks: 0 }
             }
+            Action::Tap(ref tap) => match self.spindle {
+                Some(angle) if !tap.is_empty() => {
+                    Active::Tap(TapRun::new(tap, self.position, angle))
+                }
+                _ => Active::Free,
+            },
             Action::Dwell(ticks) => Active::Dwell(ticks),
             _ => Active::Free,
         };
@@ -201,6 +242,11 @@ impl Executor {
             Active::Free => {}
             Active::Timed(_) => self.run.abandon(),
             Active::Thread(run) => run.stop(),
+            Active::Tap(tap) => {
+                if tap.stop(&mut self.run) {
+                    self.active = Active::Free;
+                }
+            }
             Active::Waiting { .. } | Active::Dwell(_) => self.active = Active::Free,
         }
     }
@@ -229,8 +275,26 @@ impl Executor {
             Active::Free => {
                 return Ok(Setpoint {
                     position: self.position,
+                    spindle: self.spindle,
                     ..Setpoint::default()
                 });
+            }
+            Active::Tap(tap) => {
+                let hold = now.hold && !self.stops.hold_not_inside && !self.aborting;
+                let rate = if tap.feed_override() {
+                    now.feed
+                } else {
+                    Rate::FULL
+                };
+                let point = tap.tick(&mut self.run, rate, hold);
+                self.position = point.position;
+                self.spindle = Some(point.angle);
+                offset = point.offset;
+                locked = true;
+                if point.done {
+                    self.active = Active::Free;
+                }
+                point.motion
             }
             Active::Timed(feed) => {
                 let hold = now.hold && !self.stops.hold_not_inside;
@@ -335,6 +399,7 @@ impl Executor {
             position: self.position,
             motion,
             locked,
+            spindle: self.spindle,
             number: number.saturating_add(offset),
             line: self.span.line,
         })

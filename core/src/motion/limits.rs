@@ -86,7 +86,7 @@ impl Limits {
     }
 
     /// Limits of one axis alone.
-    const fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
+    pub(super) const fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
         let limits = self.axis(axis);
         PathLimits {
             speed: match pace {

@@ -1,7 +1,7 @@
 //! Segments in, setpoints out, one for each tick.
 //!
 //! All motion is one idea: a path parameter driven by a master, which is time or, for threads, the spindle's angle
-//! ([`ThreadPlan`], [`ThreadRun`]). Where it is time, [`plan`] makes a move into a [`Path`], a speed and a ramp in the
+//! ([`ThreadPlan`], [`ThreadRun`]); a tap's spindle is geared to an axis that time drives ([`Tap`]). Where it is time, [`plan`] makes a move into a [`Path`], a speed and a ramp in the
 //! background; in the tick the [`Profile`] turns the rate the operator and the spindle leave into a distance,
 //! jerk-limited, and the path turns the distance into a position. Feed hold, override and abort
 //! are rates; nothing is replanned for them. The tick is integers, constant work and no division.
@@ -20,6 +20,7 @@ mod rate;
 mod run;
 mod segment;
 mod shape;
+mod tap;
 mod thread;
 mod wide;
 
@@ -33,4 +34,5 @@ pub use profile::{CAPACITY, Profile, Progress, Ramp};
 pub use rate::{PathRate, Rate, Travel};
 pub use run::{Run, Step};
 pub use segment::{Action, Pass, Segment, Stops};
+pub use tap::{Gear, Stroke, TAP_STEPS, Tap, TapLine, TapStep, dwell_ticks, stroke};
 pub use thread::{Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};

@@ -1,6 +1,7 @@
 //! What the background hands to the tick: a planned piece of work.
 
 use super::plan::Timed;
+use super::tap::Tap;
 use super::thread::ThreadPlan;
 use crate::alarm::{Alarm, Span};
 use crate::program::{Aux, Position};
@@ -30,10 +31,14 @@ pub enum Action {
     Timed(Timed),
     /// Driven by the spindle angle: a whole pass with run-in and run-out.
     Thread(Pass),
+    /// Driven by time, the spindle geared to it: a whole way from R into a hole and back.
+    Tap(Tap),
     /// Stand still for so many ticks.
     Dwell(u32),
     /// Command a spindle speed.
     Spindle(Rpm),
+    /// Bring the spindle to a stand in position mode, for tapping.
+    Rigid,
     /// Switch a machine function.
     Aux(Aux),
     /// All that was planned before is done and the next call cannot be: raise this.
@@ -68,4 +73,8 @@ pub struct Stops {
     pub single_block: bool,
     /// Part of a thread cycle: the spindle override is frozen.
     pub thread_cycle: bool,
+    /// Part of a tapping cycle.
+    pub tap_cycle: bool,
+    /// Single block stops after this segment only where no further hole follows (5200.6 = 0).
+    pub stops_after_last_hole: bool,
 }

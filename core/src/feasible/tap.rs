@@ -1,0 +1,136 @@
+//! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth
+//! (cycles.md section 8).
+
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::cycle::{Move, MoveKind, Stage, TapMoves};
+use crate::motion::{Limits, PathRate, Stroke, stroke};
+use crate::params::Params;
+use crate::program::{Position, TapAxis, TapCall, TapSpindle};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Rpm, mul_div};
+
+/// What a tapping cycle does on the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapReport {
+    /// Infeeds of a hole.
+    pub infeeds: u32,
+    /// The fastest the spindle turns on the way in.
+    pub fastest: CentiRpm,
+    /// S is not reached in any infeed: the profile is triangular.
+    pub warning: Option<Alarm>,
+}
+
+/// Checks a tapping cycle whose G word stands at `span`.
+///
+/// # Errors
+/// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with ([`Code::TapSpindleNotAvailable`]);
+/// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`] refuses.
+pub fn tap(call: &TapCall, span: Span, params: &Params) -> Result<TapReport, Alarm> {
+    let moves = TapMoves::new(call, span)?;
+    if call.spindle != TapSpindle::First {
+        let number = Arg::Int(i64::from(call.spindle.number()));
+        let args = [number, Arg::None, Arg::None, Arg::None];
+        return Err(Alarm::new(Code::TapSpindleNotAvailable, span).with(args));
+    }
+    feed(call, call.speed, span, params)?;
+    feed(call, call.extract, span, params)?;
+
+    let limits = Limits::from_params(params);
+    let mut report = TapReport {
+        infeeds: 0,
+        fastest: CentiRpm::new(0),
+        warning: None,
+    };
+    let mut reached = false;
+    let mut fastest = PathRate::ZERO;
+    let mut at = call.start;
+    // All holes of a call are alike.
+    for next in moves {
+        if next.tag.is_some_and(|tag| tag.pass > 1) {
+            break;
+        }
+        if let Some(planned) = infeed(at, &next, params, &limits)? {
+            report.infeeds = report.infeeds.saturating_add(1);
+            reached |= planned.reaches_speed();
+            fastest = fastest.max(planned.peak());
+        }
+        at = next.to;
+    }
+    report.fastest = speed(fastest, call.lead.value, params.tick_us());
+    if !reached {
+        let args = [
+            Arg::Rpm(whole(call.speed)),
+            Arg::Rpm(whole(report.fastest)),
+            Arg::None,
+            Arg::None,
+        ];
+        report.warning = Some(Alarm::new(Code::TapSpeedNotReached, span).with(args));
+    }
+    Ok(report)
+}
+
+/// The planned infeed, where the move is one; every other stroke is planned too, so that none can be refused later.
+fn infeed(
+    at: Position,
+    next: &Move,
+    params: &Params,
+    limits: &Limits,
+) -> Result<Option<Stroke>, Alarm> {
+    let MoveKind::Tap(tap) = &next.kind else {
+        return Ok(None);
+    };
+    let travel = tap.axis.of(next.to) - tap.axis.of(at);
+    let planned = stroke(tap, travel, params, limits, next.span)?;
+    let is_infeed = next.tag.is_some_and(|tag| tag.stage == Stage::Tap);
+    Ok(is_infeed.then_some(planned))
+}
+
+fn feed(call: &TapCall, speed: CentiRpm, span: Span, params: &Params) -> Result<(), Alarm> {
+    let (axis, letter) = match call.axis {
+        TapAxis::X => (Axis::X, b'X'),
+        TapAxis::Z => (Axis::Z, b'Z'),
+    };
+    let lead = call.lead.value;
+    let most = params.max_feed(axis);
+    let nm = mul_div(
+        lead.numerator().unsigned_abs(),
+        u64::from(speed.get().unsigned_abs()),
+        lead.denominator().unsigned_abs().saturating_mul(100),
+    );
+    let wanted = Feed::from_nm_per_min(i64::try_from(nm).unwrap_or(i64::MAX));
+    if wanted <= most {
+        return Ok(());
+    }
+    let args = [
+        Arg::Letter(letter),
+        Arg::Feed(wanted),
+        Arg::Feed(most),
+        Arg::Rpm(whole(speed)),
+    ];
+    Err(Alarm::new(Code::LeadTooFast, span).with(args))
+}
+
+/// The spindle speed that goes with a rate of the axis, rounded to the nearest hundredth of a turn a minute.
+fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
+    // 1/256 nm per tick to nm per minute, times 100.
+    let feed = u64::from(rate.raw()).saturating_mul(6_000_000_000);
+    let divisor = u64::from(tick_us).saturating_mul(256);
+    let nm = mul_div(feed, 1, divisor);
+    let half = lead.numerator().unsigned_abs() >> 1;
+    let scaled = u128::from(nm).saturating_mul(u128::from(lead.denominator().unsigned_abs()));
+    let rounded = scaled
+        .saturating_add(u128::from(half))
+        .checked_div(u128::from(lead.numerator().unsigned_abs()))
+        .unwrap_or(0);
+    CentiRpm::new(i32::try_from(rounded).unwrap_or(i32::MAX))
+}
+
+/// Whole turns a minute, halves upwards.
+fn whole(speed: CentiRpm) -> Rpm {
+    Rpm::new(speed.get().saturating_add(50).div_euclid(100))
+}
+
+#[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
+mod tests {
+    use super::*;
+}

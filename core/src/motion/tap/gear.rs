@@ -1,0 +1,134 @@
+//! The gear of a tap: spindle angle as a pure function of the axis position.
+//!
+//! Knows a lead, a hand and a level; knows nothing of time.
+
+use crate::program::{Hand, Position, TapAxis};
+use crate::units::{Lead, Length, Turns};
+
+/// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
+/// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gear {
+    axis: TapAxis,
+    level: Length,
+    lead: Lead,
+    /// 2⁻³² turns per nanometre, in 2^−`shift`, rounded up.
+    factor: u64,
+    shift: u32,
+    /// A coordinate above the level is a negative angle.
+    falling: bool,
+}
+
+impl Gear {
+    /// The gear of a hole whose R plane is at `level` and whose bottom lies `inward` (−1 or +1) of it. `None` for a lead
+    /// beyond 2³⁰ m or below 2⁻³⁰ nm a turn.
+    #[must_use]
+    pub fn new(
+        axis: TapAxis,
+        level: Length,
+        inward: i64,
+        lead: Lead,
+        hand: Hand,
+    ) -> Option<Self> {
+        let (nm, turns) = (lead.numerator(), lead.denominator());
+        let bits = |value: i64| u64::BITS.wrapping_sub(value.leading_zeros());
+        // The factor has 62 to 64 bits: turns · 2³² / nm in that many.
+        let shift = 30_u32
+            .wrapping_add(bits(nm))
+            .checked_sub(bits(turns))?;
+        if shift > 90 {
+            return None;
+        }
+        let scaled = u128::from(turns.unsigned_abs()) << shift.wrapping_add(32).min(127);
+        let nm = u128::from(nm.unsigned_abs());
+        let up = scaled.checked_add(nm.checked_sub(1)?)?;
+        let factor = u64::try_from(up.checked_div(nm)?).ok()?;
+        Some(Self {
+            axis,
+            level,
+            lead,
+            factor,
+            shift,
+            falling: (inward < 0) == (hand == Hand::Right),
+        })
+    }
+
+    /// The axis that travels.
+    #[must_use]
+    pub const fn axis(&self) -> TapAxis {
+        self.axis
+    }
+
+    /// The R plane.
+    #[must_use]
+    pub const fn level(&self) -> Length {
+        self.level
+    }
+
+    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. No
+    /// division: made for the tick.
+    #[must_use]
+    pub fn turns(&self, position: Position) -> Turns {
+        let way = (self.axis.of(position) - self.level).nm();
+        let product = u128::from(way.unsigned_abs()).wrapping_mul(u128::from(self.factor));
+        // The factor is less than 1 too large and a way below 2⁴³, so the product is above the exact one by less than the
+        // 2^shift of one unit wherever the lead is above 8 µm; below that the last unit may be one too many.
+        let magnitude = (product >> self.shift.min(127)) as u64;
+        let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
+        if (way < 0) == self.falling {
+            Turns::from_raw(magnitude)
+        } else {
+            Turns::from_raw(magnitude.wrapping_neg())
+        }
+    }
+
+    /// Where the tap axis would stand at so many turns from R, rounded to the nearest nanometre: the inverse, to judge by.
+    /// A 128-bit division: not for the tick.
+    #[must_use]
+    pub fn position(&self, turns: Turns) -> Length {
+        let scaled = i128::from(turns.raw()).wrapping_mul(i128::from(self.lead.numerator()));
+        let unit = i128::from(self.lead.denominator()) << 32;
+        let way = scaled
+            .wrapping_add(unit >> 1)
+            .checked_div_euclid(unit)
+            .unwrap_or(0);
+        let way = Length::from_nm(i64::try_from(way).unwrap_or(i64::MAX));
+        if self.falling {
+            self.level - way
+        } else {
+            self.level + way
+        }
+    }
+}
+
+/// The line on which axis and spindle of a hole are, whatever the tick: the gear, and the spindle's angle at R.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapLine {
+    /// The gear.
+    pub gear: Gear,
+    /// Commanded spindle angle at R.
+    pub origin: Turns,
+}
+
+impl TapLine {
+    /// The line through a position and an angle.
+    #[must_use]
+    pub fn through(gear: Gear, position: Position, angle: Turns) -> Self {
+        Self {
+            gear,
+            origin: angle - gear.turns(position),
+        }
+    }
+
+    /// The angle at a position.
+    #[must_use]
+    pub fn angle(&self, position: Position) -> Turns {
+        self.origin + self.gear.turns(position)
+    }
+
+    /// How far the tap axis is from where it should stand at a spindle angle.
+    #[must_use]
+    pub fn error(&self, position: Position, angle: Turns) -> Length {
+        self.gear.axis.of(position) - self.gear.position(angle - self.origin)
+    }
+}
