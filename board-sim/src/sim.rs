@@ -8,7 +8,7 @@ use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
 use leadscrew_core::bus::Frame;
-use leadscrew_core::motion::{Motion, ThreadRun};
+use leadscrew_core::motion::{Motion, TapLine, ThreadRun};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position};
 use leadscrew_core::spindle::EncoderSample;
@@ -51,13 +51,16 @@ pub struct Row {
     pub position: Position,
     /// The spindle's true angle when the setpoint takes effect: at the next SYNC plus the drive's latency.
     pub spindle: FineTurns,
+    /// The spindle's commanded angle, while it is in position mode.
+    pub spindle_set: Option<Turns>,
     /// Source line of what executes; 0 for nothing.
     pub line: u32,
     /// Its move; 0 for nothing.
     pub number: u32,
     /// What the machine is doing.
     pub doing: Doing,
-    /// While the long axis is held to the helix: setpoint minus exact helix at the true angle.
+    /// While the long axis is held to the helix, or axis and spindle to the tap's master: setpoint minus where the axis
+    /// should be at the true angle.
     pub error: Option<Length>,
 }
 
@@ -82,7 +85,22 @@ pub enum SimError {
 #[derive(Clone, Copy)]
 struct Pending {
     row: Row,
-    run: Option<ThreadRun>,
+    law: Law,
+}
+
+/// What a row is judged by.
+#[derive(Clone, Copy)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "few wait at a time, and there is no heap"
+)]
+enum Law {
+    /// Nothing is locked.
+    Free,
+    /// The helix of a pass.
+    Thread(ThreadRun),
+    /// The line of a tap.
+    Tap(TapLine),
 }
 
 /// A board, its drives, its spindle, and time that goes by when it is told to.
@@ -97,6 +115,8 @@ pub struct Sim {
     /// On their way to the board.
     answers: Vec<Frame, ANSWERS>,
     pending: Deque<Pending, LATENCY_TICKS>,
+    /// The line of the last tap.
+    line: Option<TapLine>,
     /// The truths of the last SYNCs, newest last, as many as rows wait for.
     before: FineTurns,
     now: FineTurns,
@@ -125,6 +145,7 @@ impl Sim {
             sample: EncoderSample::default(),
             answers: Vec::new(),
             pending: Deque::new(),
+            line: None,
             before: FineTurns::default(),
             now: FineTurns::default(),
         };
@@ -230,7 +251,7 @@ impl Sim {
         let mut output = Output::default();
         self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;
-        let run = self.board.ticker().executor().thread().copied();
+        let law = self.law(setpoint.locked);
         let doing = match (self.board.ticker().state(), setpoint.motion) {
             (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => Doing::Alarm,
             (_, Motion::Hold) | (State::Held, _) => Doing::Hold,
@@ -246,17 +267,30 @@ impl Sim {
             t_us: self.ticks.wrapping_mul(u64::from(self.tick_us)),
             position: setpoint.position,
             spindle: self.now,
+            spindle_set: setpoint.spindle,
             line: setpoint.line,
             number: setpoint.number,
             doing,
             error: None,
         };
-        let run = if setpoint.locked { run } else { None };
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
         // Released above as soon as it is due: there is always room.
-        let _ = self.pending.push_back(Pending { row, run });
+        let _ = self.pending.push_back(Pending { row, law });
         ready
+    }
+
+    /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
+    fn law(&mut self, locked: bool) -> Law {
+        let executor = self.board.ticker().executor();
+        if let Some(line) = executor.tap() {
+            self.line = Some(*line);
+        }
+        match (locked, executor.thread(), self.line) {
+            (true, Some(run), _) => Law::Thread(*run),
+            (true, None, Some(line)) => Law::Tap(line),
+            _ => Law::Free,
+        }
     }
 
     /// SYNCs from a tick to the first at which its row's truth is known.
@@ -279,17 +313,21 @@ impl Sim {
     /// The oldest row that waits, with what is true now.
     fn complete(&mut self) -> Option<Row> {
         let (_, rest) = self.delay;
-        let Pending { mut row, run } = self.pending.pop_front()?;
+        let Pending { mut row, law } = self.pending.pop_front()?;
         row.spindle = self.between(rest);
-        row.error = run.map(|run| {
-            let exact = run.helix(row.spindle.turns());
-            let actual = if run.plan().long_x() {
-                row.position.x
-            } else {
-                row.position.z
-            };
-            actual - exact
-        });
+        row.error = match law {
+            Law::Free => None,
+            Law::Thread(run) => {
+                let exact = run.helix(row.spindle.turns());
+                let actual = if run.plan().long_x() {
+                    row.position.x
+                } else {
+                    row.position.z
+                };
+                Some(actual - exact)
+            }
+            Law::Tap(line) => Some(line.error(row.position, row.spindle.turns())),
+        };
         Some(row)
     }
 

@@ -1,6 +1,6 @@
 //! A program carried out by the machine inside this process: the simulated board, drives and spindle, in virtual time.
 
-use leadscrew_board_sim::plant::{PlantError, PlantOptions, Ripple};
+use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Doing, Row, Sim, SimError};
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event};
@@ -227,8 +227,9 @@ fn setpoint(row: &Row) -> Setpoint {
         z_nm: row.position.z.nm(),
         c_udeg: row.position.c.udeg(),
         s1_urev: row.spindle.micro_turns(),
-        // The spindle has no position mode yet.
-        s1_set_urev: None,
+        s1_set_urev: row
+            .spindle_set
+            .map(|angle| FineTurns::from_turns(angle).micro_turns()),
         line: row.line,
         step: u64::from(row.number),
         state: match row.doing {

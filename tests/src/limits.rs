@@ -13,9 +13,14 @@ fn at(row: &Row, axis: Axis) -> i64 {
     }
 }
 
+/// The spindle leads in this row.
+fn leads(row: &Row) -> bool {
+    row.error.is_some() && row.spindle_set.is_none()
+}
+
 /// The first setpoint that exceeds the speed, the acceleration or the jerk of its axis, in words. Rounding to nanometres
 /// is allowed for with 2ⁿ·0.5 nm in the n-th difference. Differences in which a row held to the helix takes part are
-/// judged by speed alone: there the spindle leads.
+/// judged by speed alone: there the spindle leads. A tap's spindle follows; its axis is judged like any other.
 #[must_use]
 pub fn first_excess(rows: &[Row], params: &Params) -> Option<String> {
     first_excess_with(rows, params, 1.0)
@@ -31,7 +36,7 @@ pub fn first_excess_with(rows: &[Row], params: &Params, jerks: f64) -> Option<St
         let jerk = jerks * params.jerk(axis).nm_per_s3() as f64 * tick * tick * tick;
         for (index, window) in rows.windows(4).enumerate() {
             let [a, b, c, d] = [0, 1, 2, 3].map(|i| at(&window[i], axis));
-            let led = window.iter().any(|row| row.error.is_some());
+            let led = window.iter().any(leads);
             let first = (d - c) as f64;
             let second = (d - 2 * c + b) as f64;
             let third = (d - 3 * c + 3 * b - a) as f64;

@@ -55,10 +55,23 @@ pub fn run(
     text: &str,
     params: &Params,
     options: &PlantOptions,
+    operate: impl FnMut(&mut Sim, u64),
+) -> Ran {
+    run_calls(calls(text, params), params, options, operate)
+}
+
+/// As [`run`], for calls.
+///
+/// # Panics
+/// Where the machine does not come to an end.
+pub fn run_calls(
+    calls: Vec<Call>,
+    params: &Params,
+    options: &PlantOptions,
     mut operate: impl FnMut(&mut Sim, u64),
 ) -> Ran {
     let mut sim = machine(params, options);
-    let mut waiting = calls(text, params).into_iter().peekable();
+    let mut waiting = calls.into_iter().peekable();
     let mut ran = Ran::default();
     let mut ticks = 0;
     while waiting.peek().is_some() || sim.is_busy() {

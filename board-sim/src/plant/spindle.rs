@@ -52,7 +52,10 @@ impl FineTurns {
     pub const fn of_fine_increments(raw: i64, per_turn: u32) -> Self {
         let scaled = (raw as i128) << 48;
         let half = (per_turn >> 1) as i128;
-        match scaled.wrapping_add(half).checked_div_euclid(per_turn as i128) {
+        match scaled
+            .wrapping_add(half)
+            .checked_div_euclid(per_turn as i128)
+        {
             Some(angle) => Self(angle),
             None => Self(0),
         }

@@ -241,12 +241,10 @@ impl Background {
                     None => return Ok(()),
                 }
             }
-            MoveKind::Dwell(time) => {
-                match dwell_ticks(time, settings.params.tick_us()) {
-                    0 => return Ok(()),
-                    ticks => Action::Dwell(ticks),
-                }
-            }
+            MoveKind::Dwell(time) => match dwell_ticks(time, settings.params.tick_us()) {
+                0 => return Ok(()),
+                ticks => Action::Dwell(ticks),
+            },
             MoveKind::Spindle(SpindleCall {
                 mode: SpindleMode::Rigid,
                 ..
@@ -267,13 +265,7 @@ impl Background {
         settings: &Settings<'_>,
     ) -> Result<(), Alarm> {
         let travel = tap.axis.of(next.to) - tap.axis.of(self.position);
-        let stroke = stroke(
-            tap,
-            travel,
-            settings.params,
-            settings.limits,
-            next.span,
-        )?;
+        let stroke = stroke(tap, travel, settings.params, settings.limits, next.span)?;
         let step = TapStep::Stroke(stroke);
         let taken = match &mut self.tap {
             Some(collecting) => collecting.tap.push(step),

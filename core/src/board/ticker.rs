@@ -509,11 +509,7 @@ impl Ticker {
         }
     }
 
-    fn start(
-        &mut self,
-        segment: &Segment,
-        events: &mut EventIn<'_>,
-    ) -> Option<(u32, u32, Motion)> {
+    fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) -> Option<(u32, u32, Motion)> {
         let (number, line) = (segment.number, segment.span.line);
         let instant = match segment.action {
             Action::Tap(_) if self.rigid != Rigid::On => {
@@ -714,9 +710,7 @@ impl Ticker {
             Some(angle) => Spindle::Angle(angle),
             None => Spindle::Speed(velocity),
         };
-        let beyond = self
-            .drives
-            .send(self.executor.position(), spindle, frames);
+        let beyond = self.drives.send(self.executor.position(), spindle, frames);
         if let Some(axis) = beyond {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             let alarm = Alarm::new(Code::BeyondDriveRange, Span::default()).with(args);

@@ -184,9 +184,7 @@ mod tests {
             status: Statusword::from_raw(0x0237),
             actual: Increments::new(actual),
         };
-        master
-            .drive_mut()
-            .receive(&status.frame(NodeId::SPINDLE_1));
+        master.drive_mut().receive(&status.frame(NodeId::SPINDLE_1));
     }
 
     #[test]

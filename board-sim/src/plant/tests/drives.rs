@@ -17,7 +17,7 @@ struct Bench {
     sync: SyncProducer,
     masters: [DriveMaster; 3],
     spindle: SpindleMaster,
-    speed: MilliRpm,
+    demand: SpindleDemand,
     frames: Vec<Frame>,
     heard: Vec<Frame>,
 }
@@ -44,7 +44,7 @@ impl Bench {
                 DriveMaster::new(config(b'C', NodeId::DRIVE_C)),
             ],
             spindle: SpindleMaster::new(config(b'S', NodeId::SPINDLE_1)),
-            speed: MilliRpm::STOPPED,
+            demand: SpindleDemand::Speed(MilliRpm::STOPPED),
             frames: Vec::new(),
             heard: Vec::new(),
         }
@@ -68,7 +68,7 @@ impl Bench {
             self.frames.extend(out.network);
             self.frames.extend(out.command);
         }
-        let out = self.spindle.tick(self.speed);
+        let out = self.spindle.tick(self.demand);
         self.frames.extend(out.speed);
         self.frames.extend(out.drive.network);
         self.frames.extend(out.drive.command);
@@ -191,7 +191,7 @@ fn the_spindle_turns_as_its_drive_is_told() {
     let mut bench = Bench::new(&PlantOptions::default());
     bench.enable();
     assert_eq!(bench.plant.truth().speed, MilliRpm::STOPPED);
-    bench.speed = MilliRpm::of(Rpm::new(300), 100);
+    bench.demand = SpindleDemand::Speed(MilliRpm::of(Rpm::new(300), 100));
     bench.tick([None; 3]);
     bench.tick([None; 3]);
     // The ramp of 150 ms begins at that SYNC: 0.375 turns, then 5 a second.
@@ -221,7 +221,7 @@ fn the_spindle_turns_as_its_drive_is_told() {
 fn a_spindle_enabled_again_does_not_start_by_itself() {
     let mut bench = Bench::new(&PlantOptions::default());
     bench.enable();
-    bench.speed = MilliRpm::of(Rpm::new(300), 100);
+    bench.demand = SpindleDemand::Speed(MilliRpm::of(Rpm::new(300), 100));
     for _ in 0..300 {
         bench.tick([None; 3]);
     }
@@ -234,7 +234,7 @@ fn a_spindle_enabled_again_does_not_start_by_itself() {
     }
     assert_eq!(bench.spindle.drive().alarm().unwrap().number(), 4357);
     spindle_drive(&mut bench, Trouble::None);
-    bench.speed = MilliRpm::STOPPED;
+    bench.demand = SpindleDemand::Speed(MilliRpm::STOPPED);
     bench.spindle.drive_mut().reset();
     for _ in 0..10 {
         bench.tick([None; 3]);

@@ -23,19 +23,11 @@ impl Gear {
     /// The gear of a hole whose R plane is at `level` and whose bottom lies `inward` (−1 or +1) of it. `None` for a lead
     /// beyond 2³⁰ m or below 2⁻³⁰ nm a turn.
     #[must_use]
-    pub fn new(
-        axis: TapAxis,
-        level: Length,
-        inward: i64,
-        lead: Lead,
-        hand: Hand,
-    ) -> Option<Self> {
+    pub fn new(axis: TapAxis, level: Length, inward: i64, lead: Lead, hand: Hand) -> Option<Self> {
         let (nm, turns) = (lead.numerator(), lead.denominator());
         let bits = |value: i64| u64::BITS.wrapping_sub(value.leading_zeros());
         // The factor has 62 to 64 bits: turns · 2³² / nm in that many.
-        let shift = 30_u32
-            .wrapping_add(bits(nm))
-            .checked_sub(bits(turns))?;
+        let shift = 30_u32.wrapping_add(bits(nm)).checked_sub(bits(turns))?;
         if shift > 90 {
             return None;
         }

@@ -1,0 +1,8 @@
+//! Rigid taps on the whole machine: axis and spindle on one line in every tick, whatever happens.
+
+mod hole;
+mod limits;
+mod modes;
+mod operation;
+mod stops;
+mod watch;

@@ -1,0 +1,1 @@
+//! Feed hold, single block, override: the tables of the sheet.

@@ -1,0 +1,1 @@
+//! Reset and emergency stop at any tick: together, in phase, and nothing comes later.

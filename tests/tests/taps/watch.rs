@@ -1,0 +1,137 @@
+//! What every tick of a tap is judged by.
+
+use leadscrew_board_sim::Row;
+use leadscrew_board_sim::plant::{FineTurns, PlantOptions};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Call, Hand, TapCall};
+use leadscrew_core::units::Turns;
+use leadscrew_tests::limits::first_excess;
+use leadscrew_tests::machine::{Ran, run_calls};
+
+use super::hole::program;
+
+/// The built-in machine with some parameters set, as raw values.
+pub fn machine(settings: &[(&str, i64)]) -> Params {
+    let mut params = Params::slant_bed();
+    for (number, value) in settings {
+        let entry = Entry::find_text(number).expect("a parameter");
+        params.set(entry, *value).expect("in its range");
+    }
+    params
+}
+
+pub fn run(calls: Vec<Call>, params: &Params) -> Ran {
+    run_calls(calls, params, &PlantOptions::default(), |_, _| {})
+}
+
+/// One hole, undisturbed, judged.
+pub fn tap(hole: &TapCall, params: &Params) -> Ran {
+    let ran = run(program(&[*hole]), params);
+    assert_eq!(ran.alarm, None);
+    judge(&ran, hole, params);
+    let depths = locked(&ran).map(|row| depth(row, hole));
+    assert_eq!(
+        depths.max(),
+        Some(inward(hole) * (hole.bottom.value - hole.level.value).nm()),
+        "the bottom"
+    );
+    let last = locked(&ran).last().expect("a tap");
+    assert_eq!(depth(last, hole), 0, "out of the hole");
+    ran
+}
+
+pub fn locked(ran: &Ran) -> impl Iterator<Item = &Row> {
+    ran.rows.iter().filter(|row| row.error.is_some())
+}
+
+fn inward(hole: &TapCall) -> i64 {
+    (hole.bottom.value - hole.level.value).nm().signum()
+}
+
+/// Depth below R in nanometres.
+pub fn depth(row: &Row, hole: &TapCall) -> i64 {
+    (hole.axis.of(row.position) - hole.level.value).nm() * inward(hole)
+}
+
+pub fn set(row: &Row) -> Turns {
+    row.spindle_set.expect("position mode")
+}
+
+/// Every locked row is on the line through `(R, origin)`; nothing is beyond the bottom; the true spindle is where it is
+/// told to be; the axes keep their limits, and the spindle its own.
+pub fn judge(ran: &Ran, hole: &TapCall, params: &Params) {
+    let Some(first) = locked(ran).next() else {
+        return;
+    };
+    // The spindle stood here before the tap began, with the tap at R.
+    let origin = ran
+        .rows
+        .iter()
+        .rev()
+        .find(|row| row.tick < first.tick && row.spindle_set.is_some())
+        .map_or(set(first), set);
+    let total = inward(hole) * (hole.bottom.value - hole.level.value).nm();
+    let half_increment = (1_i128 << 63) / i128::from(params.spindle_increments()) + (1 << 32);
+    for row in ran.rows.iter().filter(|row| row.spindle_set.is_some()) {
+        let told = FineTurns::from_turns(set(row)).raw();
+        let off = (row.spindle.raw() - told).abs();
+        assert!(
+            off <= half_increment,
+            "true angle at tick {}: {off}",
+            row.tick
+        );
+    }
+    for row in locked(ran) {
+        on_line(row, hole, origin);
+        assert!(depth(row, hole) <= total, "beyond at tick {}", row.tick);
+        // An increment of the spindle is less than a nanometre of the axis.
+        assert!(row.error.expect("locked").nm().abs() <= 1, "{row:?}");
+    }
+    assert_eq!(first_excess(&ran.rows, params), None);
+    assert_eq!(spindle_excess(ran, hole, params), None);
+}
+
+/// θ = θ_R ± depth / lead, to the last unit of 2⁻³² turns.
+pub fn on_line(row: &Row, hole: &TapCall, origin: Turns) {
+    let sign = match hole.hand {
+        Hand::Right => 1,
+        Hand::Left => -1,
+    };
+    let lead = hole.lead.value;
+    let turned = i128::from((set(row) - origin).raw()) * sign;
+    let exact = (i128::from(depth(row, hole)) * i128::from(lead.denominator())) << 32;
+    let off = turned * i128::from(lead.numerator()) - exact;
+    assert!(
+        off.abs() <= i128::from(lead.numerator()),
+        "off the line at tick {}: {off}",
+        row.tick
+    );
+}
+
+/// The first tick in which the spindle is accelerated more than 5261 (out: 5271) allows. Rounding of the axis to nanometres
+/// is in it.
+fn spindle_excess(ran: &Ran, hole: &TapCall, params: &Params) -> Option<String> {
+    let ms = params
+        .tap_ramp_ms()
+        .min(if params.tap_retract_ramp_differs() {
+            params.tap_retract_ramp_ms()
+        } else {
+            u32::MAX
+        });
+    if ms == 0 {
+        return None;
+    }
+    let tick = f64::from(params.tick_us()) * 1e-6;
+    let lead = hole.lead.value.numerator() as f64 / hole.lead.value.denominator() as f64;
+    let limit = 1000.0 / 60.0 / (f64::from(ms) * 1e-3) * tick * tick;
+    let turns = |row: &Row| set(row).raw() as f64 / 2f64.powi(32);
+    ran.rows.windows(3).find_map(|rows| {
+        if rows.iter().any(|row| row.spindle_set.is_none()) {
+            return None;
+        }
+        let [a, b, c] = [0, 1, 2].map(|i| turns(&rows[i]));
+        let second = (c - 2.0 * b + a).abs();
+        (second > limit + 2.0 / lead + 1e-8)
+            .then(|| format!("tick {}: {second} turns, limit {limit}", rows[2].tick))
+    })
+}
