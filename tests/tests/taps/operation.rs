@@ -110,7 +110,11 @@ fn feed_hold_allowed_rests_at_once_and_in_phase() {
         for tick in (first..last - 5).step_by(29) {
             let (ran, rest) = held(&hole, &params, tick);
             assert_eq!(rest.doing, Doing::Hold, "hold at {tick}");
-            assert!(rest.tick < tick + 700, "hold at {tick} rests at {}", rest.tick);
+            assert!(
+                rest.tick < tick + 700,
+                "hold at {tick} rests at {}",
+                rest.tick
+            );
             judge(&ran, &hole, &params);
             // Axis and spindle stand together, and nothing is lost.
             let standing: Vec<&Row> = ran
@@ -193,7 +197,10 @@ fn single_block_stops_behind_a_hole_that_ends_at_r() {
                 }
             },
         );
-        ran.events.iter().filter(|event| **event == Event::Held).count()
+        ran.events
+            .iter()
+            .filter(|event| **event == Event::Held)
+            .count()
     };
     assert_eq!(stops(&machine(&[])), 2);
     assert_eq!(stops(&machine(&[("5200.6", 1)])), 3);
@@ -276,8 +283,15 @@ fn a_turning_spindle_is_brought_to_a_stand_first() {
     let ran = run(calls, &params);
     assert_eq!(ran.alarm, None);
     judge(&ran, &hole, &params);
-    assert_eq!(locked(&ran).map(|row| depth(row, &hole)).max(), Some(9_000_000));
-    let waiting = ran.rows.iter().filter(|row| row.doing == Doing::Wait).count();
+    assert_eq!(
+        locked(&ran).map(|row| depth(row, &hole)).max(),
+        Some(9_000_000)
+    );
+    let waiting = ran
+        .rows
+        .iter()
+        .filter(|row| row.doing == Doing::Wait)
+        .count();
     // 777 rpm at 500 ms for 1000.
     assert!((380..500).contains(&waiting), "{waiting}");
     // It had turned several times, and the commanded angle is the true one all the same.
@@ -297,7 +311,10 @@ fn speed_mode_comes_back() {
         kind,
     };
     let mut calls = program(&[hole()]);
-    calls.insert(2, call(CallKind::Spindle(SpindleCall::speed(Rpm::new(300)))));
+    calls.insert(
+        2,
+        call(CallKind::Spindle(SpindleCall::speed(Rpm::new(300)))),
+    );
     calls.insert(3, call(CallKind::Dwell(Millis::new(1000))));
     let ran = run(calls, &params);
     assert_eq!(ran.alarm, None);

@@ -16,11 +16,7 @@ fn forms() -> [TapCall; 3] {
         dwell: Millis::new(20),
         ..bottom(sheet(), -4_000)
     };
-    [
-        hole,
-        high_speed(hole, 1_500, 400),
-        deep(hole, 1_500, 400),
-    ]
+    [hole, high_speed(hole, 1_500, 400), deep(hole, 1_500, 400)]
 }
 
 fn stopped(hole: &TapCall, params: &Params, tick: u64, command: Command) -> Ran {
@@ -151,30 +147,52 @@ fn a_drive_that_fails_in_the_hole_stops_the_others() {
     }
 }
 
-/// Reset in the hole, then tapping again from a fresh program: rigid mode goes on from where the spindle stands.
+/// Reset in the hole, then a call that goes on from where the tap stands: it comes out on the line it went in on.
 #[test]
-fn after_a_reset_at_r_the_next_hole_is_on_its_line() {
+fn after_a_reset_the_tap_goes_on_in_phase() {
     let params = machine(&[]);
-    let hole = forms()[0];
+    let hole = bottom(sheet(), -4_000);
     let calm = run(program(&[hole]), &params);
-    let first = locked(&calm).next().expect("a tap").tick;
-    let mut again = Some(program(&[hole]));
-    let ran = run_calls(
-        program(&[hole]),
-        &params,
-        &PlantOptions::default(),
-        |sim, ticks| {
-            // Before the first setpoint of the tap.
-            if ticks == first - 1 {
+    let ticks: Vec<u64> = locked(&calm)
+        .filter(|row| depth(row, &hole) > 0)
+        .map(|row| row.tick)
+        .collect();
+    // On the way in, and on the way out.
+    for tick in ticks.into_iter().skip(20).step_by(31) {
+        let mut sim = leadscrew_tests::machine::machine(&params, &PlantOptions::default());
+        let mut ran = Ran::default();
+        for call in program(&[hole]).iter().take(2) {
+            assert!(sim.offer(call));
+        }
+        for ticks in 0..tick + 600 {
+            if ticks == tick {
                 sim.command(Command::Reset);
             }
-            if ticks == first + 50
-                && let Some(calls) = again.take()
-            {
-                calls.iter().for_each(|call| assert!(sim.offer(call)));
-            }
-        },
-    );
-    assert_eq!(ran.alarm, None);
-    assert_eq!(locked(&ran).map(|row| depth(row, &hole)).max(), None);
+            ran.rows.extend(sim.step());
+        }
+        let at = sim.board().ticker().executor().position();
+        assert!(
+            at.z < hole.level.value && at.z > hole.bottom.value,
+            "{at:?}"
+        );
+        let rest = TapCall {
+            start: at,
+
+            continues: true,
+            ..hole
+        };
+        for call in program(&[rest]).iter().take(2) {
+            assert!(sim.offer(call));
+        }
+        while sim.is_busy() {
+            ran.rows.extend(sim.step());
+        }
+        sim.last_rows(|row| ran.rows.push(row));
+        judge(&ran, &hole, &params);
+        let last = locked(&ran).last().expect("a tap");
+        assert_eq!(depth(last, &hole), 0);
+        // At R the spindle is where it was when the hole began, to the last bit but one.
+        let apart = (set(last) - set(locked(&calm).last().expect("rows"))).raw();
+        assert!(apart.abs() <= 1, "reset at {tick}: {apart}");
+    }
 }
