@@ -334,8 +334,8 @@ codes! {
     /// A hole with too many infeeds; {0} the limit.
     TooManyPecks = 4130, "the hole would take more than {0} infeeds", "write a larger Q", "孔的进刀次数超过 {0}", "请增大 Q";
     /// A tap call that cannot be; for calls that no program made.
-    TapCallRange = 4131, "speeds of a tap are above zero, and so is the depth it goes on from", "write S, or correct the depth",
-        "攻丝转速应大于零，继续攻丝的深度也应大于零", "请写 S，或修改深度";
+    TapCallRange = 4131, "speeds of a tap are above zero, and it goes on from between R and its bottom", "write S, or correct the depth",
+        "攻丝转速应大于零，继续攻丝的起点应在 R 与孔底之间", "请写 S，或修改深度";
 
     // -- 4200–4299 physics: feasible/, motion/, spindle/ -------------------------------------------------------------
     /// A move would need a ramp longer than the profile can hold.

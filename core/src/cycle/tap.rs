@@ -3,7 +3,9 @@
 use super::check::{blame, tap_ranges};
 use super::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::program::{Aux, Hand, Position, TapCall, TapCycle, TapForm, TapPeck, TapRepeat};
+use crate::program::{
+    Aux, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapPeck, TapRepeat,
+};
 use crate::units::{CentiRpm, Length, TurnRatio};
 
 /// Most infeeds of a hole.
@@ -57,7 +59,7 @@ impl TapMoves {
     ///
     /// # Errors
     /// Bottom at R or on the wrong side of it, or d > q (0207); lengths out of range (4110); more than 9999 infeeds (4130);
-    /// after K198, a bottom that is not deeper (4064); speeds or a depth that no program can give (4131).
+    /// speeds, or a depth to go on from, that no program can give (4131).
     pub fn new(call: &TapCall, span: Span) -> Result<Self, Alarm> {
         tap_ranges(call, span)?;
         let axis = call.axis;
@@ -67,8 +69,8 @@ impl TapMoves {
         let inward = (bottom - level).signum();
         let approach = (level - initial).signum();
         let letter = match axis {
-            crate::program::TapAxis::X => b'X',
-            crate::program::TapAxis::Z => b'Z',
+            TapAxis::X => b'X',
+            TapAxis::Z => b'Z',
         };
         if inward == 0 || (approach != 0 && approach != inward) {
             return Err(blame(Code::TapDepth, span, call.bottom.span, letter));
@@ -79,17 +81,7 @@ impl TapMoves {
         } else {
             Length::ZERO
         };
-        if from >= total {
-            return Err(
-                blame(Code::TapLocked, span, call.bottom.span, letter).with([
-                    Arg::Int(i64::from(span.line)),
-                    Arg::None,
-                    Arg::None,
-                    Arg::None,
-                ]),
-            );
-        }
-        let no_depth = call.continues && from <= Length::ZERO;
+        let no_depth = call.continues && (from <= Length::ZERO || from >= total);
         if no_depth || call.speed.get() <= 0 || call.extract.get() <= 0 {
             return Err(Alarm::new(Code::TapCallRange, span));
         }

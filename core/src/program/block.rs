@@ -107,6 +107,8 @@ struct Slot {
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     line: u32,
+    /// The M code of rigid tapping.
+    rigid: u8,
     present: Letters,
     groups: u16,
     m_groups: u8,
@@ -118,7 +120,8 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub(super) const fn new() -> Self {
+    /// An empty one; `rigid` is the M code of rigid tapping.
+    pub(super) const fn new(rigid: u8) -> Self {
         const EMPTY: Slot = Slot {
             value: Decimal::new(0, 0),
             column: 0,
@@ -126,6 +129,7 @@ impl Block {
         };
         Self {
             line: 0,
+            rigid,
             present: Letters(0),
             groups: 0,
             m_groups: 0,
@@ -293,10 +297,9 @@ impl Block {
         let word = self.word(b'M', &slot);
         let code = i64::from(word.count(u32::MAX)?);
         let named = [Arg::Int(code), Arg::None, Arg::None, Arg::None];
-        let group = match m_code(code) {
+        let group = match m_code(code, self.rigid) {
             Known::Yes(group) => group,
-            Known::NotYet => return Err(word.alarm(Code::MNotAvailable).with(named)),
-            _ => return Err(word.alarm(Code::UnknownM).with(named)),
+            _ => return Err(word.alarm(Code::MNotAvailable).with(named)),
         };
         if let Some(first) = self.m(group) {
             let args = [
@@ -350,6 +353,12 @@ impl Block {
     #[inline]
     pub(super) const fn has_m(&self) -> bool {
         self.m_groups != 0
+    }
+
+    /// True with an M word of any of these groups.
+    #[inline]
+    pub(super) const fn has_m_groups(&self, groups: u8) -> bool {
+        self.m_groups & groups != 0
     }
 
     /// The M word of a group.

@@ -17,7 +17,7 @@ pub(super) enum Group {
     System,
     /// G61 G64.
     Path,
-    /// G80.
+    /// G80 G84 G88.
     Canned,
     /// G97.
     SpeedMode,
@@ -44,11 +44,17 @@ pub(super) enum MGroup {
     Coolant,
     /// M00 M01 M02 M30.
     Flow,
+    /// M24 M25 M26 M27: which spindle taps.
+    TapSpindle,
+    /// The code of 5210: rigid tapping.
+    Rigid,
+    /// Any code without a meaning of its own: clamps the C axis in a tapping block, is unknown elsewhere.
+    Clamp,
 }
 
 impl MGroup {
     /// Number of groups.
-    pub(super) const COUNT: usize = 3;
+    pub(super) const COUNT: usize = 6;
 
     /// Its bit in a set of groups.
     pub(super) const fn bit(self) -> u8 {
@@ -80,25 +86,27 @@ pub(super) const fn g_code(code: i64) -> Known<Group> {
         40 => Group::Compensation,
         54..=59 => Group::System,
         61 | 64 => Group::Path,
-        80 => Group::Canned,
+        80 | 84 | 88 => Group::Canned,
         97 => Group::SpeedMode,
         98 | 99 => Group::FeedMode,
         33 => return Known::Tapping,
-        28 | 30 | 32 | 41 | 42 | 65..=67 | 70..=74 | 84 | 88 | 90 | 92 | 94 | 96 => {
+        28 | 30 | 32 | 41 | 42 | 65..=67 | 70..=74 | 90 | 92 | 94 | 96 => {
             return Known::NotYet;
         }
         _ => return Known::No,
     })
 }
 
-/// What `M<code>` is.
+/// What `M<code>` is where `rigid` is the code of rigid tapping. A code with a meaning of its own keeps it.
 #[inline]
-pub(super) const fn m_code(code: i64) -> Known<MGroup> {
+pub(super) const fn m_code(code: i64, rigid: u8) -> Known<MGroup> {
     Known::Yes(match code {
         3..=5 => MGroup::Spindle,
         8 | 9 => MGroup::Coolant,
         0..=2 | 30 => MGroup::Flow,
-        24..=27 | 29 | 98 | 99 => return Known::NotYet,
-        _ => return Known::No,
+        24..=27 => MGroup::TapSpindle,
+        98 | 99 => return Known::NotYet,
+        _ if code == rigid as i64 => MGroup::Rigid,
+        _ => MGroup::Clamp,
     })
 }

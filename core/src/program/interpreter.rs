@@ -6,6 +6,7 @@ use super::lexer::{Comment, Cursor, Ended};
 use super::options::Options;
 use super::plan::Plan;
 use super::state::State;
+use super::tap_mode::rigid_code;
 use crate::alarm::{Alarm, Code};
 use crate::params::Params;
 
@@ -38,7 +39,7 @@ impl<'p> Interpreter<'p> {
     pub fn new(params: &'p Params, options: Options) -> Self {
         Self {
             state: State::new(params, options),
-            block: Block::new(),
+            block: Block::new(rigid_code(params)),
             comment: Comment::default(),
             plan: Plan::new(),
             failed: false,
@@ -123,8 +124,11 @@ impl<'p> Interpreter<'p> {
     /// Says that the text is over.
     ///
     /// # Errors
-    /// A comment that was never closed.
+    /// A comment that was never closed, a tap that was left in its hole.
     pub fn finish(&self) -> Result<(), Alarm> {
+        if !self.failed {
+            self.state.tapping.refuse_left()?;
+        }
         match self.comment.open() {
             Some(span) if !self.is_ended() => Err(Alarm::new(Code::CommentOpen, span)),
             _ => Ok(()),

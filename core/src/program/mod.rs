@@ -22,6 +22,8 @@ mod run_out;
 mod scale;
 mod speeds;
 mod state;
+mod tap;
+mod tap_mode;
 #[cfg(test)]
 mod tests;
 mod thread;

@@ -207,11 +207,17 @@ fn within(coordinate: Length, word: &Word) -> Result<Length, Alarm> {
     if coordinate.is_in_range() {
         return Ok(coordinate);
     }
+    Err(out_of_range(word))
+}
+
+/// The alarm of a word that leads beyond what the machine arithmetic can carry.
+#[cold]
+pub(super) fn out_of_range(word: &Word) -> Alarm {
     let limit = if matches!(word.letter, b'X' | b'U') {
         Arg::Diameter(Diameter::of_radius(Length::INPUT_LIMIT))
     } else {
         Arg::Length(Length::INPUT_LIMIT)
     };
     let args = [limit, Arg::None, Arg::None, Arg::None];
-    Err(word.alarm(Code::PositionOutOfRange).with(args))
+    word.alarm(Code::PositionOutOfRange).with(args)
 }

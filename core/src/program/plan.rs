@@ -8,8 +8,8 @@ use crate::units::Millis;
 /// Warnings a block can raise.
 const WARNINGS: usize = 2;
 
-/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, T, G04; the motion; M05, M09,
-/// M00 M01 M02 M30.
+/// The events of one block. Bits of `pending` from the lowest: warnings; S M03 M04, M08, M24–M27, rigid mode, T, G04; the
+/// motion; M05, M09, M00 M01 M02 M30.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pending: u16,
@@ -17,6 +17,8 @@ pub(super) struct Plan {
     warnings: [Alarm; WARNINGS],
     spindle: (Span, SpindleCall),
     coolant_on: Span,
+    tap_spindle: (Span, u16),
+    rigid: (Span, SpindleCall),
     tool: (Span, u16),
     dwell: (Span, Millis),
     motion: (Span, CallKind),
@@ -29,12 +31,14 @@ const WARNING_0: u16 = 1 << 0;
 const WARNING_1: u16 = 1 << 1;
 const SPINDLE: u16 = 1 << 2;
 const COOLANT_ON: u16 = 1 << 3;
-const TOOL: u16 = 1 << 4;
-const DWELL: u16 = 1 << 5;
-const MOTION: u16 = 1 << 6;
-const SPINDLE_STOP: u16 = 1 << 7;
-const COOLANT_OFF: u16 = 1 << 8;
-const FLOW: u16 = 1 << 9;
+const TAP_SPINDLE: u16 = 1 << 4;
+const RIGID: u16 = 1 << 5;
+const TOOL: u16 = 1 << 6;
+const DWELL: u16 = 1 << 7;
+const MOTION: u16 = 1 << 8;
+const SPINDLE_STOP: u16 = 1 << 9;
+const COOLANT_OFF: u16 = 1 << 10;
+const FLOW: u16 = 1 << 11;
 
 impl Plan {
     pub(super) const fn new() -> Self {
@@ -50,6 +54,8 @@ impl Plan {
             warnings: [NONE; WARNINGS],
             spindle: (NOWHERE, SpindleCall::STOPPED),
             coolant_on: NOWHERE,
+            tap_spindle: (NOWHERE, 0),
+            rigid: (NOWHERE, SpindleCall::STOPPED),
             tool: (NOWHERE, 0),
             dwell: (NOWHERE, Millis::new(0)),
             motion: (NOWHERE, CallKind::End(0)),
@@ -91,6 +97,16 @@ impl Plan {
     pub(super) fn coolant_on(&mut self, span: Span) {
         self.pending |= COOLANT_ON;
         self.coolant_on = span;
+    }
+
+    pub(super) fn tap_spindle(&mut self, span: Span, code: u16) {
+        self.pending |= TAP_SPINDLE;
+        self.tap_spindle = (span, code);
+    }
+
+    pub(super) fn rigid(&mut self, span: Span, call: SpindleCall) {
+        self.pending |= RIGID;
+        self.rigid = (span, call);
     }
 
     pub(super) fn tool(&mut self, span: Span, number: u16) {
@@ -144,6 +160,11 @@ impl Plan {
             }
             SPINDLE => (self.spindle.0, CallKind::Spindle(self.spindle.1)),
             COOLANT_ON => (self.coolant_on, CallKind::Aux(Aux::M(8))),
+            TAP_SPINDLE => (
+                self.tap_spindle.0,
+                CallKind::Aux(Aux::M(self.tap_spindle.1)),
+            ),
+            RIGID => (self.rigid.0, CallKind::Spindle(self.rigid.1)),
             TOOL => (self.tool.0, CallKind::Aux(Aux::T(self.tool.1))),
             DWELL => (self.dwell.0, CallKind::Dwell(self.dwell.1)),
             SPINDLE_STOP => (self.spindle_stop, CallKind::Spindle(SpindleCall::STOPPED)),

@@ -106,6 +106,10 @@ impl State<'_> {
         {
             plan.coolant_on(word.span);
         }
+        if let Some(word) = block.m(MGroup::TapSpindle) {
+            self.tapping.select(&word);
+            plan.tap_spindle(word.span, word.value.mantissa() as u16);
+        }
     }
 
     /// M05 M09 M00 M01 M02 M30.

@@ -1,5 +1,7 @@
 //! The modal state and what a block does to it: units, coordinate systems, tool offsets, dwell.
 //!
+//! Blocks that tapping has to do with take a way of their own (`tap_mode`).
+//!
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
 //! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
 
@@ -11,6 +13,7 @@ use super::options::Options;
 use super::plan::Plan;
 use super::scale::{Scale, seconds};
 use super::speeds::ModalFeed;
+use super::tap_mode::Tapping;
 use super::thread::ThreadWords;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::params::Params;
@@ -67,6 +70,7 @@ pub(super) struct State<'p> {
     pub(super) speed_limit: Option<u32>,
     pub(super) thread: ThreadWords,
     pub(super) groove: GrooveWords,
+    pub(super) tapping: Tapping,
     /// O of the program, if it has one.
     pub(super) program: Option<u32>,
     /// N of the latest block that has one.
@@ -106,6 +110,7 @@ impl<'p> State<'p> {
             speed_limit: None,
             thread: ThreadWords::new(),
             groove: GrooveWords::new(),
+            tapping: Tapping::new(),
             program: None,
             sequence: None,
             ended: false,
@@ -125,6 +130,22 @@ impl<'p> State<'p> {
         if block.has_no_lead() {
             return Ok(());
         }
+        if self.tapping.concerns(block) {
+            self.around_taps(block, plan)?;
+        } else {
+            let motion_word = self.modal(block, plan)?;
+            self.act(block, motion_word, plan)?;
+        }
+        if block.has_m() {
+            self.after_motion(block, plan);
+        }
+        plan.set_origin(self.origin);
+        Ok(())
+    }
+
+    /// What a block changes before it does anything: modes, the kind of motion, the tool.
+    #[inline]
+    pub(super) fn modal(&mut self, block: &Block, plan: &mut Plan) -> Result<Option<Word>, Alarm> {
         if block.has_groups(MODES) {
             self.modes(block);
         }
@@ -140,6 +161,17 @@ impl<'p> State<'p> {
         if let Some(word) = block.find(b'T') {
             self.tool(&word, plan)?;
         }
+        Ok(motion_word)
+    }
+
+    /// What a block does up to its motion.
+    #[inline]
+    pub(super) fn act(
+        &mut self,
+        block: &Block,
+        motion_word: Option<Word>,
+        plan: &mut Plan,
+    ) -> Result<(), Alarm> {
         match block.g(Group::OneShot) {
             None => {
                 if let Some(word) = block.find(b'F') {
@@ -148,15 +180,10 @@ impl<'p> State<'p> {
                 if block.has_m() || block.has_any(Letters::of(b"S")) {
                     self.before_motion(block, plan)?;
                 }
-                self.travel(block, motion_word, Letters::default(), plan)?;
+                self.travel(block, motion_word, Letters::default(), plan)
             }
-            Some(word) => self.one_shot(block, &word, motion_word, plan)?,
+            Some(word) => self.one_shot(block, &word, motion_word, plan),
         }
-        if block.has_m() {
-            self.after_motion(block, plan);
-        }
-        plan.set_origin(self.origin);
-        Ok(())
     }
 
     /// N and O.
@@ -194,6 +221,7 @@ impl<'p> State<'p> {
                 // A number meant for millimetres a minute is none for millimetres a turn.
                 self.per_turn = per_turn;
                 self.feed = ModalFeed::None;
+                self.tapping.forget_feed();
             }
         }
     }

@@ -60,6 +60,9 @@ pub(super) fn row(out: &mut Vec<u8>, row: &Row) {
     if let Some(rpm) = row.rpm {
         detail(format!("{} rpm", number::text::<6>(rpm)));
     }
+    if let Some("rigid") = row.mode {
+        detail("rigid".to_string());
+    }
     if let Some(m) = row.m {
         detail(format!("M{m:02}"));
     }

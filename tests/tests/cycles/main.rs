@@ -6,4 +6,5 @@ mod build;
 mod examples;
 mod random;
 mod reference;
+mod taps;
 mod texts;

@@ -11,6 +11,7 @@ mod cycles;
 mod forms;
 mod parameters;
 mod random;
+mod taps;
 
 use super::*;
 use crate::alarm::{Alarm, Span};

@@ -4,7 +4,7 @@ use super::*;
 use crate::params::{Entry, Writing};
 
 /// The built-in machine with these numbers changed.
-fn machine(values: &[(&str, &str)]) -> Params {
+pub(super) fn machine(values: &[(&str, &str)]) -> Params {
     let mut params = Params::slant_bed();
     for (key, text) in values {
         let entry = Entry::find_text(key).unwrap_or_else(|_| panic!("{key}"));

@@ -1,0 +1,569 @@
+//! The words of G84 and G88 ([G84/G88 sheet], cycles.md section 8): kept from hole to hole, every one resolved or its
+//! parameter taken. When rigid mode begins and ends is `tap_mode`'s.
+
+use core::num::NonZeroU8;
+
+use super::block::{Block, Letters, Word, g_arg};
+use super::call::{
+    CallKind, Hand, Position, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapPeck, TapRepeat,
+    TapSpindle,
+};
+use super::codes::{Known, MGroup, m_code};
+use super::groove::not_negative;
+use super::motion::out_of_range;
+use super::plan::Plan;
+use super::scale::Range;
+use super::state::{AXES, State};
+use super::tap_mode::{locked, rigid_code};
+use crate::alarm::{Alarm, Arg, At, Code, Span};
+use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm};
+
+/// Words of a tapping block besides the axes.
+const WORDS: Letters = Letters::of(b"RQPKDJE");
+
+/// Where the bottom is, as it was written.
+#[derive(Clone, Copy, Debug)]
+enum Bottom {
+    /// A work coordinate.
+    Work(Length),
+    /// From the R plane.
+    FromR(Length),
+}
+
+/// F, as it was written.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum TapFeed {
+    PerMinute(Feed),
+    PerTurn(FeedPerTurn),
+}
+
+/// What a cycle keeps from hole to hole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kept {
+    cycle: TapCycle,
+    axis: TapAxis,
+    bottom: Option<At<Bottom>>,
+    /// R: from the initial level to the R plane, signed.
+    rise: At<Length>,
+    /// Q, zero for none.
+    infeed: At<Length>,
+    /// D.
+    back: Option<At<Length>>,
+    dwell: Millis,
+    pub(super) feed: Option<At<TapFeed>>,
+    /// J.
+    extract: Option<u32>,
+    /// E.
+    spindle: Option<TapSpindle>,
+    /// M.
+    clamp: Option<u16>,
+}
+
+impl Kept {
+    const fn new(cycle: TapCycle, axis: TapAxis) -> Self {
+        const NOWHERE: Span = Span {
+            line: 0,
+            column: 0,
+            end: 0,
+        };
+        Self {
+            cycle,
+            axis,
+            bottom: None,
+            rise: At::new(Length::ZERO, NOWHERE),
+            infeed: At::new(Length::ZERO, NOWHERE),
+            back: None,
+            dwell: Millis::new(0),
+            feed: None,
+            extract: None,
+            spindle: None,
+            clamp: None,
+        }
+    }
+}
+
+/// Letters of an axis: absolute and increment.
+const fn letters_of(axis: TapAxis) -> (u8, u8) {
+    match axis {
+        TapAxis::X => (b'X', b'U'),
+        TapAxis::Z => (b'Z', b'W'),
+    }
+}
+
+impl State<'_> {
+    /// A block with G84 or G88 (`word`), or one while such a cycle is in force.
+    pub(super) fn tap(
+        &mut self,
+        block: &Block,
+        word: Option<&Word>,
+        plan: &mut Plan,
+    ) -> Result<(), Alarm> {
+        self.only(block, AXES.and(WORDS))?;
+        let span = word.map_or(block.lead(), |word| word.span);
+        let Some(mut kept) = self.cycle_of(word)? else {
+            return Ok(());
+        };
+        let rpm = self.rigid_speed(block, word, span, plan)?;
+        self.read_kept(block, &mut kept)?;
+        let (absolute, increment) = letters_of(kept.axis);
+        let places = AXES.without(Letters::of(&[absolute, increment]));
+        let repeat = match block.find(b'K') {
+            Some(k) => Some((repeats(&k)?, k)),
+            None => None,
+        };
+        if word.is_none() && !block.has_any(places) {
+            self.tapping.cycle = Some(kept);
+            return match repeat {
+                Some((_, k)) => Err(k.alarm(Code::WordWithoutUse)),
+                None => Ok(()),
+            };
+        }
+        let call = match self.tapping.locked {
+            Some(hole) => self.going_on(block, &kept, rpm, span, repeat, &hole)?,
+            None => self.new_hole(block, &kept, rpm, span, repeat)?,
+        };
+        let (extract, asked) = self.extraction(&kept, &call, rpm);
+        let call = TapCall { extract, ..call };
+        let says_speed = word.is_some() || block.has_any(Letters::of(b"SJ"));
+        if says_speed && asked > extract {
+            plan.warn(self.limited(block, span, asked));
+        }
+        self.position = match call.repeat {
+            TapRepeat::Stay => call.axis.with(call.hole, call.bottom.value),
+            TapRepeat::Holes(holes) => nth(&call, holes),
+        };
+        self.tapping.locked = (call.repeat == TapRepeat::Stay).then_some((call, span));
+        self.tapping.cycle = Some(kept);
+        plan.motion(span, CallKind::Tap(call));
+        Ok(())
+    }
+
+    /// What is kept of the cycle so far; nothing where another cycle or axis begins.
+    fn cycle_of(&self, word: Option<&Word>) -> Result<Option<Kept>, Alarm> {
+        let Some(word) = word else {
+            return Ok(self.tapping.cycle);
+        };
+        let cycle = if word.value.mantissa() == 84 {
+            TapCycle::G84
+        } else {
+            TapCycle::G88
+        };
+        let fixed = self.params.tap_axis_fixed();
+        let axis = match (cycle, fixed, self.plane) {
+            (TapCycle::G84, true, _) | (TapCycle::G84, _, 18) | (TapCycle::G88, false, 19) => {
+                TapAxis::Z
+            }
+            (TapCycle::G88, true, _) | (TapCycle::G88, _, 18) | (TapCycle::G84, false, 17) => {
+                TapAxis::X
+            }
+            _ => {
+                let name = g_arg(word.value.mantissa());
+                let plane = g_arg(i64::from(self.plane));
+                let args = [name, plane, Arg::None, Arg::None];
+                return Err(word.alarm(Code::TapAxisMissing).with(args));
+            }
+        };
+        let same = |kept: &Kept| kept.cycle == cycle && kept.axis == axis;
+        let kept = self.tapping.cycle.filter(same);
+        Ok(Some(kept.unwrap_or_else(|| Kept::new(cycle, axis))))
+    }
+
+    /// S of rigid mode; with 5200.0 = 1 it may stand in this block and begin it.
+    fn rigid_speed(
+        &mut self,
+        block: &Block,
+        word: Option<&Word>,
+        span: Span,
+        plan: &mut Plan,
+    ) -> Result<Rpm, Alarm> {
+        let written = block.find(b'S');
+        match (self.tapping.rigid, self.params.tap_by_g_code()) {
+            (Some(rpm), false) => Ok(rpm),
+            (Some(rpm), true) if written.is_none() => Ok(rpm),
+            (None, false) => {
+                let name = word.map_or(Arg::None, |word| g_arg(word.value.mantissa()));
+                let code = Arg::Int(i64::from(rigid_code(self.params)));
+                let args = [name, code, Arg::None, Arg::None];
+                let alarm = Alarm::new(Code::OrdinaryTapNotAvailable, span);
+                Err(alarm.with(args))
+            }
+            (_, true) => {
+                let rpm = self.tap_speed(written, span)?;
+                self.begin_position_mode(rpm);
+                plan.rigid(
+                    written.map_or(span, |word| word.span),
+                    SpindleCall::rigid(rpm),
+                );
+                Ok(rpm)
+            }
+        }
+    }
+
+    /// The words that stay.
+    fn read_kept(&self, block: &Block, kept: &mut Kept) -> Result<(), Alarm> {
+        const LONGEST_DWELL: u32 = 99_999_999;
+        const FASTEST: i64 = 99_999;
+        let (absolute, increment) = letters_of(kept.axis);
+        let length = |word: &Word| match kept.axis {
+            TapAxis::X => self.scale.radius(word),
+            TapAxis::Z => self.scale.length(word),
+        };
+        if let Some(word) = block.find(absolute) {
+            kept.bottom = Some(At::new(Bottom::Work(length(&word)?), word.span));
+        } else if let Some(word) = block.find(increment) {
+            kept.bottom = Some(At::new(Bottom::FromR(length(&word)?), word.span));
+        }
+        if let Some(word) = block.find(b'R') {
+            kept.rise = self.scale.distance(&word, Range::SIGNED_NINE_DIGITS)?;
+        }
+        if let Some(word) = block.find(b'Q') {
+            not_negative(&word)?;
+            kept.infeed = self.scale.distance(&word, Range::NINE_DIGITS)?;
+        }
+        if let Some(word) = block.find(b'D') {
+            not_negative(&word)?;
+            kept.back = Some(self.scale.distance(&word, Range::NINE_DIGITS)?);
+        }
+        if let Some(word) = block.find(b'P') {
+            kept.dwell = Millis::new(word.count(LONGEST_DWELL)?);
+        }
+        if let Some(word) = block.find(b'F') {
+            if word.value.mantissa() <= 0 {
+                return Err(word.alarm(Code::TapFeed));
+            }
+            let feed = if self.per_turn {
+                TapFeed::PerTurn(self.scale.feed_per_turn(&word)?)
+            } else {
+                TapFeed::PerMinute(self.scale.feed(&word)?)
+            };
+            kept.feed = Some(At::new(feed, word.span));
+        }
+        if let Some(word) = block.find(b'J') {
+            not_negative(&word)?;
+            kept.extract = match word.value.scaled(0) {
+                Ok(rpm @ 0..=FASTEST) => Some(rpm as u32),
+                _ => return Err(word.out_of_range(Arg::Int(0), Arg::Int(FASTEST))),
+            };
+        }
+        if let Some(word) = block.find(b'E') {
+            let spindle = TapSpindle::new(word.count(u32::MAX)?);
+            if spindle.is_none() {
+                return Err(word.out_of_range(Arg::Int(1), Arg::Int(4)));
+            }
+            kept.spindle = spindle;
+        }
+        if let Some(word) = block.m(MGroup::Clamp) {
+            kept.clamp = Some(self.clamp_code(&word)?);
+        }
+        Ok(())
+    }
+
+    /// An M code whose successor is as free as it is.
+    fn clamp_code(&self, word: &Word) -> Result<u16, Alarm> {
+        const LAST: i64 = 9998;
+        let code = word.value.mantissa();
+        if code > LAST {
+            return Err(word.out_of_range(Arg::Int(0), Arg::Int(LAST)));
+        }
+        let next = code.saturating_add(1);
+        if m_code(next, rigid_code(self.params)) != Known::Yes(MGroup::Clamp) {
+            let args = [Arg::Int(code), Arg::Int(next), Arg::None, Arg::None];
+            return Err(word.alarm(Code::TapClampCode).with(args));
+        }
+        Ok(code as u16)
+    }
+
+    /// The call of a hole that begins at the initial level. Its extraction is still to come.
+    fn new_hole(
+        &self,
+        block: &Block,
+        kept: &Kept,
+        rpm: Rpm,
+        span: Span,
+        repeat: Option<(TapRepeat, Word)>,
+    ) -> Result<TapCall, Alarm> {
+        let axis = kept.axis;
+        let initial = axis.of(self.position);
+        let (hole, step) = self.places(block, axis)?;
+        let level = At::new(initial + kept.rise.value, kept.rise.span);
+        let call = self.resolve(kept, rpm, span, level)?;
+        let call = TapCall {
+            start: self.position,
+            hole,
+            step,
+            repeat: repeat.map_or(TapRepeat::Holes(NonZeroU8::MIN), |(repeat, _)| repeat),
+            ..call
+        };
+        if let TapRepeat::Holes(holes) = call.repeat {
+            let last = nth(&call, holes);
+            let turned = Length::from_nm(last.c.udeg());
+            if !last.x.is_in_range() || !last.z.is_in_range() || !turned.is_in_range() {
+                let blame = repeat.map_or(Alarm::new(Code::PositionOutOfRange, span), |(_, k)| {
+                    out_of_range(&k)
+                });
+                return Err(blame);
+            }
+        }
+        Ok(call)
+    }
+
+    /// The first hole and the way from hole to hole. The tap axis stays at the initial level.
+    fn places(&self, block: &Block, axis: TapAxis) -> Result<(Position, Position), Alarm> {
+        let target = self.target(block, self.origin)?;
+        let hole = axis.with(target, axis.of(self.position));
+        let written = |letter| block.has_any(Letters::of(&[letter]));
+        let mut step = Position::ZERO;
+        if written(b'U') {
+            step.x = hole.x - self.position.x;
+        }
+        if written(b'W') {
+            step.z = hole.z - self.position.z;
+        }
+        if written(b'H') {
+            step.c = hole.c - self.position.c;
+        }
+        Ok((hole, axis.with(step, Length::ZERO)))
+    }
+
+    /// What depends on the kept words and S alone.
+    fn resolve(
+        &self,
+        kept: &Kept,
+        rpm: Rpm,
+        span: Span,
+        level: At<Length>,
+    ) -> Result<TapCall, Alarm> {
+        let (letter, _) = letters_of(kept.axis);
+        let Some(bottom) = kept.bottom else {
+            let name = match kept.cycle {
+                TapCycle::G84 => g_arg(84),
+                TapCycle::G88 => g_arg(88),
+            };
+            let args = [name, Arg::Letter(letter), Arg::None, Arg::None];
+            return Err(Alarm::new(Code::TapBottomMissing, span).with(args));
+        };
+        let coordinate = match bottom.value {
+            Bottom::Work(coordinate) => kept.axis.of(self.origin) + coordinate,
+            Bottom::FromR(depth) => level.value + depth,
+        };
+        let lead = self.tap_lead(kept, rpm, span)?;
+        Ok(TapCall {
+            cycle: kept.cycle,
+            axis: kept.axis,
+            start: self.position,
+            hole: self.position,
+            step: Position::ZERO,
+            level,
+            bottom: At::new(coordinate, bottom.span),
+            form: self.form(kept),
+            dwell: kept.dwell,
+            lead,
+            hand: if rpm < Rpm::STOPPED {
+                Hand::Left
+            } else {
+                Hand::Right
+            },
+            speed: self.infeed_speed(rpm, lead.value),
+            extract: CentiRpm::default(),
+            spindle: kept.spindle.unwrap_or(self.tapping.spindle),
+            repeat: TapRepeat::Holes(NonZeroU8::MIN),
+            clamp: kept.clamp,
+            continues: false,
+        })
+    }
+
+    /// F/S under G98, F under G99, as a ratio.
+    fn tap_lead(&self, kept: &Kept, rpm: Rpm, span: Span) -> Result<At<Lead>, Alarm> {
+        let Some(feed) = kept.feed else {
+            return Err(Alarm::new(Code::TapFeed, span));
+        };
+        let lead = match feed.value {
+            TapFeed::PerMinute(f) => Lead::new(f.nm_per_min(), i64::from(rpm.abs())),
+            TapFeed::PerTurn(f) => Lead::new(f.nm(), 1),
+        };
+        match lead {
+            Some(lead) => Ok(At::new(lead, feed.span)),
+            None => Err(Alarm::new(Code::TapFeed, feed.span).word(b'F')),
+        }
+    }
+
+    /// By Q and 5200.5; d is D, or the smaller of 5213 and Q.
+    fn form(&self, kept: &Kept) -> TapForm {
+        let infeed = kept.infeed;
+        if infeed.value == Length::ZERO {
+            return TapForm::Standard;
+        }
+        let back = kept.back.unwrap_or_else(|| {
+            let back = self.params.tap_peck_return().min(infeed.value);
+            At::new(back, Span::default())
+        });
+        let peck = TapPeck { infeed, back };
+        if self.params.tap_deep_peck() {
+            TapForm::Deep(peck)
+        } else {
+            TapForm::HighSpeed(peck)
+        }
+    }
+
+    /// S; in a dry run what the dry-run feed makes of the lead, never above the highest tapping speed.
+    fn infeed_speed(&self, rpm: Rpm, lead: Lead) -> CentiRpm {
+        let written = CentiRpm::of_rpm(Rpm::new(i32::try_from(rpm.abs()).unwrap_or(i32::MAX)));
+        if !self.options.dry_run {
+            return written;
+        }
+        let feed = self.params.dry_run_feed().nm_per_min();
+        let hundredths = feed
+            .saturating_mul(100)
+            .saturating_mul(lead.denominator())
+            .checked_div(lead.numerator())
+            .unwrap_or(0);
+        let limit = i64::from(self.highest_tap_speed()).saturating_mul(100);
+        let speed = hundredths.clamp(1, limit.max(1));
+        CentiRpm::new(i32::try_from(speed).unwrap_or(i32::MAX))
+    }
+
+    /// The speed of the way out, and what was asked for: the infeed's times the extraction override (5200.4, 5201.3,
+    /// 5201.4, 5202.6, 5211, J [D28]).
+    fn extraction(&self, kept: &Kept, call: &TapCall, rpm: Rpm) -> (CentiRpm, CentiRpm) {
+        let (part, whole) = self.extraction_ratio(kept, rpm);
+        let speed = i64::from(call.speed.get());
+        let half = whole >> 1;
+        let asked = speed
+            .saturating_mul(part)
+            .saturating_add(half)
+            .checked_div(whole)
+            .unwrap_or(speed)
+            .max(1);
+        let limit = i64::from(self.highest_tap_speed()).saturating_mul(100);
+        let speed = |raw: i64| CentiRpm::new(i32::try_from(raw).unwrap_or(i32::MAX));
+        (speed(asked.min(limit)), speed(asked))
+    }
+
+    fn extraction_ratio(&self, kept: &Kept, rpm: Rpm) -> (i64, i64) {
+        if !self.params.tap_extract_override() {
+            return (1, 1);
+        }
+        let s = i64::from(rpm.abs());
+        match kept.extract.map(i64::from) {
+            Some(j) if self.params.tap_extract_by_j() => {
+                let most = if self.params.tap_extract_wide() {
+                    20
+                } else {
+                    2
+                };
+                if j >= s && j <= s.saturating_mul(most) {
+                    (j, s)
+                } else {
+                    (1, 1)
+                }
+            }
+            _ => {
+                let percent = i64::from(self.params.tap_extract_percent());
+                let unit = if self.params.tap_extract_tens() {
+                    10
+                } else {
+                    1
+                };
+                match percent {
+                    0 => (1, 1),
+                    percent => (percent.saturating_mul(unit), 100),
+                }
+            }
+        }
+    }
+
+    fn limited(&self, block: &Block, span: Span, asked: CentiRpm) -> Alarm {
+        let alarm = match block.find(b'J') {
+            Some(word) => word.alarm(Code::TapExtractionLimited),
+            None => Alarm::new(Code::TapExtractionLimited, span),
+        };
+        let asked = Rpm::new(asked.get() / 100);
+        let limit = Arg::Int(i64::from(self.highest_tap_speed()));
+        alarm.with([Arg::Rpm(asked), limit, Arg::None, Arg::None])
+    }
+
+    /// The call that goes on in the hole a K198 has left the tap in: deeper, and in phase [D25].
+    fn going_on(
+        &self,
+        block: &Block,
+        kept: &Kept,
+        rpm: Rpm,
+        span: Span,
+        repeat: Option<(TapRepeat, Word)>,
+        hole: &(TapCall, Span),
+    ) -> Result<TapCall, Alarm> {
+        let (before, since) = hole;
+        let at = |span: Span, letter: Option<u8>| {
+            let line = [
+                Arg::Int(i64::from(since.line)),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ];
+            let alarm = Alarm::new(Code::TapLocked, span).with(line);
+            match letter {
+                Some(letter) => alarm.word(letter),
+                None => alarm,
+            }
+        };
+        let (absolute, increment) = letters_of(kept.axis);
+        let places = AXES.without(Letters::of(&[absolute, increment]));
+        let refused = places.and(Letters::of(b"R"));
+        if let Some(word) = block.leftmost(block.letters().common(refused)) {
+            return Err(locked(&word, *since));
+        }
+        let repeat = match repeat {
+            None => TapRepeat::Holes(NonZeroU8::MIN),
+            Some((repeat @ TapRepeat::Holes(NonZeroU8::MIN), _))
+            | Some((repeat @ TapRepeat::Stay, _)) => repeat,
+            Some((_, word)) => return Err(locked(&word, *since)),
+        };
+        let call = self.resolve(kept, rpm, span, before.level)?;
+        let same = call.axis == before.axis
+            && call.cycle == before.cycle
+            && call.hand == before.hand
+            && call.spindle == before.spindle
+            && call.lead.value == before.lead.value;
+        if !same {
+            return Err(at(span, None));
+        }
+        let inward = (before.bottom.value - before.level.value).signum();
+        if (call.bottom.value - before.bottom.value).times(inward) <= Length::ZERO {
+            let written = block.find(absolute).or_else(|| block.find(increment));
+            return Err(match written {
+                Some(word) => locked(&word, *since),
+                None => at(span, None),
+            });
+        }
+        Ok(TapCall {
+            start: self.position,
+            hole: nth(before, NonZeroU8::MIN),
+            repeat,
+            clamp: before.clamp,
+            continues: true,
+            ..call
+        })
+    }
+}
+
+/// Hole number `n` of a call, its tap axis at the initial level.
+fn nth(call: &TapCall, n: NonZeroU8) -> Position {
+    let steps = i64::from(n.get()).saturating_sub(1);
+    Position {
+        x: call.hole.x + call.step.x.times(steps),
+        z: call.hole.z + call.step.z.times(steps),
+        c: call.hole.c + Angle::from_udeg(call.step.c.udeg().saturating_mul(steps)),
+    }
+}
+
+/// K: 1–99, or 198.
+fn repeats(word: &Word) -> Result<TapRepeat, Alarm> {
+    match word.count(u32::MAX)? {
+        198 => Ok(TapRepeat::Stay),
+        holes @ 1..=99 => match NonZeroU8::new(holes as u8) {
+            Some(holes) => Ok(TapRepeat::Holes(holes)),
+            None => Err(word.alarm(Code::TapRepeats)),
+        },
+        _ => Err(word.alarm(Code::TapRepeats)),
+    }
+}

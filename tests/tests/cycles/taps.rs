@@ -1,0 +1,708 @@
+//! Taps: the sheet's three programs and the worked case, every form move by move, refusals, and holes at random against a
+//! reference that is written from the text.
+
+use std::num::NonZeroU8;
+
+use leadscrew_core::cycle::*;
+use leadscrew_core::params::{Entry, Params, Writing};
+use leadscrew_core::program::*;
+use leadscrew_core::units::*;
+
+use crate::build::*;
+use crate::random::{CYCLES, Random};
+
+/// The sheet's hole: Z−50 from Z0 at F2000 S1000.
+fn hole() -> TapCall {
+    let here = point(50.0, 0.0);
+    TapCall {
+        cycle: TapCycle::G84,
+        axis: TapAxis::Z,
+        start: here,
+        hole: here,
+        step: Position::ZERO,
+        level: at(Length::ZERO),
+        bottom: word(mm(-50.0), 30),
+        form: TapForm::Standard,
+        dwell: Millis::new(3000),
+        lead: at(Lead::new(nm(2000.0), 1000).unwrap()),
+        hand: Hand::Right,
+        speed: CentiRpm::new(100_000),
+        extract: CentiRpm::new(100_000),
+        spindle: TapSpindle::First,
+        repeat: holes(1),
+        clamp: None,
+        continues: false,
+    }
+}
+
+fn holes(count: u8) -> TapRepeat {
+    TapRepeat::Holes(NonZeroU8::new(count).unwrap())
+}
+
+fn peck(q: f64, d: f64) -> TapPeck {
+    TapPeck {
+        infeed: word(mm(q), 40),
+        back: word(mm(d), 50),
+    }
+}
+
+fn moves(call: &TapCall) -> Vec<Move> {
+    TapMoves::new(call, place(1)).unwrap().collect()
+}
+
+fn tap_of(m: &Move) -> Option<TapMove> {
+    match m.kind {
+        MoveKind::Tap(tap) => Some(tap),
+        _ => None,
+    }
+}
+
+/// Stage and depth below R, in micrometres, of every move.
+fn depths(moves: &[Move]) -> Vec<(Stage, i64)> {
+    let row = |m: &Move| {
+        let tag = m.tag.unwrap();
+        (tag.stage, tag.depth.nm() / 1000)
+    };
+    moves.iter().map(row).collect()
+}
+
+/// Synchronous travel of the tap axis.
+fn travel(moves: &[Move], from: Length) -> i64 {
+    let (mut at, mut sum) = (from, 0);
+    for m in moves {
+        if tap_of(m).is_some() {
+            sum += (m.to.z - at).abs().nm();
+        }
+        at = m.to.z;
+    }
+    sum
+}
+
+fn infeeds(moves: &[Move]) -> usize {
+    let is_infeed = |m: &&Move| m.tag.unwrap().stage == Stage::Tap;
+    moves.iter().filter(is_infeed).count()
+}
+
+/// The moves of a program on the built-in machine with these numbers changed.
+fn program(values: &[(&str, &str)], text: &str) -> Vec<Move> {
+    let mut params = Params::slant_bed();
+    for (key, value) in values {
+        let entry = Entry::find_text(key).unwrap();
+        let raw = entry.parse(value, Writing::UnitOptional).unwrap();
+        params.set(entry, raw).unwrap();
+    }
+    let mut here = Position::ZERO;
+    let mut list = Vec::new();
+    for event in Events::new(text.as_bytes(), &params, Options::default()) {
+        if let Event::Call(call) = event.unwrap_or_else(|alarm| panic!("{alarm:?}: {text}")) {
+            for m in expand(&call, here).unwrap_or_else(|alarm| panic!("{alarm:?}: {text}")) {
+                here = m.to;
+                list.push(m);
+            }
+        }
+    }
+    list
+}
+
+fn in_hole(moves: &[Move]) -> Vec<Move> {
+    let mine = moves.iter().filter(|m| m.tag.is_some());
+    mine.copied().collect()
+}
+
+#[test]
+fn the_sheets_standard_hole() {
+    let text = "G98;\nG0 X50 Z0;\nM29 S1000;\nG84 Z-50 P3000 F2000;\nG80;\nM30;\n";
+    let list = in_hole(&program(&[], text));
+    assert_eq!(
+        depths(&list),
+        [
+            (Stage::Tap, 50_000),
+            (Stage::Dwell, 50_000),
+            (Stage::Extract, 0)
+        ]
+    );
+    let (down, up) = (tap_of(&list[0]).unwrap(), tap_of(&list[2]).unwrap());
+    assert_eq!(
+        list[0].to,
+        Position {
+            c: Angle::ZERO,
+            ..point(50.0, -50.0)
+        }
+    );
+    assert_eq!(list[1].kind, MoveKind::Dwell(Millis::new(3000)));
+    assert_eq!(
+        [down.turns.micro(), up.turns.micro()],
+        [25_000_000, -25_000_000]
+    );
+    assert_eq!([down.speed.get(), up.speed.get()], [100_000, -100_000]);
+    assert_eq!(
+        (down.opens, down.closes, down.outward),
+        (true, false, false)
+    );
+    assert_eq!((up.opens, up.closes, up.outward), (false, true, true));
+    assert_eq!((down.level, down.bottom), (Length::ZERO, mm(-50.0)));
+    assert_eq!(down.lead, lead(2.0));
+}
+
+#[test]
+fn the_sheets_pecks() {
+    let text = "G98;\nG0 X50 Z0;\nM29 S1000;\nG84 Z-50 Q4.0 P3000 F2000;\nG80;\nM30;\n";
+    for (deep, millimetres) in [("0", 124), ("1", 724)] {
+        let list = in_hole(&program(&[("5200.5", deep)], text));
+        assert_eq!(infeeds(&list), 13);
+        assert_eq!(travel(&list, Length::ZERO), millimetres * 1_000_000);
+        let numbers = list.iter().map(|m| m.tag.unwrap().peck);
+        let numbers: Vec<_> = numbers.filter(|n| *n != 0).collect();
+        assert_eq!(numbers, (1..=13).collect::<Vec<_>>());
+        assert_eq!(
+            depths(&list)[list.len() - 3..],
+            [
+                (Stage::Tap, 50_000),
+                (Stage::Dwell, 50_000),
+                (Stage::Extract, 0)
+            ]
+        );
+    }
+    let high = in_hole(&program(&[], text));
+    assert_eq!(
+        depths(&high)[..4],
+        [
+            (Stage::Tap, 4_000),
+            (Stage::Retract, 3_000),
+            (Stage::Tap, 8_000),
+            (Stage::Retract, 7_000)
+        ]
+    );
+    let deep = in_hole(&program(&[("5200.5", "1")], text));
+    assert_eq!(
+        depths(&deep)[..6],
+        [
+            (Stage::Tap, 4_000),
+            (Stage::Retract, 0),
+            (Stage::Reenter, 3_000),
+            (Stage::Tap, 8_000),
+            (Stage::Retract, 0),
+            (Stage::Reenter, 7_000)
+        ]
+    );
+}
+
+#[test]
+fn the_way_to_a_hole_and_back() {
+    let start = point(80.0, 5.0);
+    let call = TapCall {
+        start,
+        hole: point(50.0, 5.0),
+        level: at(mm(2.0)),
+        bottom: at(mm(-10.0)),
+        clamp: Some(10),
+        repeat: holes(2),
+        step: Position {
+            x: dia(-4.0),
+            z: Length::ZERO,
+            c: Angle::from_udeg(7),
+        },
+        ..hole()
+    };
+    let list = moves(&call);
+    let rows: Vec<_> = list
+        .iter()
+        .map(|m| {
+            (
+                m.tag.unwrap().pass,
+                m.tag.unwrap().stage,
+                m.tag.unwrap().depth.nm() / 1_000_000,
+            )
+        })
+        .collect();
+    let of_hole = |pass| {
+        [
+            (pass, Stage::Approach, -3),
+            (pass, Stage::Clamp, -3),
+            (pass, Stage::RPlane, 0),
+            (pass, Stage::Tap, 12),
+            (pass, Stage::Dwell, 12),
+            (pass, Stage::Extract, 0),
+            (pass, Stage::Return, -3),
+            (pass, Stage::Unclamp, -3),
+        ]
+    };
+    assert_eq!(rows, [of_hole(1), of_hole(2)].concat());
+    let codes: Vec<_> = list
+        .iter()
+        .filter_map(|m| match m.kind {
+            MoveKind::Aux(Aux::M(code)) => Some(code),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(codes, [10, 11, 10, 11]);
+    assert_eq!([list[0].to, list[6].to], [call.hole; 2]);
+    let second = Position {
+        x: dia(46.0),
+        z: mm(5.0),
+        c: Angle::from_udeg(12 + 7),
+    };
+    assert_eq!([list[8].to, list[14].to], [second; 2]);
+    let opened: Vec<_> = list
+        .iter()
+        .filter_map(tap_of)
+        .map(|tap| tap.opens)
+        .collect();
+    assert_eq!(opened, [true, false, true, false]);
+}
+
+#[test]
+fn the_hand_turns_it_round() {
+    let left = TapCall {
+        hand: Hand::Left,
+        form: TapForm::Deep(peck(20.0, 5.0)),
+        ..hole()
+    };
+    let right = TapCall {
+        hand: Hand::Right,
+        ..left
+    };
+    for (l, r) in moves(&left).iter().zip(moves(&right)) {
+        let (Some(l), Some(r)) = (tap_of(l), tap_of(&r)) else {
+            continue;
+        };
+        assert_eq!((l.turns, l.speed), (r.turns.reversed(), r.speed.reversed()));
+        assert_eq!(l.turns.micro().signum(), i64::from(l.speed.get().signum()));
+        assert_eq!(l.outward, l.speed.get() > 0);
+    }
+}
+
+#[test]
+fn the_override_is_for_retracts_and_the_way_in_again() {
+    let call = TapCall {
+        extract: CentiRpm::new(150_000),
+        form: TapForm::Deep(peck(20.0, 5.0)),
+        ..hole()
+    };
+    for m in moves(&call) {
+        let Some(tap) = tap_of(&m) else { continue };
+        let expected = match m.tag.unwrap().stage {
+            Stage::Tap => 100_000,
+            Stage::Reenter => 150_000,
+            _ => -150_000,
+        };
+        assert_eq!(tap.speed.get(), expected);
+    }
+}
+
+#[test]
+fn a_side_tap_is_on_the_radius() {
+    let text = "G98 G0 X60 Z-10\nM29 S500\nG88 Z-20 R-5 X20 F500 Q8\nG80";
+    let list = in_hole(&program(&[], text));
+    assert_eq!(
+        depths(&list),
+        [
+            (Stage::Approach, -5_000),
+            (Stage::RPlane, 0),
+            (Stage::Tap, 8_000),
+            (Stage::Retract, 7_000),
+            (Stage::Tap, 15_000),
+            (Stage::Extract, 0),
+            (Stage::Return, -5_000)
+        ]
+    );
+    assert_eq!(
+        list[4].to,
+        Position {
+            c: Angle::ZERO,
+            ..point(20.0, -20.0)
+        }
+    );
+    let turns: Vec<_> = list
+        .iter()
+        .filter_map(tap_of)
+        .map(|tap| tap.turns.micro())
+        .collect();
+    assert_eq!(turns, [8_000_000, -1_000_000, 8_000_000, -15_000_000]);
+}
+
+#[test]
+fn a_bolt_circle() {
+    let text = "G98 G0 X40 Z5\nM29 S1000\nG84 C0 Z-12 R-3 F1000 M10\nC90\nC180\nC270\nG80";
+    let list = in_hole(&program(&[], text));
+    // The first hole is where the C axis stands: no approach.
+    assert_eq!(list.len(), 6 + 3 * 7);
+    let angles: Vec<_> = list
+        .iter()
+        .filter(|m| m.tag.unwrap().stage == Stage::Tap)
+        .map(|m| m.to.c.udeg() / 1_000_000)
+        .collect();
+    assert_eq!(angles, [0, 90, 180, 270]);
+}
+
+#[test]
+fn k198_stays_and_goes_on() {
+    let text =
+        "G98 G0 X40 Z5\nM29 S1000\nG84 X20 Z-7 R-3 F1000 Q4 M10 K198\nG4 P100\nG84 Z-13 P50\nG80";
+    let list = program(&[("5200.5", "1")], text);
+    let list = in_hole(&list);
+    assert_eq!(
+        depths(&list),
+        [
+            (Stage::Approach, -3_000),
+            (Stage::Clamp, -3_000),
+            (Stage::RPlane, 0),
+            (Stage::Tap, 4_000),
+            (Stage::Retract, 0),
+            (Stage::Reenter, 3_000),
+            (Stage::Tap, 8_000),
+            (Stage::Retract, 0),
+            (Stage::Reenter, 7_000),
+            (Stage::Tap, 9_000),
+            (Stage::Tap, 12_000),
+            (Stage::Retract, 0),
+            (Stage::Reenter, 11_000),
+            (Stage::Tap, 15_000),
+            (Stage::Dwell, 15_000),
+            (Stage::Extract, 0),
+            (Stage::Return, -3_000),
+            (Stage::Unclamp, -3_000)
+        ]
+    );
+    let flags: Vec<_> = list
+        .iter()
+        .filter_map(tap_of)
+        .map(|tap| (tap.opens, tap.closes))
+        .collect();
+    assert_eq!(flags[0], (true, false));
+    assert_eq!(*flags.last().unwrap(), (false, true));
+    assert!(
+        flags[1..flags.len() - 1]
+            .iter()
+            .all(|f| *f == (false, false))
+    );
+    // The turns of the whole hole come back to where they began.
+    let turns: i64 = list
+        .iter()
+        .filter_map(tap_of)
+        .map(|tap| tap.turns.micro())
+        .sum();
+    assert_eq!(turns, 0);
+}
+
+#[test]
+fn what_cannot_be_tapped() {
+    let refused = |call: &TapCall| {
+        let alarm = TapMoves::new(call, place(1)).unwrap_err();
+        (alarm.number(), alarm.word, alarm.span.column)
+    };
+    let z = |level, bottom| TapCall {
+        level: word(mm(level), 20),
+        bottom: word(mm(bottom), 30),
+        ..hole()
+    };
+    // At R, and on the side of the initial level; without an R both sides are right.
+    assert_eq!(refused(&z(0.0, 0.0)), (207, Some(b'Z'), 30));
+    assert_eq!(refused(&z(-2.0, -2.0)), (207, Some(b'Z'), 30));
+    assert_eq!(refused(&z(-2.0, -1.0)), (207, Some(b'Z'), 30));
+    assert_eq!(refused(&z(2.0, -50.0)), (207, Some(b'Z'), 30));
+    assert_eq!(moves(&z(0.0, 50.0)).len(), 3);
+    assert_eq!(moves(&z(2.0, 50.0)).len(), 5);
+    let side = TapCall {
+        axis: TapAxis::X,
+        level: at(dia(50.0)),
+        bottom: word(dia(50.0), 30),
+        ..hole()
+    };
+    assert_eq!(refused(&side), (207, Some(b'X'), 30));
+    // d above q.
+    for form in [TapForm::HighSpeed, TapForm::Deep] {
+        let with = |q, d| TapCall {
+            form: form(peck(q, d)),
+            ..hole()
+        };
+        assert_eq!(refused(&with(4.0, 4.0001)), (207, Some(b'D'), 50));
+        assert_eq!(infeeds(&moves(&with(4.0, 4.0))), 13);
+        assert_eq!(infeeds(&moves(&with(4.0, 0.0))), 13);
+        assert_eq!(infeeds(&moves(&with(0.0051, 0.0))), 9804);
+        assert_eq!(refused(&with(0.005, 0.0)), (4130, Some(b'Q'), 40));
+        assert_eq!(refused(&with(0.0, 0.0)), (4110, Some(b'Q'), 40));
+        assert_eq!(refused(&with(4.0, -0.1)), (4110, Some(b'D'), 50));
+    }
+    let far = Length::from_nm((1 << 42) + 1);
+    let too_far = |call: TapCall| assert_eq!(refused(&call).0, 4110);
+    too_far(TapCall {
+        bottom: at(-far),
+        ..hole()
+    });
+    too_far(TapCall {
+        level: at(far),
+        ..hole()
+    });
+    too_far(TapCall {
+        step: Position {
+            x: far,
+            ..Position::ZERO
+        },
+        ..hole()
+    });
+    // What no program makes.
+    for call in [
+        TapCall {
+            speed: CentiRpm::new(0),
+            ..hole()
+        },
+        TapCall {
+            extract: CentiRpm::new(-1),
+            ..hole()
+        },
+        TapCall {
+            continues: true,
+            ..hole()
+        },
+        TapCall {
+            continues: true,
+            start: point(50.0, -50.0),
+            ..hole()
+        },
+    ] {
+        assert_eq!(refused(&call), (4131, None, 1));
+    }
+}
+
+/// Ends of the strokes of a hole below R, straight from the text: "targets are R ± n·q, clipped at the bottom".
+fn reference(total: i64, from: i64, form: &TapForm) -> Vec<i64> {
+    let (q, d, deep) = match form {
+        TapForm::Standard => (total, 0, false),
+        TapForm::HighSpeed(peck) => (peck.infeed.value.nm(), peck.back.value.nm(), false),
+        TapForm::Deep(peck) => (peck.infeed.value.nm(), peck.back.value.nm(), true),
+    };
+    let mut ends = Vec::new();
+    for n in 1.. {
+        let target = (n * q).min(total);
+        if target <= from {
+            continue;
+        }
+        ends.push(target);
+        if target == total {
+            break;
+        }
+        if deep {
+            ends.push(0);
+        }
+        ends.push((target - d).max(0));
+    }
+    // A stroke of no length is none.
+    ends.dedup();
+    ends
+}
+
+fn random_call(r: &mut Random) -> TapCall {
+    let axis = if r.chance(60) { TapAxis::Z } else { TapAxis::X };
+    let inward = r.sign();
+    let grid = 100;
+    let length = |r: &mut Random, most: i64| Length::from_nm(r.within(1, most) * grid);
+    let start = Position {
+        x: Length::from_nm(r.within(-2_000_000, 2_000_000) * grid),
+        z: Length::from_nm(r.within(-2_000_000, 2_000_000) * grid),
+        c: Angle::from_udeg(r.within(0, 360_000_000)),
+    };
+    let total = length(r, 600_000);
+    let initial = axis.of(start);
+    let level = if r.chance(40) {
+        initial
+    } else {
+        initial + length(r, 100_000).times(inward)
+    };
+    let infeed = Length::from_nm((total.nm() / r.within(1, 20)).max(grid) / grid * grid);
+    let back = Length::from_nm(infeed.nm() * r.within(0, 100) / 100 / grid * grid);
+    let peck = TapPeck {
+        infeed: at(infeed),
+        back: at(back),
+    };
+    let form = match r.within(0, 2) {
+        0 => TapForm::Standard,
+        1 => TapForm::HighSpeed(peck),
+        _ => TapForm::Deep(peck),
+    };
+    let rpm = r.within(1, 5000);
+    let percent = r.within(1, 200);
+    let repeat = match r.within(0, 9) {
+        0 => TapRepeat::Stay,
+        1..=3 => holes(r.within(2, 5) as u8),
+        _ => holes(1),
+    };
+    let move_to = |r: &mut Random| Position {
+        x: Length::from_nm(r.within(-1000, 1000) * grid),
+        z: Length::from_nm(r.within(-1000, 1000) * grid),
+        c: Angle::from_udeg(r.within(-1000, 1000)),
+    };
+    let (aside, step) = (move_to(r), move_to(r));
+    let hole = Position {
+        x: start.x + aside.x,
+        z: start.z + aside.z,
+        c: start.c + aside.c,
+    };
+    TapCall {
+        cycle: TapCycle::G84,
+        axis,
+        start,
+        hole: axis.with(hole, initial),
+        step: axis.with(step, Length::ZERO),
+        level: at(level),
+        bottom: at(level + total.times(inward)),
+        form,
+        dwell: Millis::new(if r.chance(50) { 0 } else { 500 }),
+        lead: at(Lead::new(r.within(1, 5_000) * 1_000_000, rpm).unwrap()),
+        hand: if r.chance(50) {
+            Hand::Right
+        } else {
+            Hand::Left
+        },
+        speed: CentiRpm::new(rpm as i32 * 100),
+        extract: CentiRpm::new((rpm * percent) as i32),
+        spindle: TapSpindle::First,
+        repeat,
+        clamp: r.chance(30).then_some(10),
+        continues: false,
+    }
+}
+
+/// Checks the strokes of the moves of one hole, which begin `from` below R; gives their number.
+fn check_hole(call: &TapCall, list: &[Move], from: i64, stays: bool) -> u32 {
+    let axis = call.axis;
+    let inward = (call.bottom.value - call.level.value).signum();
+    let total = (call.bottom.value - call.level.value).abs().nm();
+    let below = |m: &Move| (axis.of(m.to) - call.level.value).times(inward).nm();
+    let mut expected = reference(total, from, &call.form);
+    if !stays {
+        expected.push(0);
+    }
+    let strokes: Vec<_> = list
+        .iter()
+        .filter_map(|m| tap_of(m).map(|tap| (*m, tap)))
+        .collect();
+    let ends: Vec<_> = strokes.iter().map(|(m, _)| below(m)).collect();
+    assert_eq!(ends, expected, "{call:?}");
+    // Angle and axis on one line: the turns so far are the depth over the lead, exactly.
+    let hand = if call.hand == Hand::Right { 1 } else { -1 };
+    let mut numerator = i128::from(from) * i128::from(call.lead.value.denominator()) * hand;
+    let mut at = from;
+    for (m, tap) in &strokes {
+        let end = below(m);
+        assert!((0..=total).contains(&end));
+        assert_ne!(end, at);
+        numerator += i128::from(tap.turns.numerator());
+        assert_eq!(tap.turns.denominator(), call.lead.value.numerator());
+        let line = i128::from(end) * i128::from(call.lead.value.denominator()) * hand;
+        assert_eq!(numerator, line);
+        assert_eq!(tap.outward, end < at);
+        let sign = i64::from(tap.speed.get()).signum();
+        assert_eq!(sign, (end - at).signum() * hand as i64);
+        assert_eq!(m.tag.unwrap().depth.nm(), end);
+        assert_eq!(
+            (tap.level, tap.bottom),
+            (call.level.value, call.bottom.value)
+        );
+        let fast = m.tag.unwrap().stage != Stage::Tap;
+        let speed = if fast { call.extract } else { call.speed };
+        assert_eq!(tap.speed.get().abs(), speed.get());
+        at = end;
+    }
+    let first = strokes.first().unwrap().1;
+    assert_eq!(first.opens, !call.continues);
+    assert!(strokes[1..].iter().all(|(_, tap)| !tap.opens));
+    let closing = strokes.iter().filter(|(_, tap)| tap.closes).count();
+    assert_eq!(closing, usize::from(!stays));
+    assert_eq!(strokes.last().unwrap().1.closes, !stays);
+    strokes.len() as u32
+}
+
+#[test]
+fn holes_at_random() {
+    let mut r = Random(84);
+    let (mut strokes, mut stays) = (0, 0);
+    for _ in 0..CYCLES {
+        let call = random_call(&mut r);
+        let list = moves(&call);
+        // Nothing but the tap axis moves between R and the bottom, and every move goes somewhere.
+        let mut at = call.start;
+        for m in &list {
+            match m.kind {
+                MoveKind::Rapid => assert_ne!(m.to, at),
+                MoveKind::Tap(_) => {
+                    assert_eq!(
+                        call.axis.with(m.to, Length::ZERO),
+                        call.axis.with(at, Length::ZERO)
+                    );
+                }
+                _ => assert_eq!(m.to, at),
+            }
+            at = m.to;
+        }
+        match call.repeat {
+            TapRepeat::Holes(holes) => {
+                for number in 1..=holes.get() {
+                    let mine: Vec<_> = list
+                        .iter()
+                        .filter(|m| m.tag.unwrap().pass == u32::from(number))
+                        .copied()
+                        .collect();
+                    strokes += check_hole(&call, &mine, 0, false);
+                    let end = mine.last().unwrap().to;
+                    let steps = i64::from(number) - 1;
+                    assert_eq!(end.x, call.hole.x + call.step.x.times(steps));
+                    assert_eq!(end.z, call.hole.z + call.step.z.times(steps));
+                    assert_eq!(
+                        end.c.udeg(),
+                        call.hole.c.udeg() + call.step.c.udeg() * steps
+                    );
+                }
+            }
+            TapRepeat::Stay => {
+                stays += 1;
+                strokes += check_hole(&call, &list, 0, true);
+                assert_eq!(call.axis.of(at), call.bottom.value);
+                // On from there, a little deeper, with the same words.
+                let from = (call.bottom.value - call.level.value).abs();
+                let inward = (call.bottom.value - call.level.value).signum();
+                let deeper = TapCall {
+                    start: at,
+                    bottom: leadscrew_core::alarm::At::new(
+                        call.bottom.value
+                            + Length::from_nm(r.within(1, 40_000) * 100).times(inward),
+                        place(3),
+                    ),
+                    repeat: holes(1),
+                    continues: true,
+                    ..call
+                };
+                let list = moves(&deeper);
+                strokes += check_hole(&deeper, &list, from.nm(), false);
+                assert_eq!(list.last().unwrap().to, call.hole);
+            }
+        }
+    }
+    assert!(
+        strokes > 10 * CYCLES && stays > CYCLES / 20,
+        "{strokes} {stays}"
+    );
+}
+
+#[test]
+fn turned_round_it_is_the_same() {
+    let mut r = Random(88);
+    for _ in 0..CYCLES / 10 {
+        let call = random_call(&mut r);
+        let turn = |nm: Length| -nm;
+        let mirror = |p: Position| call.axis.with(p, turn(call.axis.of(p)));
+        let mirrored = TapCall {
+            start: mirror(call.start),
+            hole: mirror(call.hole),
+            level: at(turn(call.level.value)),
+            bottom: at(turn(call.bottom.value)),
+            ..call
+        };
+        for (m, other) in moves(&call).iter().zip(moves(&mirrored)) {
+            assert_eq!(mirror(m.to), other.to);
+            assert_eq!(m.tag, other.tag);
+            let turns = |m: &Move| tap_of(m).map(|tap| (tap.turns, tap.speed));
+            assert_eq!(turns(m), turns(&other));
+        }
+    }
+}
