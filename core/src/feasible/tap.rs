@@ -128,9 +128,3 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
 fn whole(speed: CentiRpm) -> Rpm {
     Rpm::new(speed.get().saturating_add(50).div_euclid(100))
 }
-
-#[cfg(test)]
-#[allow(clippy::arithmetic_side_effects)]
-mod tests {
-    use super::*;
-}

@@ -157,6 +157,7 @@ fn after_a_reset_the_tap_goes_on_in_phase() {
         .filter(|row| depth(row, &hole) > 0)
         .map(|row| row.tick)
         .collect();
+    let mut went_on = 0;
     // On the way in, and on the way out.
     for tick in ticks.into_iter().skip(20).step_by(31) {
         let mut sim = leadscrew_tests::machine::machine(&params, &PlantOptions::default());
@@ -171,21 +172,24 @@ fn after_a_reset_the_tap_goes_on_in_phase() {
             ran.rows.extend(sim.step());
         }
         let at = sim.board().ticker().executor().position();
-        assert!(
-            at.z < hole.level.value && at.z > hole.bottom.value,
-            "{at:?}"
-        );
+        if at.z == hole.bottom.value || at.z == hole.level.value {
+            // The reset came in the last ticks of a stroke.
+            continue;
+        }
+        went_on += 1;
         let rest = TapCall {
             start: at,
 
             continues: true,
             ..hole
         };
-        for call in program(&[rest]).iter().take(2) {
-            assert!(sim.offer(call));
-        }
-        while sim.is_busy() {
+        let mut calls = program(&[rest]).into_iter().peekable();
+        while calls.peek().is_some() || sim.is_busy() {
+            while calls.peek().is_some_and(|call| sim.offer(call)) {
+                calls.next();
+            }
             ran.rows.extend(sim.step());
+            assert!(ran.rows.len() < 10_000, "it does not come to an end");
         }
         sim.last_rows(|row| ran.rows.push(row));
         judge(&ran, &hole, &params);
@@ -195,4 +199,5 @@ fn after_a_reset_the_tap_goes_on_in_phase() {
         let apart = (set(last) - set(locked(&calm).last().expect("rows"))).raw();
         assert!(apart.abs() <= 1, "reset at {tick}: {apart}");
     }
+    assert!(went_on > 10, "{went_on}");
 }

@@ -274,7 +274,7 @@ fn the_same_frames_give_the_same_bits() {
             ..PlantOptions::default()
         });
         bench.enable();
-        bench.speed = MilliRpm::new(-123_456);
+        bench.demand = SpindleDemand::Speed(MilliRpm::new(-123_456));
         (0..500).map(|_| bench.tick([None; 3])).collect::<Vec<_>>()
     };
     assert_eq!(run(), run());
