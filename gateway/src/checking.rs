@@ -2,7 +2,9 @@
 //! before anything moves.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::program::{Call, CallKind, Event, Position, ThreadCall, ThreadCycle};
+use leadscrew_core::program::{
+    Call, CallKind, Event, Position, TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle,
+};
 use leadscrew_core::units::Length;
 use leadscrew_core::{cycle, feasible};
 
@@ -37,8 +39,10 @@ pub struct CycleReport {
     pub line: u32,
     /// Its name.
     pub cycle: &'static str,
-    /// Passes of a thread, columns of a groove.
+    /// Passes of a thread, columns of a groove, holes of a tap.
     pub passes: u32,
+    /// The fastest a tap turns on the way in, in hundredths of a turn per minute.
+    pub tap_speed: Option<i64>,
     /// Figures of a thread.
     pub thread: Option<ThreadFigures>,
     /// About how long it takes, in microseconds.
@@ -147,10 +151,12 @@ impl Checker<'_> {
                     line: call.span.line,
                     cycle: "G75",
                     passes: columns.unwrap_or(0),
+                    tap_speed: None,
                     thread: None,
                     time_us,
                 });
             }
+            CallKind::Tap(tap) => self.tap(tap, call.span, time_us, inch),
             _ => {}
         }
         for step in moves {
@@ -173,6 +179,30 @@ impl Checker<'_> {
                 self.tell(alarm, inch);
             }
         }
+    }
+
+    fn tap(&mut self, call: &TapCall, span: Span, time_us: i64, inch: bool) {
+        let report = match feasible::tap(call, span, &self.session.params) {
+            Ok(report) => report,
+            Err(alarm) => return self.tell(&alarm, inch),
+        };
+        if let Some(warning) = &report.warning {
+            self.tell(warning, inch);
+        }
+        self.report.cycles.push(CycleReport {
+            line: span.line,
+            cycle: match call.cycle {
+                TapCycle::G84 => "G84",
+                TapCycle::G88 => "G88",
+            },
+            passes: match call.repeat {
+                TapRepeat::Holes(holes) => u32::from(holes.get()),
+                TapRepeat::Stay => 1,
+            },
+            tap_speed: Some(i64::from(report.fastest.get())),
+            thread: None,
+            time_us,
+        });
     }
 
     fn thread(&mut self, call: &ThreadCall, span: Span, time_us: i64, inch: bool) {
@@ -198,6 +228,7 @@ impl Checker<'_> {
                 ThreadCycle::G78 => "G78",
             },
             passes: report.passes,
+            tap_speed: None,
             thread: Some(ThreadFigures {
                 z_shift_max_nm: report.z_shift_max.nm(),
                 lead_in_nm: report.lead_in.nm(),
@@ -238,6 +269,9 @@ impl CycleReport {
         json.integer("line", i64::from(self.line));
         json.text("cycle", self.cycle);
         json.integer("passes", i64::from(self.passes));
+        if let Some(speed) = self.tap_speed {
+            json.integer("rpm_max", speed / 100);
+        }
         if let Some(thread) = &self.thread {
             json.decimal::<6>("z_shift_max_mm", thread.z_shift_max_nm);
             json.decimal::<6>("lead_in_mm", thread.lead_in_nm);
@@ -250,6 +284,15 @@ impl CycleReport {
     /// One line for a person.
     pub fn text(&self) -> String {
         let time = number::rounded::<6>(self.time_us, 1);
+        if let Some(speed) = self.tap_speed {
+            return format!(
+                "line {}: {}, {}, {time} s; up to {} rpm",
+                self.line,
+                self.cycle,
+                plural(self.passes, "hole"),
+                number::rounded::<2>(speed, 1),
+            );
+        }
         let Some(thread) = &self.thread else {
             let columns = plural(self.passes, "column");
             return format!("line {}: {}, {columns}, {time} s", self.line, self.cycle);

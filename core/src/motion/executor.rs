@@ -81,10 +81,6 @@ pub struct Setpoint {
 }
 
 #[derive(Clone, Copy, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is one, and no allocator to box its parts"
-)]
 enum Active {
     Free,
     Timed(Option<FeedRate>),

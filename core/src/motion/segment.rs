@@ -22,10 +22,6 @@ pub struct Segment {
 
 /// The work of a segment.
 #[derive(Clone, Copy, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "the queue holds segments by value; there is no allocator to box them"
-)]
 pub enum Action {
     /// Driven by time: rapid, feed, arc.
     Timed(Timed),

@@ -45,7 +45,7 @@ fn any_lead_is_the_exact_ratio_rounded_towards_zero() {
         let (numerator, denominator) = (random(40) + 1_000_000, random(6) + 1);
         let gear = gear(numerator, denominator, -1, Hand::Right);
         let way = random(40);
-        let exact = (i128::from(way) * i128::from(denominator) << 32) / i128::from(numerator);
+        let exact = ((i128::from(way) * i128::from(denominator)) << 32) / i128::from(numerator);
         let turns = gear.turns(z(5_000_000 - way));
         assert_eq!(
             i128::from(turns.raw()),
@@ -55,7 +55,10 @@ fn any_lead_is_the_exact_ratio_rounded_towards_zero() {
         assert_eq!(gear.turns(z(5_000_000 + way)), -turns);
         // There and back: less than a nanometre from where it was.
         let back = gear.position(turns).nm() - (5_000_000 - way);
-        assert!(back.abs() <= 1 + (numerator / denominator >> 32), "{back}");
+        assert!(
+            back.abs() <= 1 + ((numerator / denominator) >> 32),
+            "{back}"
+        );
     }
 }
 
