@@ -2,6 +2,7 @@
 //! before anything moves.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::cycle::Moves;
 use leadscrew_core::program::{
     Call, CallKind, Event, Position, TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle,
 };
@@ -141,21 +142,7 @@ impl Checker<'_> {
         };
         match &call.kind {
             CallKind::Thread(thread) => self.thread(thread, call.span, time_us, inch),
-            CallKind::Groove(_) => {
-                let columns = moves
-                    .clone()
-                    .filter_map(|step| step.tag)
-                    .map(|tag| tag.pass)
-                    .max();
-                self.report.cycles.push(CycleReport {
-                    line: call.span.line,
-                    cycle: "G75",
-                    passes: columns.unwrap_or(0),
-                    tap_speed: None,
-                    thread: None,
-                    time_us,
-                });
-            }
+            CallKind::Groove(_) => self.passes(call.span, "G75", &moves, time_us),
             CallKind::Tap(tap) => self.tap(tap, call.span, time_us, inch),
             _ => {}
         }
@@ -163,6 +150,19 @@ impl Checker<'_> {
             self.report.moves += 1;
             self.at = step.to;
         }
+    }
+
+    /// A cycle whose passes are its columns or holes.
+    fn passes(&mut self, span: Span, cycle: &'static str, moves: &Moves, time_us: i64) {
+        let tags = moves.clone().filter_map(|step| step.tag);
+        self.report.cycles.push(CycleReport {
+            line: span.line,
+            cycle,
+            passes: tags.map(|tag| tag.pass).max().unwrap_or(0),
+            tap_speed: None,
+            thread: None,
+            time_us,
+        });
     }
 
     /// A thread that geometry refuses may have its cause elsewhere: a feed rate where the lead should be makes a run-out

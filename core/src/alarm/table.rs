@@ -544,6 +544,9 @@ codes! {
     ToleranceAboveVariation = 4427, "a spindle counts as arrived within {0} (9007), and threads keep room for {1} only (9010)",
         "lower 9007 or raise 9010",
         "主轴到达判据为 {0}（9007），而螺纹只为 {1}（9010）预留余地", "请减小 9007 或增大 9010";
+    /// 5210 names a code with another meaning; {0} the code.
+    TapCodeTaken = 4429, "M{0} cannot be the code of rigid tapping (5210): it means something else", "set 5210 to 0 (M29), or to a code that is free",
+        "M{0} 不能作为刚性攻丝的 M 代码（5210）：它另有含义", "请将 5210 设为 0（M29）或未使用的代码";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.

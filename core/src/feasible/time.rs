@@ -5,7 +5,7 @@ use core::time::Duration;
 use super::pass::Gather;
 use crate::alarm::Alarm;
 use crate::cycle::{Move, MoveKind};
-use crate::motion::{Limits, ThreadPlan, plan};
+use crate::motion::{Limits, ThreadPlan, plan, stroke};
 use crate::params::Params;
 use crate::program::Position;
 use crate::units::{TurnRate, mul_div};
@@ -38,6 +38,12 @@ pub fn time(
                 }
                 None => 0,
             },
+            MoveKind::Tap(tap) => {
+                let travel = tap.axis.of(next.to) - tap.axis.of(at);
+                stroke(&tap, travel, params, &limits, next.span)?
+                    .duration_ticks()
+                    .saturating_mul(tick)
+            }
             MoveKind::Dwell(dwell) => u64::from(dwell.get()).saturating_mul(1000),
             _ => plan::timed(at, &next, &limits)?
                 .map_or(0, |timed| timed.duration_ticks().saturating_mul(tick)),

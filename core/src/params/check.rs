@@ -174,6 +174,12 @@ impl Params {
                 [speed(tap), speed(spindle), Arg::None],
             ));
         }
+        // The flow, spindle, coolant, tapping spindle and subprogram codes.
+        let code = self.tap_m_code();
+        if matches!(code, 1..=5 | 8 | 9 | 24..=27 | 30 | 98 | 99) {
+            let code = Arg::Int(i64::from(code));
+            report(alarm(Code::TapCodeTaken, [code, Arg::None, Arg::None]));
+        }
         let nothing = [Arg::None; 3];
         if self.tap_peck_return().nm() == 0 {
             report(alarm(Code::NoPeckReturn, nothing));
@@ -344,6 +350,12 @@ mod tests {
                 Code::TapSpeedAboveSpindle,
                 [rpm(3000), rpm(2999), none, none],
                 &[("3772", "2999"), ("5241", "2999")],
+            ),
+            (
+                &[("5210", "30")],
+                Code::TapCodeTaken,
+                [Arg::Int(30), none, none, none],
+                &[("5210", "31")],
             ),
             (
                 &[("5213", "0")],

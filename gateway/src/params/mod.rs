@@ -175,6 +175,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::FeedAboveRapid => &[1420, 1430],
         Code::ObserverTooFast | Code::ObserverNoisy => &[9000, 9005],
         Code::IncrementTooFine => &[9001, 9002],
+        Code::TapCodeTaken => &[5210],
         Code::RapidBeyondTick => &[1420, 9000],
         Code::SpindleTooFastForTick => &[3772, 9000],
         Code::TravelBeyondDrive => &[1320, 1321, 9001, 9002],

@@ -349,7 +349,8 @@ fn the_table_of_the_extraction_override() {
     const WIDE: (&str, &str) = ("5202.6", "1");
     const TENS: (&str, &str) = ("5201.3", "1");
     const P150: (&str, &str) = ("5211", "150");
-    let cases: &[(&[(&str, &str)], &str, i32)] = &[
+    type Case<'a> = (&'a [(&'a str, &'a str)], &'a str, i32);
+    let cases: &[Case] = &[
         // 5200.4 = 0: 100 %, whatever else there is.
         (&[P150], "", 100_000),
         (&[J, WIDE, P150], "J1500", 100_000),

@@ -1,14 +1,15 @@
 //! Calls to moves.
 
 use audit::any::{any, sink};
-use leadscrew_core::cycle::{GrooveMoves, ThreadMoves, expand};
-use leadscrew_core::program::{Call, GrooveCall, ThreadCall};
+use leadscrew_core::cycle::{GrooveMoves, TapMoves, ThreadMoves, expand};
+use leadscrew_core::program::{Call, GrooveCall, TapCall, ThreadCall};
 
 /// All of this room.
 pub fn all() {
     any_call();
     thread();
     groove();
+    tap();
 }
 
 #[inline(never)]
@@ -31,6 +32,13 @@ fn thread() {
 fn groove() {
     if let Ok(moves) = GrooveMoves::new(&any::<GrooveCall>(), any()) {
         sink(moves.warning());
+        moves.for_each(sink);
+    }
+}
+
+#[inline(never)]
+fn tap() {
+    if let Ok(moves) = TapMoves::new(&any::<TapCall>(), any()) {
         moves.for_each(sink);
     }
 }
