@@ -9,19 +9,20 @@ use leadscrew_core::board::Command;
 use leadscrew_core::bus::{
     CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
     Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, Scale, SpindleCommand,
-    Statusword, SyncProducer,
+    SpindleDemand, Statusword, SyncProducer,
 };
 use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
-    ArcCall, Aux, Call, CallKind, CutIn, Dialect, FeedRate, GrooveCall, Infeed, Options, Position,
-    Hand, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapPeck, TapRepeat, TapSpindle,
-    ThreadCall, ThreadCycle,
+    ArcCall, Aux, Call, CallKind, CutIn, Dialect, FeedRate, GrooveCall, Hand, Infeed, Options,
+    Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapPeck,
+    TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, TurnRate, TurnRatio, Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, TurnRate, TurnRatio,
+    Turns,
 };
 
 static SOURCE: u64 = 0;
@@ -144,6 +145,7 @@ macro_rules! choices {
 }
 choices! {
     Mode { Mode::Position } or Mode::Velocity;
+    SpindleDemand { SpindleDemand::Speed(any()) } or SpindleDemand::Position(any());
     NmtCommand {
         NmtCommand::Start, NmtCommand::Stop, NmtCommand::PreOperational, NmtCommand::ResetNode,
     } or NmtCommand::ResetCommunication;

@@ -96,6 +96,7 @@ fn spindle() {
     while any() {
         sink(master.drive_mut().enable().is_ok());
         sink(master.drive_mut().receive(&any()));
+        sink(master.engage());
         sink(master.tick(any()));
     }
 }

@@ -3,7 +3,8 @@
 use audit::any::{any, sink};
 use leadscrew_core::cycle::Move;
 use leadscrew_core::motion::{
-    Arc, Limits, Line, PathRate, Profile, Rate, Run, ThreadPlan, ThreadRun, plan,
+    Arc, Gear, Limits, Line, PathRate, Profile, Rate, Run, Tap, TapLine, TapStep, ThreadPlan,
+    ThreadRun, dwell_ticks, plan, stroke,
 };
 use leadscrew_core::program::Position;
 
@@ -15,6 +16,30 @@ pub fn all() {
     run();
     thread_plan();
     thread_run();
+    tap();
+}
+
+#[inline(never)]
+fn tap() {
+    let Some(gear) = Gear::new(any(), any(), any(), any(), any()) else {
+        return;
+    };
+    sink((gear.turns(any()), gear.position(any())));
+    let line = TapLine::through(gear, any(), any());
+    sink((line.angle(any()), line.error(any(), any())));
+    let mut tap = Tap::new(gear, any(), any());
+    while any() {
+        sink(tap.push(TapStep::Dwell(dwell_ticks(any(), any()))));
+        if let Ok(stroke) = stroke(&any(), any(), &any(), &any(), any()) {
+            sink((
+                stroke.peak(),
+                stroke.reaches_speed(),
+                stroke.duration_ticks(),
+            ));
+            sink(tap.push(TapStep::Stroke(stroke)));
+        }
+        sink((tap.step(any()), tap.repeats(), tap.is_empty()));
+    }
 }
 
 #[inline(never)]
