@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::{code, leadscrew, root, stderr, stdout};
+use crate::{code, golden, leadscrew, root, stderr, stdout};
 
 const THREAD: &str = "examples/o0013-g76-m68x6.nc";
 
@@ -320,6 +320,25 @@ fn pictures_show_every_kind_of_move() {
     }
     assert!(!svg.contains("NaN"));
     assert!(svg.len() < 200_000, "{}", svg.len());
+}
+
+/// The README shows what `cargo xtask demo` draws.
+#[test]
+fn the_picture_of_the_readme_is_current() {
+    let folder = Folder::new("readme");
+    let picture = folder.file("shaft.svg");
+    let output = leadscrew(&[
+        "plot",
+        "examples/shaft.nc",
+        "--spindle-ripple=10@5",
+        "-o",
+        &picture,
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    golden(
+        &root().join("docs/images/shaft.svg"),
+        &std::fs::read_to_string(picture).unwrap(),
+    );
 }
 
 #[test]
