@@ -59,6 +59,9 @@ pub enum CallKind {
     Groove(GrooveCall),
     /// M30, M02: the program is over. Also an [`Aux`] for the machine; no call follows.
     End(u16),
+    /// The text is over without one of them: no move, and no call follows. Made by whoever feeds the board, not by the
+    /// interpreter: only the reader of the text knows that nothing more comes.
+    Over,
 }
 
 /// Cutting speed on the path.

@@ -159,6 +159,7 @@ choices! {
     CallKind {
         CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
         CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
+        CallKind::Over,
     } or CallKind::End(any());
 }
 

@@ -413,3 +413,26 @@ fn ctrl_c_brings_the_machine_to_a_stop() {
     assert_eq!(last[2..5], before[2..5], "the axes stand at the end");
     assert_ne!(last[9], "alarm");
 }
+
+#[test]
+fn a_text_that_just_stops_ends_its_program() {
+    let folder = Folder::new("open-end");
+    for (text, moves) in [
+        ("G0 X50 Z10\n", 1),
+        ("G0 X50 Z10", 1),
+        ("%\nM3 S300\nG0 X50 Z10\n%\n", 2),
+        (
+            "M3 S300\nG0 X50 Z10\nG78 P010060 Q0.1 R0.05\nG78 X46 Z-10 P1.2 Q0.8 F2",
+            22,
+        ),
+        ("", 0),
+    ] {
+        let program = folder.file("open.nc");
+        std::fs::write(&program, text).unwrap();
+        for command in ["simulate", "run"] {
+            let result = result(&[command, &program, "--json"]);
+            assert_eq!(result["ok"], true, "{text}");
+            assert_eq!(result["moves"], moves, "{text}");
+        }
+    }
+}
