@@ -308,24 +308,18 @@ impl Executor {
                         return Err(Alarm::new(Code::SpindleStopped, self.span));
                     }
                 }
-                let plan_long_x = run.plan().long_x();
-                let (long, short) = if plan_long_x {
+                let (long, short) = if run.plan().long_x() {
                     (now.ahead_x, now.ahead_z)
                 } else {
                     (now.ahead_z, now.ahead_x)
                 };
-                let beside = (long != short).then_some(*run);
-                let point = run.tick(now.observer.predict(long));
+                let angle = now.observer.predict(long);
+                let point = if long == short {
+                    run.tick(angle)
+                } else {
+                    run.tick_apart(angle, now.observer.predict(short))
+                };
                 self.position = point.position;
-                if let Some(mut beside) = beside {
-                    // The other axis' drive is slower or faster: its coordinate is that of its own instant.
-                    let beside = beside.tick(now.observer.predict(short)).position;
-                    if plan_long_x {
-                        self.position.z = beside.z;
-                    } else {
-                        self.position.x = beside.x;
-                    }
-                }
                 locked = point.phase == Phase::Locked;
                 offset = u32::from(point.move_index);
                 match point.phase {
@@ -381,11 +375,8 @@ impl Executor {
         if !now.more {
             return Ok(None);
         }
-        let ahead = if pass.plan.long_x() {
-            now.ahead_x
-        } else {
-            now.ahead_z
-        };
+        // Both axes have to be in time: the one with the slower drive leaves first.
+        let ahead = now.ahead_x.max(now.ahead_z);
         ThreadRun::start(pass.plan, now.observer.predict(ahead), speed).map(Some)
     }
 
