@@ -436,3 +436,36 @@ fn a_text_that_just_stops_ends_its_program() {
         }
     }
 }
+
+#[test]
+fn the_time_of_a_cycle_is_known_before_it_runs() {
+    let folder = Folder::new("time");
+    let (program, csv) = (folder.file("time.nc"), folder.file("time.csv"));
+    // The second run-out is too short for its displacement: X makes it up by itself, and every pass takes longer.
+    for cycle in [
+        "G76 P010060 Q1000 R0.05\nG76 X56 Z-30 P9000 Q3000 F2",
+        "G76 P010930 Q1000 R0.05\nG76 X56 Z-30 P8124 Q3000 F4 J1 K2",
+        "G78 P010460 Q0.1 R0.05 L3\nG78 X56 Z-30 P1.2 Q0.5 F3 J1 K2",
+    ] {
+        let text = format!("M3 S598\nG4 P1000\nG0 X66 Z8\n{cycle}\nM30\n");
+        std::fs::write(&program, text).unwrap();
+        let check = result(&["check", &program, "--json"]);
+        let foreseen = check["files"][0]["cycles"][0]["time_s"].as_f64().unwrap();
+        assert_eq!(
+            code(&leadscrew(&["simulate", &program, "-o", &csv])),
+            0,
+            "{cycle}"
+        );
+        let rows = std::fs::read_to_string(&csv).unwrap();
+        let rows = rows
+            .lines()
+            .filter(|row| row.split(',').nth(7) == Some("5"));
+        let taken = rows.count() as f64 * 1e-3;
+        // The first pass waits for its start angle, up to half a turn longer or shorter than foreseen.
+        let doubt = 0.5 * 60.0 / 598.0 + 0.02;
+        assert!(
+            (taken - foreseen).abs() < doubt,
+            "{foreseen} s foreseen, {taken} s taken: {cycle}"
+        );
+    }
+}
