@@ -5,7 +5,7 @@
 //! from physics by `feasible`.
 
 use crate::alarm::{At, Span};
-use crate::units::{Angle, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle};
+use crate::units::{Angle, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle};
 
 /// A point in machine coordinates; X is a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -157,6 +157,10 @@ pub struct RunOut {
     pub short: At<Length>,
     /// Length on the long axis (K), positive.
     pub long: At<Length>,
+    /// What a J computed from the lead has beyond whole nanometres.
+    pub short_rest: Remainder,
+    /// The same of K.
+    pub long_rest: Remainder,
 }
 
 /// A G76 or G78 cycle with every word resolved.

@@ -19,7 +19,7 @@ pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
 pub use decimal::{Decimal, DecimalError};
 pub use feed::{Feed, FeedPerTurn, Lead, Millis, Rpm};
-pub use length::{Diameter, Length};
+pub use length::{Diameter, Length, Remainder};
 pub use rate::{Ticks, TurnRate};
 pub use trig::Direction;
 pub use wide::{Divisor, mul_div, mul_high};
