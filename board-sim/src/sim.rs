@@ -6,7 +6,7 @@
 
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::board::{Board, Command, Event, Outcome, State};
+use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::motion::{Motion, ThreadRun};
 use leadscrew_core::params::Params;
@@ -18,6 +18,9 @@ use crate::plant::{FineTurns, Plant, PlantError, PlantOptions};
 
 /// The longest latency of a drive, in ticks, that a row can wait for.
 const LATENCY_TICKS: usize = 128;
+
+/// Truths kept: one for every SYNC that a row waits for, and the one before an instant between two of them.
+const TRUTHS: usize = LATENCY_TICKS + 2;
 
 /// Frames the drives send in one period at most.
 const ANSWERS: usize = 16;
@@ -83,6 +86,7 @@ pub enum SimError {
 struct Pending {
     row: Row,
     run: Option<ThreadRun>,
+    locked: bool,
 }
 
 /// A board, its drives, its spindle, and time that goes by when it is told to.
@@ -90,16 +94,39 @@ pub struct Sim {
     board: Board,
     plant: Plant,
     tick_us: u32,
-    /// Whole ticks, and the rest in µs, from the SYNC that takes a setpoint to its effect.
-    delay: (usize, u32),
+    /// From the SYNC that takes a setpoint to its effect, on X and on Z.
+    delays: [Delay; 2],
     ticks: u64,
     sample: EncoderSample,
     /// On their way to the board.
     answers: Vec<Frame, ANSWERS>,
     pending: Deque<Pending, LATENCY_TICKS>,
-    /// The truths of the last SYNCs, newest last, as many as rows wait for.
-    before: FineTurns,
-    now: FineTurns,
+    /// The spindle's angle at the last SYNCs, oldest first, as many as rows wait for.
+    truths: Deque<FineTurns, TRUTHS>,
+}
+
+/// Whole ticks, and the rest in µs.
+#[derive(Clone, Copy)]
+struct Delay {
+    whole: usize,
+    rest_us: u32,
+}
+
+impl Delay {
+    fn of(params: &Params, axis: Axis) -> Self {
+        let (latency, tick_us) = (params.latency_us(axis), params.tick_us());
+        Self {
+            whole: latency.checked_div(tick_us).unwrap_or(0) as usize,
+            rest_us: latency.checked_rem(tick_us).unwrap_or(0),
+        }
+    }
+
+    /// SYNCs from a tick to the first at which the truth of its row is known.
+    const fn wait(self) -> usize {
+        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
+        let between = if self.rest_us == 0 { 0 } else { 1 };
+        self.whole.saturating_add(1).saturating_add(between)
+    }
 }
 
 impl Sim {
@@ -112,21 +139,16 @@ impl Sim {
         let plant = Plant::new(params, options).map_err(SimError::Plant)?;
         let board = Board::new(params, Some(options.at)).map_err(SimError::Board)?;
         let tick_us = params.tick_us();
-        let latency = params.latency_us(Axis::Z);
         let mut sim = Self {
             board,
             plant,
             tick_us,
-            delay: (
-                latency.checked_div(tick_us).unwrap_or(0) as usize,
-                latency.checked_rem(tick_us).unwrap_or(0),
-            ),
+            delays: [Axis::X, Axis::Z].map(|axis| Delay::of(params, axis)),
             ticks: 0,
             sample: EncoderSample::default(),
             answers: Vec::new(),
             pending: Deque::new(),
-            before: FineTurns::default(),
-            now: FineTurns::default(),
+            truths: Deque::new(),
         };
         sim.start()?;
         Ok(sim)
@@ -134,9 +156,10 @@ impl Sim {
 
     /// Lets the drives come up. Their steps have times of their own, so this ends.
     fn start(&mut self) -> Result<(), SimError> {
+        let mut output = Output::default();
         loop {
             self.advance();
-            let output = self.board.tick(self.sample, &self.answers);
+            self.board.tick(self.sample, &self.answers, &mut output);
             self.exchange(&output.frames, &mut |_, _| {});
             while let Some(event) = self.board.event() {
                 match event {
@@ -156,8 +179,11 @@ impl Sim {
     /// Time goes by up to the next SYNC.
     fn advance(&mut self) {
         self.sample = self.plant.advance();
-        self.before = self.now;
-        self.now = self.plant.truth().angle;
+        if self.truths.is_full() {
+            self.truths.pop_front();
+        }
+        // There is room now.
+        let _ = self.truths.push_back(self.plant.truth().angle);
     }
 
     /// What the board sends reaches the drives, and they answer.
@@ -226,10 +252,11 @@ impl Sim {
         self.advance();
         let ready = self.release();
         while self.board.background() {}
-        let output = self.board.tick(self.sample, &self.answers);
+        let mut output = Output::default();
+        self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;
         let run = self.board.ticker().executor().thread().copied();
-        let doing = match (output.state, setpoint.motion) {
+        let doing = match (self.board.ticker().state(), setpoint.motion) {
             (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => Doing::Alarm,
             (_, Motion::Hold) | (State::Held, _) => Doing::Hold,
             (_, Motion::Dwell) => Doing::Dwell,
@@ -243,27 +270,27 @@ impl Sim {
             tick: self.ticks,
             t_us: self.ticks.wrapping_mul(u64::from(self.tick_us)),
             position: setpoint.position,
-            spindle: self.now,
+            spindle: FineTurns::default(),
             line: setpoint.line,
             number: setpoint.number,
             doing,
             error: None,
         };
-        let run = if setpoint.locked { run } else { None };
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
         // Released above as soon as it is due: there is always room.
-        let _ = self.pending.push_back(Pending { row, run });
+        let _ = self.pending.push_back(Pending {
+            row,
+            run,
+            locked: setpoint.locked,
+        });
         ready
     }
 
-    /// SYNCs from a tick to the first at which its row's truth is known.
+    /// SYNCs that every row waits for: those of the slower drive.
     fn wait(&self) -> usize {
-        let (whole, rest) = self.delay;
-        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
-        whole
-            .saturating_add(1)
-            .saturating_add(usize::from(rest != 0))
+        let [x, z] = self.delays.map(Delay::wait);
+        x.max(z)
     }
 
     /// The row whose setpoint takes effect now, completed by the truth.
@@ -276,12 +303,18 @@ impl Sim {
 
     /// The oldest row that waits, with what is true now.
     fn complete(&mut self) -> Option<Row> {
-        let (_, rest) = self.delay;
-        let Pending { mut row, run } = self.pending.pop_front()?;
-        row.spindle = self.between(rest);
-        row.error = run.map(|run| {
+        let Pending {
+            mut row,
+            run,
+            locked,
+        } = self.pending.pop_front()?;
+        let [x, z] = self.delays;
+        // In a pass the instant that counts is that of the axis held to the spindle.
+        let long_x = run.as_ref().is_some_and(|run| run.plan().long_x());
+        row.spindle = self.truth(if long_x { x } else { z });
+        row.error = run.filter(|_| locked).map(|run| {
             let exact = run.helix(row.spindle.turns());
-            let actual = if run.plan().long_x() {
+            let actual = if long_x {
                 row.position.x
             } else {
                 row.position.z
@@ -291,12 +324,17 @@ impl Sim {
         Some(row)
     }
 
-    /// The true angle `us` after the SYNC before, or now where `us` is 0.
-    fn between(&self, us: u32) -> FineTurns {
-        if us == 0 {
-            return self.now;
+    /// The true angle when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
+    fn truth(&self, delay: Delay) -> FineTurns {
+        // Counted back from the newest.
+        let ago = self.wait().saturating_sub(delay.wait());
+        let at = |ago| self.truths.iter().rev().nth(ago).copied();
+        let later = at(ago).unwrap_or_default();
+        if delay.rest_us == 0 {
+            return later;
         }
-        self.before.towards(self.now, us, self.tick_us)
+        let earlier = at(ago.saturating_add(1)).unwrap_or_default();
+        earlier.towards(later, delay.rest_us, self.tick_us)
     }
 
     /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
@@ -317,6 +355,6 @@ impl Sim {
     /// The true spindle angle at the last SYNC.
     #[must_use]
     pub fn spindle_angle(&self) -> Turns {
-        self.now.turns()
+        self.truths.back().copied().unwrap_or_default().turns()
     }
 }

@@ -10,15 +10,43 @@
 //! ```
 //!
 //! Data goes one way. Each arrow is one type, each type has one home, and each stage can be run, printed and tested
-//! alone. [`program`] turns text into calls: blocks with all their modal meaning resolved, in machine units, with the
-//! place they came from. [`cycle`] turns a call into moves, lazily and in constant memory.
+//! alone.
+//!
+//! - [`program`] turns text into [calls](program::Call): blocks with all their modal meaning resolved, in machine units,
+//!   each with the place it came from. Its memory is bounded by a line, not by the program.
+//! - [`feasible`] asks whether a call can be done: speeds, lead-in, run-out, travel. Arithmetic without state.
+//! - [`cycle`] turns a call into [moves](cycle::Move), lazily and in constant memory, after refusing what its geometry
+//!   forbids.
+//! - [`motion`] plans a move into a [segment](motion::Segment) and executes one segment after another into a
+//!   [setpoint](motion::Setpoint) a tick.
+//! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
+//! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
+//! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
+//!
+//! # One idea for all motion
+//!
+//! A path is driven by a **master**. Where the master is time (lines, arcs, rapids), a rectangle of path rate is smoothed
+//! by two running means into the time-optimal jerk-limited profile; operator and spindle change its height in the tick,
+//! and the limits hold whatever they do. Where the master is the spindle (threads), the position is a function of the
+//! predicted angle and of nothing else: joining, the exact helix, braking in the end plane and the run-out are parts of
+//! one function, so there is no state in which a phase error could hide.
+//!
+//! # Two contexts
+//!
+//! The **tick** (an interrupt on a microcontroller) is bounded and does the same work every time: observe, execute one
+//! segment, make the frames. The **background** expands, checks and plans. They share single-producer queues and nothing
+//! else.
 //!
 //! # House rules
 //!
-//! No allocation, no floating point, no `unsafe`, nothing that can panic, no clock. Time and input are arguments.
-//! Quantities carry their unit in the type ([`units`]); operators on them saturate and inputs are bounded far below
-//! that. What goes wrong is an [`alarm::Alarm`]: data, with its place in the text; words are put to it where a person
-//! reads it.
+//! No allocation, no floating point, no `unsafe`, nothing that can panic, no clock. Time and input are arguments, so the
+//! same code runs on a host, in a test and on a microcontroller, and gives the same bits. Quantities carry their unit in
+//! the type ([`units`]); operators on them saturate, and inputs are bounded far below that. What goes wrong is an
+//! [`alarm::Alarm`]: data, with its place in the text; words are put to it where a person reads it. What a machine is
+//! like stands in one typed table ([`params`]), generated from the definitions in `params/*.toml`.
+//!
+//! Sources. Doc comments cite the makers' sheets as `[G76 sheet]` and the decisions where these leave something open as
+//! `[D7]`; both are explained in `docs/decisions.md`.
 
 pub mod alarm;
 pub mod board;

@@ -6,14 +6,16 @@ use crate::run;
 
 const PROGRAM: &str = "examples/shaft.nc";
 const PICTURE: &str = "out/shaft.svg";
+/// A spindle that is not better than a real one.
+const RIPPLE: &str = "--spindle-ripple=10@5";
 
 /// Checks, runs and draws the example.
 pub fn demo() -> Result<()> {
     std::fs::create_dir_all(run::root().join("out"))?;
     for args in [
         &["check", PROGRAM][..],
-        &["run", PROGRAM],
-        &["plot", PROGRAM, "-o", PICTURE],
+        &["run", PROGRAM, RIPPLE],
+        &["plot", PROGRAM, RIPPLE, "-o", PICTURE],
     ] {
         println!("\n$ leadscrew {}", args.join(" "));
         let mut all = vec![

@@ -103,7 +103,7 @@ impl Board {
     }
 
     /// One SYNC period; see [`Ticker::tick`].
-    pub fn tick(&mut self, sample: EncoderSample, received: &[Frame]) -> Output {
+    pub fn tick(&mut self, sample: EncoderSample, received: &[Frame], output: &mut Output) {
         let (_, mut segments) = self.segments.split();
         let (mut planned, mut detours) = self.detours.split();
         let (mut events, _) = self.events.split();
@@ -112,19 +112,18 @@ impl Board {
             detours: &mut detours,
             events: &mut events,
         };
-        let output = self.ticker.tick(sample, received, &mut ends);
-        match output.notice {
+        self.ticker.tick(sample, received, &mut ends, output);
+        match &output.notice {
             None => {}
             Some(Notice::Restart(position)) => {
                 while self.calls.dequeue().is_some() {}
-                self.background.restart(position);
+                self.background.restart(*position);
             }
             Some(Notice::Route(route)) => {
                 while take(&mut detours).is_some() {}
-                background::plan_route(&route, &self.limits, &mut planned);
+                background::plan_route(route, &self.limits, &mut planned);
             }
         }
-        output
     }
 
     /// Takes an operator's command; it acts in the next tick.

@@ -18,7 +18,7 @@ use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{Frame, MilliRpm};
 use crate::motion::{
-    Action, Arrival, Conditions, Executor, Motion, Pass, Phase, Retract, Segment, Setpoint,
+    Action, Arrival, Conditions, Executor, Motion, Phase, Retract, Segment, Setpoint,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -63,15 +63,13 @@ pub enum Notice {
     Route(Route),
 }
 
-/// What one tick gives.
-#[derive(Clone, Debug)]
+/// What one tick gives. Made once and filled in every tick: nothing as large is copied about in it.
+#[derive(Clone, Debug, Default)]
 pub struct Output {
     /// To be sent in this order; SYNC first.
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
-    /// Where the machine is.
-    pub state: State,
     /// For the background.
     pub notice: Option<Notice>,
 }
@@ -107,7 +105,7 @@ pub struct Ticker {
     /// The program has begun and not ended.
     in_program: bool,
     /// The last pass begun.
-    pass: Option<(Segment, Pass)>,
+    pass: Option<Segment>,
     detour: Detour,
     /// Reset: where the short axis is clear of the crests.
     clear_at: Option<Position>,
@@ -217,7 +215,8 @@ impl Ticker {
         sample: EncoderSample,
         received: &[Frame],
         ends: &mut Ends<'_, '_>,
-    ) -> Output {
+        output: &mut Output,
+    ) {
         for frame in received {
             self.drives.hear(frame);
         }
@@ -233,16 +232,13 @@ impl Ticker {
             setpoint.motion = Motion::Run;
         }
         self.settle(&setpoint, moved, ends);
-        // Made where it will stay: the frames are not copied.
-        let mut output = Output {
-            frames: Vec::new(),
-            setpoint,
-            state: self.state,
-            notice: self.notice.take(),
-        };
+        output.setpoint = setpoint;
+        output.notice = None;
+        if self.notice.is_some() {
+            output.notice = self.notice.take();
+        }
+        output.frames.clear();
         self.send(&mut output.frames, ends.events);
-        output.state = self.state;
-        output
     }
 
     fn execute(&mut self, ends: &mut Ends<'_, '_>) -> Setpoint {
@@ -322,7 +318,7 @@ impl Ticker {
                 self.operator.hold = false;
                 self.paused = false;
                 if self.detour == Detour::AtHome
-                    && let Some((_, pass)) = &self.pass
+                    && let Some(pass) = self.pass.as_ref().and_then(Segment::pass)
                 {
                     self.detour = Detour::Back;
                     self.notice = Some(Notice::Route(Route {
@@ -352,7 +348,8 @@ impl Ticker {
         if self.detour != Detour::None || self.state != State::Running {
             return;
         }
-        let (Some(run), Some((_, pass))) = (self.executor.thread(), &self.pass) else {
+        let pass = self.pass.as_ref().and_then(Segment::pass);
+        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
             return;
         };
         if !matches!(run.phase(), Phase::Joining | Phase::Locked) {
@@ -376,7 +373,8 @@ impl Ticker {
         self.detour = Detour::None;
         self.clear_at = None;
         self.state = State::Stopping(Outcome::Reset);
-        let (Some(run), Some((_, pass))) = (self.executor.thread(), &self.pass) else {
+        let pass = self.pass.as_ref().and_then(Segment::pass);
+        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
             self.executor.stop();
             return;
         };
@@ -430,8 +428,8 @@ impl Ticker {
         let (number, line) = (segment.number, segment.span.line);
         let instant = match segment.action {
             Action::Timed(_) | Action::Thread(_) | Action::Dwell(_) => {
-                if let Action::Thread(pass) = segment.action {
-                    self.pass = Some((*segment, pass));
+                if segment.pass().is_some() {
+                    self.pass = Some(*segment);
                 }
                 emit(events, Event::Started { number, line });
                 self.executor.begin(segment);
@@ -462,7 +460,7 @@ impl Ticker {
     /// The next leg of a detour; its mark ends it.
     fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
         if self.detour == Detour::Leaving {
-            let Some((_, pass)) = &self.pass else {
+            let Some(pass) = self.pass.as_ref().and_then(Segment::pass) else {
                 self.detour = Detour::None;
                 return;
             };
@@ -484,7 +482,7 @@ impl Ticker {
             return;
         };
         if !matches!(leg.action, Action::End) {
-            if let Some((segment, _)) = &self.pass {
+            if let Some(segment) = &self.pass {
                 // It belongs to the pass that was left.
                 (leg.number, leg.span) = (segment.number, segment.span);
             }
@@ -494,7 +492,7 @@ impl Ticker {
         self.detour = match self.detour {
             Detour::Home => Detour::AtHome,
             Detour::Back => {
-                if let Some((segment, _)) = &self.pass {
+                if let Some(segment) = &self.pass {
                     self.executor.begin(segment);
                 }
                 Detour::None
@@ -562,7 +560,7 @@ impl Ticker {
 
     /// Where the tool still has to go to be clear of the crests: on the short axis alone, away from the work.
     fn not_clear(&self, clear: Position) -> Option<Position> {
-        let (_, pass) = self.pass.as_ref()?;
+        let pass = self.pass.as_ref()?.pass()?;
         let at = self.executor.position();
         let mut target = at;
         let (here, wanted, home) = if pass.plan.long_x() {

@@ -3,7 +3,7 @@
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::board::{self, Board, Output};
 use leadscrew_core::bus::{Frame, SyncProducer};
-use leadscrew_core::motion::Motion;
+use leadscrew_core::motion::{Motion, Setpoint};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Event, Events, Options};
 use leadscrew_core::spindle::EncoderSample;
@@ -43,6 +43,7 @@ pub struct Machine {
     sample: EncoderSample,
     answers: [Frame; ANSWERS],
     answered: usize,
+    output: Output,
     /// The drives are enabled.
     ready: bool,
     /// Calls the board has taken.
@@ -68,7 +69,7 @@ impl WholeBoard {
 
 impl Work for WholeBoard {
     type State = Machine;
-    type Out = Output;
+    type Out = Setpoint;
 
     fn steps(&self) -> usize {
         let mut machine = self.begin();
@@ -90,6 +91,7 @@ impl Work for WholeBoard {
             sample: EncoderSample::default(),
             answers: [SyncProducer::new().next(); ANSWERS],
             answered: 0,
+            output: Output::default(),
             ready: false,
             taken: 0,
         }
@@ -109,18 +111,21 @@ impl Work for WholeBoard {
         machine.sample = machine.plant.advance();
     }
 
-    fn step(&self, machine: &mut Machine, _: usize) -> Output {
+    fn step(&self, machine: &mut Machine, _: usize) -> Setpoint {
         let received = machine
             .answers
             .get(..machine.answered)
             .unwrap_or(&machine.answers);
-        machine.board.tick(machine.sample, received)
+        machine
+            .board
+            .tick(machine.sample, received, &mut machine.output);
+        machine.output.setpoint
     }
 
-    fn finish(&self, machine: &mut Machine, output: &Output) {
+    fn finish(&self, machine: &mut Machine, _: &Setpoint) {
         machine.answered = 0;
         let (answers, answered) = (&mut machine.answers, &mut machine.answered);
-        machine.plant.exchange(&output.frames, |frame| {
+        machine.plant.exchange(&machine.output.frames, |frame| {
             if let Some(place) = answers.get_mut(*answered) {
                 *place = frame;
                 *answered += 1;
@@ -132,12 +137,12 @@ impl Work for WholeBoard {
         KINDS
     }
 
-    fn kind(&self, output: &Output) -> usize {
-        match (output.setpoint.motion, output.setpoint.line) {
+    fn kind(&self, setpoint: &Setpoint) -> usize {
+        match (setpoint.motion, setpoint.line) {
             (Motion::Idle, _) => 0,
             (Motion::Run, LINE) => 2,
             (Motion::Run, ARC) => 3,
-            (Motion::Run, THREAD) if output.setpoint.locked => 5,
+            (Motion::Run, THREAD) if setpoint.locked => 5,
             (Motion::Run, _) => 1,
             _ => 4,
         }

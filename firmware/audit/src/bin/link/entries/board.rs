@@ -1,7 +1,7 @@
 //! The whole board, both contexts, and the operator.
 
 use audit::any::{any, sink};
-use leadscrew_core::board::{Board, overridden};
+use leadscrew_core::board::{Board, Output, overridden};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
 
@@ -17,11 +17,13 @@ fn board() {
     let Ok(mut board) = Board::new(&params, any()) else {
         return;
     };
+    let mut output = Output::default();
     while any() {
         sink(board.offer(&any()));
         sink(board.background());
         let frames: [Frame; 8] = any();
-        sink(board.tick(any(), frames.get(..any()).unwrap_or(&frames)));
+        board.tick(any(), frames.get(..any()).unwrap_or(&frames), &mut output);
+        sink(&output);
         sink((
             board.event(),
             board.is_busy(),
