@@ -418,7 +418,7 @@ impl State<'_> {
             .checked_div(lead.numerator())
             .unwrap_or(0);
         let limit = i64::from(self.highest_tap_speed()).saturating_mul(100);
-        let speed = hundredths.clamp(1, limit.max(1));
+        let speed = hundredths.min(limit).max(1);
         CentiRpm::new(i32::try_from(speed).unwrap_or(i32::MAX))
     }
 
