@@ -10,7 +10,7 @@ use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::motion::{Motion, TapLine, ThreadRun};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Position};
+use leadscrew_core::program::{Call, Position, TapAxis};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Rpm, Turns};
 
@@ -18,6 +18,9 @@ use crate::plant::{FineTurns, Plant, PlantError, PlantOptions};
 
 /// The longest latency of a drive, in ticks, that a row can wait for.
 const LATENCY_TICKS: usize = 128;
+
+/// Truths kept: one for every SYNC that a row waits for, and the one before an instant between two of them.
+const TRUTHS: usize = LATENCY_TICKS + 2;
 
 /// Frames the drives send in one period at most.
 const ANSWERS: usize = 16;
@@ -95,12 +98,23 @@ struct Pending {
     reason = "few wait at a time, and there is no heap"
 )]
 enum Law {
-    /// Nothing is locked.
+    /// Nothing is synchronous.
     Free,
-    /// The helix of a pass.
-    Thread(ThreadRun),
+    /// The helix of a pass; true while the long axis is held to it.
+    Thread(ThreadRun, bool),
     /// The line of a tap.
     Tap(TapLine),
+}
+
+impl Law {
+    /// True where X is the axis held to the spindle.
+    fn on_x(&self) -> bool {
+        match self {
+            Self::Free => false,
+            Self::Thread(run, _) => run.plan().long_x(),
+            Self::Tap(line) => line.gear.axis() == TapAxis::X,
+        }
+    }
 }
 
 /// A board, its drives, its spindle, and time that goes by when it is told to.
@@ -108,8 +122,8 @@ pub struct Sim {
     board: Board,
     plant: Plant,
     tick_us: u32,
-    /// Whole ticks, and the rest in µs, from the SYNC that takes a setpoint to its effect.
-    delay: (usize, u32),
+    /// From the SYNC that takes a setpoint to its effect, on X and on Z.
+    delays: [Delay; 2],
     ticks: u64,
     sample: EncoderSample,
     /// On their way to the board.
@@ -117,9 +131,32 @@ pub struct Sim {
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The line of the last tap.
     line: Option<TapLine>,
-    /// The truths of the last SYNCs, newest last, as many as rows wait for.
-    before: FineTurns,
-    now: FineTurns,
+    /// The spindle's angle at the last SYNCs, oldest first, as many as rows wait for.
+    truths: Deque<FineTurns, TRUTHS>,
+}
+
+/// Whole ticks, and the rest in µs.
+#[derive(Clone, Copy)]
+struct Delay {
+    whole: usize,
+    rest_us: u32,
+}
+
+impl Delay {
+    fn of(params: &Params, axis: Axis) -> Self {
+        let (latency, tick_us) = (params.latency_us(axis), params.tick_us());
+        Self {
+            whole: latency.checked_div(tick_us).unwrap_or(0) as usize,
+            rest_us: latency.checked_rem(tick_us).unwrap_or(0),
+        }
+    }
+
+    /// SYNCs from a tick to the first at which the truth of its row is known.
+    const fn wait(self) -> usize {
+        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
+        let between = if self.rest_us == 0 { 0 } else { 1 };
+        self.whole.saturating_add(1).saturating_add(between)
+    }
 }
 
 impl Sim {
@@ -132,22 +169,17 @@ impl Sim {
         let plant = Plant::new(params, options).map_err(SimError::Plant)?;
         let board = Board::new(params, Some(options.at)).map_err(SimError::Board)?;
         let tick_us = params.tick_us();
-        let latency = params.latency_us(Axis::Z);
         let mut sim = Self {
             board,
             plant,
             tick_us,
-            delay: (
-                latency.checked_div(tick_us).unwrap_or(0) as usize,
-                latency.checked_rem(tick_us).unwrap_or(0),
-            ),
+            delays: [Axis::X, Axis::Z].map(|axis| Delay::of(params, axis)),
             ticks: 0,
             sample: EncoderSample::default(),
             answers: Vec::new(),
             pending: Deque::new(),
             line: None,
-            before: FineTurns::default(),
-            now: FineTurns::default(),
+            truths: Deque::new(),
         };
         sim.start()?;
         Ok(sim)
@@ -178,8 +210,11 @@ impl Sim {
     /// Time goes by up to the next SYNC.
     fn advance(&mut self) {
         self.sample = self.plant.advance();
-        self.before = self.now;
-        self.now = self.plant.truth().angle;
+        if self.truths.is_full() {
+            self.truths.pop_front();
+        }
+        // There is room now.
+        let _ = self.truths.push_back(self.plant.truth().angle);
     }
 
     /// What the board sends reaches the drives, and they answer.
@@ -266,7 +301,7 @@ impl Sim {
             tick: self.ticks,
             t_us: self.ticks.wrapping_mul(u64::from(self.tick_us)),
             position: setpoint.position,
-            spindle: self.now,
+            spindle: FineTurns::default(),
             spindle_set: setpoint.spindle,
             line: setpoint.line,
             number: setpoint.number,
@@ -286,20 +321,17 @@ impl Sim {
         if let Some(line) = executor.tap() {
             self.line = Some(*line);
         }
-        match (locked, executor.thread(), self.line) {
-            (true, Some(run), _) => Law::Thread(*run),
-            (true, None, Some(line)) => Law::Tap(line),
+        match (executor.thread(), self.line) {
+            (Some(run), _) => Law::Thread(*run, locked),
+            (None, Some(line)) if locked => Law::Tap(line),
             _ => Law::Free,
         }
     }
 
-    /// SYNCs from a tick to the first at which its row's truth is known.
+    /// SYNCs that every row waits for: those of the slower drive.
     fn wait(&self) -> usize {
-        let (whole, rest) = self.delay;
-        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
-        whole
-            .saturating_add(1)
-            .saturating_add(usize::from(rest != 0))
+        let [x, z] = self.delays.map(Delay::wait);
+        x.max(z)
     }
 
     /// The row whose setpoint takes effect now, completed by the truth.
@@ -312,14 +344,15 @@ impl Sim {
 
     /// The oldest row that waits, with what is true now.
     fn complete(&mut self) -> Option<Row> {
-        let (_, rest) = self.delay;
         let Pending { mut row, law } = self.pending.pop_front()?;
-        row.spindle = self.between(rest);
+        let [x, z] = self.delays;
+        // Where an axis is held to the spindle, the instant that counts is that axis'.
+        row.spindle = self.truth(if law.on_x() { x } else { z });
         row.error = match law {
-            Law::Free => None,
-            Law::Thread(run) => {
+            Law::Free | Law::Thread(_, false) => None,
+            Law::Thread(run, true) => {
                 let exact = run.helix(row.spindle.turns());
-                let actual = if run.plan().long_x() {
+                let actual = if law.on_x() {
                     row.position.x
                 } else {
                     row.position.z
@@ -331,12 +364,17 @@ impl Sim {
         Some(row)
     }
 
-    /// The true angle `us` after the SYNC before, or now where `us` is 0.
-    fn between(&self, us: u32) -> FineTurns {
-        if us == 0 {
-            return self.now;
+    /// The true angle when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
+    fn truth(&self, delay: Delay) -> FineTurns {
+        // Counted back from the newest.
+        let ago = self.wait().saturating_sub(delay.wait());
+        let at = |ago| self.truths.iter().rev().nth(ago).copied();
+        let later = at(ago).unwrap_or_default();
+        if delay.rest_us == 0 {
+            return later;
         }
-        self.before.towards(self.now, us, self.tick_us)
+        let earlier = at(ago.saturating_add(1)).unwrap_or_default();
+        earlier.towards(later, delay.rest_us, self.tick_us)
     }
 
     /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
@@ -357,6 +395,6 @@ impl Sim {
     /// The true spindle angle at the last SYNC.
     #[must_use]
     pub fn spindle_angle(&self) -> Turns {
-        self.now.turns()
+        self.truths.back().copied().unwrap_or_default().turns()
     }
 }

@@ -10,7 +10,7 @@ use std::hint::black_box;
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::cycle::ThreadMoves;
 use leadscrew_core::program::{CutIn, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
-use leadscrew_core::units::{Angle, Diameter, Lead, Length, Rpm};
+use leadscrew_core::units::{Angle, Diameter, Lead, Length, Remainder, Rpm};
 
 fn main() {
     let cycles: u32 = std::env::args()
@@ -67,6 +67,8 @@ fn call() -> Option<ThreadCall> {
         run_out: Some(RunOut {
             short: mm::<3_000_000>(),
             long: mm::<3_000_000>(),
+            short_rest: Remainder::ZERO,
+            long_rest: Remainder::ZERO,
         }),
         lead: at(Lead::new(6_000_000, 1)?),
         increment: Length::from_nm(100),

@@ -57,8 +57,12 @@ impl Diagnostic {
                 .is_ascii_alphabetic()
                 .then(|| letter.to_ascii_uppercase())
         });
+        // A value that no word gave stands at the G word: the text may name its letter, the word is absent.
+        let absent = written == Some(b'G') && alarm.word != written;
         let alarm = &Alarm {
-            word: alarm.word.map(|word| written.unwrap_or(word)),
+            word: alarm
+                .word
+                .map(|word| written.filter(|_| !absent).unwrap_or(word)),
             ..*alarm
         };
         Self {
@@ -68,7 +72,7 @@ impl Diagnostic {
             line: alarm.span.line,
             column,
             end_column: columns(alarm.span.end).max(column + 1),
-            word: alarm.word.map(char::from),
+            word: alarm.word.filter(|_| !absent).map(char::from),
             message: fill(alarm.code.cause(lang), alarm, lang, inch),
             help: fill(alarm.code.help(lang), alarm, lang, inch),
             text: raw.map(|raw| printable(&raw)),

@@ -5,7 +5,7 @@ use leadscrew_board_sim::{Direction, Doing, Row, Sim, SimError};
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
-use leadscrew_core::program::{Call, Event as ProgramEvent};
+use leadscrew_core::program::{Call, CallKind, Event as ProgramEvent, Position};
 
 use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
@@ -162,8 +162,21 @@ struct Feeder<'a> {
     source: &'a SourceFile,
     program: Program<'a>,
     waiting: Option<Call>,
+    /// M02 or M30 has come.
+    ended: bool,
     over: bool,
 }
+
+/// The text is over.
+const OVER: Call = Call {
+    span: Span {
+        line: 0,
+        column: 0,
+        end: 0,
+    },
+    origin: Position::ZERO,
+    kind: CallKind::Over,
+};
 
 impl<'a> Feeder<'a> {
     fn new(session: &'a Session, source: &'a SourceFile) -> Outcome<Self> {
@@ -173,6 +186,7 @@ impl<'a> Feeder<'a> {
             program: Program::open(source, &session.params, session.options())
                 .map_err(|error| Failure::file("read", source.name(), &error))?,
             waiting: None,
+            ended: false,
             over: false,
         })
     }
@@ -207,8 +221,17 @@ impl<'a> Feeder<'a> {
                 .next_event()
                 .map_err(|error| Failure::file("read", self.source.name(), &error))?;
             match next {
-                None => self.over = true,
-                Some(Ok(ProgramEvent::Call(call))) => self.waiting = Some(call),
+                None => {
+                    self.over = true;
+                    if !self.ended {
+                        // Without M02 or M30 nobody else tells the board that nothing more comes.
+                        self.waiting = Some(OVER);
+                    }
+                }
+                Some(Ok(ProgramEvent::Call(call))) => {
+                    self.ended = matches!(call.kind, CallKind::End(_));
+                    self.waiting = Some(call);
+                }
                 // Told when the program was checked.
                 Some(Ok(ProgramEvent::Warning(_))) => {}
                 Some(Err(alarm)) => {

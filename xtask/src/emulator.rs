@@ -147,6 +147,9 @@ fn table(rows: &[Row]) -> String {
 fn compare(table: &[Row], now: &[Row]) -> Vec<String> {
     let mut complaints = Vec::new();
     for row in now {
+        if row.worst == 0 {
+            complaints.push(format!("{}: no such step in the run", row.name));
+        }
         match table.iter().find(|old| old.name == row.name) {
             None => complaints.push(format!("{}: not in the table", row.name)),
             Some(old) if row.worst * 100 > old.worst * (100 + GROWTH_PERCENT) => complaints.push(format!(
@@ -186,11 +189,11 @@ mod tests {
     }
 
     #[test]
-    fn growth_and_missing_rows_are_found() {
+    fn growth_and_empty_and_missing_rows_are_found() {
         let table = [row("line", 100), row("board/arc", 1990), row("gone", 5)];
-        let now = [row("line", 106), row("board/arc", 2000), row("new", 1)];
+        let now = [row("line", 106), row("board/arc", 0), row("new", 1)];
         let complaints = compare(&table, &now);
-        assert_eq!(complaints.len(), 3, "{complaints:?}");
+        assert_eq!(complaints.len(), 4, "{complaints:?}");
         assert!(
             compare(
                 &table,

@@ -156,7 +156,7 @@ impl Background {
         feasible::within_limits(moves.clone(), self.position, settings.params)?;
         self.home = self.position;
         self.moves = Some(moves);
-        if let CallKind::End(_) = call.kind {
+        if let CallKind::End(_) | CallKind::Over = call.kind {
             self.ending = Some(call.span);
         }
         Ok(warning)

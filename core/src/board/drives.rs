@@ -81,11 +81,14 @@ impl Drives {
 
     /// A frame from the bus.
     pub(super) fn hear(&mut self, frame: &Frame) {
-        let Some((_, node)) = frame.id().service() else {
-            return;
-        };
-        if let Some(drive) = self.all().find(|drive| drive.config().node == node) {
-            drive.receive(frame);
+        // Whose it could be shows in seven bits; the drive itself looks closer.
+        let node = frame.id().get() & 0x7F;
+        let [x, z, c] = &mut self.axes;
+        for drive in [x, z, c, self.spindle.drive_mut()] {
+            if u16::from(drive.config().node.get()) == node {
+                drive.receive(frame);
+                return;
+            }
         }
     }
 

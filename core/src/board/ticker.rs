@@ -18,7 +18,7 @@ use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{Frame, MilliRpm};
 use crate::motion::{
-    Action, Arrival, Conditions, Executor, Motion, Pass, Phase, Retract, Segment, Setpoint, Stops,
+    Action, Arrival, Conditions, Executor, Motion, Phase, Retract, Segment, Setpoint, Stops,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -124,7 +124,7 @@ pub struct Ticker {
     /// The program has begun and not ended.
     in_program: bool,
     /// The last pass begun.
-    pass: Option<(Segment, Pass)>,
+    pass: Option<Segment>,
     detour: Detour,
     /// Reset: where the short axis is clear of the crests.
     clear_at: Option<Position>,
@@ -349,7 +349,7 @@ impl Ticker {
                 self.operator.hold = false;
                 self.paused = false;
                 if self.detour == Detour::AtHome
-                    && let Some((_, pass)) = &self.pass
+                    && let Some(pass) = self.pass.as_ref().and_then(Segment::pass)
                 {
                     self.detour = Detour::Back;
                     self.notice = Some(Notice::Route(Route {
@@ -379,7 +379,8 @@ impl Ticker {
         if self.detour != Detour::None || self.state != State::Running {
             return;
         }
-        let (Some(run), Some((_, pass))) = (self.executor.thread(), &self.pass) else {
+        let pass = self.pass.as_ref().and_then(Segment::pass);
+        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
             return;
         };
         if !matches!(run.phase(), Phase::Joining | Phase::Locked) {
@@ -405,7 +406,8 @@ impl Ticker {
         self.pauses_unless_hole = false;
         self.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
-        let (Some(run), Some((_, pass))) = (self.executor.thread(), &self.pass) else {
+        let pass = self.pass.as_ref().and_then(Segment::pass);
+        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
             self.executor.stop();
             return;
         };
@@ -518,8 +520,8 @@ impl Ticker {
                 return None;
             }
             Action::Timed(_) | Action::Thread(_) | Action::Tap(_) | Action::Dwell(_) => {
-                if let Action::Thread(pass) = segment.action {
-                    self.pass = Some((*segment, pass));
+                if segment.pass().is_some() {
+                    self.pass = Some(*segment);
                 }
                 emit(events, Event::Started { number, line });
                 self.executor.begin(segment);
@@ -574,7 +576,7 @@ impl Ticker {
     /// The next leg of a detour; its mark ends it.
     fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
         if self.detour == Detour::Leaving {
-            let Some((_, pass)) = &self.pass else {
+            let Some(pass) = self.pass.as_ref().and_then(Segment::pass) else {
                 self.detour = Detour::None;
                 return;
             };
@@ -596,7 +598,7 @@ impl Ticker {
             return;
         };
         if !matches!(leg.action, Action::End) {
-            if let Some((segment, _)) = &self.pass {
+            if let Some(segment) = &self.pass {
                 // It belongs to the pass that was left.
                 (leg.number, leg.span) = (segment.number, segment.span);
             }
@@ -606,7 +608,7 @@ impl Ticker {
         self.detour = match self.detour {
             Detour::Home => Detour::AtHome,
             Detour::Back => {
-                if let Some((segment, _)) = &self.pass {
+                if let Some(segment) = &self.pass {
                     self.executor.begin(segment);
                 }
                 Detour::None
@@ -673,7 +675,7 @@ impl Ticker {
 
     /// Where the tool still has to go to be clear of the crests: on the short axis alone, away from the work.
     fn not_clear(&self, clear: Position) -> Option<Position> {
-        let (_, pass) = self.pass.as_ref()?;
+        let pass = self.pass.as_ref()?.pass()?;
         let at = self.executor.position();
         let mut target = at;
         let (here, wanted, home) = if pass.plan.long_x() {

@@ -232,7 +232,7 @@ impl DriveMaster {
             return false;
         }
         match service {
-            Service::Tpdo1 => DriveStatus::decode(frame).map(|(_, status)| self.hear(status)),
+            Service::Tpdo1 => DriveStatus::payload(frame).map(|status| self.hear(status)),
             Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
             Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.error_code = emcy.code),
             _ => None,

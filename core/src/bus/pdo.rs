@@ -69,14 +69,19 @@ impl DriveStatus {
     /// The node and its status, if `frame` is one.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
-        let (node, word, long) = decode_word_and_long(frame, Service::Tpdo1)?;
-        Some((
-            node,
-            Self {
-                status: Statusword::from_raw(word),
-                actual: Increments::new(long),
-            },
-        ))
+        match frame.id().service()? {
+            (Service::Tpdo1, node) => Some((node, Self::payload(frame)?)),
+            _ => None,
+        }
+    }
+
+    /// The status in a frame that is known to carry one.
+    pub(super) fn payload(frame: &Frame) -> Option<Self> {
+        let [a, b, c, d, e, f] = frame.exactly()?;
+        Some(Self {
+            status: Statusword::from_raw(u16::from_le_bytes([a, b])),
+            actual: Increments::new(i32::from_le_bytes([c, d, e, f])),
+        })
     }
 }
 

@@ -36,6 +36,7 @@ pub fn expand(call: &Call, at: Position) -> Result<Moves, Alarm> {
         }
         CallKind::Tap(ref tap) => return Ok(Moves::Tap(TapMoves::new(tap, call.span)?)),
         CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(Moves::One(None)),
+        CallKind::Over => return Ok(Moves::One(None)),
         CallKind::Rapid(to) => (to, MoveKind::Rapid),
         CallKind::Line(to, feed) => (to, MoveKind::Feed(feed)),
         CallKind::Arc(arc) => {

@@ -9,7 +9,7 @@ use core::num::NonZero;
 use super::Stage;
 use super::check::{blame, thread_ranges};
 use super::slope::{FINE_BITS, FINE_HALF, HalfAngle};
-use super::taper::{Taper, flip, scaled};
+use super::taper::{Taper, flip, quotient, scaled};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{CutIn, ThreadCall};
 use crate::units::{Diameter, Length};
@@ -75,10 +75,9 @@ struct Leave {
     x: Length,
     /// Z of its start.
     z: Length,
-    /// J. With X long it is clipped already, for all passes alike.
-    short: Length,
-    /// With Z long, the way on X from the run-out's start at full depth out to A: J's limit.
-    room: i64,
+    /// Its end on the short axis, J away from its start and rounded once. With Z long: X of it less X of the pass's own D,
+    /// not clipped at A yet. With X long: Z of it, clipped, for all passes alike.
+    end: Length,
     /// K.
     long: u64,
 }
@@ -196,17 +195,33 @@ impl Shape {
         let length = long.nm().unsigned_abs();
         let slant = call.taper.value;
         let size = slant.nm().unsigned_abs();
-        let (x, z) = if self.long_x {
+        let j = run_out.short_rest.behind(short);
+        let k = run_out.long_rest.behind(long);
+        let (x, z, end) = if self.long_x {
             // |i| ≥ |W| > 0 here.
             let size = NonZero::new(size).unwrap_or(NonZero::<u64>::MIN);
+            let slide = i128::from(travel.get()).wrapping_mul(k);
+            let back = slide.wrapping_add(i128::from(size.get()).wrapping_mul(j));
+            let end = self.end.z - quotient(back, size).times(self.sigma);
             (
                 long.times(slant.signum()),
-                scaled(travel.get(), length, size).times(self.sigma),
+                self.end.z - quotient(slide, size).times(self.sigma),
+                // Not beyond A.
+                if (end - self.start.z).times(self.sigma) < Length::ZERO {
+                    self.start.z
+                } else {
+                    end
+                },
             )
         } else {
+            let slide = i128::from(slant.nm()).wrapping_mul(k);
+            let out = i128::from(travel.get())
+                .wrapping_mul(j)
+                .wrapping_mul(i128::from(self.side));
             (
-                scaled(size, length, travel).times(slant.signum()),
-                long.times(self.sigma),
+                quotient(slide, travel),
+                self.end.z - long.times(self.sigma),
+                quotient(slide.wrapping_add(out), travel),
             )
         };
         // The line itself moves towards A by |i|·K/|W| when the thread grows from C to D: the tool must move faster.
@@ -223,17 +238,10 @@ impl Shape {
                 ]),
             );
         }
-        let z = self.end.z - z;
-        let short = if self.long_x {
-            short.min((z - self.start.z).times(self.sigma))
-        } else {
-            short
-        };
         Ok(Some(Leave {
             x,
             z,
-            short,
-            room: (self.start.x - self.end.x - x).times(self.side).nm(),
+            end,
             long: length,
         }))
     }
@@ -297,12 +305,13 @@ impl Shape {
                 let end = if self.long_x {
                     Point {
                         x: x_end,
-                        z: moved(leave.z, out.short.nm(), self.sigma.wrapping_neg()),
+                        z: out.end,
                     }
                 } else {
-                    let back = out.short.nm().min(out.room.wrapping_sub(above));
+                    let x = moved(x_end, out.end.nm(), 1);
+                    let beyond = flip(x.nm().wrapping_sub(self.start.x.nm()), self.side) > 0;
                     Point {
-                        x: moved(leave.x, back, self.side),
+                        x: if beyond { self.start.x } else { x },
                         z: self.end.z,
                     }
                 };

@@ -5,7 +5,7 @@
 use core::num::NonZero;
 
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle};
-use crate::units::Length;
+use crate::units::{Length, Remainder};
 
 /// What a taper adds.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +76,16 @@ pub(crate) fn scaled(a: u64, b: u64, c: NonZero<u64>) -> Length {
     let product = u128::from(a).wrapping_mul(u128::from(b)).wrapping_mul(2);
     let rounded = (product.wrapping_add(c.get()) / c) >> 1;
     Length::from_nm(rounded as i64)
+}
+
+/// `above/below` to the nearest nanometre, halves away from zero; `above` counts 2⁻¹⁵ nm.
+pub(crate) fn quotient(above: i128, below: NonZero<u64>) -> Length {
+    // Two lengths of 2⁴³ nm and a remainder's bits: far below 2¹²⁷.
+    let below = NonZero::<u128>::from(below);
+    let size = above.unsigned_abs() / below;
+    let half = 1u128 << (Remainder::BITS - 1);
+    let nm = (size.wrapping_add(half) >> Remainder::BITS) as i64;
+    Length::from_nm(if above < 0 { nm.wrapping_neg() } else { nm })
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::cycle::{Move, MoveKind, ThreadMoves};
 use crate::params::{Entry, Params, Part};
 use crate::program::{CutIn, FeedRate, Infeed, Position, RunOut, ThreadCall, ThreadCycle};
-use crate::units::{Angle, Axis, Diameter, Feed, Lead, Length, Millis, Rpm};
+use crate::units::{Angle, Axis, Diameter, Feed, Lead, Length, Millis, Remainder, Rpm};
 
 const MM: i64 = 1_000_000;
 
@@ -50,6 +50,8 @@ fn o0013(rpm: i32) -> ThreadCall {
         run_out: Some(RunOut {
             short: at(nm(3 * MM)),
             long: at(nm(3 * MM)),
+            short_rest: Remainder::ZERO,
+            long_rest: Remainder::ZERO,
         }),
         lead: at(Lead::new(6 * MM, 1).unwrap()),
         increment: nm(100),
@@ -70,6 +72,8 @@ fn g78(lead: i64, rpm: i32) -> ThreadCall {
         run_out: Some(RunOut {
             short: at(nm(1_500_000)),
             long: at(nm(2 * MM)),
+            short_rest: Remainder::ZERO,
+            long_rest: Remainder::ZERO,
         }),
         lead: at(Lead::new(lead, 1).unwrap()),
         rpm: Rpm::new(rpm),
@@ -156,6 +160,8 @@ fn every_refusal() {
     steep.run_out = Some(RunOut {
         short: at(nm(4 * MM)),
         long: at(nm(2 * MM)),
+        short_rest: Remainder::ZERO,
+        long_rest: Remainder::ZERO,
     });
     assert_eq!(code(steep), Code::RunOutTooFast);
     let mut short = o0013(1300);
@@ -205,6 +211,8 @@ fn every_warning() {
     tight.run_out = Some(RunOut {
         short: at(nm(MM)),
         long: at(nm(MM)),
+        short_rest: Remainder::ZERO,
+        long_rest: Remainder::ZERO,
     });
     let report = thread(&tight, Span::default(), &params).unwrap();
     let lags = report
@@ -220,6 +228,8 @@ fn every_warning() {
     tight.run_out = Some(RunOut {
         short: at(nm(MM)),
         long: at(enough),
+        short_rest: Remainder::ZERO,
+        long_rest: Remainder::ZERO,
     });
     assert_eq!(warned(tight, &params), []);
 

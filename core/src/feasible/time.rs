@@ -10,9 +10,15 @@ use crate::params::Params;
 use crate::program::Position;
 use crate::units::{TurnRate, mul_div};
 
+/// Ticks in which nothing moves: a pass that is over stands for two, and one that waits has waited for one at least.
+const BETWEEN_PASSES: u64 = 3;
+
+/// In 2⁻³² turns.
+const HALF_TURN: u64 = 1 << 31;
+
 /// The time of `moves`, the first of which begins at `from`, at full override: exact for moves that time drives; a thread
-/// counts its turns at the commanded speed and half a turn of waiting; a change of spindle speed and machine functions
-/// count nothing.
+/// counts its turns at the commanded speed and the wait for its start angle, which is half a turn for the first pass and
+/// follows from the pass before for the others; a change of spindle speed and machine functions count nothing.
 ///
 /// # Errors
 /// What the planner refuses.
@@ -26,15 +32,34 @@ pub fn time(
     let mut gather = Gather::default();
     let mut at = from;
     let mut micros = 0_u64;
+    // The spindle's angle when the last pass was over, and when that was.
+    let mut spindle = None;
     for next in moves {
         let more = match next.kind {
             MoveKind::Thread(thread) => match gather.take(at, next) {
                 Some(pass) => {
                     let plan = ThreadPlan::new(pass.from, pass.moves(), params, TurnRate::ZERO)?;
-                    let half_turn = 1 << 31;
-                    let turns = plan.turns().raw().unsigned_abs().saturating_add(half_turn);
                     let speed = TurnRate::of_rpm(thread.rpm).abs().raw().unsigned_abs();
-                    mul_div(turns, 1_000_000, speed)
+                    let begins = micros.saturating_add(tick.saturating_mul(BETWEEN_PASSES));
+                    let wait = match spindle {
+                        None => HALF_TURN,
+                        Some((angle, since)) => {
+                            let turned = mul_div(speed, begins.saturating_sub(since), 1_000_000);
+                            let left = (plan.leaves_at() - angle).raw().wrapping_sub(turned as i64);
+                            u64::from(left as u32)
+                        }
+                    };
+                    let turns = plan.turns().raw().unsigned_abs().saturating_add(wait);
+                    let over = begins.saturating_add(mul_div(turns, 1_000_000, speed));
+                    spindle = Some((plan.leaves_at() + plan.turns(), over));
+                    // What the short axis lags behind the run-out it makes up by itself.
+                    let rest = Move {
+                        kind: MoveKind::Rapid,
+                        ..next
+                    };
+                    let rest = plan::timed(plan.end(), &rest, &limits)?
+                        .map_or(0, |timed| timed.duration_ticks().saturating_mul(tick));
+                    over.saturating_add(rest).saturating_sub(micros)
                 }
                 None => 0,
             },

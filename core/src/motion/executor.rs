@@ -84,7 +84,8 @@ pub struct Setpoint {
 enum Active {
     Free,
     Timed(Option<FeedRate>),
-    Waiting { pass: Pass, ticks: u32 },
+    /// For the spindle, to begin the last pass.
+    Waiting(u32),
     Thread(ThreadRun),
     Tap(TapRun),
     Dwell(u32),
@@ -212,20 +213,20 @@ impl Executor {
         self.span = segment.span;
         self.stops = segment.stops;
         self.aborting = false;
-        self.active = match segment.action {
-            Action::Timed(timed) if self.run.begin(&timed) => Active::Timed(timed.feed),
+        self.active = match &segment.action {
+            Action::Timed(timed) if self.run.begin(timed) => Active::Timed(timed.feed),
             Action::Thread(pass) => {
-                self.pass = Some(pass);
+                self.pass = Some(*pass);
                 self.settled = 0;
-                Active::Waiting { pass, ticks: 0 }
+                Active::Waiting(0)
             }
-            Action::Tap(ref tap) => match self.spindle {
+            Action::Tap(tap) => match self.spindle {
                 Some(angle) if !tap.is_empty() => {
                     Active::Tap(TapRun::new(tap, self.position, angle))
                 }
                 _ => Active::Free,
             },
-            Action::Dwell(ticks) => Active::Dwell(ticks),
+            Action::Dwell(ticks) => Active::Dwell(*ticks),
             _ => Active::Free,
         };
     }
@@ -243,7 +244,7 @@ impl Executor {
                     self.active = Active::Free;
                 }
             }
-            Active::Waiting { .. } | Active::Dwell(_) => self.active = Active::Free,
+            Active::Waiting(_) | Active::Dwell(_) => self.active = Active::Free,
         }
     }
 
@@ -330,22 +331,27 @@ impl Executor {
                     Motion::Dwell
                 }
             }
-            Active::Waiting { pass, ticks } => {
+            Active::Waiting(ticks) => {
                 if now.hold {
                     *ticks = 0;
                     Motion::Hold
                 } else {
                     *ticks = ticks.saturating_add(1);
-                    let (pass, ticks) = (*pass, *ticks);
-                    self.wait(&pass, ticks, now)?;
+                    let ticks = *ticks;
+                    match self.wait(ticks, now) {
+                        Ok(None) => {}
+                        Ok(Some(run)) => self.active = Active::Thread(run),
+                        Err(alarm) => {
+                            self.active = Active::Free;
+                            return Err(alarm);
+                        }
+                    }
                     Motion::Wait
                 }
             }
             Active::Thread(run) if now.hold && run.phase() == Phase::Waiting => {
                 // It has not left yet: it waits again after the hold.
-                if let Some(pass) = self.pass {
-                    self.active = Active::Waiting { pass, ticks: 0 };
-                }
+                self.active = Active::Waiting(0);
                 Motion::Hold
             }
             Active::Thread(run) => {
@@ -358,24 +364,18 @@ impl Executor {
                         return Err(Alarm::new(Code::SpindleStopped, self.span));
                     }
                 }
-                let plan_long_x = run.plan().long_x();
-                let (long, short) = if plan_long_x {
+                let (long, short) = if run.plan().long_x() {
                     (now.ahead_x, now.ahead_z)
                 } else {
                     (now.ahead_z, now.ahead_x)
                 };
-                let beside = (long != short).then_some(*run);
-                let point = run.tick(now.observer.predict(long));
+                let angle = now.observer.predict(long);
+                let point = if long == short {
+                    run.tick(angle)
+                } else {
+                    run.tick_apart(angle, now.observer.predict(short))
+                };
                 self.position = point.position;
-                if let Some(mut beside) = beside {
-                    // The other axis' drive is slower or faster: its coordinate is that of its own instant.
-                    let beside = beside.tick(now.observer.predict(short)).position;
-                    if plan_long_x {
-                        self.position.z = beside.z;
-                    } else {
-                        self.position.x = beside.x;
-                    }
-                }
                 locked = point.phase == Phase::Locked;
                 offset = u32::from(point.move_index);
                 match point.phase {
@@ -401,13 +401,15 @@ impl Executor {
         })
     }
 
-    /// Waits until the spindle turns as commanded, its index is known and the retract is queued; then begins the pass.
-    fn wait(&mut self, pass: &Pass, ticks: u32, now: &Conditions<'_>) -> Result<(), Alarm> {
+    /// The pass begins (`None`: not yet) when the spindle turns as commanded, its index is known and the retract is queued.
+    fn wait(&self, ticks: u32, now: &Conditions<'_>) -> Result<Option<ThreadRun>, Alarm> {
+        let Some(pass) = &self.pass else {
+            return Err(Alarm::new(Code::SpindleNotArrived, self.span));
+        };
         let speed = now.observer.speed();
         let wanted = TurnRate::of_rpm(pass.rpm);
         if !self.arrived(speed, wanted) {
             if ticks > self.arrival.speed_ticks {
-                self.active = Active::Free;
                 return Err(Alarm::new(Code::SpindleNotArrived, self.span).with([
                     Arg::Rpm(speed.rpm()),
                     Arg::Rpm(pass.rpm),
@@ -415,7 +417,7 @@ impl Executor {
                     Arg::None,
                 ]));
             }
-            return Ok(());
+            return Ok(None);
         }
         if !now.observer.indexed() {
             // Two turns at the commanded speed and a second.
@@ -423,29 +425,16 @@ impl Executor {
             let turn = per_minute.checked_div(pass.rpm.abs()).unwrap_or(per_minute);
             let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
             if ticks > self.arrival.speed_ticks.saturating_add(patience) {
-                self.active = Active::Free;
                 return Err(Alarm::new(Code::NoIndex, self.span));
             }
-            return Ok(());
+            return Ok(None);
         }
         if !now.more {
-            return Ok(());
+            return Ok(None);
         }
-        let ahead = if pass.plan.long_x() {
-            now.ahead_x
-        } else {
-            now.ahead_z
-        };
-        match ThreadRun::start(pass.plan, now.observer.predict(ahead), speed) {
-            Ok(run) => {
-                self.active = Active::Thread(run);
-                Ok(())
-            }
-            Err(alarm) => {
-                self.active = Active::Free;
-                Err(alarm)
-            }
-        }
+        // Both axes have to be in time: the one with the slower drive leaves first.
+        let ahead = now.ahead_x.max(now.ahead_z);
+        ThreadRun::start(pass.plan, now.observer.predict(ahead), speed).map(Some)
     }
 
     fn arrived(&self, speed: TurnRate, wanted: TurnRate) -> bool {

@@ -20,6 +20,17 @@ pub struct Segment {
     pub action: Action,
 }
 
+impl Segment {
+    /// The pass of a thread, if it is one.
+    #[must_use]
+    pub const fn pass(&self) -> Option<&Pass> {
+        match &self.action {
+            Action::Thread(pass) => Some(pass),
+            _ => None,
+        }
+    }
+}
+
 /// The work of a segment.
 #[derive(Clone, Copy, Debug)]
 pub enum Action {

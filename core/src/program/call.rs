@@ -7,7 +7,9 @@
 use core::num::NonZeroU8;
 
 use crate::alarm::{At, Span};
-use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle};
+use crate::units::{
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle,
+};
 
 /// A point in machine coordinates; X is a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,6 +65,9 @@ pub enum CallKind {
     Tap(TapCall),
     /// M30, M02: the program is over. Also an [`Aux`] for the machine; no call follows.
     End(u16),
+    /// The text is over without one of them: no move, and no call follows. Made by whoever feeds the board, not by the
+    /// interpreter: only the reader of the text knows that nothing more comes.
+    Over,
 }
 
 /// Cutting speed on the path.
@@ -194,6 +199,10 @@ pub struct RunOut {
     pub short: At<Length>,
     /// Length on the long axis (K), positive.
     pub long: At<Length>,
+    /// What a J computed from the lead has beyond whole nanometres.
+    pub short_rest: Remainder,
+    /// The same of K.
+    pub long_rest: Remainder,
 }
 
 /// A G76 or G78 cycle with every word resolved.

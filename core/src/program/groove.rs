@@ -50,7 +50,7 @@ impl State<'_> {
         if !block.has_any(Letters::of(b"XU")) {
             return Err(Alarm::new(Code::GrooveWithoutX, word.span));
         }
-        let (end, x, z) = self.cycle_end(block, word)?;
+        let (end, x, z) = self.cycle_end(block)?;
         let peck = match block.find(b'P') {
             None => return Err(Alarm::new(Code::GrooveStepMissing, word.span)),
             Some(p) => {

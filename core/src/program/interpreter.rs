@@ -12,6 +12,10 @@ use crate::params::Params;
 
 /// What a program yields, in the order it is to be done.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly every event is a call, and the core has no heap to put one on"
+)]
 pub enum Event {
     /// One thing to do.
     Call(Call),

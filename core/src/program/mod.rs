@@ -24,6 +24,7 @@ mod speeds;
 mod state;
 mod tap;
 mod tap_mode;
+mod tap_speed;
 #[cfg(test)]
 mod tests;
 mod thread;

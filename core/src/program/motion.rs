@@ -172,18 +172,14 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The end point of a cycle on X and Z and the words to blame for it: the G word where they are missing.
-    pub(super) fn cycle_end(
-        &self,
-        block: &Block,
-        word: &Word,
-    ) -> Result<(Position, Span, Span), Alarm> {
+    /// The end point of a cycle on X and Z and the words to blame for it: nowhere where they are missing.
+    pub(super) fn cycle_end(&self, block: &Block) -> Result<(Position, Span, Span), Alarm> {
         let end = self.target(block, self.origin)?;
         let place = |absolute, increment| {
             block
                 .find(absolute)
                 .or_else(|| block.find(increment))
-                .map_or(word.span, |word| word.span)
+                .map_or(Span::default(), |word| word.span)
         };
         Ok((end, place(b'X', b'U'), place(b'Z', b'W')))
     }

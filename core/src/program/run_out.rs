@@ -2,7 +2,7 @@
 
 use super::call::RunOut;
 use crate::alarm::At;
-use crate::units::{Lead, Length};
+use crate::units::{Lead, Length, Remainder};
 
 /// Where a run-out comes from when its words do not say.
 #[derive(Clone, Copy, Debug)]
@@ -27,32 +27,60 @@ impl Chamfer {
         };
         let long = k.filter(|k| k.value != Length::ZERO);
         if let (Some(short), Some(long)) = (short, long) {
-            return Some(RunOut { short, long });
+            return Some(exact(short, long));
         }
         if let Some(j) = short {
-            return Some(RunOut { short: j, long: j });
+            return Some(exact(j, j));
         }
         if self.tenths.value == 0 {
             return None;
         }
         let span = self.tenths.span;
-        Some(RunOut {
-            short: At::new(self.length(lead, tangent(self.degrees)), span),
-            long: long.unwrap_or_else(|| At::new(self.length(lead, ONE), span)),
+        let (j, short_rest) = self.length(lead, tangent(self.degrees));
+        let short = At::new(j, span);
+        Some(match long {
+            Some(long) => RunOut {
+                short_rest,
+                ..exact(short, long)
+            },
+            None => {
+                let (k, long_rest) = self.length(lead, ONE);
+                RunOut {
+                    short,
+                    long: At::new(k, span),
+                    short_rest,
+                    long_rest,
+                }
+            }
         })
     }
 
-    /// `tenths · 0.1 · lead · tangent`, to the nearest nanometre.
-    fn length(&self, lead: Lead, tangent: i64) -> Length {
+    /// `tenths · 0.1 · lead · tangent`, to the nearest nanometre, and what that takes away.
+    fn length(&self, lead: Lead, tangent: i64) -> (Length, Remainder) {
+        // Far below 2¹²⁷: 2⁷ tenths, a lead of 2⁶³, a tangent of 2⁴⁶.
         let above = i128::from(self.tenths.value)
             .wrapping_mul(i128::from(lead.numerator()))
             .wrapping_mul(i128::from(tangent));
-        let below = i128::from(lead.denominator())
-            .wrapping_mul(10)
-            .wrapping_mul(i128::from(ONE));
-        let rounded = above.wrapping_add(below >> 1).checked_div(below);
-        let nm = rounded.and_then(|nm| i64::try_from(nm).ok());
-        Length::from_nm(nm.unwrap_or(i64::MAX))
+        let below = i128::from(lead.denominator()).wrapping_mul(10);
+        let fine = above
+            .checked_div(below)
+            .map(|fine| fine >> (ONE.trailing_zeros().wrapping_sub(Remainder::BITS)));
+        let Some(fine) = fine.filter(|fine| *fine < 1 << 80) else {
+            return (Length::from_nm(i64::MAX), Remainder::ZERO);
+        };
+        let nm = fine.wrapping_add(1 << (Remainder::BITS - 1)) >> Remainder::BITS;
+        let rest = fine.wrapping_sub(nm << Remainder::BITS);
+        (Length::from_nm(nm as i64), Remainder::from_raw(rest as i16))
+    }
+}
+
+/// The run-out of two written lengths.
+const fn exact(short: At<Length>, long: At<Length>) -> RunOut {
+    RunOut {
+        short,
+        long,
+        short_rest: Remainder::ZERO,
+        long_rest: Remainder::ZERO,
     }
 }
 

@@ -124,7 +124,7 @@ impl Scale {
     /// A distance of a cycle in millimetres or inches, within a printed range.
     pub(super) fn distance(&self, word: &Word, range: Range) -> Result<At<Length>, Alarm> {
         match word.value.scaled(self.decimals) {
-            Ok(count) => self.in_range(word, count, range),
+            Ok(count) => self.in_range(word, count, range, self.decimals),
             Err(error) => Err(self.refused(word, error)),
         }
     }
@@ -139,14 +139,21 @@ impl Scale {
             };
             return Err(word.alarm(Code::PointInIncrements).with(args));
         }
-        self.in_range(word, word.value.mantissa(), range)
+        self.in_range(word, word.value.mantissa(), range, 0)
     }
 
-    fn in_range(&self, word: &Word, count: i64, range: Range) -> Result<At<Length>, Alarm> {
+    /// `shown`: decimals in which the word is written, and so the range of its alarm.
+    fn in_range(
+        &self,
+        word: &Word,
+        count: i64,
+        range: Range,
+        shown: u8,
+    ) -> Result<At<Length>, Alarm> {
         if count < range.low || count > range.high {
             return Err(word.out_of_range(
-                Arg::Decimal(range.low, self.decimals),
-                Arg::Decimal(range.high, self.decimals),
+                Arg::Decimal(range.low, shown),
+                Arg::Decimal(range.high, shown),
             ));
         }
         // At most 10⁹ increments of 2 540 nm.

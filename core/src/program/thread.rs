@@ -2,7 +2,7 @@
 //! leads apart from feeds [D20], every word resolved or its parameter taken.
 
 use super::block::{Block, Letters, Word};
-use super::call::{CallKind, CutIn, Infeed, RunOut, ThreadCall, ThreadCycle};
+use super::call::{CallKind, CutIn, Infeed, ThreadCall, ThreadCycle};
 use super::groove::not_negative;
 use super::options::Dialect;
 use super::plan::Plan;
@@ -66,8 +66,8 @@ pub(super) struct ThreadWords {
     lead: Option<At<Lead>>,
     /// L.
     starts: At<u8>,
-    /// J and K of G78 once they were written; the inner `None` is a thread without run-out.
-    run_out: Option<Option<RunOut>>,
+    /// J and K of the latest G78 that had any: modal as words, because what they leave out follows each thread's own lead.
+    run_out: (Option<At<Length>>, Option<At<Length>>),
 }
 
 impl ThreadWords {
@@ -89,7 +89,7 @@ impl ThreadWords {
             g78: FIRST,
             lead: None,
             starts: At::new(1, NOWHERE),
-            run_out: None,
+            run_out: (None, None),
         }
     }
 }
@@ -230,15 +230,11 @@ impl State<'_> {
             tenths: parameter(self.params.thread_chamfer()),
             degrees: self.chamfer_angle(),
         };
-        let run_out = if extras.j.is_some() || extras.k.is_some() {
-            let pair = chamfer.resolve(extras.j, extras.k, common.lead.value);
-            self.thread.run_out = Some(pair);
-            pair
-        } else {
-            self.thread
-                .run_out
-                .unwrap_or_else(|| chamfer.resolve(None, None, common.lead.value))
-        };
+        if extras.j.is_some() || extras.k.is_some() {
+            self.thread.run_out = (extras.j, extras.k);
+        }
+        let (j, k) = self.thread.run_out;
+        let run_out = chamfer.resolve(j, k, common.lead.value);
         let infeed = match infeed.or(first.infeed) {
             Some(infeed) => infeed.value,
             None if self.params.thread_infeed() == 0 => Infeed::Equal,
@@ -320,7 +316,7 @@ impl State<'_> {
         taper: Range,
         depth: impl Fn(&Word) -> Result<At<Length>, Alarm>,
     ) -> Result<Common, Alarm> {
-        let (end, x, z) = self.cycle_end(block, word)?;
+        let (end, x, z) = self.cycle_end(block)?;
         let taper = match block.find(b'R') {
             Some(r) => self.scale.distance(&r, taper)?,
             None => parameter(Length::ZERO),

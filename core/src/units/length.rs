@@ -49,6 +49,30 @@ impl Length {
     }
 }
 
+/// What rounding a computed length to nanometres took away: 2⁻¹⁵ nm, −½ nm … +½ nm. Two computed lengths that make one
+/// coordinate keep it, so that the coordinate is rounded once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Remainder(i16);
+
+impl Remainder {
+    /// Fractional bits.
+    pub const BITS: u32 = 15;
+    /// Nothing: the length is exact.
+    pub const ZERO: Self = Self(0);
+
+    /// A remainder of `raw` · 2⁻¹⁵ nm.
+    #[must_use]
+    pub const fn from_raw(raw: i16) -> Self {
+        Self(raw)
+    }
+
+    /// `length` with this remainder, in 2⁻¹⁵ nm.
+    #[must_use]
+    pub const fn behind(self, length: Length) -> i128 {
+        ((length.0 as i128) << Self::BITS).wrapping_add(self.0 as i128)
+    }
+}
+
 impl Add for Length {
     type Output = Self;
     fn add(self, other: Self) -> Self {

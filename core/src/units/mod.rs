@@ -20,7 +20,7 @@ pub use angle::{Angle, StartAngle, Turns};
 pub use axis::{Acceleration, Axis, Jerk};
 pub use decimal::{Decimal, DecimalError};
 pub use feed::{CentiRpm, Feed, FeedPerTurn, Lead, Millis, Rpm};
-pub use length::{Diameter, Length};
+pub use length::{Diameter, Length, Remainder};
 pub use rate::{Ticks, TurnRate};
 pub use ratio::TurnRatio;
 pub use trig::Direction;

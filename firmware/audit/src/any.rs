@@ -21,8 +21,7 @@ use leadscrew_core::program::{
 };
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm, StartAngle, TurnRate, TurnRatio,
-    Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate, TurnRatio, Turns,
 };
 
 static SOURCE: u64 = 0;
@@ -92,7 +91,7 @@ macro_rules! wrapped {
 }
 wrapped!(CentiRpm::new Length::from_nm Angle::from_udeg Turns::from_raw StartAngle::from_mdeg Feed::from_nm_per_min
     FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Periods::new MilliRpm::new Statusword::from_raw
-    Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw);
+    Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw Remainder::from_raw);
 
 /// Types that are the sum of their public fields.
 macro_rules! records {
@@ -110,7 +109,7 @@ records! {
     Call { span origin kind }
     ArcCall { end i k clockwise feed }
     SpindleCall { rpm mode }
-    RunOut { short long }
+    RunOut { short long short_rest long_rest }
     ThreadCall {
         cycle start end_x end_z taper height first_depth min_step allowance finish_passes angle infeed cut_in starts
         run_in run_out lead increment rpm
@@ -175,7 +174,7 @@ choices! {
     CallKind {
         CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
         CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
-        CallKind::Tap(any()),
+        CallKind::Tap(any()), CallKind::Over,
     } or CallKind::End(any());
 }
 

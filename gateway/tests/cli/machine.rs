@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::{code, leadscrew, root, stderr, stdout};
+use crate::{code, golden, leadscrew, root, stderr, stdout};
 
 const THREAD: &str = "examples/o0013-g76-m68x6.nc";
 
@@ -322,6 +322,25 @@ fn pictures_show_every_kind_of_move() {
     assert!(svg.len() < 200_000, "{}", svg.len());
 }
 
+/// The README shows what `cargo xtask demo` draws.
+#[test]
+fn the_picture_of_the_readme_is_current() {
+    let folder = Folder::new("readme");
+    let picture = folder.file("shaft.svg");
+    let output = leadscrew(&[
+        "plot",
+        "examples/shaft.nc",
+        "--spindle-ripple=10@5",
+        "-o",
+        &picture,
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    golden(
+        &root().join("docs/images/shaft.svg"),
+        &std::fs::read_to_string(picture).unwrap(),
+    );
+}
+
 #[test]
 fn an_unwritable_output_is_told_before_the_work() {
     let output = leadscrew(&["simulate", THREAD, "-o", "/no/such/folder/out.csv"]);
@@ -393,4 +412,60 @@ fn ctrl_c_brings_the_machine_to_a_stop() {
     let (last, before) = (ends.next().unwrap(), ends.next().unwrap());
     assert_eq!(last[2..5], before[2..5], "the axes stand at the end");
     assert_ne!(last[9], "alarm");
+}
+
+#[test]
+fn a_text_that_just_stops_ends_its_program() {
+    let folder = Folder::new("open-end");
+    for (text, moves) in [
+        ("G0 X50 Z10\n", 1),
+        ("G0 X50 Z10", 1),
+        ("%\nM3 S300\nG0 X50 Z10\n%\n", 2),
+        (
+            "M3 S300\nG0 X50 Z10\nG78 P010060 Q0.1 R0.05\nG78 X46 Z-10 P1.2 Q0.8 F2",
+            22,
+        ),
+        ("", 0),
+    ] {
+        let program = folder.file("open.nc");
+        std::fs::write(&program, text).unwrap();
+        for command in ["simulate", "run"] {
+            let result = result(&[command, &program, "--json"]);
+            assert_eq!(result["ok"], true, "{text}");
+            assert_eq!(result["moves"], moves, "{text}");
+        }
+    }
+}
+
+#[test]
+fn the_time_of_a_cycle_is_known_before_it_runs() {
+    let folder = Folder::new("time");
+    let (program, csv) = (folder.file("time.nc"), folder.file("time.csv"));
+    // The second run-out is too short for its displacement: X makes it up by itself, and every pass takes longer.
+    for cycle in [
+        "G76 P010060 Q1000 R0.05\nG76 X56 Z-30 P9000 Q3000 F2",
+        "G76 P010930 Q1000 R0.05\nG76 X56 Z-30 P8124 Q3000 F4 J1 K2",
+        "G78 P010460 Q0.1 R0.05 L3\nG78 X56 Z-30 P1.2 Q0.5 F3 J1 K2",
+    ] {
+        let text = format!("M3 S598\nG4 P1000\nG0 X66 Z8\n{cycle}\nM30\n");
+        std::fs::write(&program, text).unwrap();
+        let check = result(&["check", &program, "--json"]);
+        let foreseen = check["files"][0]["cycles"][0]["time_s"].as_f64().unwrap();
+        assert_eq!(
+            code(&leadscrew(&["simulate", &program, "-o", &csv])),
+            0,
+            "{cycle}"
+        );
+        let rows = std::fs::read_to_string(&csv).unwrap();
+        let rows = rows
+            .lines()
+            .filter(|row| row.split(',').nth(7) == Some("5"));
+        let taken = rows.count() as f64 * 1e-3;
+        // The first pass waits for its start angle, up to half a turn longer or shorter than foreseen.
+        let doubt = 0.5 * 60.0 / 598.0 + 0.02;
+        assert!(
+            (taken - foreseen).abs() < doubt,
+            "{foreseen} s foreseen, {taken} s taken: {cycle}"
+        );
+    }
 }

@@ -159,6 +159,8 @@ fn a_taper_that_rises_into_the_run_out() {
         run_out: Some(RunOut {
             short: word(short, 60),
             long: word(mm(3.0), 70),
+            short_rest: Remainder::ZERO,
+            long_rest: Remainder::ZERO,
         }),
         ..o0013()
     };
@@ -356,6 +358,8 @@ fn lengths_out_of_range() {
                 run_out: Some(RunOut {
                     short: word(Length::ZERO, 5),
                     long: at(one_nm()),
+                    short_rest: Remainder::ZERO,
+                    long_rest: Remainder::ZERO,
                 }),
                 ..o0013()
             },
@@ -366,6 +370,8 @@ fn lengths_out_of_range() {
                 run_out: Some(RunOut {
                     short: at(one_nm()),
                     long: word(huge, 5),
+                    short_rest: Remainder::ZERO,
+                    long_rest: Remainder::ZERO,
                 }),
                 ..o0013()
             },

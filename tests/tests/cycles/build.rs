@@ -55,6 +55,8 @@ pub fn run_out(short: f64, long: f64) -> Option<RunOut> {
     Some(RunOut {
         short: word(mm(short), 60),
         long: word(mm(long), 70),
+        short_rest: Remainder::ZERO,
+        long_rest: Remainder::ZERO,
     })
 }
 

@@ -504,3 +504,27 @@ fn other_calls_make_one_move_or_none() {
         ))
     );
 }
+
+/// J and K of half a lead of 25.4/11 mm on a taper of 2.5 over 72: 40 088.38 nm of the line and 1 154 545.45 nm of J make
+/// one coordinate, rounded once.
+#[test]
+fn the_end_of_a_run_out_is_rounded_once() {
+    let rest = Remainder::from_raw(((5 << Remainder::BITS) / 11) as i16);
+    let half_lead = at(Length::from_nm(1_154_545));
+    let call = ThreadCall {
+        taper: word(mm(2.5), 25),
+        run_out: Some(RunOut {
+            short: half_lead,
+            long: half_lead,
+            short_rest: rest,
+            long_rest: rest,
+        }),
+        ..o0013()
+    };
+    let list = moves(&call);
+    // Pass 1: 1.88 above D.
+    let d = mm(30.32 + 1.88);
+    assert_eq!(list[1].to.x, d + Length::from_nm(40_088));
+    assert_eq!(list[2].to.x, d + Length::from_nm(1_194_634));
+    assert_eq!(list[1].to.z, mm(-62.0) + half_lead.value);
+}

@@ -7,4 +7,5 @@ mod examples;
 mod random;
 mod reference;
 mod taps;
+mod taps_random;
 mod texts;

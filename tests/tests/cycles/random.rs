@@ -106,6 +106,8 @@ fn thread(r: &mut Random) -> ThreadCall {
     let run_out = r.chance(60).then(|| RunOut {
         short: at(len(r.length(50, 6000, lsb).max(lsb))),
         long: at(len(r.length(50, 6000, lsb).max(lsb))),
+        short_rest: Remainder::ZERO,
+        long_rest: Remainder::ZERO,
     });
     let lead = if r.chance(70) {
         Lead::new(r.within(1000, 120_000) * 100, 1)
@@ -389,6 +391,8 @@ fn threads_scale() {
             run_out: call.run_out.map(|out| RunOut {
                 short: large(out.short),
                 long: large(out.long),
+                short_rest: out.short_rest,
+                long_rest: out.long_rest,
             }),
             increment: call.increment.times(FACTOR),
             ..call
@@ -574,6 +578,8 @@ fn wild_calls_are_refused_or_cut() {
                     call.run_out = Some(RunOut {
                         short: at(value),
                         long: at(edge(&mut r)),
+                        short_rest: Remainder::ZERO,
+                        long_rest: Remainder::ZERO,
                     })
                 }
                 _ => call.lead = at(Lead::new(value.nm(), r.next() as i64).unwrap_or(lead(1.0))),

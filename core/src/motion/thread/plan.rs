@@ -236,6 +236,13 @@ impl ThreadPlan {
         self.speed_limit
     }
 
+    /// Spindle angle at which the long axis leaves rest, counted in the turning direction from the index; whole turns mean
+    /// nothing.
+    #[must_use]
+    pub fn leaves_at(&self) -> Turns {
+        self.start_angle - self.join_angle
+    }
+
     /// Turns of the spindle from where the long axis leaves rest to where it is at rest again.
     #[must_use]
     pub fn turns(&self) -> Turns {

@@ -166,6 +166,27 @@ impl ThreadRun {
         }
     }
 
+    /// The next setpoint where the drive of the short axis is slower or faster than that of the long one: each coordinate
+    /// is that of its own instant. `angle` and `short`: predicted spindle angle at the instant of the long and of the
+    /// short axis. The pass is done when both have arrived.
+    pub fn tick_apart(&mut self, angle: Turns, short: Turns) -> ThreadPoint {
+        let master = self.master;
+        let mut beside = *self;
+        let mut point = self.tick(angle);
+        let other = beside.tick(short);
+        if self.plan.long_x {
+            point.position.z = other.position.z;
+        } else {
+            point.position.x = other.position.x;
+        }
+        if point.phase == Phase::Done && other.phase != Phase::Done {
+            self.master = master;
+            self.phase = Phase::Braking;
+            point.phase = Phase::Braking;
+        }
+        point
+    }
+
     /// Takes the tool out of the thread now: the short axis ramps out with the run-out's slope (45° where there is
     /// none) to `target`, an absolute coordinate of the short axis away from the work, with a taper's slope added; the
     /// long axis stays in lead meanwhile and then comes to rest, never beyond the end plane. Where the way left is too

@@ -78,6 +78,7 @@ const CASES: &[(&str, u16, u32, u16, u16, char)] = &[
     ("G75 R100", 4025, 1, 5, 9, 'R'),
     ("G76 R100", 4025, 1, 5, 9, 'R'),
     ("G76 Q10000000", 4025, 1, 5, 14, 'Q'),
+    ("G75 X4 P100000000", 4025, 1, 8, 18, 'P'),
     ("G76 X60 Z-1 P100000000 Q1 F1", 4025, 1, 13, 23, 'P'),
     ("G78 J100000", 4025, 1, 5, 12, 'J'),
     ("G78 X1 R-100000 P1 Q1 F1", 4025, 1, 8, 16, 'R'),
@@ -309,6 +310,11 @@ fn no_code_of_this_folder_is_left_out() {
 #[test]
 fn figures_say_what_to_write() {
     assert_eq!(alarm("G76 Q.15").args[0], Arg::Int(1500));
+    // A range is written as the word is: in increments where the word counts them.
+    assert_eq!(
+        alarm("G76 Q10000000").args[..2],
+        [Arg::Decimal(0, 0), Arg::Decimal(9_999_999, 0)]
+    );
     assert_eq!(alarm("G0 X1.00001").args[0], Arg::Decimal(1, 4));
     assert_eq!(
         alarm("G75 R100").args[..2],

@@ -238,6 +238,25 @@ fn run_out_of_g78_is_modal_as_a_pair() {
     assert_eq!(of(&pair, ""), Some((2_000, 3_000)));
     assert_eq!(of(&pair, "J4"), Some((4_000, 4_000)));
     assert_eq!(of(&std::format!("{cycle} J0"), ""), None);
+    // What the words leave out follows the lead of each thread, not of the one that brought the words.
+    let coarse = "G78 X60 Z-20 P1 Q0.3 F4";
+    assert_eq!(of(&std::format!("{coarse} K3"), ""), Some((1_000, 3_000)));
+    assert_eq!(of(&std::format!("{coarse} K0"), ""), Some((1_000, 1_000)));
+}
+
+#[test]
+fn a_run_out_of_the_lead_keeps_what_lies_between_nanometres() {
+    // 0.5 · 25.4/11 mm = 1 154 545 + 5/11 nm.
+    let call = thread("G0 X80 Z10\nG76 X60 Z-20 P10000 Q3000 I11");
+    let run_out = call.run_out.expect("by 019");
+    assert_eq!(run_out.short.value, Length::from_nm(1_154_545));
+    assert_eq!(run_out.long.value, run_out.short.value);
+    let rest = Remainder::from_raw(((5 << Remainder::BITS) / 11) as i16);
+    assert_eq!((run_out.short_rest, run_out.long_rest), (rest, rest));
+    // A written J has none.
+    let call = thread("G0 X80 Z10\nG76 X60 Z-20 P10000 Q3000 I11 J1");
+    let run_out = call.run_out.expect("written");
+    assert_eq!(run_out.short_rest, Remainder::ZERO);
 }
 
 #[test]

@@ -16,7 +16,7 @@ mod taps;
 use super::*;
 use crate::alarm::{Alarm, Span};
 use crate::params::Params;
-use crate::units::{Length, Rpm};
+use crate::units::{Length, Remainder, Rpm};
 use std::vec::Vec;
 
 /// Everything `text` yields, and the alarm that ends it.

@@ -4,7 +4,7 @@ use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::program::{
     CutIn, FeedRate, GrooveCall, Infeed, Position, RunOut, ThreadCall, ThreadCycle,
 };
-use leadscrew_core::units::{Angle, Feed, Lead, Length, Rpm};
+use leadscrew_core::units::{Angle, Feed, Lead, Length, Remainder, Rpm};
 
 fn at<T>(value: T) -> At<T> {
     At::new(value, Span::default())
@@ -44,6 +44,8 @@ pub fn o0013() -> ThreadCall {
         run_out: Some(RunOut {
             short: at(um(3_000)),
             long: at(um(3_000)),
+            short_rest: Remainder::ZERO,
+            long_rest: Remainder::ZERO,
         }),
         lead: at(lead(6_000)),
         increment: Length::from_nm(100),
