@@ -73,6 +73,9 @@ pub fn run(
             if let Event::Alarm(alarm) = event {
                 ran.alarm = Some(alarm);
             }
+            if event == Event::Reset {
+                waiting = Vec::new().into_iter().peekable();
+            }
             ran.events.push(event);
         }
         if ran.alarm.is_some() {

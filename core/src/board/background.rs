@@ -7,13 +7,14 @@
 use heapless::{Deque, Vec};
 
 use super::detour::Route;
-use super::queue::{CallOut, SegmentIn, put, room, take};
+use super::queue::{CallOut, SegmentIn, is_empty, put, room, take};
+use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves, Stage, expand};
 use crate::feasible;
-use crate::motion::{Action, Limits, Pass, Segment, Stops, ThreadPlan, plan};
+use crate::motion::{Action, Epoch, Limits, Pass, Segment, Stops, ThreadPlan, plan};
 use crate::params::Params;
-use crate::program::{Call, CallKind, Position};
+use crate::program::{Call, CallKind, Position, ThreadCall};
 use crate::units::{Length, Rpm, TurnRate};
 
 /// What planning depends on besides the program.
@@ -23,7 +24,7 @@ pub struct Settings<'a> {
     pub params: &'a Params,
     /// The limits made of it.
     pub limits: &'a Limits,
-    /// Spindle override in percent.
+    /// Spindle override in percent, as the operator has set it.
     pub spindle_percent: u8,
 }
 
@@ -31,6 +32,9 @@ pub struct Settings<'a> {
 #[derive(Debug)]
 pub struct Background {
     moves: Option<Moves>,
+    epoch: Epoch,
+    /// The spindle override with which the call under expansion is planned.
+    percent: u8,
     /// The call under expansion asks for the end of the program.
     ending: Option<Span>,
     /// Where the last planned move ends.
@@ -52,9 +56,15 @@ pub struct Background {
 impl Background {
     /// Nothing to do, at a position.
     #[must_use]
-    pub const fn new(position: Position) -> Self {
+    pub fn new(position: Position) -> Self {
+        Self::starting(position, Epoch::default())
+    }
+
+    const fn starting(position: Position, epoch: Epoch) -> Self {
         Self {
             moves: None,
+            epoch,
+            percent: 100,
             ending: None,
             position,
             home: position,
@@ -68,9 +78,21 @@ impl Background {
         }
     }
 
-    /// Forgets everything; goes on from `position`.
-    pub fn restart(&mut self, position: Position) {
-        *self = Self::new(position);
+    /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
+    pub fn heed(
+        &mut self,
+        notice: &Notice,
+        calls: &mut CallOut<'_>,
+        detours: &mut SegmentIn<'_>,
+        limits: &Limits,
+    ) {
+        match notice {
+            Notice::Restart(position, epoch) => {
+                while take(calls).is_some() {}
+                *self = Self::starting(*position, *epoch);
+            }
+            Notice::Route(route) => plan_route(route, limits, detours),
+        }
     }
 
     /// True while a call is not fully planned and queued.
@@ -107,6 +129,14 @@ impl Background {
             self.queue(span, Stops::default(), Action::End);
             return (true, None);
         }
+        // The override of a thread cycle is that of its beginning: it is planned when nothing else waits any more.
+        if calls
+            .peek()
+            .is_some_and(|call| matches!(call.kind, CallKind::Thread(_)))
+            && !is_empty(segments)
+        {
+            return (false, None);
+        }
         let Some(call) = take(calls) else {
             return (false, None);
         };
@@ -122,12 +152,21 @@ impl Background {
     fn open(&mut self, call: &Call, settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
         if let CallKind::Thread(thread) = &call.kind {
             feasible::thread(thread, call.span, settings.params)?;
+            if settings.spindle_percent > 100 {
+                // The override makes it faster than the block says.
+                let faster = ThreadCall {
+                    rpm: overridden(thread.rpm, settings.spindle_percent),
+                    ..*thread
+                };
+                feasible::thread(&faster, call.span, settings.params)?;
+            }
         }
         let moves = expand(call, self.position)?;
         let warning = moves.warning();
         // Before anything of the call moves; what has expanded once expands a second time to the same.
         feasible::within_limits(moves.clone(), self.position, settings.params)?;
         self.home = self.position;
+        self.percent = settings.spindle_percent;
         self.moves = Some(moves);
         if let CallKind::End(_) | CallKind::Over = call.kind {
             self.ending = Some(call.span);
@@ -168,6 +207,7 @@ impl Background {
         let segment = Segment {
             number,
             span,
+            epoch: self.epoch,
             stops,
             action,
         };
@@ -194,7 +234,7 @@ impl Background {
             }
             return Ok(());
         }
-        let stops = stops(next);
+        let stops = stops(next, self.percent);
         let action = match next.kind {
             MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
                 let timed = plan::timed(self.position, next, settings.limits)?;
@@ -223,7 +263,7 @@ impl Background {
     }
 
     fn plan_pass(&mut self, last: &Move, rpm: Rpm, settings: &Settings<'_>) -> Result<(), Alarm> {
-        let rpm = overridden(rpm, settings.spindle_percent);
+        let rpm = overridden(rpm, self.percent);
         let plan = ThreadPlan::new(
             self.pass_start,
             &self.pass,
@@ -232,7 +272,7 @@ impl Background {
         )?;
         let stops = Stops {
             hold_not_inside: true,
-            thread_cycle: true,
+            frozen: Some(self.percent),
             ..Stops::default()
         };
         let pass = Pass {
@@ -269,7 +309,7 @@ pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     Rpm::new(i32::try_from(rounded).unwrap_or(0))
 }
 
-fn stops(next: &Move) -> Stops {
+fn stops(next: &Move, percent: u8) -> Stops {
     let Some(tag) = next.tag else {
         return Stops {
             single_block: !matches!(next.kind, MoveKind::Spindle(_)),
@@ -283,23 +323,23 @@ fn stops(next: &Move) -> Stops {
         hold_not_before: behind_stroke,
         // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
         single_block: !thread_cycle || tag.stage == Stage::Return,
-        thread_cycle,
+        frozen: thread_cycle.then_some(percent),
     }
 }
 
 /// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
-pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
+fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
     let mut at = route.from;
     let stops = Stops {
         hold_not_inside: true,
         hold_not_before: true,
-        thread_cycle: true,
         ..Stops::default()
     };
     let mut queue_up = |action| {
         let leg = Segment {
             number: 0,
             span: Span::default(),
+            epoch: route.epoch,
             stops,
             action,
         };
