@@ -340,11 +340,9 @@ fn a_failing_drive_anywhere_and_the_next_program() {
         Trouble::Fault(0x3210),
         Trouble::TorqueOff,
     ];
-    let mut turn = 0;
-    for tick in places(&calm, stride(5, 293)) {
+    for (turn, tick) in places(&calm, stride(5, 293)).enumerate() {
         let trouble = troubles[turn % 4];
         let which = turn / 4 % 4;
-        turn += 1;
         // A spindle has no position to be away from; a standing axis does not miss one.
         if trouble == Trouble::Stuck {
             continue;

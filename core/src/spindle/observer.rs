@@ -78,8 +78,6 @@ pub struct Observer {
     turn: i64,
     rising: Option<bool>,
     zero: Option<i32>,
-    /// The last index is no more than two turns away.
-    fresh: bool,
     // The state: 2⁻³² turns, 2⁻⁴⁸ turns per tick, 2⁻⁴⁸ turns per tick².
     angle: i64,
     speed: i64,
@@ -125,7 +123,6 @@ impl Observer {
             turn: 0,
             rising: None,
             zero: None,
-            fresh: false,
             angle: 0,
             speed: 0,
             acceleration: 0,
@@ -148,11 +145,6 @@ impl Observer {
         let event = sample
             .index
             .and_then(|latched| self.index(latched, sample.count));
-        if let Some(zero) = self.zero {
-            let away = sample.count.wrapping_sub(zero).unsigned_abs();
-            // One that comes a count late is in time.
-            self.fresh &= away <= self.counts.wrapping_mul(2).wrapping_add(1);
-        }
 
         // Predict one tick, look, correct.
         let predicted = self
@@ -206,14 +198,19 @@ impl Observer {
     /// True while the last index is no more than two turns away: angle 0 and every whole turn is the index. False before
     /// the first one, and where it stays out.
     #[must_use]
+    // Asked while a stroke waits: in line it makes the tick that begins the stroke copy more.
+    #[inline(never)]
     pub const fn indexed(&self) -> bool {
-        self.zero.is_some() && self.fresh
+        let (Some(zero), Some(last)) = (self.zero, self.last) else {
+            return false;
+        };
+        // One that comes a count late is in time.
+        last.wrapping_sub(zero).unsigned_abs() <= self.counts.wrapping_mul(2).wrapping_add(1)
     }
 
     /// After a slip: the next index is taken for the first one.
     pub const fn forget_index(&mut self) {
         self.zero = None;
-        self.fresh = false;
     }
 
     /// True while the spindle turns faster than a quarter of a turn a minute, either way.
@@ -256,7 +253,6 @@ impl Observer {
 
     /// Uses an index: the first makes the zero, each later one must be whole turns from the last.
     fn index(&mut self, latched: i32, count: i32) -> Option<SpindleEvent> {
-        self.fresh = true;
         let Some(zero) = self.zero else {
             self.zero = Some(latched);
             let before = self.boundary();
