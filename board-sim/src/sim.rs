@@ -293,7 +293,8 @@ impl Sim {
             (_, Motion::Dwell) => Doing::Dwell,
             (_, Motion::Wait) => Doing::Wait,
             (_, Motion::Run) => Doing::Run,
-            (State::Running, Motion::Idle) => Doing::Run,
+            // The next segment is not there yet.
+            (State::Running, Motion::Idle) => Doing::Wait,
             (_, Motion::Idle) if self.board.ticker().in_program() => Doing::Wait,
             _ => Doing::Idle,
         };

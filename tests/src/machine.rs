@@ -86,6 +86,9 @@ pub fn run_calls(
             if let Event::Alarm(alarm) = event {
                 ran.alarm = Some(alarm);
             }
+            if event == Event::Reset {
+                waiting = Vec::new().into_iter().peekable();
+            }
             ran.events.push(event);
         }
         if ran.alarm.is_some() {

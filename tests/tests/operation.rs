@@ -225,7 +225,7 @@ fn reset_anywhere_leaves_nothing_latent() {
                 sim.command(Command::Reset);
             }
         });
-        assert_eq!(ran.alarm, None);
+        assert_eq!(ran.alarm, None, "reset at {tick}: {:?}", ran.events);
         assert_eq!(first_excess(&ran.rows, &params), None, "reset at {tick}");
         let row = &calm.rows[tick as usize];
         let last = ran.rows.last().expect("rows");

@@ -19,6 +19,7 @@ pub struct Encoder {
     age: Option<u64>,
     /// The last count with an index pulse since the last sample.
     index: Option<i64>,
+    index_broken: bool,
 }
 
 impl Encoder {
@@ -36,7 +37,18 @@ impl Encoder {
             zero,
             age: None,
             index: None,
+            index_broken: false,
         })
+    }
+
+    /// The counter gains (negative: loses) `counts`, as by interference.
+    pub const fn slip(&mut self, counts: i32) {
+        self.zero = self.zero.wrapping_add(counts);
+    }
+
+    /// The wire of the index is broken, or mended.
+    pub const fn break_index(&mut self, broken: bool) {
+        self.index_broken = broken;
     }
 
     /// Takes the next piece of the spindle's motion.
@@ -107,7 +119,7 @@ impl Encoder {
 
     /// What the board's hardware shows now. The index latch is emptied by it.
     pub fn sample(&mut self) -> EncoderSample {
-        let index = self.index.take();
+        let index = self.index.take().filter(|_| !self.index_broken);
         EncoderSample {
             count: self.shown(self.count),
             edge_age_ns: self

@@ -231,6 +231,11 @@ impl Plant {
         &mut self.spindle
     }
 
+    /// The spindle's encoder, to make trouble.
+    pub const fn encoder(&mut self) -> &mut Encoder {
+        &mut self.encoder
+    }
+
     /// The drive of an axis, to make trouble.
     pub const fn drive(&mut self, axis: Axis) -> &mut Drive {
         match axis {

@@ -239,7 +239,7 @@ pub struct Spindle {
     speed: i64,
     gain: Gain,
     phase: u64,
-    load_percent: u16,
+    load_percent: i16,
 }
 
 impl Spindle {
@@ -277,8 +277,8 @@ impl Spindle {
     }
 
     /// Lets the spindle take `percent` of its commanded speed, along the same ramp: 100 undisturbed, 0 stopped against
-    /// the command, above 100 overspeed.
-    pub const fn disturb(&mut self, percent: u16) {
+    /// the command, above 100 overspeed, below 0 dragged round against it.
+    pub const fn disturb(&mut self, percent: i16) {
         self.load_percent = percent;
     }
 

@@ -7,15 +7,17 @@
 use heapless::{Deque, Vec};
 
 use super::detour::Route;
-use super::queue::{CallOut, SegmentIn, put, room, take};
+use super::queue::{CallOut, SegmentIn, is_empty, put, room, take};
+use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
 use crate::motion::{
-    Action, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, dwell_ticks, plan, stroke,
+    Action, Epoch, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, dwell_ticks, plan,
+    stroke,
 };
 use crate::params::Params;
-use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode};
+use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, ThreadCall};
 use crate::units::{Length, Rpm, TurnRate};
 
 /// What planning depends on besides the program.
@@ -25,7 +27,7 @@ pub struct Settings<'a> {
     pub params: &'a Params,
     /// The limits made of it.
     pub limits: &'a Limits,
-    /// Spindle override in percent.
+    /// Spindle override in percent, as the operator has set it.
     pub spindle_percent: u8,
 }
 
@@ -41,6 +43,9 @@ struct Collecting {
 #[derive(Debug)]
 pub struct Background {
     moves: Option<Moves>,
+    epoch: Epoch,
+    /// The spindle override with which the call under expansion is planned.
+    percent: u8,
     /// The call under expansion asks for the end of the program.
     ending: Option<Span>,
     /// Where the last planned move ends.
@@ -66,9 +71,15 @@ pub struct Background {
 impl Background {
     /// Nothing to do, at a position.
     #[must_use]
-    pub const fn new(position: Position) -> Self {
+    pub fn new(position: Position) -> Self {
+        Self::starting(position, Epoch::default())
+    }
+
+    const fn starting(position: Position, epoch: Epoch) -> Self {
         Self {
             moves: None,
+            epoch,
+            percent: 100,
             ending: None,
             position,
             home: position,
@@ -84,9 +95,21 @@ impl Background {
         }
     }
 
-    /// Forgets everything; goes on from `position`.
-    pub fn restart(&mut self, position: Position) {
-        *self = Self::new(position);
+    /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
+    pub fn heed(
+        &mut self,
+        notice: &Notice,
+        calls: &mut CallOut<'_>,
+        detours: &mut SegmentIn<'_>,
+        limits: &Limits,
+    ) {
+        match notice {
+            Notice::Restart(position, epoch) => {
+                while take(calls).is_some() {}
+                *self = Self::starting(*position, *epoch);
+            }
+            Notice::Route(route) => plan_route(route, limits, detours),
+        }
     }
 
     /// True while a call is not fully planned and queued.
@@ -127,6 +150,14 @@ impl Background {
             self.queue(span, Stops::default(), Action::End);
             return (true, None);
         }
+        // The override of a thread cycle is that of its beginning: it is planned when nothing else waits any more.
+        if calls
+            .peek()
+            .is_some_and(|call| matches!(call.kind, CallKind::Thread(_)))
+            && !is_empty(segments)
+        {
+            return (false, None);
+        }
         let Some(call) = take(calls) else {
             return (false, None);
         };
@@ -144,6 +175,14 @@ impl Background {
         match &call.kind {
             CallKind::Thread(thread) => {
                 feasible::thread(thread, call.span, settings.params)?;
+                if settings.spindle_percent > 100 {
+                    // The override makes it faster than the block says.
+                    let faster = ThreadCall {
+                        rpm: overridden(thread.rpm, settings.spindle_percent),
+                        ..*thread
+                    };
+                    feasible::thread(&faster, call.span, settings.params)?;
+                }
             }
             CallKind::Tap(tap) => {
                 warning = feasible::tap(tap, call.span, settings.params)?.warning;
@@ -155,6 +194,7 @@ impl Background {
         // Before anything of the call moves; what has expanded once expands a second time to the same.
         feasible::within_limits(moves.clone(), self.position, settings.params)?;
         self.home = self.position;
+        self.percent = settings.spindle_percent;
         self.moves = Some(moves);
         if let CallKind::End(_) | CallKind::Over = call.kind {
             self.ending = Some(call.span);
@@ -196,6 +236,7 @@ impl Background {
         let segment = Segment {
             number,
             span,
+            epoch: self.epoch,
             stops,
             action,
         };
@@ -330,7 +371,7 @@ impl Background {
             hold_not_before: behind_stroke,
             // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
             single_block: !thread_cycle || tag.stage == Stage::Return,
-            thread_cycle,
+            frozen: thread_cycle.then_some(self.percent),
             ..Stops::default()
         }
     }
@@ -346,7 +387,7 @@ impl Background {
     }
 
     fn plan_pass(&mut self, last: &Move, rpm: Rpm, settings: &Settings<'_>) -> Result<(), Alarm> {
-        let rpm = overridden(rpm, settings.spindle_percent);
+        let rpm = overridden(rpm, self.percent);
         let plan = ThreadPlan::new(
             self.pass_start,
             &self.pass,
@@ -355,7 +396,7 @@ impl Background {
         )?;
         let stops = Stops {
             hold_not_inside: true,
-            thread_cycle: true,
+            frozen: Some(self.percent),
             ..Stops::default()
         };
         let pass = Pass {
@@ -406,18 +447,18 @@ const fn is_tap(tag: &Tag) -> bool {
 }
 
 /// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
-pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
+fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
     let mut at = route.from;
     let stops = Stops {
         hold_not_inside: true,
         hold_not_before: true,
-        thread_cycle: true,
         ..Stops::default()
     };
     let mut queue_up = |action| {
         let leg = Segment {
             number: 0,
             span: Span::default(),
+            epoch: route.epoch,
             stops,
             action,
         };

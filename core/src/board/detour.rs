@@ -3,6 +3,7 @@
 //! The tick knows where to go; planning the way is the background's work. The tick asks with a [`Route`], the background
 //! answers with segments through a queue of their own, the last of them a mark ([`Action::End`](crate::motion::Action)).
 
+use crate::motion::Epoch;
 use crate::program::Position;
 
 /// Straight rapids from where the machine stands through up to two points.
@@ -12,6 +13,8 @@ pub struct Route {
     pub from: Position,
     /// Where it goes, in this order.
     pub via: [Option<Position>; 2],
+    /// What is planned for it is marked with this.
+    pub epoch: Epoch,
 }
 
 /// How far a detour has come.

@@ -28,6 +28,8 @@ pub enum Event {
     Alarm(Alarm),
     /// Feed hold or single block has brought the axes to rest.
     Held,
+    /// A reset is done: everything handed over before has been forgotten. Who feeds a program stops doing so.
+    Reset,
     /// The last call has been carried out.
     Finished,
 }

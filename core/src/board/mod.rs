@@ -2,7 +2,9 @@
 //!
 //! Two contexts. The **tick** ([`Ticker`], one SYNC period, bounded) observes the spindle, watches the drives, executes
 //! segments and makes frames. The **background** ([`Background`]) expands and plans. They are joined by single-producer
-//! queues and, the other way, by one message: start afresh from here, or plan this way.
+//! queues and, the other way, by one message: start afresh from here, or plan this way. What is planned carries the
+//! [`Epoch`](crate::motion::Epoch) it was planned in, and the tick drops what is older than its last start: so the two need
+//! not agree on the moment.
 //!
 //! ```text
 //!          calls          segments                       SYNC, RPDOs
@@ -36,7 +38,7 @@ use crate::motion::Limits;
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::spindle::EncoderSample;
-use queue::{Calls, Events, Segments, take};
+pub use queue::{Calls, Events, Segments};
 
 /// A motion board with both its contexts, called in turn from one thread (simulation, tests). Firmware takes the same
 /// two halves apart.
@@ -74,10 +76,11 @@ impl Board {
         })
     }
 
-    /// Hands a call over. False, and nothing changes, where there is no room for it now.
+    /// Hands a call over. False, and nothing changes, where there is no room for it now, or while the machine starts, stops
+    /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
-        let taken = self.calls.enqueue(*call).is_ok();
+        let taken = self.ticker.takes_calls() && self.calls.enqueue(*call).is_ok();
         if taken {
             self.ticker.program_begins();
         }
@@ -113,16 +116,10 @@ impl Board {
             events: &mut events,
         };
         self.ticker.tick(sample, received, &mut ends, output);
-        match &output.notice {
-            None => {}
-            Some(Notice::Restart(position)) => {
-                while self.calls.dequeue().is_some() {}
-                self.background.restart(*position);
-            }
-            Some(Notice::Route(route)) => {
-                while take(&mut detours).is_some() {}
-                background::plan_route(route, &self.limits, &mut planned);
-            }
+        if let Some(notice) = &output.notice {
+            let (_, mut calls) = self.calls.split();
+            self.background
+                .heed(notice, &mut calls, &mut planned, &self.limits);
         }
     }
 

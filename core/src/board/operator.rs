@@ -43,7 +43,13 @@ impl Operator {
     /// Takes a command. The stronger wish of one tick counts: stop before reset before resume.
     pub(super) const fn take(&mut self, command: Command) {
         match command {
-            Command::Hold => self.hold = true,
+            Command::Hold => {
+                self.hold = true;
+                // What was asked for last counts.
+                if matches!(self.wish, Some(Wish::Resume)) {
+                    self.wish = None;
+                }
+            }
             Command::Resume if self.wish.is_none() => self.wish = Some(Wish::Resume),
             Command::Reset if !matches!(self.wish, Some(Wish::Stop)) => {
                 self.wish = Some(Wish::Reset);

@@ -40,6 +40,11 @@ pub fn put<T>(queue: &mut Producer<'_, T>, value: T) -> Result<(), T> {
     queue.enqueue(value)
 }
 
+/// True while a producer's queue holds nothing.
+pub fn is_empty<T>(queue: &Producer<'_, T>) -> bool {
+    queue.capacity() == room(queue)
+}
+
 /// Takes the oldest entry.
 pub fn take<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
     if queue.capacity() == usize::MAX {

@@ -18,7 +18,8 @@ use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{Frame, MilliRpm};
 use crate::motion::{
-    Action, Arrival, Conditions, Executor, Motion, Phase, Retract, Segment, Setpoint, Stops,
+    Action, Arrival, Conditions, Epoch, Executor, Motion, Pass, Phase, Retract, Segment, Setpoint,
+    Stops,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -57,8 +58,8 @@ pub enum Outcome {
 /// What the tick has to say to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// Forget everything and go on from here.
-    Restart(Position),
+    /// Forget everything and go on from here; what is planned from now on is marked with this epoch.
+    Restart(Position, Epoch),
     /// Plan this way.
     Route(Route),
 }
@@ -129,6 +130,10 @@ pub struct Ticker {
     /// Reset: where the short axis is clear of the crests.
     clear_at: Option<Position>,
     notice: Option<Notice>,
+    /// Of the segments that count.
+    epoch: Epoch,
+    /// Of the way asked for last.
+    route_epoch: Epoch,
     clearance: Length,
     edge_time: bool,
     hold_retracts: bool,
@@ -179,6 +184,8 @@ impl Ticker {
             detour: Detour::None,
             clear_at: None,
             notice: None,
+            epoch: Epoch::default(),
+            route_epoch: Epoch::default(),
             clearance: params.thread_clearance(),
             edge_time: params.encoder_edge_time(),
             hold_retracts: params.thread_hold_retracts(),
@@ -215,6 +222,12 @@ impl Ticker {
         overridden(self.commanded, self.spindle_percent)
     }
 
+    /// True where the machine is ready for calls: up, and neither stopping nor on an alarm.
+    #[must_use]
+    pub const fn takes_calls(&self) -> bool {
+        matches!(self.state, State::Idle | State::Running | State::Held)
+    }
+
     /// A program is under way: its end has not been reached.
     #[must_use]
     pub const fn in_program(&self) -> bool {
@@ -245,6 +258,7 @@ impl Ticker {
         self.observe(sample, ends.events);
         self.watch_drives(ends.events);
         self.obey(ends.events);
+        self.drop_stale(ends);
         let instant = self.take_up(ends);
 
         let moved = !self.executor.is_free();
@@ -271,7 +285,7 @@ impl Ticker {
             feed: self.operator.feed(),
             rapid: self.operator.rapid(),
             hold: self.operator.hold,
-            more: ends.segments.ready(),
+            more: self.is_next(ends),
         };
         match self.executor.tick(&conditions) {
             Ok(setpoint) => setpoint,
@@ -289,12 +303,19 @@ impl Ticker {
         if !self.edge_time {
             sample.edge_age_ns = None;
         }
-        if let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample)
-            && self.executor.thread().is_some()
-        {
-            let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
-            let alarm = Alarm::new(Code::IndexSlipped, Span::default()).with(args);
+        let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) else {
+            return;
+        };
+        // The pulse is right, the counts are not: the next one begins a new count.
+        self.observer.forget_index();
+        let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
+        let alarm = Alarm::new(Code::IndexSlipped, Span::default()).with(args);
+        let in_cycle = self.executor.stops().frozen.is_some()
+            && matches!(self.state, State::Running | State::Held);
+        if in_cycle || self.executor.thread().is_some() {
             self.raise(alarm, events);
+        } else {
+            emit(events, Event::Warning(alarm));
         }
     }
 
@@ -304,7 +325,7 @@ impl Ticker {
             State::Starting if self.drives.enable() => {
                 let position = self.drives.position(self.remembered.take());
                 self.executor.set_position(position);
-                self.notice = Some(Notice::Restart(position));
+                self.restart(position);
                 self.state = State::Idle;
                 emit(events, Event::Ready);
             }
@@ -325,6 +346,8 @@ impl Ticker {
         }
         self.executor.stop();
         self.detour = Detour::None;
+        // A reset may have been on its way out of a thread: an alarm moves nothing any more.
+        self.clear_at = None;
         self.commanded = Rpm::STOPPED;
         self.stay_rigid();
         self.state = State::Stopping(Outcome::Alarm(alarm));
@@ -352,10 +375,8 @@ impl Ticker {
                     && let Some(pass) = self.pass.as_ref().and_then(Segment::pass)
                 {
                     self.detour = Detour::Back;
-                    self.notice = Some(Notice::Route(Route {
-                        from: self.executor.position(),
-                        via: [Some(pass.start), None],
-                    }));
+                    let start = pass.start;
+                    self.route([Some(start), None]);
                 }
             }
             Some(Wish::Reset) => match self.state {
@@ -363,6 +384,8 @@ impl Ticker {
                     self.drives.reset();
                     self.operator.hold = false;
                     self.paused = false;
+                    // To the nanometre, where the drives have not been moved meanwhile.
+                    self.remembered = self.remembered.or(Some(self.executor.position()));
                     self.state = State::Starting;
                 }
                 State::Idle | State::Running | State::Held => self.reset_in_motion(),
@@ -396,8 +419,8 @@ impl Ticker {
         }
     }
 
-    /// Reset: a stroke is left along the run-out's slope until the tool is clear of the crests or at the start level;
-    /// anything else stops on its path. The spindle goes on turning until the axes stand.
+    /// Reset: a stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
+    /// the way out behind a stroke goes on until then; anything else stops on its path. The spindle goes on turning until the axes stand.
     fn reset_in_motion(&mut self) {
         self.operator.hold = false;
         self.paused = false;
@@ -407,30 +430,23 @@ impl Ticker {
         self.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
         let pass = self.pass.as_ref().and_then(Segment::pass);
-        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
+        let Some(pass) = pass.filter(|_| self.in_thread()) else {
             self.executor.stop();
             return;
         };
-        if matches!(run.phase(), Phase::Waiting | Phase::Done) {
-            self.executor.stop();
-            return;
-        }
-        let long_x = run.plan().long_x();
-        let (level, home) = if long_x {
-            (run.plan().start().z, pass.home.z)
-        } else {
-            (run.plan().start().x, pass.home.x)
-        };
-        let out = (pass.depth + self.clearance).min((home - level).abs());
-        let target = level + out.times((home - level).signum());
-        let mut clear = pass.home;
-        if long_x {
-            clear.z = target;
-        } else {
-            clear.x = target;
-        }
+        let (clear, target) = clear_of(pass, self.clearance);
         self.clear_at = Some(clear);
         self.executor.retract(target);
+    }
+
+    /// The tool is in the thread, or may be: in a stroke, behind it, or on its way out.
+    fn in_thread(&self) -> bool {
+        let stops = self.executor.stops();
+        match self.executor.thread() {
+            Some(run) => run.phase() != Phase::Waiting,
+            None if self.executor.is_free() => stops.frozen.is_some() && stops.hold_not_inside,
+            None => stops.frozen.is_some() && stops.hold_not_before,
+        }
     }
 
     /// Begins the next segment where one may begin. Number and line of one that is over at once come back, or of one that
@@ -449,7 +465,8 @@ impl Ticker {
         if self.paused || !matches!(self.state, State::Idle | State::Running | State::Held) {
             return None;
         }
-        let next = ends.segments.peek()?;
+        let epoch = self.epoch;
+        let next = ends.segments.peek().filter(|next| next.epoch == epoch)?;
         if core::mem::take(&mut self.pauses_unless_hole) && !next.stops.tap_cycle {
             self.paused = self.operator.single_block;
             if self.paused {
@@ -588,10 +605,12 @@ impl Ticker {
                 level.z = from.z;
             }
             self.detour = Detour::Home;
-            self.notice = Some(Notice::Route(Route {
-                from,
-                via: [Some(level), Some(pass.home)],
-            }));
+            let home = pass.home;
+            self.route([Some(level), Some(home)]);
+            return;
+        }
+        let epoch = self.route_epoch;
+        if ends.detours.peek().is_none_or(|leg| leg.epoch != epoch) {
             return;
         }
         let Some(mut leg) = take(ends.detours) else {
@@ -601,6 +620,7 @@ impl Ticker {
             if let Some(segment) = &self.pass {
                 // It belongs to the pass that was left.
                 (leg.number, leg.span) = (segment.number, segment.span);
+                leg.stops.frozen = segment.stops.frozen;
             }
             self.executor.begin(&leg);
             return;
@@ -621,23 +641,17 @@ impl Ticker {
     fn settle(&mut self, setpoint: &Setpoint, moved: bool, ends: &mut Ends<'_, '_>) {
         match self.state {
             State::Stopping(outcome) => {
-                // One a tick; the queues are short.
-                take(ends.segments);
-                if !self.executor.is_free() || ends.segments.ready() || self.detour != Detour::None
-                {
+                if !self.executor.is_free() || self.detour != Detour::None {
                     return;
                 }
                 if let Some(clear) = self.clear_at.take()
                     && let Some(target) = self.not_clear(clear)
                 {
                     self.detour = Detour::Clearing;
-                    self.notice = Some(Notice::Route(Route {
-                        from: self.executor.position(),
-                        via: [Some(target), None],
-                    }));
+                    self.route([Some(target), None]);
                     return;
                 }
-                self.finish_stop(outcome);
+                self.finish_stop(outcome, ends.events);
             }
             State::Running | State::Held => {
                 let free = self.executor.is_free();
@@ -660,8 +674,21 @@ impl Ticker {
                     self.state = State::Running;
                 }
             }
-            State::Starting | State::Idle | State::Alarm(_) => {}
+            // A program that is held before its first block.
+            State::Idle => {
+                if self.operator.hold && self.is_next(ends) && !self.must_go_on(ends) {
+                    self.state = State::Held;
+                    emit(ends.events, Event::Held);
+                }
+            }
+            State::Starting | State::Alarm(_) => {}
         }
+    }
+
+    /// A segment waits that still counts.
+    fn is_next(&self, ends: &Ends<'_, '_>) -> bool {
+        let epoch = self.epoch;
+        ends.segments.peek().is_some_and(|next| next.epoch == epoch)
     }
 
     /// The retract behind a stroke is next: nothing rests here.
@@ -690,22 +717,54 @@ impl Ticker {
         (way != Length::ZERO && way.signum() == (home - here).signum()).then_some(target)
     }
 
-    fn finish_stop(&mut self, outcome: Outcome) {
+    fn finish_stop(&mut self, outcome: Outcome, events: &mut EventIn<'_>) {
         self.in_program = false;
         self.commanded = Rpm::STOPPED;
         self.state = match outcome {
-            Outcome::Reset => State::Idle,
+            Outcome::Reset => {
+                emit(events, Event::Reset);
+                State::Idle
+            }
             Outcome::Alarm(alarm) => State::Alarm(alarm),
         };
-        self.notice = Some(Notice::Restart(self.executor.position()));
+        self.restart(self.executor.position());
+    }
+
+    /// What is queued, and what the background still plans until it has heard of this, is dropped.
+    fn restart(&mut self, position: Position) {
+        self.epoch = self.epoch.next();
+        self.notice = Some(Notice::Restart(position, self.epoch));
+    }
+
+    /// Asks for a way to be planned; what is left of the one before is dropped.
+    fn route(&mut self, via: [Option<Position>; 2]) {
+        self.route_epoch = self.route_epoch.next();
+        self.notice = Some(Notice::Route(Route {
+            from: self.executor.position(),
+            via,
+            epoch: self.route_epoch,
+        }));
+    }
+
+    /// Drops what was queued before the last start, one entry a tick.
+    fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
+        for (queue, epoch) in [
+            (&mut *ends.segments, self.epoch),
+            (&mut *ends.detours, self.route_epoch),
+        ] {
+            if queue.peek().is_some_and(|oldest| oldest.epoch != epoch) {
+                take(queue);
+            }
+        }
     }
 
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, events: &mut EventIn<'_>) {
-        let in_cycle = self.executor.stops().thread_cycle
-            && matches!(self.state, State::Running | State::Held);
-        if !in_cycle {
-            self.spindle_percent = self.operator.spindle_percent();
+        // Frozen in a thread cycle, also while a reset leaves it.
+        self.spindle_percent = match self.state {
+            State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
+            State::Starting | State::Idle | State::Alarm(_) => None,
         }
+        .unwrap_or(self.operator.spindle_percent());
         let velocity = MilliRpm::of(self.commanded, u16::from(self.spindle_percent));
         self.leave_rigid();
         let spindle = match self.executor.spindle() {
@@ -719,6 +778,23 @@ impl Ticker {
             self.raise(alarm, events);
         }
     }
+}
+
+/// Where the short axis is clear of both crests of a pass, C's and D's, or at the start level: as a position, and on that
+/// axis alone.
+fn clear_of(pass: &Pass, clearance: Length) -> (Position, Length) {
+    let long_x = pass.plan.long_x();
+    let home = if long_x { pass.home.z } else { pass.home.x };
+    let level = pass.plan.level_towards(home);
+    let out = (pass.depth + clearance).min((home - level).abs());
+    let target = level + out.times((home - level).signum());
+    let mut clear = pass.home;
+    if long_x {
+        clear.z = target;
+    } else {
+        clear.x = target;
+    }
+    (clear, target)
 }
 
 /// A reader that does not keep up loses the newest events, not the machine its tick; states and alarms are also in the

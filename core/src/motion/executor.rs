@@ -80,12 +80,21 @@ pub struct Setpoint {
     pub line: u32,
 }
 
+/// For how many ticks a pass has waited, and for what.
+#[derive(Clone, Copy, Debug, Default)]
+struct Waited {
+    /// For the speed.
+    speed: u32,
+    /// For the index, at speed.
+    index: u32,
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Active {
     Free,
     Timed(Option<FeedRate>),
     /// For the spindle, to begin the last pass.
-    Waiting(u32),
+    Waiting(Waited),
     Thread(ThreadRun),
     Tap(TapRun),
     Dwell(u32),
@@ -106,8 +115,9 @@ pub struct Executor {
     pass: Option<Pass>,
     arrival: Arrival,
     aborting: bool,
-    /// Ticks for which the spindle has stood in a stroke.
-    stalled: u32,
+    /// Ticks for which the spindle has not turned as it must in a stroke: a second of standing is an alarm, a tenth of it
+    /// of turning the wrong way, a hundredth of being faster than the pass is planned for.
+    astray: u32,
     /// Ticks since the pass came to rest.
     settled: u8,
 }
@@ -136,14 +146,14 @@ impl Executor {
                 hold_not_inside: false,
                 hold_not_before: false,
                 single_block: false,
-                thread_cycle: false,
+                frozen: None,
                 tap_cycle: false,
                 stops_after_last_hole: false,
             },
             pass: None,
             arrival,
             aborting: false,
-            stalled: 0,
+            astray: 0,
             settled: 0,
         }
     }
@@ -217,8 +227,8 @@ impl Executor {
             Action::Timed(timed) if self.run.begin(timed) => Active::Timed(timed.feed),
             Action::Thread(pass) => {
                 self.pass = Some(*pass);
-                self.settled = 0;
-                Active::Waiting(0)
+                (self.settled, self.astray) = (0, 0);
+                Active::Waiting(Waited::default())
             }
             Action::Tap(tap) => match self.spindle {
                 Some(angle) if !tap.is_empty() => {
@@ -331,15 +341,14 @@ impl Executor {
                     Motion::Dwell
                 }
             }
-            Active::Waiting(ticks) => {
+            Active::Waiting(waited) => {
                 if now.hold {
-                    *ticks = 0;
+                    *waited = Waited::default();
                     Motion::Hold
                 } else {
-                    *ticks = ticks.saturating_add(1);
-                    let ticks = *ticks;
-                    match self.wait(ticks, now) {
-                        Ok(None) => {}
+                    let mut waited = *waited;
+                    match self.wait(&mut waited, now) {
+                        Ok(None) => self.active = Active::Waiting(waited),
                         Ok(Some(run)) => self.active = Active::Thread(run),
                         Err(alarm) => {
                             self.active = Active::Free;
@@ -349,19 +358,36 @@ impl Executor {
                     Motion::Wait
                 }
             }
-            Active::Thread(run) if now.hold && run.phase() == Phase::Waiting => {
+            Active::Thread(run) if now.hold && !self.aborting && run.phase() == Phase::Waiting => {
                 // It has not left yet: it waits again after the hold.
-                self.active = Active::Waiting(0);
+                self.active = Active::Waiting(Waited::default());
                 Motion::Hold
             }
             Active::Thread(run) => {
-                if now.observer.is_turning() || self.aborting {
-                    self.stalled = 0;
+                let speed = now.observer.speed();
+                let turning = now.observer.is_turning();
+                let backwards = turning && speed.is_negative() != run.plan().is_reverse();
+                let too_fast = speed.abs() > run.plan().speed_limit();
+                let as_planned = turning && !backwards && !too_fast;
+                if as_planned || !run.is_led() {
+                    self.astray = 0;
                 } else {
-                    self.stalled = self.stalled.saturating_add(1);
-                    if self.stalled > self.arrival.ticks_per_minute / 60 {
-                        self.stalled = 0;
-                        return Err(Alarm::new(Code::SpindleStopped, self.span));
+                    let per_second = self.arrival.ticks_per_minute / 60;
+                    let patience = if too_fast {
+                        per_second / 100
+                    } else if backwards {
+                        per_second / 10
+                    } else {
+                        per_second
+                    };
+                    self.astray = self.astray.saturating_add(1);
+                    if self.astray > patience {
+                        self.astray = 0;
+                        return Err(if too_fast {
+                            run.plan().too_fast(speed)
+                        } else {
+                            Alarm::new(Code::SpindleStopped, self.span)
+                        });
                     }
                 }
                 let (long, short) = if run.plan().long_x() {
@@ -402,14 +428,15 @@ impl Executor {
     }
 
     /// The pass begins (`None`: not yet) when the spindle turns as commanded, its index is known and the retract is queued.
-    fn wait(&self, ticks: u32, now: &Conditions<'_>) -> Result<Option<ThreadRun>, Alarm> {
+    fn wait(&self, waited: &mut Waited, now: &Conditions<'_>) -> Result<Option<ThreadRun>, Alarm> {
         let Some(pass) = &self.pass else {
             return Err(Alarm::new(Code::SpindleNotArrived, self.span));
         };
         let speed = now.observer.speed();
         let wanted = TurnRate::of_rpm(pass.rpm);
         if !self.arrived(speed, wanted) {
-            if ticks > self.arrival.speed_ticks {
+            waited.speed = waited.speed.saturating_add(1);
+            if waited.speed > self.arrival.speed_ticks {
                 return Err(Alarm::new(Code::SpindleNotArrived, self.span).with([
                     Arg::Rpm(speed.rpm()),
                     Arg::Rpm(pass.rpm),
@@ -424,7 +451,8 @@ impl Executor {
             let per_minute = self.arrival.ticks_per_minute;
             let turn = per_minute.checked_div(pass.rpm.abs()).unwrap_or(per_minute);
             let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
-            if ticks > self.arrival.speed_ticks.saturating_add(patience) {
+            waited.index = waited.index.saturating_add(1);
+            if waited.index > patience {
                 return Err(Alarm::new(Code::NoIndex, self.span));
             }
             return Ok(None);

@@ -7,6 +7,19 @@ use crate::alarm::{Alarm, Span};
 use crate::program::{Aux, Position};
 use crate::units::{Length, Rpm};
 
+/// Counts how often a board has forgotten what was queued. What is still in a queue from before is told by it, and
+/// dropped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Epoch(u8);
+
+impl Epoch {
+    /// The next one. A queue holds far fewer segments than there are epochs.
+    #[must_use]
+    pub const fn next(self) -> Self {
+        Self(self.0.wrapping_add(1))
+    }
+}
+
 /// One planned piece of work with its place in the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
@@ -14,6 +27,8 @@ pub struct Segment {
     pub number: u32,
     /// The block it came from.
     pub span: Span,
+    /// When it was planned.
+    pub epoch: Epoch,
     /// What feed hold and single block may do here.
     pub stops: Stops,
     /// The work.
@@ -78,8 +93,8 @@ pub struct Stops {
     pub hold_not_before: bool,
     /// Single block stops after this segment.
     pub single_block: bool,
-    /// Part of a thread cycle: the spindle override is frozen.
-    pub thread_cycle: bool,
+    /// Part of a thread cycle: the spindle override in percent with which it was planned, frozen.
+    pub frozen: Option<u8>,
     /// Part of a tapping cycle.
     pub tap_cycle: bool,
     /// Single block stops after this segment only where no further hole follows (5200.6 = 0).

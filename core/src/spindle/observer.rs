@@ -195,10 +195,22 @@ impl Observer {
         ))
     }
 
-    /// True once an index has been seen: angle 0 and every whole turn is the index.
+    /// True while the last index is no more than two turns away: angle 0 and every whole turn is the index. False before
+    /// the first one, and where it stays out.
     #[must_use]
+    // Asked while a stroke waits: in line it makes the tick that begins the stroke copy more.
+    #[inline(never)]
     pub const fn indexed(&self) -> bool {
-        self.zero.is_some()
+        let (Some(zero), Some(last)) = (self.zero, self.last) else {
+            return false;
+        };
+        // One that comes a count late is in time.
+        last.wrapping_sub(zero).unsigned_abs() <= self.counts.wrapping_mul(2).wrapping_add(1)
+    }
+
+    /// After a slip: the next index is taken for the first one.
+    pub const fn forget_index(&mut self) {
+        self.zero = None;
     }
 
     /// True while the spindle turns faster than a quarter of a turn a minute, either way.

@@ -182,6 +182,12 @@ impl ThreadPlan {
         self.long_x
     }
 
+    /// True where the spindle is to turn by M04: its angle falls.
+    #[must_use]
+    pub const fn is_reverse(&self) -> bool {
+        self.reverse
+    }
+
     /// Where the tool stands before the pass.
     #[must_use]
     pub const fn start(&self) -> Position {
@@ -193,6 +199,18 @@ impl ThreadPlan {
     #[must_use]
     pub const fn end(&self) -> Position {
         self.end
+    }
+
+    /// Of the two ends of the pass's line on the short axis, without its run-out, the one nearer to `home`.
+    #[must_use]
+    pub fn level_towards(&self, home: Length) -> Length {
+        let start = self.short_start();
+        let end = start + whole(self.line(self.length));
+        if (home - end).abs() < (home - start).abs() {
+            end
+        } else {
+            start
+        }
     }
 
     /// Lead-in: from the start point to where the axis stands on the exact helix.
@@ -241,6 +259,17 @@ impl ThreadPlan {
     #[must_use]
     pub fn leaves_at(&self) -> Turns {
         self.start_angle - self.join_angle
+    }
+
+    /// The alarm for a spindle that turns at `speed`, faster than that.
+    #[must_use]
+    pub fn too_fast(&self, speed: TurnRate) -> Alarm {
+        Alarm::new(Code::SpindleTooFast, self.span).with([
+            Arg::Rpm(speed.abs().rpm()),
+            Arg::Rpm(self.speed_limit.rpm()),
+            Arg::None,
+            Arg::None,
+        ])
     }
 
     /// Turns of the spindle from where the long axis leaves rest to where it is at rest again.

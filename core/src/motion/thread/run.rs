@@ -3,7 +3,7 @@
 use super::path::Out;
 use super::plan::{ThreadPlan, whole};
 use super::ramp::along;
-use crate::alarm::{Alarm, Arg, Code};
+use crate::alarm::{Alarm, Code};
 use crate::motion::ease::{Ease, Fine};
 use crate::program::Position;
 use crate::units::{Length, TurnRate, Turns};
@@ -92,13 +92,7 @@ impl ThreadRun {
             return Err(Alarm::new(Code::SpindleStopped, plan.span));
         }
         if speed.abs() > plan.speed_limit() {
-            let args = [
-                Arg::Rpm(speed.abs().rpm()),
-                Arg::Rpm(plan.speed_limit().rpm()),
-                Arg::None,
-                Arg::None,
-            ];
-            return Err(Alarm::new(Code::SpindleTooFast, plan.span).with(args));
+            return Err(plan.too_fast(speed));
         }
         let angle = plan.turned(angle);
         // The whole turn after the point where the axis would have to leave now.
@@ -123,6 +117,12 @@ impl ThreadRun {
     #[must_use]
     pub const fn plan(&self) -> &ThreadPlan {
         &self.plan
+    }
+
+    /// True while the spindle leads; false once a stop has taken over.
+    #[must_use]
+    pub fn is_led(&self) -> bool {
+        self.master == Master::Spindle
     }
 
     /// Where in the pass the last setpoint was.
