@@ -5,23 +5,7 @@ use leadscrew_core::board::{Command, State};
 use leadscrew_core::params::Params;
 use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::run;
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn within(&mut self, low: i64, high: i64) -> i64 {
-        low + (self.next() % (high - low + 1) as u64) as i64
-    }
-}
+use leadscrew_tests::random::Random;
 
 /// A program of a dozen blocks outside a bar of 60 mm; ends at X`x` Z`z` (mm).
 fn program(random: &mut Random) -> (String, i64, i64) {

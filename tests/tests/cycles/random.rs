@@ -6,6 +6,8 @@ use leadscrew_core::cycle::*;
 use leadscrew_core::program::*;
 use leadscrew_core::units::*;
 
+use leadscrew_tests::random::Random;
+
 use crate::build::*;
 use crate::reference;
 
@@ -15,41 +17,6 @@ pub const CYCLES: u32 = if cfg!(debug_assertions) {
 } else {
     100_000
 };
-
-/// SplitMix64.
-pub struct Random(pub u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    pub fn chance(&mut self, percent: u64) -> bool {
-        self.next() % 100 < percent
-    }
-
-    /// low…high, both included.
-    pub fn within(&mut self, low: i64, high: i64) -> i64 {
-        low + (self.next() % (high - low + 1) as u64) as i64
-    }
-
-    /// A length between two numbers of micrometres, on a grid of `lsb` nanometres.
-    fn length(&mut self, low_um: i64, high_um: i64, lsb: i64) -> i64 {
-        self.within(low_um * 1000, high_um * 1000) / lsb * lsb
-    }
-
-    pub fn sign(&mut self) -> i64 {
-        if self.chance(50) { 1 } else { -1 }
-    }
-
-    fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[(self.next() % list.len() as u64) as usize]
-    }
-}
 
 fn len(nm: i64) -> Length {
     Length::from_nm(nm)
@@ -582,7 +549,9 @@ fn wild_calls_are_refused_or_cut() {
                         long_rest: Remainder::ZERO,
                     })
                 }
-                _ => call.lead = at(Lead::new(value.nm(), r.next() as i64).unwrap_or(lead(1.0))),
+                _ => {
+                    call.lead = at(Lead::new(value.nm(), r.next_bits() as i64).unwrap_or(lead(1.0)))
+                }
             }
         }
         call.starts = at(1);

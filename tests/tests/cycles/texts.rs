@@ -6,7 +6,8 @@ use leadscrew_core::program::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;
-use crate::random::{CYCLES, Random};
+use crate::random::CYCLES;
+use leadscrew_tests::random::Random;
 
 /// Everything a program yields: moves and the numbers of warnings, in order; or the number of its alarm.
 fn try_text(text: &str) -> Result<(Vec<Move>, Vec<u16>), u16> {

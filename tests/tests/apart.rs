@@ -1,0 +1,177 @@
+//! The two halves of a board in contexts of their own, as in firmware: the background comes late, hears of a stop later
+//! still, and is in the middle of planning meanwhile. Nothing that was planned before a stop may be carried out after it.
+
+use std::collections::VecDeque;
+
+use leadscrew_board_sim::plant::{Plant, PlantOptions};
+use leadscrew_core::board::{
+    Background, Calls, Command, Ends, Event, Events, Notice, Output, Segments, Settings, State,
+    Ticker,
+};
+use leadscrew_core::bus::Frame;
+use leadscrew_core::motion::Limits;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Call;
+use leadscrew_tests::machine::calls;
+use leadscrew_tests::random::Random;
+
+const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q3000 F1\nG0 X61 Z-3\n\
+                    G98 G75 R0.2\nG75 X58 P2000 F600\nG0 X70 Z8\nM30\n";
+const NEXT: &str =
+    "M3 S600\nG0 X63 Z5\nG76 P010560 Q800 R0.1\nG76 X61 Z-4 P4000 Q4000 F1\nG0 X80 Z10\nM30\n";
+
+/// The tick's half and the plant; the background's half; the queues between them.
+struct Apart {
+    params: Params,
+    limits: Limits,
+    ticker: Ticker,
+    background: Background,
+    calls: Calls,
+    segments: Segments,
+    detours: Segments,
+    events: Events,
+    notices: VecDeque<Notice>,
+    plant: Plant,
+    answers: Vec<Frame>,
+    output: Output,
+    heard: Vec<Event>,
+}
+
+impl Apart {
+    fn new(params: &Params) -> Self {
+        Self {
+            params: params.clone(),
+            limits: Limits::from_params(params),
+            ticker: Ticker::new(params, None).expect("the parameters work"),
+            background: Background::new(Default::default()),
+            calls: Calls::new(),
+            segments: Segments::new(),
+            detours: Segments::new(),
+            events: Events::new(),
+            notices: VecDeque::new(),
+            plant: Plant::new(params, &PlantOptions::default()).expect("the plant works"),
+            answers: Vec::new(),
+            output: Output::default(),
+            heard: Vec::new(),
+        }
+    }
+
+    fn tick(&mut self) {
+        let sample = self.plant.advance();
+        let (_, mut segments) = self.segments.split();
+        let (_, mut detours) = self.detours.split();
+        let (mut events, _) = self.events.split();
+        let mut ends = Ends {
+            segments: &mut segments,
+            detours: &mut detours,
+            events: &mut events,
+        };
+        self.ticker
+            .tick(sample, &self.answers, &mut ends, &mut self.output);
+        self.answers.clear();
+        let answers = &mut self.answers;
+        self.plant
+            .exchange(&self.output.frames, |frame| answers.push(frame));
+        self.notices.extend(self.output.notice.take());
+        while let Some(event) = self.events.dequeue() {
+            self.heard.push(event);
+        }
+    }
+
+    /// The background's turn: `pieces` of work, then it hears what the tick has said, then it takes calls in.
+    fn turn(&mut self, pieces: i64, waiting: &mut VecDeque<Call>) {
+        let settings = Settings {
+            params: &self.params,
+            limits: &self.limits,
+            spindle_percent: self.ticker.operator().spindle_percent(),
+        };
+        let (mut program, mut calls) = self.calls.split();
+        let (mut segments, _) = self.segments.split();
+        let (mut detours, _) = self.detours.split();
+        for _ in 0..pieces {
+            self.background.step(&mut calls, &mut segments, &settings);
+        }
+        while let Some(notice) = self.notices.pop_front() {
+            self.background
+                .heed(&notice, &mut calls, &mut detours, &self.limits);
+        }
+        while self.ticker.takes_calls()
+            && let Some(call) = waiting.front()
+            && program.enqueue(*call).is_ok()
+        {
+            waiting.pop_front();
+            self.ticker.program_begins();
+        }
+    }
+}
+
+#[test]
+fn a_late_background_carries_nothing_over_a_stop() {
+    let params = Params::slant_bed();
+    let rounds = if cfg!(debug_assertions) { 20 } else { 600 };
+    let next: VecDeque<Call> = calls(NEXT, &params).into();
+    for seed in 0..rounds {
+        let mut random = Random(seed);
+        let mut board = Apart::new(&params);
+        let mut waiting: VecDeque<Call> = calls(WORK, &params).into();
+        let command = random.of(&[Command::Reset, Command::Stop]);
+        // While the drives come up there is nothing to reset.
+        let first = if command == Command::Stop { 1 } else { 60 };
+        let stop_at = random.within(first, 2_500);
+        let laziness = random.within(1, 30);
+        let mut ticks = 0;
+        let mut old = true;
+        let mut finished = 0;
+        while finished == 0 {
+            ticks += 1;
+            assert!(
+                ticks < 20_000,
+                "seed {seed}: stuck in {:?}",
+                board.ticker.state()
+            );
+            if ticks == stop_at {
+                board.ticker.command(command);
+            }
+            board.tick();
+            for event in board.heard.split_off(0) {
+                match event {
+                    Event::Finished if !old => finished += 1,
+                    Event::Started { .. } => {
+                        // Between the stop and the new program nothing is started.
+                        assert!(
+                            old || waiting.len() < next.len(),
+                            "seed {seed}: something old"
+                        );
+                    }
+                    Event::Reset => {
+                        old = false;
+                        waiting = next.clone();
+                    }
+                    Event::Alarm(alarm) => {
+                        assert_eq!(alarm.number(), 4300, "seed {seed}: {alarm:?}");
+                        waiting.clear();
+                    }
+                    Event::Ready if ticks > stop_at && matches!(command, Command::Stop) => {
+                        old = false;
+                        waiting = next.clone();
+                    }
+                    _ => {}
+                }
+            }
+            if matches!(board.ticker.state(), State::Alarm(_)) && random.chance(5) {
+                board.ticker.command(Command::Reset);
+            }
+            // It may never be short of work in the middle of a tick's worth of it.
+            if random.within(1, laziness) == 1 {
+                let pieces = random.within(0, 12);
+                board.turn(pieces, &mut waiting);
+            }
+        }
+        let at = board.ticker.executor().position();
+        assert_eq!(
+            (at.x.nm(), at.z.nm()),
+            (40_000_000, 10_000_000),
+            "seed {seed}"
+        );
+    }
+}
