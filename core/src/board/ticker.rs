@@ -571,6 +571,7 @@ impl Ticker {
             }
             Action::End => {
                 self.in_program = false;
+                self.commanded = Rpm::STOPPED;
                 self.state = State::Idle;
                 emit(events, Event::Finished);
                 return None;

@@ -5,7 +5,9 @@ use leadscrew_core::program::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;
-use crate::random::{CYCLES, Random};
+use leadscrew_tests::random::Random;
+
+use crate::random::CYCLES;
 use crate::taps::{holes, moves, tap_of};
 
 /// Ends of the strokes of a hole below R, straight from the text: "targets are R ± n·q, clipped at the bottom".
