@@ -21,7 +21,8 @@ use leadscrew_core::program::{
 };
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
-    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate, TurnRatio, Turns,
+    Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate,
+    TurnRatio, Turns,
 };
 
 static SOURCE: u64 = 0;
