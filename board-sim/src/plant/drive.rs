@@ -31,6 +31,9 @@ pub enum Trouble {
 pub struct DriveOptions {
     /// It answers every n-th SYNC (transmission type 1–240; 0 counts as 1).
     pub transmission: u8,
+    /// By how many SYNCs its first answer comes earlier (a SYNC start value, 1800h:06): drives with different ones answer
+    /// at different SYNCs, which spreads the load of the bus and of the board's tick.
+    pub start: u8,
     /// SYNC periods that each change of its power state takes.
     pub settling: u16,
     /// Time constant of its following lag in SYNC periods.
@@ -42,6 +45,7 @@ impl Default for DriveOptions {
     fn default() -> Self {
         Self {
             transmission: 4,
+            start: 0,
             settling: 0,
             lag: 0,
         }
@@ -261,7 +265,11 @@ impl Drive {
 
     fn answer(&mut self, measured: Option<Increments>, mut send: impl FnMut(Frame)) {
         if self.nmt != NmtState::Operational {
-            self.syncs = 0;
+            self.syncs = self
+                .options
+                .start
+                .checked_rem(self.options.transmission)
+                .unwrap_or(0);
             return;
         }
         self.syncs = self.syncs.saturating_add(1);

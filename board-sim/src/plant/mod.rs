@@ -136,7 +136,7 @@ impl Plant {
             x: axis_drive(params, options, Axis::X, NodeId::DRIVE_X, at.x.nm())?,
             z: axis_drive(params, options, Axis::Z, NodeId::DRIVE_Z, at.z.nm())?,
             c: axis_drive(params, options, Axis::C, NodeId::DRIVE_C, at.c.udeg())?,
-            spindle_drive: Drive::new(NodeId::SPINDLE_1, options.drives, still),
+            spindle_drive: Drive::new(NodeId::SPINDLE_1, staggered(options, 3), still),
             per_turn: params.spindle_increments(),
             position,
             positioning: false,
@@ -251,6 +251,14 @@ impl Plant {
     }
 }
 
+/// The options of the drive with this place in the order of answers: one answers a SYNC where there are four.
+fn staggered(options: &PlantOptions, place: u8) -> DriveOptions {
+    DriveOptions {
+        start: options.drives.start.wrapping_add(place),
+        ..options.drives
+    }
+}
+
 fn axis_drive(
     params: &Params,
     options: &PlantOptions,
@@ -270,5 +278,5 @@ fn axis_drive(
         options.drives.lag,
     )
     .ok_or(PlantError::Latency(axis))?;
-    Ok(Drive::new(node, options.drives, follower))
+    Ok(Drive::new(node, staggered(options, axis as u8), follower))
 }
