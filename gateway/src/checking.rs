@@ -15,7 +15,7 @@ use crate::interrupt;
 use crate::json::Json;
 use crate::number;
 use crate::program::Program;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 
 /// What is known of one program after looking at all of it.
@@ -64,12 +64,12 @@ pub struct ThreadFigures {
 }
 
 /// Verifies a program.
-pub fn check(session: &Session, source: &SourceFile) -> Outcome<Report> {
-    let options = session.options();
-    let mut program = Program::open(source, &session.params, options)
+pub fn check(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
+    let options = setup.options();
+    let mut program = Program::open(source, &setup.params, options)
         .map_err(|error| Failure::file("read", source.name(), &error))?;
     let mut checker = Checker {
-        session,
+        setup,
         source,
         report: Report::default(),
         at: options.position,
@@ -93,7 +93,7 @@ pub fn check(session: &Session, source: &SourceFile) -> Outcome<Report> {
 
 /// The checker at work.
 struct Checker<'a> {
-    session: &'a Session<'a>,
+    setup: &'a Setup<'a>,
     source: &'a SourceFile,
     report: Report,
     at: Position,
@@ -109,7 +109,7 @@ impl Checker<'_> {
         };
         self.report.lead_in_too_short |= alarm.code == Code::LeadInLong;
         if list.iter().all(|known| known.number != alarm.number()) {
-            list.push(Diagnostic::new(alarm, self.source, self.session.lang, inch));
+            list.push(Diagnostic::new(alarm, self.source, self.setup.lang, inch));
         }
     }
 
@@ -125,7 +125,7 @@ impl Checker<'_> {
         if let Some(warning) = moves.warning() {
             self.tell(&warning, inch);
         }
-        let params = &self.session.params;
+        let params = &self.setup.params;
         let within = feasible::within_limits(moves.clone(), self.at, params);
         let time = feasible::time(moves.clone(), self.at, params);
         if let Err(alarm) = within {
@@ -174,7 +174,7 @@ impl Checker<'_> {
         let mut bare = *thread;
         bare.run_in.value = Length::ZERO;
         bare.run_out = None;
-        if let Ok(findings) = feasible::thread_findings(&bare, call.span, &self.session.params) {
+        if let Ok(findings) = feasible::thread_findings(&bare, call.span, &self.setup.params) {
             for alarm in findings.alarms.iter().flatten() {
                 self.tell(alarm, inch);
             }
@@ -182,7 +182,7 @@ impl Checker<'_> {
     }
 
     fn tap(&mut self, call: &TapCall, span: Span, time_us: i64, inch: bool) {
-        let report = match feasible::tap(call, span, &self.session.params) {
+        let report = match feasible::tap(call, span, &self.setup.params) {
             Ok(report) => report,
             Err(alarm) => return self.tell(&alarm, inch),
         };
@@ -206,7 +206,7 @@ impl Checker<'_> {
     }
 
     fn thread(&mut self, call: &ThreadCall, span: Span, time_us: i64, inch: bool) {
-        let params = &self.session.params;
+        let params = &self.setup.params;
         let findings = match feasible::thread_findings(call, span, params) {
             Ok(findings) => findings,
             Err(alarm) => return self.tell(&alarm, inch),

@@ -8,7 +8,7 @@ use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::machine::{self, Ended, Observer};
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::Summary;
 use crate::values::Tolerance;
@@ -16,7 +16,7 @@ use crate::values::Tolerance;
 /// A program on the machine.
 #[derive(Debug)]
 pub struct Execution<'a> {
-    session: &'a Session<'a>,
+    setup: &'a Setup<'a>,
     source: &'a SourceFile,
     /// What checking it gave.
     pub report: Report,
@@ -25,13 +25,13 @@ pub struct Execution<'a> {
 
 impl<'a> Execution<'a> {
     /// Checks a program and tells what it has to say. A program with an alarm does not get further than this.
-    pub fn prepare(session: &'a Session, source: &'a SourceFile) -> Outcome<Self> {
-        let report = checking::check(session, source)?;
+    pub fn prepare(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
+        let report = checking::check(setup, source)?;
         for diagnostic in report.alarms.iter().chain(&report.warnings) {
-            diagnostics::print(diagnostic, session.colour);
+            diagnostics::print(diagnostic, setup.colour);
         }
         let execution = Self {
-            session,
+            setup,
             source,
             report,
             ended: Ended::default(),
@@ -39,15 +39,15 @@ impl<'a> Execution<'a> {
         if execution.report.alarms.is_empty() {
             return Ok(execution);
         }
-        if session.global.json {
-            execution.print_json(&Summary::new(session.params.tick_us()), false)?;
+        if setup.global.json {
+            execution.print_json(&Summary::new(setup.params.tick_us()), false)?;
         }
         Err(Failure::Wrong)
     }
 
     /// Runs it; what the machine tells is told.
     pub fn run(&mut self, drive: &Drive, observer: &mut dyn Observer) -> Outcome {
-        self.ended = machine::run(self.session, drive, self.source, observer)?;
+        self.ended = machine::run(self.setup, drive, self.source, observer)?;
         let known = |warning: &Diagnostic| {
             self.report
                 .warnings
@@ -56,7 +56,7 @@ impl<'a> Execution<'a> {
         };
         self.ended.warnings.retain(|warning| !known(warning));
         for diagnostic in self.ended.alarms.iter().chain(&self.ended.warnings) {
-            diagnostics::print(diagnostic, self.session.colour);
+            diagnostics::print(diagnostic, self.setup.colour);
         }
         Ok(())
     }
@@ -70,7 +70,7 @@ impl<'a> Execution<'a> {
     pub fn conclude(&self, summary: &Summary, tolerance: Option<Tolerance>) -> Outcome {
         let within = tolerance.is_none_or(|tolerance| summary.within(tolerance));
         let ran = self.ended.alarms.is_empty() && !self.ended.interrupted;
-        if self.session.global.json {
+        if self.setup.global.json {
             self.print_json(summary, ran && within)?;
         }
         if !self.ended.alarms.is_empty() {

@@ -24,7 +24,7 @@ pub mod number;
 pub mod params;
 pub mod plot;
 pub mod program;
-pub mod session;
+pub mod setup;
 pub mod source;
 pub mod trace;
 pub mod values;

@@ -12,7 +12,7 @@ use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::program::Program;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, State};
 
@@ -39,7 +39,7 @@ pub trait Observer {
 }
 
 /// A machine at power-up.
-fn power_up(session: &Session, drive: &Drive) -> Outcome<Box<Sim>> {
+fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
     let ripple = match drive.spindle_ripple {
         None => None,
         Some(ripple) => Some(
@@ -48,17 +48,17 @@ fn power_up(session: &Session, drive: &Drive) -> Outcome<Box<Sim>> {
         ),
     };
     let options = PlantOptions {
-        at: session.options().position,
+        at: setup.options().position,
         ripple,
         ..PlantOptions::default()
     };
-    Sim::new(&session.params, &options)
+    Sim::new(&setup.params, &options)
         .map(Box::new)
-        .map_err(|error| no_machine(session, error))
+        .map_err(|error| no_machine(setup, error))
 }
 
 /// Words for a machine that cannot be.
-fn no_machine(session: &Session, error: SimError) -> Failure {
+fn no_machine(setup: &Setup, error: SimError) -> Failure {
     let reason = match error {
         SimError::Plant(PlantError::Position(axis)) => format!(
             "`--at` puts {} where its drive cannot count to",
@@ -68,7 +68,7 @@ fn no_machine(session: &Session, error: SimError) -> Failure {
         SimError::Board(alarm) => {
             let nowhere = SourceFile::new(std::path::Path::new("the simulated board"));
             return Failure::WrongBecause(
-                Diagnostic::new(&alarm, &nowhere, session.lang, false).message,
+                Diagnostic::new(&alarm, &nowhere, setup.lang, false).message,
             );
         }
     };
@@ -77,13 +77,13 @@ fn no_machine(session: &Session, error: SimError) -> Failure {
 
 /// Runs a program from its first to its last call.
 pub fn run(
-    session: &Session,
+    setup: &Setup,
     drive: &Drive,
     source: &SourceFile,
     observer: &mut dyn Observer,
 ) -> Outcome<Ended> {
-    let mut sim = power_up(session, drive)?;
-    let mut feeder = Feeder::new(session, source)?;
+    let mut sim = power_up(setup, drive)?;
+    let mut feeder = Feeder::new(setup, source)?;
     let mut ended = Ended::default();
     let mut stopping = false;
     let mut tick = 0;
@@ -158,7 +158,7 @@ fn at_rest(sim: &Sim) -> bool {
 
 /// Hands the calls of a program to the machine as it takes them.
 struct Feeder<'a> {
-    session: &'a Session<'a>,
+    setup: &'a Setup<'a>,
     source: &'a SourceFile,
     program: Program<'a>,
     waiting: Option<Call>,
@@ -179,11 +179,11 @@ const OVER: Call = Call {
 };
 
 impl<'a> Feeder<'a> {
-    fn new(session: &'a Session, source: &'a SourceFile) -> Outcome<Self> {
+    fn new(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
         Ok(Self {
-            session,
+            setup,
             source,
-            program: Program::open(source, &session.params, session.options())
+            program: Program::open(source, &setup.params, setup.options())
                 .map_err(|error| Failure::file("read", source.name(), &error))?,
             waiting: None,
             ended: false,
@@ -196,12 +196,7 @@ impl<'a> Feeder<'a> {
     }
 
     fn words(&self, alarm: &Alarm) -> Diagnostic {
-        Diagnostic::new(
-            alarm,
-            self.source,
-            self.session.lang,
-            self.program.is_inch(),
-        )
+        Diagnostic::new(alarm, self.source, self.setup.lang, self.program.is_inch())
     }
 
     /// As many calls as there is room for.

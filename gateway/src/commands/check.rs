@@ -7,24 +7,24 @@ use crate::cli::Check;
 use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 
 /// Checks programs and reports on all of them.
-pub fn run(session: &Session, args: &Check) -> Outcome {
+pub fn run(setup: &Setup, args: &Check) -> Outcome {
     let mut reports = Vec::new();
     for path in &args.programs {
         let source = SourceFile::new(path);
-        let report = checking::check(session, &source)?;
-        if !session.global.json {
-            tell(session, &source, &report)?;
+        let report = checking::check(setup, &source)?;
+        if !setup.global.json {
+            tell(setup, &source, &report)?;
         }
         reports.push((source, report));
     }
     let fails =
         |report: &Report| !report.alarms.is_empty() || (args.strict && report.lead_in_too_short);
     let ok = !reports.iter().any(|(_, report)| fails(report));
-    if session.global.json {
+    if setup.global.json {
         let mut json = Json::new();
         json.object(|json| {
             json.flag("ok", ok);
@@ -44,9 +44,9 @@ pub fn run(session: &Session, args: &Check) -> Outcome {
 }
 
 /// The diagnostics of a file, then one line about it and one for each cycle.
-fn tell(session: &Session, source: &SourceFile, report: &Report) -> Outcome {
+fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
     for diagnostic in report.alarms.iter().chain(&report.warnings) {
-        diagnostics::print(diagnostic, session.colour);
+        diagnostics::print(diagnostic, setup.colour);
     }
     let verdict = match (report.alarms.len(), report.warnings.len()) {
         (0, 0) => "ok".to_owned(),

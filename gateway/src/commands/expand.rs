@@ -12,15 +12,15 @@ use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::movelist;
 use crate::program::Program;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 1 << 16;
 
 /// Prints the moves of a program.
-pub fn run(session: &Session, args: &Expand) -> Outcome {
-    let format = match (args.format, session.global.json) {
+pub fn run(setup: &Setup, args: &Expand) -> Outcome {
+    let format = match (args.format, setup.global.json) {
         (None, true) => Format::Jsonl,
         (None, false) => Format::Text,
         (Some(format), false) | (Some(format @ Format::Jsonl), true) => format,
@@ -31,11 +31,11 @@ pub fn run(session: &Session, args: &Expand) -> Outcome {
         }
     };
     let source = SourceFile::new(&args.program);
-    let options = session.options();
-    let mut program = Program::open(&source, &session.params, options)
+    let options = setup.options();
+    let mut program = Program::open(&source, &setup.params, options)
         .map_err(|error| Failure::file("read", source.name(), &error))?;
     let mut list = List {
-        session,
+        setup,
         source: &source,
         format,
         to: io::stdout().lock(),
@@ -51,7 +51,7 @@ pub fn run(session: &Session, args: &Expand) -> Outcome {
 
 /// The list being printed.
 struct List<'a, W> {
-    session: &'a Session<'a>,
+    setup: &'a Setup<'a>,
     source: &'a SourceFile,
     format: Format,
     to: W,
@@ -108,7 +108,7 @@ impl<W: Write> List<'_, W> {
 
     /// An alarm or a warning in its place: as a line of the list where the format has room for one.
     fn tell(&mut self, alarm: &Alarm, inch: bool) -> Outcome {
-        let diagnostic = Diagnostic::new(alarm, self.source, self.session.lang, inch);
+        let diagnostic = Diagnostic::new(alarm, self.source, self.setup.lang, inch);
         if self.format == Format::Jsonl {
             let key = if diagnostic.warning {
                 "warning"
@@ -122,7 +122,7 @@ impl<W: Write> List<'_, W> {
         } else {
             // What has happened before comes first, also where both go to one terminal.
             self.flush()?;
-            diagnostics::print(&diagnostic, self.session.colour);
+            diagnostics::print(&diagnostic, self.setup.colour);
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ mod unavailable;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Outcome;
-use crate::session::Session;
+use crate::setup::Setup;
 
 /// Does what was typed.
 pub fn dispatch(cli: &Cli) -> Outcome {
@@ -19,16 +19,16 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
         Command::Params { command } => params::run(&cli.global, command),
-        Command::Check(args) => check::run(&Session::new(&cli.global)?, args),
-        Command::Expand(args) => expand::run(&Session::new(&cli.global)?, args),
+        Command::Check(args) => check::run(&Setup::new(&cli.global)?, args),
+        Command::Expand(args) => expand::run(&Setup::new(&cli.global)?, args),
         Command::Simulate(args) => {
-            simulate::run(&Session::with_drive(&cli.global, &args.drive)?, args)
+            simulate::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
         }
         Command::Plot(args) => {
             plot::format(&args.output)?;
-            plot::run(&Session::with_drive(&cli.global, &args.drive)?, args)
+            plot::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
         }
-        Command::Run(args) => run::run(&Session::with_drive(&cli.global, &args.drive)?, args),
+        Command::Run(args) => run::run(&Setup::with_drive(&cli.global, &args.drive)?, args),
         _ => unavailable::command(cli),
     }
 }

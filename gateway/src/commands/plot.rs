@@ -14,18 +14,18 @@ use crate::interrupt;
 use crate::machine::Observer;
 use crate::plot::{Envelope, Picture, Sample, Stroke};
 use crate::program::Program;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
 
 /// Draws a program.
-pub fn run(session: &Session, args: &Plot) -> Outcome {
+pub fn run(setup: &Setup, args: &Plot) -> Outcome {
     interrupt::watch();
     let source = SourceFile::new(&args.program);
     source.protect(&args.output)?;
-    let mut execution = Execution::prepare(session, &source)?;
-    let path = path(session, &source)?;
-    let tick_us = session.params.tick_us();
+    let mut execution = Execution::prepare(setup, &source)?;
+    let path = path(setup, &source)?;
+    let tick_us = setup.params.tick_us();
     let mut watcher = Watcher {
         tick_us: f64::from(tick_us),
         summary: Summary::new(tick_us),
@@ -43,7 +43,7 @@ pub fn run(session: &Session, args: &Plot) -> Outcome {
         };
         std::fs::write(&args.output, picture.svg())
             .map_err(|error| Failure::file("write", args.output.display(), &error))?;
-        if !session.global.json {
+        if !setup.global.json {
             diagnostics::say(&format!(
                 "{}: {}
 ",
@@ -83,10 +83,10 @@ fn title(program: &Path) -> String {
 }
 
 /// The tool path of a program that has been checked.
-fn path(session: &Session, source: &SourceFile) -> Outcome<Vec<Stroke>> {
-    let options = session.options();
+fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
+    let options = setup.options();
     let unreadable = |error| Failure::file("read", source.name(), &error);
-    let mut program = Program::open(source, &session.params, options).map_err(unreadable)?;
+    let mut program = Program::open(source, &setup.params, options).map_err(unreadable)?;
     let mut drawing = Drawing::new(&options.position);
     let mut at = options.position;
     while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {

@@ -14,19 +14,19 @@ use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::machine::Observer;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
 
 /// Runs a program.
-pub fn run(session: &Session, args: &Run) -> Outcome {
+pub fn run(setup: &Setup, args: &Run) -> Outcome {
     interrupt::watch();
     let source = SourceFile::new(&args.program);
     if let Some(path) = &args.record {
         source.protect(path)?;
     }
-    let mut execution = Execution::prepare(session, &source)?;
-    let tick_us = session.params.tick_us();
+    let mut execution = Execution::prepare(setup, &source)?;
+    let tick_us = setup.params.tick_us();
     let log = match &args.record {
         Some(path) => {
             let file = File::create(path)
@@ -39,7 +39,7 @@ pub fn run(session: &Session, args: &Run) -> Outcome {
         tick_us,
         summary: Summary::new(tick_us),
         log,
-        bar: bar(execution.report.moves, session.global.json),
+        bar: bar(execution.report.moves, setup.global.json),
     };
     let ran = execution.run(&args.drive, &mut watcher);
     watcher.bar.finish_and_clear();
@@ -49,7 +49,7 @@ pub fn run(session: &Session, args: &Run) -> Outcome {
             .map_err(|error| Failure::file("write", path.display(), &error))?;
     }
     let verdict = execution.conclude(&watcher.summary, args.tolerance);
-    if !session.global.json {
+    if !setup.global.json {
         let word = match verdict {
             Ok(()) => "done",
             Err(Failure::Interrupted) => "interrupted",

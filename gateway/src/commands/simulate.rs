@@ -9,19 +9,19 @@ use crate::execution::Execution;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::machine::Observer;
-use crate::session::Session;
+use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Csv, Setpoint, Summary};
 
 /// Simulates a program.
-pub fn run(session: &Session, args: &Simulate) -> Outcome {
+pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
     interrupt::watch();
     let source = SourceFile::new(&args.program);
     if let Some(path) = &args.output {
         source.protect(path)?;
     }
-    let mut execution = Execution::prepare(session, &source)?;
-    let tick_us = session.params.tick_us();
+    let mut execution = Execution::prepare(setup, &source)?;
+    let tick_us = setup.params.tick_us();
     let cannot = |error: io::Error| match &args.output {
         Some(path) => Failure::file("write", path.display(), &error),
         None => Failure::stdout(&error),
@@ -40,7 +40,7 @@ pub fn run(session: &Session, args: &Simulate) -> Outcome {
     if let Some(csv) = csv {
         csv.finish().map_err(cannot)?;
     }
-    if !session.global.json {
+    if !setup.global.json {
         diagnostics::say(&summary.text());
     }
     execution.conclude(&summary, args.tolerance)

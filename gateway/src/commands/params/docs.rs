@@ -8,7 +8,7 @@ use leadscrew_core::params::{Entry, Params};
 use super::{json_list, meaning, name, print, unit_text, value_text};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
-use crate::session;
+use crate::setup;
 
 /// Prints the manual.
 pub fn run(global: &Global, eds: bool) -> Outcome {
@@ -18,7 +18,7 @@ pub fn run(global: &Global, eds: bool) -> Outcome {
         ));
     }
     if global.json {
-        let loaded = session::load(global)?;
+        let loaded = setup::load(global)?;
         return print(&json_list(Entry::all().iter(), &loaded, global.lang()));
     }
     print(markdown(global.lang()).as_bytes())

@@ -9,7 +9,7 @@ use super::{json_list, meaning, name, print, value_text};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::params::{Loaded, unknown_key};
-use crate::session;
+use crate::setup;
 
 /// Prints what the keys name; a number with bits or axes means all of them.
 pub fn run(global: &Global, keys: &[String]) -> Outcome {
@@ -27,7 +27,7 @@ pub fn run(global: &Global, keys: &[String]) -> Outcome {
             }
         }
     }
-    let loaded = session::load(global)?;
+    let loaded = setup::load(global)?;
     if global.json {
         return print(&json_list(entries.into_iter(), &loaded, lang));
     }

@@ -7,11 +7,11 @@ use super::{json_list, meaning, name, print, value_text};
 use crate::cli::Global;
 use crate::failure::Outcome;
 use crate::params::Loaded;
-use crate::session;
+use crate::setup;
 
 /// Prints the table.
 pub fn run(global: &Global, filter: Option<&str>) -> Outcome {
-    let loaded = session::load(global)?;
+    let loaded = setup::load(global)?;
     let lang = global.lang();
     let wanted = filter.unwrap_or_default().to_lowercase();
     let entries = Entry::all().iter().filter(|e| matches(e, &wanted));

@@ -13,7 +13,7 @@ use crate::params::{self, Loaded};
 
 /// The start of a command.
 #[derive(Debug)]
-pub struct Session<'a> {
+pub struct Setup<'a> {
     /// Options as typed.
     pub global: &'a Global,
     /// The machine.
@@ -24,7 +24,7 @@ pub struct Session<'a> {
     pub colour: bool,
 }
 
-impl<'a> Session<'a> {
+impl<'a> Setup<'a> {
     /// Loads what the options name, and tells what is wrong with it.
     pub fn new(global: &'a Global) -> Outcome<Self> {
         Ok(Self {
