@@ -5,7 +5,12 @@
 //! ```
 //!
 //! Knows segments, the spindle's encoder and the drives; knows nothing of calls or cycles. Bounded work: every loop runs
-//! over the axes or over the frames of one period. States are a type.
+//! over the axes or over the frames of one period. States are a type. Coming to rest, rigid mode and the ways out of a
+//! stroke have files of their own.
+
+mod away;
+mod rigid;
+mod stopping;
 
 use heapless::Vec;
 
@@ -18,8 +23,7 @@ use super::queue::{EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{Frame, MilliRpm};
 use crate::motion::{
-    Action, Arrival, Conditions, Epoch, Executor, Motion, Pass, Phase, Retract, Segment, Setpoint,
-    Stops,
+    Action, Arrival, Conditions, Epoch, Executor, Motion, Segment, Setpoint, Stops,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -336,32 +340,6 @@ impl Ticker {
         }
     }
 
-    /// An alarm: the axes come to rest on their path, and what is queued is forgotten. The first one stays.
-    fn raise(&mut self, alarm: Alarm, events: &mut EventIn<'_>) {
-        if matches!(
-            self.state,
-            State::Alarm(_) | State::Stopping(Outcome::Alarm(_))
-        ) {
-            return;
-        }
-        self.executor.stop();
-        self.detour = Detour::None;
-        // A reset may have been on its way out of a thread: an alarm moves nothing any more.
-        self.clear_at = None;
-        self.commanded = Rpm::STOPPED;
-        self.stay_rigid();
-        self.state = State::Stopping(Outcome::Alarm(alarm));
-        emit(events, Event::Alarm(alarm));
-    }
-
-    /// A stop: a spindle in position mode stays there, for a tap may be in its hole; one on the way there just stops.
-    const fn stay_rigid(&mut self) {
-        self.rigid = match self.rigid {
-            Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
-            Rigid::On | Rigid::Leaving => Rigid::On,
-        };
-    }
-
     fn obey(&mut self, events: &mut EventIn<'_>) {
         match self.operator.wish() {
             None => {}
@@ -394,58 +372,6 @@ impl Ticker {
         }
         if self.operator.hold && self.hold_retracts {
             self.leave_stroke();
-        }
-    }
-
-    /// Feed hold with immediate retract [D11]; where the stroke is all but over it is finished instead.
-    fn leave_stroke(&mut self) {
-        if self.detour != Detour::None || self.state != State::Running {
-            return;
-        }
-        let pass = self.pass.as_ref().and_then(Segment::pass);
-        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
-            return;
-        };
-        if !matches!(run.phase(), Phase::Joining | Phase::Locked) {
-            return;
-        }
-        let target = if run.plan().long_x() {
-            pass.home.z
-        } else {
-            pass.home.x
-        };
-        if self.executor.retract(target) == Retract::Leaving {
-            self.detour = Detour::Leaving;
-        }
-    }
-
-    /// Reset: a stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
-    /// the way out behind a stroke goes on until then; anything else stops on its path. The spindle goes on turning until the axes stand.
-    fn reset_in_motion(&mut self) {
-        self.operator.hold = false;
-        self.paused = false;
-        self.detour = Detour::None;
-        self.clear_at = None;
-        self.pauses_unless_hole = false;
-        self.stay_rigid();
-        self.state = State::Stopping(Outcome::Reset);
-        let pass = self.pass.as_ref().and_then(Segment::pass);
-        let Some(pass) = pass.filter(|_| self.in_thread()) else {
-            self.executor.stop();
-            return;
-        };
-        let (clear, target) = clear_of(pass, self.clearance);
-        self.clear_at = Some(clear);
-        self.executor.retract(target);
-    }
-
-    /// The tool is in the thread, or may be: in a stroke, behind it, or on its way out.
-    fn in_thread(&self) -> bool {
-        let stops = self.executor.stops();
-        match self.executor.thread() {
-            Some(run) => run.phase() != Phase::Waiting,
-            None if self.executor.is_free() => stops.frozen.is_some() && stops.hold_not_inside,
-            None => stops.frozen.is_some() && stops.hold_not_before,
         }
     }
 
@@ -482,50 +408,6 @@ impl Ticker {
         // Read in its place: a segment is large.
         take(ends.segments);
         instant
-    }
-
-    /// The spindle stands, and its drive has said where: from here on it is where it is told to be.
-    fn enter_rigid(&mut self, events: &mut EventIn<'_>) -> Option<(u32, u32, Motion)> {
-        let Rigid::Entering {
-            number,
-            line,
-            ticks,
-        } = &mut self.rigid
-        else {
-            return None;
-        };
-        *ticks = ticks.saturating_add(1);
-        let (number, line, ticks) = (*number, *line, *ticks);
-        if !self.observer.is_turning()
-            && let Some(angle) = self.drives.engage_spindle(self.observer.angle())
-        {
-            self.executor.set_spindle(Some(angle));
-            self.rigid = Rigid::On;
-        } else if ticks > self.stop_ticks {
-            let span = Span {
-                line,
-                ..Span::default()
-            };
-            let args = [
-                Arg::Rpm(self.observer.speed().rpm()),
-                Arg::None,
-                Arg::None,
-                Arg::None,
-            ];
-            self.raise(Alarm::new(Code::SpindleNotStopped, span).with(args), events);
-        }
-        Some((number, line, Motion::Wait))
-    }
-
-    /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
-    /// lost then.
-    fn leave_rigid(&mut self) {
-        let lost = self.rigid != Rigid::Off && !self.drives.has_spindle();
-        let stands = self.rigid == Rigid::Leaving && !self.observer.is_turning();
-        if (lost || stands) && self.executor.tap().is_none() {
-            self.rigid = Rigid::Off;
-            self.executor.set_spindle(None);
-        }
     }
 
     fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) -> Option<(u32, u32, Motion)> {
@@ -591,53 +473,6 @@ impl Ticker {
         }
     }
 
-    /// The next leg of a detour; its mark ends it.
-    fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
-        if self.detour == Detour::Leaving {
-            let Some(pass) = self.pass.as_ref().and_then(Segment::pass) else {
-                self.detour = Detour::None;
-                return;
-            };
-            let from = self.executor.position();
-            let mut level = pass.home;
-            if pass.plan.long_x() {
-                level.x = from.x;
-            } else {
-                level.z = from.z;
-            }
-            self.detour = Detour::Home;
-            let home = pass.home;
-            self.route([Some(level), Some(home)]);
-            return;
-        }
-        let epoch = self.route_epoch;
-        if ends.detours.peek().is_none_or(|leg| leg.epoch != epoch) {
-            return;
-        }
-        let Some(mut leg) = take(ends.detours) else {
-            return;
-        };
-        if !matches!(leg.action, Action::End) {
-            if let Some(segment) = &self.pass {
-                // It belongs to the pass that was left.
-                (leg.number, leg.span) = (segment.number, segment.span);
-                leg.stops.frozen = segment.stops.frozen;
-            }
-            self.executor.begin(&leg);
-            return;
-        }
-        self.detour = match self.detour {
-            Detour::Home => Detour::AtHome,
-            Detour::Back => {
-                if let Some(segment) = &self.pass {
-                    self.executor.begin(segment);
-                }
-                Detour::None
-            }
-            _ => Detour::None,
-        };
-    }
-
     /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
     fn settle(&mut self, setpoint: &Setpoint, moved: bool, ends: &mut Ends<'_, '_>) {
         match self.state {
@@ -701,64 +536,6 @@ impl Ticker {
                 .is_some_and(|next| next.stops.hold_not_before)
     }
 
-    /// Where the tool still has to go to be clear of the crests: on the short axis alone, away from the work.
-    fn not_clear(&self, clear: Position) -> Option<Position> {
-        let pass = self.pass.as_ref()?.pass()?;
-        let at = self.executor.position();
-        let mut target = at;
-        let (here, wanted, home) = if pass.plan.long_x() {
-            target.z = clear.z;
-            (at.z, clear.z, pass.home.z)
-        } else {
-            target.x = clear.x;
-            (at.x, clear.x, pass.home.x)
-        };
-        // Only outwards.
-        let way = wanted - here;
-        (way != Length::ZERO && way.signum() == (home - here).signum()).then_some(target)
-    }
-
-    fn finish_stop(&mut self, outcome: Outcome, events: &mut EventIn<'_>) {
-        self.in_program = false;
-        self.commanded = Rpm::STOPPED;
-        self.state = match outcome {
-            Outcome::Reset => {
-                emit(events, Event::Reset);
-                State::Idle
-            }
-            Outcome::Alarm(alarm) => State::Alarm(alarm),
-        };
-        self.restart(self.executor.position());
-    }
-
-    /// What is queued, and what the background still plans until it has heard of this, is dropped.
-    fn restart(&mut self, position: Position) {
-        self.epoch = self.epoch.next();
-        self.notice = Some(Notice::Restart(position, self.epoch));
-    }
-
-    /// Asks for a way to be planned; what is left of the one before is dropped.
-    fn route(&mut self, via: [Option<Position>; 2]) {
-        self.route_epoch = self.route_epoch.next();
-        self.notice = Some(Notice::Route(Route {
-            from: self.executor.position(),
-            via,
-            epoch: self.route_epoch,
-        }));
-    }
-
-    /// Drops what was queued before the last start, one entry a tick.
-    fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
-        for (queue, epoch) in [
-            (&mut *ends.segments, self.epoch),
-            (&mut *ends.detours, self.route_epoch),
-        ] {
-            if queue.peek().is_some_and(|oldest| oldest.epoch != epoch) {
-                take(queue);
-            }
-        }
-    }
-
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, events: &mut EventIn<'_>) {
         // Frozen in a thread cycle, also while a reset leaves it.
         self.spindle_percent = match self.state {
@@ -779,23 +556,6 @@ impl Ticker {
             self.raise(alarm, events);
         }
     }
-}
-
-/// Where the short axis is clear of both crests of a pass, C's and D's, or at the start level: as a position, and on that
-/// axis alone.
-fn clear_of(pass: &Pass, clearance: Length) -> (Position, Length) {
-    let long_x = pass.plan.long_x();
-    let home = if long_x { pass.home.z } else { pass.home.x };
-    let level = pass.plan.level_towards(home);
-    let out = (pass.depth + clearance).min((home - level).abs());
-    let target = level + out.times((home - level).signum());
-    let mut clear = pass.home;
-    if long_x {
-        clear.z = target;
-    } else {
-        clear.x = target;
-    }
-    (clear, target)
 }
 
 /// A reader that does not keep up loses the newest events, not the machine its tick; states and alarms are also in the
