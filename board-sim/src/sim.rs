@@ -43,6 +43,21 @@ pub enum Doing {
     Alarm,
 }
 
+impl Doing {
+    /// The word for it in records of setpoints.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Run => "run",
+            Self::Hold => "hold",
+            Self::Dwell => "dwell",
+            Self::Wait => "wait",
+            Self::Alarm => "alarm",
+        }
+    }
+}
+
 /// One tick: a setpoint, and what was true when it took effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {

@@ -1,7 +1,7 @@
 //! A program carried out by the machine inside this process: the simulated board, drives and spindle, in virtual time.
 
 use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
-use leadscrew_board_sim::{Direction, Doing, Row, Sim, SimError};
+use leadscrew_board_sim::{Direction, Row, Sim, SimError};
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
@@ -14,7 +14,7 @@ use crate::interrupt;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::trace::{Setpoint, State};
+use crate::trace::Setpoint;
 
 /// How a run ended.
 #[derive(Debug, Default)]
@@ -250,14 +250,7 @@ fn setpoint(row: &Row) -> Setpoint {
             .map(|angle| FineTurns::from_turns(angle).micro_turns()),
         line: row.line,
         step: u64::from(row.number),
-        state: match row.doing {
-            Doing::Idle => State::Idle,
-            Doing::Run => State::Run,
-            Doing::Hold => State::Hold,
-            Doing::Dwell => State::Dwell,
-            Doing::Wait => State::Wait,
-            Doing::Alarm => State::Alarm,
-        },
+        state: row.doing,
         error_nm: row.error.map(|error| error.nm()),
     }
 }

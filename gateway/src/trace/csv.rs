@@ -73,7 +73,7 @@ impl<W: Write> Csv<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::State;
+    use leadscrew_board_sim::Doing;
 
     #[test]
     fn rows_are_as_the_contract_says() {
@@ -88,7 +88,7 @@ mod tests {
             s1_set_urev: Some(5),
             line: 6,
             step: 9,
-            state: State::Run,
+            state: Doing::Run,
             error_nm: Some(-250),
         })
         .unwrap();

@@ -1,8 +1,9 @@
 //! One number for a whole stream of setpoints.
 
 use crc::{CRC_64_XZ, Crc, Digest, Table};
+use leadscrew_board_sim::Doing;
 
-use super::{Setpoint, State};
+use super::Setpoint;
 
 static CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 
@@ -32,7 +33,7 @@ impl Default for SetpointHash {
 impl SetpointHash {
     /// Takes in the next tick.
     pub fn push(&mut self, point: &Setpoint) {
-        let runs = point.state == State::Run;
+        let runs = point.state == Doing::Run;
         if self.running.is_none() && runs {
             self.running = Some(CRC.digest());
         }
@@ -61,7 +62,7 @@ impl SetpointHash {
 mod tests {
     use super::*;
 
-    fn hash(states: &[(State, i64)]) -> String {
+    fn hash(states: &[(Doing, i64)]) -> String {
         let mut hash = SetpointHash::default();
         for &(state, x_nm) in states {
             hash.push(&Setpoint {
@@ -75,7 +76,7 @@ mod tests {
 
     #[test]
     fn counts_from_the_first_to_the_last_run() {
-        use State::{Dwell, Idle, Run};
+        use Doing::{Dwell, Idle, Run};
         let bare = hash(&[(Run, 1), (Dwell, 1), (Run, 2)]);
         assert_eq!(
             bare,
@@ -98,7 +99,7 @@ mod tests {
         bytes.extend_from_slice(&(-5i64).to_le_bytes());
         bytes.resize(56, 0);
         assert_eq!(
-            hash(&[(State::Run, -5)]),
+            hash(&[(Doing::Run, -5)]),
             format!("{:016x}", CRC.checksum(&bytes))
         );
         // The catalogue's check value.

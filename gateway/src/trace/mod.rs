@@ -11,6 +11,8 @@ pub use hash::SetpointHash;
 pub use peaks::{Peak, Peaks};
 pub use summary::Summary;
 
+use leadscrew_board_sim::Doing;
+
 /// One tick as the contract's CSV shows it, and how far a locked axis is from its exact helix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Setpoint {
@@ -31,39 +33,7 @@ pub struct Setpoint {
     /// Its move number; 0 for nothing.
     pub step: u64,
     /// What the machine is doing.
-    pub state: State,
+    pub state: Doing,
     /// Long-axis distance from the exact helix in nanometres, while locked to it.
     pub error_nm: Option<i64>,
-}
-
-/// What the machine is doing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum State {
-    /// Nothing.
-    #[default]
-    Idle,
-    /// Moving.
-    Run,
-    /// In feed hold.
-    Hold,
-    /// In a dwell.
-    Dwell,
-    /// Waiting for the spindle.
-    Wait,
-    /// Stopped by an alarm.
-    Alarm,
-}
-
-impl State {
-    /// The contract's name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Run => "run",
-            Self::Hold => "hold",
-            Self::Dwell => "dwell",
-            Self::Wait => "wait",
-            Self::Alarm => "alarm",
-        }
-    }
 }

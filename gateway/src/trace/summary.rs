@@ -207,7 +207,7 @@ impl Summary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::State;
+    use leadscrew_board_sim::Doing;
 
     #[test]
     fn sums_up_what_went_by() {
@@ -225,7 +225,7 @@ mod tests {
                 x_nm,
                 z_nm,
                 step: 1,
-                state: State::Run,
+                state: Doing::Run,
                 error_nm,
                 ..Setpoint::default()
             });
