@@ -11,6 +11,7 @@ use leadscrew_core::bus::Frame;
 use leadscrew_core::motion::{Motion, TapLine, ThreadRun};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position, TapAxis};
+use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Rpm, Turns};
 
@@ -257,6 +258,11 @@ impl Sim {
     /// An operator's command.
     pub const fn command(&mut self, command: Command) {
         self.board.command(command);
+    }
+
+    /// Sets the inputs; they act in the next tick, and on the next call that is taken up.
+    pub const fn signals(&mut self, signals: Signals) {
+        self.board.signals(signals);
     }
 
     /// The oldest event not yet read.

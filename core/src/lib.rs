@@ -21,6 +21,7 @@
 //!   [setpoint](motion::Setpoint) a tick.
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
+//! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
 //! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
 //!
 //! # One idea for all motion
@@ -56,5 +57,6 @@ pub mod feasible;
 pub mod motion;
 pub mod params;
 pub mod program;
+pub mod signals;
 pub mod spindle;
 pub mod units;

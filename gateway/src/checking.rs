@@ -114,7 +114,7 @@ impl Checker<'_> {
     }
 
     fn call(&mut self, call: &Call, inch: bool) {
-        let moves = match cycle::expand(call, self.at) {
+        let moves = match cycle::expand(call, &self.setup.context(self.at)) {
             Ok(moves) => moves,
             Err(alarm) => {
                 // The interpreter goes on where the block ends, and cycles end where they begin.

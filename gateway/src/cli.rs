@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use leadscrew_core::alarm::Lang;
 
-use crate::values::{At, Bus, Percent, Ripple, Signal, Tolerance};
+use crate::values::{At, Bus, Percent, Ripple, SetSignal, Tolerance};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -100,9 +100,9 @@ pub struct Global {
     /// File that keeps the simulated flash between runs (not available yet)
     #[arg(long, global = true, value_name = "FILE")]
     pub state: Option<PathBuf>,
-    /// An input at the start (repeatable; not available yet)
+    /// An input at the start (repeatable): G61.2, RGTAP, SWS1 to SWS4, RGTSP1 to RGTSP4
     #[arg(long, global = true, value_name = "NAME=0|1")]
-    pub signal: Vec<Signal>,
+    pub signal: Vec<SetSignal>,
     /// Takes the simulated board's power away at this tick (not available yet)
     #[arg(long, global = true, value_name = "TICK")]
     pub cut_power: Option<u64>,
@@ -187,7 +187,7 @@ pub enum Command {
     Signal {
         /// `NAME=0` or `NAME=1`
         #[arg(value_name = "NAME=0|1")]
-        signal: Signal,
+        signal: SetSignal,
     },
     /// Tapping return, the same as G30 P99 (not available yet)
     Retract {

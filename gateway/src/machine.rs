@@ -52,9 +52,11 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
         ripple,
         ..PlantOptions::default()
     };
-    Sim::new(&setup.params, &options)
+    let mut sim = Sim::new(&setup.params, &options)
         .map(Box::new)
-        .map_err(|error| no_machine(setup, error))
+        .map_err(|error| no_machine(setup, error))?;
+    sim.signals(setup.signals);
+    Ok(sim)
 }
 
 /// Words for a machine that cannot be.

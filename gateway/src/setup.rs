@@ -3,8 +3,10 @@
 use std::io::{IsTerminal as _, Write as _};
 
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::cycle::Context;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Options, Position};
+use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 
 use crate::cli::{DialectName, Drive, Global};
@@ -20,6 +22,8 @@ pub struct Setup<'a> {
     pub params: Params,
     /// Language of messages.
     pub lang: Lang,
+    /// The inputs from the start on.
+    pub signals: Signals,
     /// Standard error is a terminal and nobody minds colour.
     pub colour: bool,
 }
@@ -31,6 +35,7 @@ impl<'a> Setup<'a> {
             global,
             params: load(global)?.params,
             lang: global.lang(),
+            signals: signals(global),
             colour: colour(),
         })
     }
@@ -42,8 +47,17 @@ impl<'a> Setup<'a> {
             global,
             params: load_with(global, tick)?.params,
             lang: global.lang(),
+            signals: signals(global),
             colour: colour(),
         })
+    }
+
+    /// What the moves of a call depend on for a tool at `at`.
+    pub const fn context(&self, at: Position) -> Context {
+        Context {
+            at,
+            signals: self.signals,
+        }
     }
 
     /// How programs are read.
@@ -64,6 +78,15 @@ impl<'a> Setup<'a> {
             },
         }
     }
+}
+
+/// The inputs that the options set; the last of a name counts.
+fn signals(global: &Global) -> Signals {
+    let mut signals = Signals::default();
+    for set in &global.signal {
+        signals.set(set.signal, set.level);
+    }
+    signals
 }
 
 /// The parameters that the options make, with everything that is wrong with them told; wrong ones end the command.

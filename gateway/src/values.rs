@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use leadscrew_core::signals::Signal;
+
 /// Where the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Bus {
@@ -120,24 +122,29 @@ impl FromStr for At {
 }
 
 /// `NAME=0|1`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Signal {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetSignal {
     /// The input.
-    pub name: String,
+    pub signal: Signal,
     /// Its level.
     pub level: bool,
 }
 
-impl FromStr for Signal {
+impl FromStr for SetSignal {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once('=') {
-            Some((name, "0" | "1")) if !name.is_empty() => Ok(Self {
-                name: name.to_owned(),
-                level: text.ends_with('1'),
-            }),
-            _ => Err("expected `NAME=0` or `NAME=1`".into()),
+        let (name, level) = match text.split_once('=') {
+            Some((name, "0")) => (name, false),
+            Some((name, "1")) => (name, true),
+            _ => return Err("expected `NAME=0` or `NAME=1`".into()),
+        };
+        match Signal::find(name) {
+            Some(signal) => Ok(Self { signal, level }),
+            None => Err(format!(
+                "there is no signal `{name}`; there are {}",
+                Signal::ALL.map(Signal::name).join(", ")
+            )),
         }
     }
 }
@@ -260,6 +267,31 @@ mod tests {
             Ok(Bus::Slcan("tcp:h:1".into()))
         );
         assert!("/dev/ttyACM0".parse::<Bus>().is_err());
+    }
+
+    #[test]
+    fn a_signal_has_a_name_and_a_level() {
+        assert_eq!(
+            "G61.2=1".parse::<SetSignal>(),
+            Ok(SetSignal {
+                signal: Signal::G61Dot2,
+                level: true
+            })
+        );
+        assert_eq!(
+            "rgtap=0".parse::<SetSignal>(),
+            Ok(SetSignal {
+                signal: Signal::Rgtap,
+                level: false
+            })
+        );
+        for wrong in ["", "G61.2", "G61.2=2", "G61.2=", "=1", "G61.2=10"] {
+            assert!(wrong.parse::<SetSignal>().is_err(), "{wrong}");
+        }
+        let told = "SWS5=1".parse::<SetSignal>().unwrap_err();
+        for signal in Signal::ALL {
+            assert!(told.contains(signal.name()), "{told}");
+        }
     }
 
     #[test]

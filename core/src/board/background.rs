@@ -10,7 +10,7 @@ use super::detour::Route;
 use super::queue::{CallOut, SegmentIn, is_empty, put, room, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
-use crate::cycle::{Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
+use crate::cycle::{Context, Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
 use crate::motion::{
     Action, Epoch, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, dwell_ticks, plan,
@@ -18,6 +18,7 @@ use crate::motion::{
 };
 use crate::params::Params;
 use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, ThreadCall};
+use crate::signals::Signals;
 use crate::units::{Length, Rpm, TurnRate};
 
 /// What planning depends on besides the program.
@@ -29,6 +30,8 @@ pub struct Settings<'a> {
     pub limits: &'a Limits,
     /// Spindle override in percent, as the operator has set it.
     pub spindle_percent: u8,
+    /// The inputs.
+    pub signals: Signals,
 }
 
 /// A tap whose strokes are being collected.
@@ -189,7 +192,11 @@ impl Background {
             }
             _ => {}
         }
-        let moves = expand(call, self.position)?;
+        let context = Context {
+            at: self.position,
+            signals: settings.signals,
+        };
+        let moves = expand(call, &context)?;
         let warning = moves.warning().or(warning);
         // Before anything of the call moves; what has expanded once expands a second time to the same.
         feasible::within_limits(moves.clone(), self.position, settings.params)?;

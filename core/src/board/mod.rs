@@ -37,6 +37,7 @@ use crate::bus::Frame;
 use crate::motion::Limits;
 use crate::params::Params;
 use crate::program::{Call, Position};
+use crate::signals::Signals;
 use crate::spindle::EncoderSample;
 pub use queue::{Calls, Events, Segments};
 
@@ -93,6 +94,7 @@ impl Board {
             params: &self.params,
             limits: &self.limits,
             spindle_percent: self.ticker.operator().spindle_percent(),
+            signals: self.ticker.operator().signals,
         };
         let (_, mut calls) = self.calls.split();
         let (mut segments, _) = self.segments.split();
@@ -126,6 +128,11 @@ impl Board {
     /// Takes an operator's command; it acts in the next tick.
     pub const fn command(&mut self, command: Command) {
         self.ticker.command(command);
+    }
+
+    /// Sets the inputs; they act in the next tick, and on the next call that is taken up.
+    pub const fn signals(&mut self, signals: Signals) {
+        self.ticker.signals(signals);
     }
 
     /// The oldest event not yet read.

@@ -2,6 +2,7 @@
 
 use super::event::Command;
 use crate::motion::Rate;
+use crate::signals::Signals;
 
 /// The operator's settings. They hold for the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +11,8 @@ pub struct Operator {
     pub hold: bool,
     /// Single block is on.
     pub single_block: bool,
+    /// The inputs, as they were set last.
+    pub signals: Signals,
     feed: u8,
     rapid: u8,
     spindle: u8,
@@ -33,6 +36,12 @@ impl Operator {
         Self {
             hold: false,
             single_block: false,
+            signals: Signals {
+                g61_2: false,
+                rgtap: None,
+                sws: 0,
+                rgtsp: 0,
+            },
             feed: 100,
             rapid: 100,
             spindle: 100,

@@ -27,6 +27,7 @@ use crate::motion::{
 };
 use crate::params::Params;
 use crate::program::Position;
+use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::units::{Axis, Length, Rpm, Ticks};
 
@@ -246,6 +247,11 @@ impl Ticker {
     /// Takes an operator's command; it acts in the next tick.
     pub const fn command(&mut self, command: Command) {
         self.operator.take(command);
+    }
+
+    /// Sets the inputs; they act in the next tick.
+    pub const fn signals(&mut self, signals: Signals) {
+        self.operator.signals = signals;
     }
 
     /// One SYNC period. `received`: the frames since the last tick.

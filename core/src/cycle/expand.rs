@@ -3,6 +3,27 @@
 use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
 use crate::alarm::Alarm;
 use crate::program::{Aux, Call, CallKind, Position};
+use crate::signals::Signals;
+
+/// What the moves of a call depend on besides its words.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Context {
+    /// Where the tool stands.
+    pub at: Position,
+    /// The inputs when the call is taken up.
+    pub signals: Signals,
+}
+
+impl Context {
+    /// A tool that stands at `at`, all inputs as at power-up.
+    #[must_use]
+    pub fn standing(at: Position) -> Self {
+        Self {
+            at,
+            signals: Signals::default(),
+        }
+    }
+}
 
 /// The moves of one call. Constant memory, whatever the call; nothing can fail once it is made.
 #[derive(Clone, Debug)]
@@ -21,12 +42,13 @@ pub enum Moves {
     Tap(TapMoves),
 }
 
-/// The moves of `call` for a tool that stands at `at`. A straight move of no length is none. Dwells, spindle commands and
+/// The moves of `call` in a context. A straight move of no length is none. Dwells, spindle commands and
 /// machine functions carry the standing position; the end of the program is a machine function too.
 ///
 /// # Errors
 /// What the geometry of a cycle forbids, before any of its moves.
-pub fn expand(call: &Call, at: Position) -> Result<Moves, Alarm> {
+pub fn expand(call: &Call, context: &Context) -> Result<Moves, Alarm> {
+    let at = context.at;
     let (to, kind) = match call.kind {
         CallKind::Thread(ref thread) => {
             return Ok(Moves::Thread(ThreadMoves::new(thread, call.span)?));

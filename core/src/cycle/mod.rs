@@ -15,7 +15,7 @@ mod tap;
 mod taper;
 mod thread;
 
-pub use expand::{Moves, expand};
+pub use expand::{Context, Moves, expand};
 pub use groove::GrooveMoves;
 pub use moves::*;
 pub use tap::TapMoves;

@@ -11,7 +11,7 @@ use leadscrew_core::bus::{
     Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, Scale, SpindleCommand,
     SpindleDemand, Statusword, SyncProducer,
 };
-use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
+use leadscrew_core::cycle::{Context, Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
@@ -19,6 +19,7 @@ use leadscrew_core::program::{
     Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapPeck,
     TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
 };
+use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle, TurnRate,
@@ -107,6 +108,8 @@ macro_rules! records {
 records! {
     Span { line column end }
     Position { x z c }
+    Context { at signals }
+    Signals { g61_2 rgtap sws rgtsp }
     Call { span origin kind }
     ArcCall { end i k clockwise feed }
     SpindleCall { rpm mode }

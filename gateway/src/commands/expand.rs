@@ -79,7 +79,7 @@ impl<W: Write> List<'_, W> {
     }
 
     fn call(&mut self, call: &Call, inch: bool) -> Outcome {
-        let moves = match cycle::expand(call, self.at) {
+        let moves = match cycle::expand(call, &self.setup.context(self.at)) {
             Ok(moves) => moves,
             Err(alarm) => {
                 self.tell(&alarm, inch)?;

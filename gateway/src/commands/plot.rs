@@ -91,7 +91,10 @@ fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     let mut at = options.position;
     while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {
         let Event::Call(call) = event else { continue };
-        for step in cycle::expand(&call, at).into_iter().flatten() {
+        for step in cycle::expand(&call, &setup.context(at))
+            .into_iter()
+            .flatten()
+        {
             drawing.push(&step, &call.origin);
             at = step.to;
         }

@@ -9,8 +9,6 @@ pub fn refuse(cli: &Cli) -> Outcome {
     let global = &cli.global;
     let option = if global.state.is_some() {
         Some("--state")
-    } else if !global.signal.is_empty() {
-        Some("--signal")
     } else if global.cut_power.is_some() {
         Some("--cut-power")
     } else {

@@ -48,7 +48,6 @@ fn what_is_not_available_is_a_usage_error_that_says_so() {
         &["run", "examples/shaft.nc", "--bus", "can0"],
         &["status", "--bus", "slcan:tcp:localhost:1234"],
         &["run", "examples/shaft.nc", "--state", "flash.bin"],
-        &["run", "examples/shaft.nc", "--signal", "RGTAP=1"],
         &["run", "examples/shaft.nc", "--cut-power", "100"],
         &["plot", "examples/shaft.nc", "-o", "shaft.png"],
         &["plot", "examples/shaft.nc", "-o", "shaft.html"],
@@ -61,6 +60,19 @@ fn what_is_not_available_is_a_usage_error_that_says_so() {
             stderr(&output)
         );
         assert!(output.stdout.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn a_signal_that_is_not_there_is_answered_with_those_that_are() {
+    for command in ["check", "expand", "simulate", "run"] {
+        let output = leadscrew(&[command, "examples/shaft.nc", "--signal", "SWS5=1"]);
+        assert_eq!(code(&output), 2, "{command}");
+        let told = stderr(&output);
+        for name in ["G61.2", "RGTAP", "SWS1", "SWS4", "RGTSP1", "RGTSP4"] {
+            assert!(told.contains(name), "{command}: {told}");
+        }
+        assert!(output.stdout.is_empty(), "{command}");
     }
 }
 

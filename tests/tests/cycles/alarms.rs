@@ -417,18 +417,30 @@ fn expand_refuses_before_the_first_move() {
         allowance: at(mm(4.0)),
         ..o0013()
     };
-    let alarm = expand(&call(CallKind::Thread(thread)), thread.start).unwrap_err();
+    let alarm = expand(
+        &call(CallKind::Thread(thread)),
+        &Context::standing(thread.start),
+    )
+    .unwrap_err();
     assert_eq!((alarm.number(), alarm.span), (4100, place(9)));
     let groove = GrooveCall {
         peck: None,
         ..o0008()
     };
-    let alarm = expand(&call(CallKind::Groove(groove)), groove.start).unwrap_err();
+    let alarm = expand(
+        &call(CallKind::Groove(groove)),
+        &Context::standing(groove.start),
+    )
+    .unwrap_err();
     assert_eq!((alarm.number(), alarm.span), (319, place(9)));
     let relief = GrooveCall {
         relief: word(mm(0.1), 50),
         ..o0008()
     };
-    let moves = expand(&call(CallKind::Groove(relief)), relief.start).unwrap();
+    let moves = expand(
+        &call(CallKind::Groove(relief)),
+        &Context::standing(relief.start),
+    )
+    .unwrap();
     assert_eq!(moves.warning().unwrap().number(), 4920);
 }

@@ -444,7 +444,7 @@ fn other_calls_make_one_move_or_none() {
             origin: Position::default(),
             kind,
         };
-        let mut moves = expand(&call, here).unwrap();
+        let mut moves = expand(&call, &Context::standing(here)).unwrap();
         assert_eq!(moves.warning(), None);
         let first = moves.next();
         assert_eq!(moves.next(), None);

@@ -93,7 +93,9 @@ fn program(values: &[(&str, &str)], text: &str) -> Vec<Move> {
     let mut list = Vec::new();
     for event in Events::new(text.as_bytes(), &params, Options::default()) {
         if let Event::Call(call) = event.unwrap_or_else(|alarm| panic!("{alarm:?}: {text}")) {
-            for m in expand(&call, here).unwrap_or_else(|alarm| panic!("{alarm:?}: {text}")) {
+            for m in expand(&call, &Context::standing(here))
+                .unwrap_or_else(|alarm| panic!("{alarm:?}: {text}"))
+            {
                 here = m.to;
                 list.push(m);
             }

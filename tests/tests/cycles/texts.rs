@@ -19,7 +19,8 @@ fn try_text(text: &str) -> Result<(Vec<Move>, Vec<u16>), u16> {
         match event.map_err(|alarm| alarm.number())? {
             Event::Warning(warning) => warnings.push(warning.number()),
             Event::Call(call) => {
-                let list = expand(&call, here).map_err(|alarm| alarm.number())?;
+                let list =
+                    expand(&call, &Context::standing(here)).map_err(|alarm| alarm.number())?;
                 warnings.extend(list.warning().map(|warning| warning.number()));
                 for m in list {
                     here = m.to;

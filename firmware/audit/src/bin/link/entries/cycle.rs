@@ -1,7 +1,7 @@
 //! Calls to moves.
 
 use audit::any::{any, sink};
-use leadscrew_core::cycle::{GrooveMoves, TapMoves, ThreadMoves, expand};
+use leadscrew_core::cycle::{Context, GrooveMoves, TapMoves, ThreadMoves, expand};
 use leadscrew_core::program::{Call, GrooveCall, TapCall, ThreadCall};
 
 /// All of this room.
@@ -14,7 +14,7 @@ pub fn all() {
 
 #[inline(never)]
 fn any_call() {
-    if let Ok(moves) = expand(&any::<Call>(), any()) {
+    if let Ok(moves) = expand(&any::<Call>(), &any::<Context>()) {
         sink(moves.warning());
         moves.for_each(sink);
     }
