@@ -257,10 +257,11 @@ codes! {
     GrooveWithoutX = 4050, "the groove has no bottom", "write X or U", "切槽没有槽底", "请写 X 或 U";
 
     // 4060–4079: tapping.
-    /// G84 or G88 without rigid mode; {0} the code, {1} the rigid M code.
-    OrdinaryTapNotAvailable = 4060, "{0} without rigid mode: ordinary tapping is not available yet",
-        "write M{1} S in the block before, or set 5200.0 = 1 and write S in the block of {0}",
-        "{0} 未指令刚性方式：普通攻丝尚不可用", "请在前一程序段写 M{1} S，或设 5200.0 = 1 并在 {0} 程序段中写 S";
+    /// G84 or G88 without rigid mode and with a standing spindle; {0} the code, {1} the rigid M code.
+    TapSpindleStands = 4060, "{0} without rigid mode, and the spindle stands",
+        "for rigid tapping write M{1} S in the block before (or set 5200.0 = 1 and write S in the block of {0}); for ordinary tapping turn the spindle by M03 S or M04 S",
+        "{0} 未指令刚性方式，且主轴静止",
+        "刚性攻丝请在前一程序段写 M{1} S（或设 5200.0 = 1 并在 {0} 程序段中写 S）；普通攻丝请先用 M03 S 或 M04 S 使主轴旋转";
     /// The tap axis would be Y; {0} the code, {1} the plane.
     TapAxisMissing = 4061, "{0} in the plane of {1} taps along Y, and this lathe has no Y",
         "choose another plane before it, or set 5209.0 = 1 (G84 Z, G88 X)",
@@ -285,6 +286,9 @@ codes! {
     /// K198 and nothing behind it; {0} the line.
     TapLeftInHole = 4068, "the program ends with the tap in its hole", "go on with G84 or G88 to a deeper bottom, without K198",
         "程序结束时丝锥仍在孔内", "请继续写 G84 或 G88 到更深的孔底，不写 K198";
+    /// K198 in ordinary tapping; {0} the rigid M code.
+    TapStayNotRigid = 4078, "K198 needs rigid mode: only there the tap can stay in its hole", "write M{0} S before the cycle, or leave K198 out",
+        "K198 需要刚性方式：只有刚性攻丝才能停在孔内", "请在循环前写 M{0} S，或省略 K198";
 
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
@@ -558,6 +562,9 @@ codes! {
     /// The extraction override asks for more than the tap may; {0} asked, {1} the limit.
     TapExtractionLimited = 4902, "the retract at {0} is cut down to {1} rpm (parameters 5241 and 3772)", "write a smaller J, or lower 5211",
         "退刀转速 {0} 被限制为 {1} rpm（参数 5241、3772）", "请减小 J，或减小 5211";
+    /// J in ordinary tapping.
+    TapExtractionNotRigid = 4909, "J has no effect in ordinary tapping: the tap comes out at S", "leave J out, or tap in rigid mode",
+        "普通攻丝中 J 不起作用：退刀转速为 S", "请省略 J，或使用刚性攻丝";
 
     // -- 4920–4939 warnings: cycle/ ----------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 //! One [`Move`]: what the planner gets and `expand` prints.
 
 use crate::alarm::Span;
-use crate::program::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapSpindle};
+use crate::program::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapSpindle};
 use crate::units::{CentiRpm, Lead, Length, Millis, Rpm, StartAngle, TurnRatio};
 
 /// One move, with where it ends and where it came from.
@@ -37,7 +37,7 @@ pub enum MoveKind {
     },
     /// Straight, locked to the spindle angle.
     Thread(ThreadMove),
-    /// Straight along one axis, geared to the spindle: both from one master.
+    /// Straight along one axis, tied to the spindle: both from one master, or the axis by the spindle's encoder.
     Tap(TapMove),
     /// Standing still.
     Dwell(Millis),
@@ -73,6 +73,8 @@ pub struct ThreadMove {
 /// The strokes of a hole follow each other with nothing but a dwell between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapMove {
+    /// What ties axis and spindle.
+    pub mode: TapMode,
     /// The axis that travels.
     pub axis: TapAxis,
     /// The spindle that turns.
@@ -87,7 +89,8 @@ pub struct TapMove {
     pub bottom: Length,
     /// Turns of the spindle in this stroke, signed, exact.
     pub turns: TurnRatio,
-    /// Speed of the spindle in this stroke, signed, the extraction override in it.
+    /// Speed of the spindle in this stroke, signed, the extraction override in it; zero for an ordinary tap whose spindle
+    /// stands.
     pub speed: CentiRpm,
     /// True on the way out (its acceleration may be another, 5201.2).
     pub outward: bool,

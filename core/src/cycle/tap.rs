@@ -1,10 +1,10 @@
-//! G84 and G88, rigid: one call to its moves, lazily and in constant memory ([G84/G88 sheet]; cycles.md section 8).
+//! G84 and G88: one call to its moves, lazily and in constant memory ([G84/G88 sheet]; cycles.md section 8).
 
 use super::check::{blame, tap_ranges};
 use super::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{
-    Aux, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapPeck, TapRepeat,
+    Aux, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
 };
 use crate::units::{CentiRpm, Length, TurnRatio};
 
@@ -82,7 +82,14 @@ impl TapMoves {
             Length::ZERO
         };
         let no_depth = call.continues && (from <= Length::ZERO || from >= total);
-        if no_depth || call.speed.get() <= 0 || call.extract.get() <= 0 {
+        // Only a spindle in speed mode can be found standing, and only in position mode can a tap stay in its hole.
+        let slowest = match call.mode {
+            TapMode::Rigid => 1,
+            TapMode::Floating => 0,
+        };
+        let locked = call.continues || call.repeat == TapRepeat::Stay;
+        let no_phase = locked && call.mode == TapMode::Floating;
+        if no_depth || no_phase || call.speed.get() < slowest || call.extract.get() < slowest {
             return Err(Alarm::new(Code::TapCallRange, span));
         }
         if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = call.form {
@@ -183,6 +190,7 @@ impl TapMoves {
         let coordinate = self.call.level.value + depth.times(self.inward);
         self.at = self.call.axis.with(self.at, coordinate);
         let kind = MoveKind::Tap(TapMove {
+            mode: self.call.mode,
             axis: self.call.axis,
             spindle: self.call.spindle,
             lead: self.call.lead.value,

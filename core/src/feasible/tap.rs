@@ -5,7 +5,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind, Stage, TapMoves};
 use crate::motion::{Limits, PathRate, Stroke, stroke};
 use crate::params::Params;
-use crate::program::{Position, TapAxis, TapCall, TapSpindle};
+use crate::program::{Position, TapAxis, TapCall, TapMode, TapSpindle};
 use crate::units::{Axis, CentiRpm, Feed, Lead, Rpm, mul_div};
 
 /// What a tapping cycle does on the machine.
@@ -26,6 +26,10 @@ pub struct TapReport {
 /// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`] refuses.
 pub fn tap(call: &TapCall, span: Span, params: &Params) -> Result<TapReport, Alarm> {
     let moves = TapMoves::new(call, span)?;
+    if call.mode == TapMode::Floating {
+        let args = [Arg::None, Arg::None, Arg::None, Arg::None];
+        return Err(Alarm::new(Code::TapSpindleStands, span).with(args));
+    }
     if call.spindle != TapSpindle::First {
         let number = Arg::Int(i64::from(call.spindle.number()));
         let args = [number, Arg::None, Arg::None, Arg::None];

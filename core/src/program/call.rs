@@ -388,11 +388,24 @@ pub enum TapRepeat {
     Stay,
 }
 
-/// A rigid G84 or G88 with every word resolved: one block, one or more holes.
+/// What ties a tap's axis to its spindle (cycles.md section 8).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TapMode {
+    /// Rigid: the spindle is in position mode, and one master moves both.
+    #[default]
+    Rigid,
+    /// Ordinary: the spindle turns in speed mode, the axis follows its encoder through stop and reversal, and a floating
+    /// holder takes what is left between them.
+    Floating,
+}
+
+/// A G84 or G88 with every word resolved: one block, one or more holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TapCall {
     /// Which cycle.
     pub cycle: TapCycle,
+    /// Rigid or ordinary.
+    pub mode: TapMode,
     /// The tap axis (5209.0, plane).
     pub axis: TapAxis,
     /// Where the tool stands: at the initial level, or in the hole where the call goes on after K198.
@@ -411,9 +424,10 @@ pub struct TapCall {
     pub dwell: Millis,
     /// F/S (G98) or F (G99).
     pub lead: At<Lead>,
-    /// By the sign of S.
+    /// By the sign of S; in ordinary tapping by M03 or M04.
     pub hand: Hand,
-    /// Spindle speed of the infeed, above zero (its magnitude).
+    /// Spindle speed of the infeed, above zero (its magnitude). In ordinary tapping zero where the spindle stands: `expand`
+    /// does not mind.
     pub speed: CentiRpm,
     /// Spindle speed of retracts and, in deep peck, of the re-entry, above zero: the infeed's with the extraction override.
     pub extract: CentiRpm,

@@ -5,7 +5,7 @@ use core::num::NonZeroU8;
 
 use super::block::{Block, Letters, Word, g_arg};
 use super::call::{
-    CallKind, Hand, Position, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapPeck, TapRepeat,
+    CallKind, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
     TapSpindle,
 };
 use super::codes::{Known, MGroup, m_code};
@@ -15,8 +15,9 @@ use super::plan::Plan;
 use super::scale::Range;
 use super::state::{AXES, State};
 use super::tap_mode::{locked, rigid_code};
+use super::tap_speed::Turning;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Rpm};
+use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Length, Millis, Rpm};
 
 /// Words of a tapping block besides the axes.
 const WORDS: Letters = Letters::of(b"RQPKDJE");
@@ -80,6 +81,14 @@ impl Kept {
             clamp: None,
         }
     }
+
+    /// Its G code, for messages.
+    pub(super) fn name(&self) -> Arg {
+        match self.cycle {
+            TapCycle::G84 => g_arg(84),
+            TapCycle::G88 => g_arg(88),
+        }
+    }
 }
 
 /// Letters of an axis: absolute and increment.
@@ -103,8 +112,11 @@ impl State<'_> {
         let Some(mut kept) = self.cycle_of(word)? else {
             return Ok(());
         };
-        let rpm = self.rigid_speed(block, word, span, plan)?;
+        let turning = self.turning(block, word, span, plan)?;
         self.read_kept(block, &mut kept)?;
+        if turning.mode == TapMode::Floating {
+            self.refuse_in_ordinary(block, plan)?;
+        }
         let (absolute, increment) = letters_of(kept.axis);
         let places = AXES.without(Letters::of(&[absolute, increment]));
         let repeat = match block.find(b'K') {
@@ -119,10 +131,10 @@ impl State<'_> {
             };
         }
         let call = match self.tapping.locked {
-            Some(hole) => self.going_on(block, &kept, rpm, span, repeat, &hole)?,
-            None => self.new_hole(block, &kept, rpm, span, repeat)?,
+            Some(hole) => self.going_on(block, &kept, &turning, span, repeat, &hole)?,
+            None => self.new_hole(block, &kept, &turning, span, repeat)?,
         };
-        let (extract, asked) = self.extraction(kept.extract, &call, rpm);
+        let (extract, asked) = self.extraction(kept.extract, &call, turning.rpm);
         let call = TapCall { extract, ..call };
         let says_speed = word.is_some() || block.has_any(Letters::of(b"SJ"));
         if says_speed && asked > extract {
@@ -166,37 +178,6 @@ impl State<'_> {
         let same = |kept: &Kept| kept.cycle == cycle && kept.axis == axis;
         let kept = self.tapping.cycle.filter(same);
         Ok(Some(kept.unwrap_or_else(|| Kept::new(cycle, axis))))
-    }
-
-    /// S of rigid mode; with 5200.0 = 1 it may stand in this block and begin it.
-    fn rigid_speed(
-        &mut self,
-        block: &Block,
-        word: Option<&Word>,
-        span: Span,
-        plan: &mut Plan,
-    ) -> Result<Rpm, Alarm> {
-        let written = block.find(b'S');
-        match (self.tapping.rigid, self.params.tap_by_g_code()) {
-            (Some(rpm), false) => Ok(rpm),
-            (Some(rpm), true) if written.is_none() => Ok(rpm),
-            (None, false) => {
-                let name = word.map_or(Arg::None, |word| g_arg(word.value.mantissa()));
-                let code = Arg::Int(i64::from(rigid_code(self.params)));
-                let args = [name, code, Arg::None, Arg::None];
-                let alarm = Alarm::new(Code::OrdinaryTapNotAvailable, span);
-                Err(alarm.with(args))
-            }
-            (_, true) => {
-                let rpm = self.tap_speed(written, span)?;
-                self.begin_position_mode(rpm);
-                plan.rigid(
-                    written.map_or(span, |word| word.span),
-                    SpindleCall::rigid(rpm),
-                );
-                Ok(rpm)
-            }
-        }
     }
 
     /// The words that stay.
@@ -278,7 +259,7 @@ impl State<'_> {
         &self,
         block: &Block,
         kept: &Kept,
-        rpm: Rpm,
+        turning: &Turning,
         span: Span,
         repeat: Option<(TapRepeat, Word)>,
     ) -> Result<TapCall, Alarm> {
@@ -286,7 +267,7 @@ impl State<'_> {
         let initial = axis.of(self.position);
         let (hole, step) = self.places(block, axis)?;
         let level = At::new(initial + kept.rise.value, kept.rise.span);
-        let call = self.resolve(kept, rpm, span, level)?;
+        let call = self.resolve(kept, turning, span, level)?;
         let call = TapCall {
             start: self.position,
             hole,
@@ -329,26 +310,23 @@ impl State<'_> {
     fn resolve(
         &self,
         kept: &Kept,
-        rpm: Rpm,
+        turning: &Turning,
         span: Span,
         level: At<Length>,
     ) -> Result<TapCall, Alarm> {
         let (letter, _) = letters_of(kept.axis);
         let Some(bottom) = kept.bottom else {
-            let name = match kept.cycle {
-                TapCycle::G84 => g_arg(84),
-                TapCycle::G88 => g_arg(88),
-            };
-            let args = [name, Arg::Letter(letter), Arg::None, Arg::None];
+            let args = [kept.name(), Arg::Letter(letter), Arg::None, Arg::None];
             return Err(Alarm::new(Code::TapBottomMissing, span).with(args));
         };
         let coordinate = match bottom.value {
             Bottom::Work(coordinate) => kept.axis.of(self.origin) + coordinate,
             Bottom::FromR(depth) => level.value + depth,
         };
-        let lead = self.tap_lead(kept, rpm, span)?;
+        let lead = self.tap_lead(kept, turning, span)?;
         Ok(TapCall {
             cycle: kept.cycle,
+            mode: turning.mode,
             axis: kept.axis,
             start: self.position,
             hole: self.position,
@@ -358,33 +336,18 @@ impl State<'_> {
             form: self.form(kept),
             dwell: kept.dwell,
             lead,
-            hand: if rpm < Rpm::STOPPED {
+            hand: if turning.rpm < Rpm::STOPPED {
                 Hand::Left
             } else {
                 Hand::Right
             },
-            speed: self.infeed_speed(rpm, lead.value),
+            speed: self.infeed_speed(turning, lead.value),
             extract: CentiRpm::default(),
             spindle: kept.spindle.unwrap_or(self.tapping.spindle),
             repeat: TapRepeat::Holes(NonZeroU8::MIN),
             clamp: kept.clamp,
             continues: false,
         })
-    }
-
-    /// F/S under G98, F under G99, as a ratio.
-    fn tap_lead(&self, kept: &Kept, rpm: Rpm, span: Span) -> Result<At<Lead>, Alarm> {
-        let Some(feed) = kept.feed else {
-            return Err(Alarm::new(Code::TapFeed, span));
-        };
-        let lead = match feed.value {
-            TapFeed::PerMinute(f) => Lead::new(f.nm_per_min(), i64::from(rpm.abs())),
-            TapFeed::PerTurn(f) => Lead::new(f.nm(), 1),
-        };
-        match lead {
-            Some(lead) => Ok(At::new(lead, feed.span)),
-            None => Err(Alarm::new(Code::TapFeed, feed.span).word(b'F')),
-        }
     }
 
     /// By Q and 5200.5; d is D, or the smaller of 5213 and Q.
@@ -410,7 +373,7 @@ impl State<'_> {
         &self,
         block: &Block,
         kept: &Kept,
-        rpm: Rpm,
+        turning: &Turning,
         span: Span,
         repeat: Option<(TapRepeat, Word)>,
         hole: &(TapCall, Span),
@@ -441,7 +404,7 @@ impl State<'_> {
             | Some((repeat @ TapRepeat::Stay, _)) => repeat,
             Some((_, word)) => return Err(locked(&word, *since)),
         };
-        let call = self.resolve(kept, rpm, span, before.level)?;
+        let call = self.resolve(kept, turning, span, before.level)?;
         let same = call.axis == before.axis
             && call.cycle == before.cycle
             && call.hand == before.hand

@@ -2,7 +2,8 @@
 //! section 8). The words of the cycles themselves are `tap`'s.
 //!
 //! Rigid mode begins with the M code of 5210 and its S in the block right before the cycle (5200.0 = 0), or with S in the
-//! cycle's block (5200.0 = 1). It ends with the cycle: G80, a G code of group 01, M02, M30. Ending it clears S.
+//! cycle's block (5200.0 = 1). It ends with the cycle: G80, a G code of group 01, M02, M30. Ending it clears S. A cycle
+//! without rigid mode is ordinary tapping: the spindle turns by M03 or M04 and its S.
 
 use super::block::{Block, Letters, Word, g_arg};
 use super::call::{SpindleCall, TapCall, TapSpindle};
@@ -128,8 +129,8 @@ impl State<'_> {
         }
         if let Some(word) = &codes.cancel
             && self.tapping.is_on()
+            && self.end_taps()
         {
-            self.end_taps();
             plan.spindle(word.span, SpindleCall::STOPPED);
         }
         if self.tapping.rigid.is_some()
@@ -140,7 +141,7 @@ impl State<'_> {
         }
         if let Some(word) = &codes.rigid {
             self.begin_rigid(block, word, &codes, plan)?;
-        } else if self.tapping.is_on() {
+        } else if self.tapping.rigid.is_some() {
             self.refuse_spindle(block, &codes)?;
         }
         let is_tap_block =
@@ -162,7 +163,12 @@ impl State<'_> {
         }
         let motion_word = self.modal(block, plan)?;
         if is_tap_block {
-            self.before_motion_codes(block, plan, None);
+            if self.is_rigid_block(block, codes.tap.as_ref()) {
+                self.before_motion_codes(block, plan, None);
+            } else {
+                // The spindle is in speed mode, and S is its own.
+                self.before_motion(block, plan)?;
+            }
             self.tap(block, codes.tap.as_ref(), plan)?;
         } else if codes.rigid.is_some() {
             self.only(block, Letters::default())?;
@@ -177,19 +183,24 @@ impl State<'_> {
             if let Some((_, span)) = &self.tapping.locked {
                 return Err(locked(&word, *span));
             }
-            self.end_taps();
-            plan.spindle_stop(word.span);
+            if self.end_taps() {
+                plan.spindle_stop(word.span);
+            }
         }
         Ok(())
     }
 
-    /// The cycle and rigid mode are over; S is cleared ([G84/G88 sheet], note 5).
-    fn end_taps(&mut self) {
-        self.tapping.rigid = None;
+    /// The cycle is over, and rigid mode with it: true where that was on. Its S is cleared ([G84/G88 sheet], note 5); S and
+    /// M03 of an ordinary tap are the spindle's own and stay [D95].
+    fn end_taps(&mut self) -> bool {
         self.tapping.armed = false;
         self.tapping.cycle = None;
-        self.speed = 0;
-        self.direction = 0;
+        let rigid = self.tapping.rigid.take().is_some();
+        if rigid {
+            self.speed = 0;
+            self.direction = 0;
+        }
+        rigid
     }
 
     /// With the tap in its hole: only what keeps it in phase [D25]. What a cycle that goes on may say, `tap` checks.

@@ -1,16 +1,117 @@
-//! How fast a tap turns: S, the dry run, and the extraction override ([G84/G88 sheet], cycles.md section 8).
+//! How fast a tap turns, and what its lead is: S of rigid mode or that of a turning spindle, the dry run, and the
+//! extraction override ([G84/G88 sheet], cycles.md section 8).
 
-use super::block::Block;
-use super::call::TapCall;
+use super::block::{Block, Letters, Word};
+use super::call::{SpindleCall, TapCall, TapMode};
+use super::plan::Plan;
 use super::state::State;
-use crate::alarm::{Alarm, Arg, Code, Span};
+use super::tap::{Kept, TapFeed};
+use super::tap_mode::rigid_code;
+use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::units::{CentiRpm, Lead, Rpm};
 
+/// What turns a tap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turning {
+    pub(super) mode: TapMode,
+    /// Signed: minus is a left-hand tap. Zero where the spindle of an ordinary tap stands.
+    pub(super) rpm: Rpm,
+    /// S, which is known of a standing spindle too.
+    s: u32,
+}
+
 impl State<'_> {
-    /// S; in a dry run what the dry-run feed makes of the lead, never above the highest tapping speed.
-    pub(super) fn infeed_speed(&self, rpm: Rpm, lead: Lead) -> CentiRpm {
-        let written = CentiRpm::of_rpm(Rpm::new(i32::try_from(rpm.abs()).unwrap_or(i32::MAX)));
-        if !self.options.dry_run {
+    /// True where a tapping block taps in rigid mode: it is on, or begins with S in the block of G84 or G88 (`word`).
+    pub(super) fn is_rigid_block(&self, block: &Block, word: Option<&Word>) -> bool {
+        let begins = self.params.tap_by_g_code() && word.is_some();
+        self.tapping.rigid.is_some() || (begins && block.has_any(Letters::of(b"S")))
+    }
+
+    /// Rigid mode, which a block may begin, or the spindle as it turns.
+    pub(super) fn turning(
+        &mut self,
+        block: &Block,
+        word: Option<&Word>,
+        span: Span,
+        plan: &mut Plan,
+    ) -> Result<Turning, Alarm> {
+        let rigid = |rpm: Rpm| Turning {
+            mode: TapMode::Rigid,
+            rpm,
+            s: rpm.abs(),
+        };
+        let by_g_code = self.params.tap_by_g_code();
+        let written = block.find(b'S').filter(|_| by_g_code);
+        match self.tapping.rigid {
+            Some(rpm) if written.is_none() => Ok(rigid(rpm)),
+            None if !self.is_rigid_block(block, word) => {
+                let rpm = self.rpm();
+                if by_g_code && rpm == Rpm::STOPPED {
+                    // Rigid mode without S is more likely meant than a spindle that was forgotten.
+                    return self.tap_speed(None, span).map(rigid);
+                }
+                Ok(Turning {
+                    mode: TapMode::Floating,
+                    rpm,
+                    s: self.speed,
+                })
+            }
+            _ => {
+                let rpm = self.tap_speed(written, span)?;
+                self.begin_position_mode(rpm);
+                let span = written.map_or(span, |word| word.span);
+                plan.rigid(span, SpindleCall::rigid(rpm));
+                Ok(rigid(rpm))
+            }
+        }
+    }
+
+    /// K198 needs rigid mode; J does nothing outside it [D95].
+    pub(super) fn refuse_in_ordinary(&self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
+        if let Some(word) = block.find(b'K')
+            && word.value.mantissa() == 198
+        {
+            let code = Arg::Int(i64::from(rigid_code(self.params)));
+            let args = [code, Arg::None, Arg::None, Arg::None];
+            return Err(word.alarm(Code::TapStayNotRigid).with(args));
+        }
+        if let Some(word) = block.find(b'J') {
+            plan.warn(word.alarm(Code::TapExtractionNotRigid));
+        }
+        Ok(())
+    }
+
+    /// F/S under G98, F under G99, as a ratio.
+    pub(super) fn tap_lead(
+        &self,
+        kept: &Kept,
+        turning: &Turning,
+        span: Span,
+    ) -> Result<At<Lead>, Alarm> {
+        let Some(feed) = kept.feed else {
+            return Err(Alarm::new(Code::TapFeed, span));
+        };
+        let lead = match feed.value {
+            TapFeed::PerMinute(_) if turning.s == 0 => {
+                let code = Arg::Int(i64::from(rigid_code(self.params)));
+                let args = [kept.name(), code, Arg::None, Arg::None];
+                return Err(Alarm::new(Code::TapSpindleStands, span).with(args));
+            }
+            TapFeed::PerMinute(f) => Lead::new(f.nm_per_min(), i64::from(turning.s)),
+            TapFeed::PerTurn(f) => Lead::new(f.nm(), 1),
+        };
+        match lead {
+            Some(lead) => Ok(At::new(lead, feed.span)),
+            None => Err(Alarm::new(Code::TapFeed, feed.span).word(b'F')),
+        }
+    }
+
+    /// S; in a dry run what the dry-run feed makes of the lead, never above the highest tapping speed. A spindle in speed
+    /// mode turns as it does: there the dry run changes nothing.
+    pub(super) fn infeed_speed(&self, turning: &Turning, lead: Lead) -> CentiRpm {
+        let rpm = i32::try_from(turning.rpm.abs()).unwrap_or(i32::MAX);
+        let written = CentiRpm::of_rpm(Rpm::new(rpm));
+        if !self.options.dry_run || turning.mode == TapMode::Floating {
             return written;
         }
         let feed = self.params.dry_run_feed().nm_per_min();
@@ -32,6 +133,9 @@ impl State<'_> {
         call: &TapCall,
         rpm: Rpm,
     ) -> (CentiRpm, CentiRpm) {
+        if call.mode == TapMode::Floating {
+            return (call.speed, call.speed);
+        }
         let (part, whole) = self.extraction_ratio(j, rpm);
         let speed = i64::from(call.speed.get());
         let half = whole >> 1;

@@ -16,8 +16,8 @@ use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
     ArcCall, Aux, Call, CallKind, CutIn, Dialect, FeedRate, GrooveCall, Hand, Infeed, Options,
-    Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapPeck,
-    TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
+    Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode,
+    TapPeck, TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -121,9 +121,9 @@ records! {
     GrooveCall { start end_x end_z z_written peck step relief retract feed }
     TapPeck { infeed back }
     TapCall {
-        cycle axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
+        cycle mode axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
     }
-    TapMove { axis spindle lead hand level bottom turns speed outward opens closes }
+    TapMove { mode axis spindle lead hand level bottom turns speed outward opens closes }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
     EncoderSample { count edge_age_ns index }
     Options { dialect skip optional_stop dry_run position }
@@ -159,6 +159,7 @@ choices! {
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
     SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid;
+    TapMode { TapMode::Rigid } or TapMode::Floating;
     TapCycle { TapCycle::G84 } or TapCycle::G88;
     TapAxis { TapAxis::X } or TapAxis::Z;
     TapSpindle { TapSpindle::First, TapSpindle::Second, TapSpindle::Third } or TapSpindle::Fourth;

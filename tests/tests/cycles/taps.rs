@@ -14,6 +14,7 @@ fn hole() -> TapCall {
     let here = point(50.0, 0.0);
     TapCall {
         cycle: TapCycle::G84,
+        mode: TapMode::Rigid,
         axis: TapAxis::Z,
         start: here,
         hole: here,

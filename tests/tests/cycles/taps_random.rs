@@ -85,6 +85,7 @@ fn random_call(r: &mut Random) -> TapCall {
     };
     TapCall {
         cycle: TapCycle::G84,
+        mode: TapMode::Rigid,
         axis,
         start,
         hole: axis.with(hole, initial),

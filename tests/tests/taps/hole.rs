@@ -4,8 +4,8 @@ use std::num::NonZeroU8;
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::program::{
-    Call, CallKind, Hand, Position, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapPeck,
-    TapRepeat, TapSpindle,
+    Call, CallKind, Hand, Position, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapMode,
+    TapPeck, TapRepeat, TapSpindle,
 };
 use leadscrew_core::units::{CentiRpm, Lead, Length, Millis, Rpm};
 
@@ -22,6 +22,7 @@ pub fn sheet() -> TapCall {
     let place = Position::ZERO;
     TapCall {
         cycle: TapCycle::G84,
+        mode: TapMode::Rigid,
         axis: TapAxis::Z,
         start: place,
         hole: place,

@@ -9,6 +9,7 @@ mod alarms;
 mod calls;
 mod cycles;
 mod forms;
+mod ordinary_taps;
 mod parameters;
 mod random;
 mod taps;
