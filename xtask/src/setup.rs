@@ -23,9 +23,35 @@ pub const VALGRIND: Tool = Tool {
     package: "valgrind",
 };
 
+/// A virtual CAN bus and the programs that judge it. Where the running kernel has no CAN, a kernel that has it is booted
+/// as a program.
+pub const CAN: &[Tool] = &[
+    Tool {
+        program: "linux.uml",
+        package: "user-mode-linux",
+    },
+    Tool {
+        program: "insmod",
+        package: "kmod",
+    },
+    Tool {
+        program: "ip",
+        package: "iproute2",
+    },
+    Tool {
+        program: "candump",
+        package: "can-utils",
+    },
+    Tool {
+        program: "strace",
+        package: "strace",
+    },
+];
+
 /// All that any command needs. Quick where it is already there.
 pub fn everything() -> Result<()> {
     tools(&[EMULATOR, VALGRIND])?;
+    tools(CAN)?;
     target::ensure()
 }
 

@@ -1,0 +1,173 @@
+//! What keeps a bus from being used, and what to do about it.
+
+use std::fmt;
+use std::io;
+
+/// Why a bus cannot be opened or used any longer.
+#[derive(Debug)]
+pub enum CanError {
+    /// `sim` is inside the process that simulates it.
+    NotABus,
+    /// The kernel knows no CAN.
+    NoCan,
+    /// No interface has this name.
+    NoInterface {
+        /// The name asked for.
+        name: String,
+        /// The CAN interfaces there are.
+        known: Vec<String>,
+    },
+    /// The interface is no CAN interface.
+    NotCan {
+        /// Its name.
+        name: String,
+    },
+    /// The interface is not up, or was taken down.
+    Down {
+        /// Its name.
+        name: String,
+    },
+    /// The interface has vanished.
+    Gone {
+        /// Its name.
+        name: String,
+    },
+    /// Not allowed.
+    NoPermission {
+        /// The interface, device or socket.
+        name: String,
+    },
+    /// Nothing went out for a second.
+    Stuck {
+        /// The interface or adapter.
+        name: String,
+    },
+    /// There is no such device or socket.
+    NoDevice {
+        /// Its path or address.
+        name: String,
+    },
+    /// Something else uses the device, or refuses the connection.
+    Busy {
+        /// Its path or address.
+        name: String,
+    },
+    /// A baud rate that a serial line cannot have.
+    NoSuchBaud {
+        /// The device.
+        name: String,
+        /// The rate asked for.
+        baud: u32,
+    },
+    /// The adapter does not answer.
+    AdapterSilent {
+        /// Its path or address.
+        name: String,
+        /// What it was told.
+        command: &'static str,
+    },
+    /// The adapter refuses a command.
+    AdapterRefused {
+        /// Its path or address.
+        name: String,
+        /// What it was told.
+        command: &'static str,
+    },
+    /// The other end of the line or connection is gone.
+    Closed {
+        /// The adapter or address.
+        name: String,
+    },
+    /// Anything else, in the system's words.
+    System {
+        /// The interface, device or socket.
+        name: String,
+        /// What was being done, as in "cannot … can0".
+        doing: &'static str,
+        /// What the system said.
+        error: io::Error,
+    },
+}
+
+impl fmt::Display for CanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotABus => f.write_str(
+                "`sim` is inside the process that simulates it; give a real bus, such as `--bus can0`",
+            ),
+            Self::NoCan => f.write_str(
+                "this kernel has no CAN: load it with `modprobe can can_raw vcan`, or use a kernel that has it (docs/can.md)",
+            ),
+            Self::NoInterface { name, known } => {
+                write!(f, "there is no interface `{name}`")?;
+                if known.is_empty() {
+                    write!(
+                        f,
+                        ", nor any other CAN interface; a virtual one: `ip link add dev vcan0 type vcan && ip link set \
+                         vcan0 up` (docs/can.md)"
+                    )
+                } else {
+                    write!(f, "; the CAN interfaces here are {}", known.join(", "))
+                }
+            }
+            Self::NotCan { name } => write!(
+                f,
+                "`{name}` is an interface, but not one of CAN; `ip -details link show type can` lists those"
+            ),
+            Self::Down { name } => write!(
+                f,
+                "interface `{name}` is down; bring it up: `ip link set {name} up` (a real one needs its bit rate first: `ip \
+                 link set {name} type can bitrate 1000000`)"
+            ),
+            Self::Gone { name } => write!(
+                f,
+                "interface `{name}` has vanished: was the adapter unplugged or the interface deleted?"
+            ),
+            Self::NoPermission { name } => write!(
+                f,
+                "no permission to use `{name}`; a serial device needs its group (`usermod -a -G dialout $USER`, then log in \
+                 again), a socket its owner's consent (docs/can.md)"
+            ),
+            Self::Stuck { name } => write!(
+                f,
+                "`{name}` has sent nothing for a second: nobody acknowledges (no other node, open wires, another bit rate), \
+                 the bus is full, or its queue is too short (`ip link set {name} txqueuelen 1000`)"
+            ),
+            Self::NoDevice { name } => {
+                write!(f, "there is no `{name}`; is the adapter plugged in, the program that serves it started?")
+            }
+            Self::Busy { name } => write!(
+                f,
+                "`{name}` is in use by another program, or refuses the connection"
+            ),
+            Self::NoSuchBaud { name, baud } => write!(
+                f,
+                "a serial line does not run at {baud} baud; `{name}@115200` is what most adapters expect"
+            ),
+            Self::AdapterSilent { name, command } => write!(
+                f,
+                "the adapter at `{name}` does not answer to `{command}`: is it a Lawicel (SLCAN) adapter, and is this its \
+                 baud rate (`slcan:{name}@115200`)?"
+            ),
+            Self::AdapterRefused { name, command } => write!(
+                f,
+                "the adapter at `{name}` refuses `{command}`; unplug it and plug it in again, and see that it knows this \
+                 command"
+            ),
+            Self::Closed { name } => write!(
+                f,
+                "`{name}` closed the connection: the adapter was unplugged or its program has ended"
+            ),
+            Self::System { name, doing, error } => write!(f, "cannot {doing} `{name}`: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for CanError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::System { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What the kernel says about an interface, before a socket is bound to it: a socket on one that is down is silent.
+
+use std::fs;
+use std::path::Path;
+
+use crate::CanError;
+
+/// Where the kernel lists its interfaces.
+const INTERFACES: &str = "/sys/class/net";
+
+/// `ARPHRD_CAN`.
+const CAN: &str = "280";
+
+/// `IFF_UP`.
+const UP: u32 = 1;
+
+/// Refuses what is no CAN interface, or is down.
+pub fn check(name: &str) -> Result<(), CanError> {
+    look(Path::new(INTERFACES), name)
+}
+
+fn look(all: &Path, name: &str) -> Result<(), CanError> {
+    if !all.is_dir() {
+        // Without the list the socket itself has to tell.
+        return Ok(());
+    }
+    let of = |name: &str, what: &str| {
+        fs::read_to_string(all.join(name).join(what)).map(|text| text.trim().to_owned())
+    };
+    if !all.join(name).exists() {
+        let mut known: Vec<String> = fs::read_dir(all)
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|name| of(name, "type").is_ok_and(|kind| kind == CAN))
+            .collect();
+        known.sort();
+        return Err(CanError::NoInterface {
+            name: name.into(),
+            known,
+        });
+    }
+    if of(name, "type").is_ok_and(|kind| kind != CAN) {
+        return Err(CanError::NotCan { name: name.into() });
+    }
+    let flags = of(name, "flags")
+        .ok()
+        .and_then(|text| u32::from_str_radix(text.trim_start_matches("0x"), 16).ok());
+    match flags {
+        Some(flags) if flags & UP == 0 => Err(CanError::Down { name: name.into() }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A list of interfaces as the kernel writes it.
+    fn with(test: &str, interfaces: &[(&str, &str, &str)], name: &str) -> String {
+        let all = std::env::temp_dir().join(format!("leadscrew-{test}-{}", std::process::id()));
+        for (name, kind, flags) in interfaces {
+            let dir = all.join(name);
+            fs::create_dir_all(&dir).unwrap();
+            fs::write(dir.join("type"), format!("{kind}\n")).unwrap();
+            fs::write(dir.join("flags"), format!("{flags}\n")).unwrap();
+        }
+        let result = look(&all, name);
+        fs::remove_dir_all(&all).unwrap();
+        match result {
+            Ok(()) => "ok".into(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn each_mistake_has_its_own_words() {
+        let all = [
+            ("can0", "280", "0x40080"),
+            ("vcan1", "280", "0x400c1"),
+            ("vcan0", "280", "0x400c1"),
+            ("lo", "772", "0x9"),
+        ];
+        assert_eq!(with("up", &all, "vcan0"), "ok");
+        let missing = with("missing", &all, "vcan7");
+        assert!(
+            missing.contains("`vcan7`; the CAN interfaces here are can0, vcan0, vcan1"),
+            "{missing}"
+        );
+        let none = with("none", &all[3..], "can0");
+        assert!(none.contains("nor any other"), "{none}");
+        let other = with("other", &all, "lo");
+        assert!(other.contains("not one of CAN"), "{other}");
+        let down = with("down", &all, "can0");
+        assert!(down.contains("ip link set can0 up"), "{down}");
+    }
+}

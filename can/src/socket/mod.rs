@@ -1,0 +1,282 @@
+//! The kernel's CAN interfaces.
+//!
+//! A burst of frames costs one system call, received or sent. Waiting costs none beyond the call that waits: the socket
+//! itself gives up after [`SLICE`], and only what is left of a shorter patience is waited for with a poll, which is exact.
+//! The receive buffer is made as large as the kernel allows, since the usual one holds 278 frames.
+
+mod interface;
+mod raw;
+
+use std::io::{IoSlice, IoSliceMut};
+use std::os::fd::{AsFd, AsRawFd, OwnedFd};
+use std::time::Duration;
+
+use leadscrew_core::bus::Frame;
+use nix::errno::Errno;
+use nix::poll::{PollFd, PollFlags, ppoll};
+use nix::sys::socket::{
+    ControlMessageOwned, MsgFlags, MultiHeaders, recvmmsg, sendmmsg, setsockopt, sockopt,
+};
+use nix::sys::time::TimeSpec;
+use socketcan::{CanFdSocket, Socket as _, SocketOptions as _};
+
+use crate::{Can, CanError, Filter, Received, Stamp};
+
+/// The longest the socket itself waits.
+const SLICE: Duration = Duration::from_millis(50);
+
+/// Bytes of the receive buffer: frames of some 80 seconds at full load, as the kernel counts them.
+const BUFFER: usize = 256 << 20;
+
+/// The least and the most frames that one system call takes over.
+const BATCH: (usize, usize) = (8, 256);
+
+/// How long the way out may be blocked.
+const STUCK: Duration = Duration::from_secs(1);
+
+/// How long to wait before a full queue of the interface is tried again; nothing tells when there is room.
+const RETRY: Duration = Duration::from_millis(1);
+
+/// `SOL_SOCKET` and `SO_MEMINFO` of Linux, and the place of the drops in what it gives.
+const SOL_SOCKET: i32 = 1;
+const SO_MEMINFO: i32 = 55;
+const MEMINFO_DROPS: usize = 8;
+const MEMINFO_WORDS: usize = 9;
+
+/// An interface of the kernel.
+#[derive(Debug)]
+pub struct SocketCan {
+    name: String,
+    socket: CanFdSocket,
+    /// Room for the frames of one system call; it grows when one call fills it.
+    room: Vec<[u8; raw::FD]>,
+}
+
+impl SocketCan {
+    /// Opens an interface: classical and FD frames, error frames of every kind.
+    ///
+    /// # Errors
+    /// There is no such interface, it is none of CAN, or it is down.
+    pub fn open(name: &str) -> Result<Self, CanError> {
+        interface::check(name)?;
+        let socket = CanFdSocket::open(name).map_err(|error| match error.raw_os_error() {
+            Some(code) => failure(name, "open", Errno::from_raw(code)),
+            None => CanError::System {
+                name: name.into(),
+                doing: "open",
+                error,
+            },
+        })?;
+        let can = Self::new(name, socket)?;
+        can.socket
+            .set_error_filter_accept_all()
+            .map_err(|error| can.failed("ask for the error frames of", error))?;
+        Ok(can)
+    }
+
+    /// Any datagram socket that carries frames as the kernel's CAN sockets do: for measurements without an interface.
+    ///
+    /// # Errors
+    /// The socket does not take its options.
+    pub fn over(socket: OwnedFd, name: &str) -> Result<Self, CanError> {
+        Self::new(name, CanFdSocket::from(socket))
+    }
+
+    fn new(name: &str, socket: CanFdSocket) -> Result<Self, CanError> {
+        let can = Self {
+            name: name.into(),
+            socket,
+            room: vec![[0; raw::FD]; BATCH.0],
+        };
+        let failed = |doing| move |error: Errno| failure(name, doing, error);
+        let descriptor = &can.socket;
+        // Above the system's limit only the administrator gets; others get as much as they may.
+        if setsockopt(descriptor, sockopt::RcvBufForce, &BUFFER).is_err() {
+            setsockopt(descriptor, sockopt::RcvBuf, &BUFFER)
+                .map_err(failed("enlarge the buffer of"))?;
+        }
+        setsockopt(descriptor, sockopt::ReceiveTimestampns, &true)
+            .map_err(failed("get time stamps from"))?;
+        can.socket
+            .set_read_timeout(SLICE)
+            .and_then(|()| can.socket.set_write_timeout(STUCK))
+            .map_err(|error| can.failed("set the time-outs of", error))?;
+        Ok(can)
+    }
+
+    fn failed(&self, doing: &'static str, error: std::io::Error) -> CanError {
+        match error.raw_os_error() {
+            Some(code) => failure(&self.name, doing, Errno::from_raw(code)),
+            None => CanError::System {
+                name: self.name.clone(),
+                doing,
+                error,
+            },
+        }
+    }
+
+    /// One system call; nothing where nothing is there, in the time its flags allow.
+    fn take(&mut self, into: &mut Vec<Received>, flags: MsgFlags) -> Result<usize, CanError> {
+        let before = into.len();
+        // How many bytes each has, and when it came.
+        let mut facts = [(0, Stamp::default()); BATCH.1];
+        let mut arrived = 0;
+        {
+            // Made anew every time: what was used once has only room for the control data that came the last time.
+            let mut headers =
+                MultiHeaders::<()>::preallocate(self.room.len(), Some(nix::cmsg_space!(TimeSpec)));
+            let mut slices: Vec<[IoSliceMut; 1]> = self
+                .room
+                .iter_mut()
+                .map(|bytes| [IoSliceMut::new(bytes)])
+                .collect();
+            let messages = match recvmmsg(
+                self.socket.as_raw_fd(),
+                &mut headers,
+                slices.iter_mut(),
+                flags,
+                None,
+            ) {
+                Ok(messages) => messages,
+                Err(Errno::EAGAIN | Errno::EINTR) => return Ok(0),
+                Err(error) => return Err(failure(&self.name, "receive from", error)),
+            };
+            for (message, fact) in messages.zip(&mut facts) {
+                let time = message.cmsgs().ok().and_then(|mut all| {
+                    all.find_map(|control| match control {
+                        ControlMessageOwned::ScmTimestampns(time) => Some(stamp(time)),
+                        _ => None,
+                    })
+                });
+                *fact = (message.bytes, time.unwrap_or_else(Stamp::now));
+                arrived += 1;
+            }
+        }
+        for (bytes, (len, time)) in self.room.iter().zip(facts).take(arrived) {
+            if let Some(packet) = bytes.get(..len).and_then(raw::packet) {
+                into.push(Received { time, packet });
+            }
+        }
+        if arrived == self.room.len() && arrived < BATCH.1 {
+            self.room.resize(arrived * 2, [0; raw::FD]);
+        }
+        Ok(into.len() - before)
+    }
+
+    /// Waits exactly; true where something can be received.
+    fn wait(&self, patience: Duration) -> Result<bool, CanError> {
+        let mut wanted = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
+        match ppoll(&mut wanted, Some(TimeSpec::from_duration(patience)), None) {
+            Ok(ready) => Ok(ready > 0),
+            Err(Errno::EINTR) => Ok(false),
+            Err(error) => Err(failure(&self.name, "wait for", error)),
+        }
+    }
+}
+
+impl Can for SocketCan {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        let mut blocked = Duration::ZERO;
+        let bytes: Vec<[u8; raw::CLASSICAL]> = frames.iter().map(raw::bytes).collect();
+        let mut left = bytes.as_slice();
+        while !left.is_empty() {
+            let some = left.get(..BATCH.1).unwrap_or(left);
+            let slices: Vec<[IoSlice; 1]> =
+                some.iter().map(|frame| [IoSlice::new(frame)]).collect();
+            let mut headers = MultiHeaders::<()>::preallocate(some.len(), None);
+            let sent = sendmmsg(
+                self.socket.as_raw_fd(),
+                &mut headers,
+                slices.iter(),
+                vec![None; some.len()],
+                [],
+                MsgFlags::empty(),
+            );
+            match sent.map(Iterator::count) {
+                Ok(count) => {
+                    left = left.get(count..).unwrap_or_default();
+                    blocked = Duration::ZERO;
+                }
+                // The queue of the interface is full.
+                Err(Errno::ENOBUFS) if blocked < STUCK => {
+                    std::thread::sleep(RETRY);
+                    blocked += RETRY;
+                }
+                Err(Errno::EINTR) => {}
+                Err(error) => return Err(failure(&self.name, "send to", error)),
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
+        let mut left = patience;
+        while left >= SLICE {
+            let count = self.take(into, MsgFlags::MSG_WAITFORONE)?;
+            if count > 0 {
+                return Ok(count);
+            }
+            left -= SLICE;
+        }
+        let count = self.take(into, MsgFlags::MSG_DONTWAIT)?;
+        if count > 0 || left.is_zero() || !self.wait(left)? {
+            return Ok(count);
+        }
+        self.take(into, MsgFlags::MSG_DONTWAIT)
+    }
+
+    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
+        const EXTENDED: u32 = 1 << 31;
+        const REMOTE: u32 = 1 << 30;
+        let result = if filters.is_empty() {
+            self.socket.set_filter_accept_all()
+        } else {
+            let filters: Vec<(u32, u32)> = filters
+                .iter()
+                .map(|filter| {
+                    let (id, mask) = filter.bits();
+                    (u32::from(id), u32::from(mask) | EXTENDED | REMOTE)
+                })
+                .collect();
+            self.socket.set_filters(&filters)
+        };
+        result.map_err(|error| self.failed("filter", error))
+    }
+
+    fn dropped(&self) -> Result<u64, CanError> {
+        let mut bytes = [0; 4 * MEMINFO_WORDS];
+        self.socket
+            .get_socket_option_bytes(SOL_SOCKET, SO_MEMINFO, &mut bytes)
+            .map_err(|error| self.failed("count what was lost on", error))?;
+        let (words, _) = bytes.as_chunks::<4>();
+        Ok(words
+            .get(MEMINFO_DROPS)
+            .map_or(0, |word| u64::from(u32::from_ne_bytes(*word))))
+    }
+}
+
+fn stamp(time: TimeSpec) -> Stamp {
+    let duration = Duration::from(time);
+    Stamp::from_nanos(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX))
+}
+
+/// The system's complaint as one of ours.
+fn failure(name: &str, doing: &'static str, error: Errno) -> CanError {
+    let name = name.to_owned();
+    match error {
+        Errno::EAFNOSUPPORT | Errno::EPROTONOSUPPORT => CanError::NoCan,
+        Errno::ENETDOWN => CanError::Down { name },
+        Errno::ENODEV | Errno::ENXIO => CanError::Gone { name },
+        Errno::EPERM | Errno::EACCES => CanError::NoPermission { name },
+        Errno::EAGAIN | Errno::ENOBUFS => CanError::Stuck { name },
+        error => CanError::System {
+            name,
+            doing,
+            error: error.into(),
+        },
+    }
+}
