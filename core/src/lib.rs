@@ -22,6 +22,7 @@
 //! - [`spindle`] observes the encoder: angle, speed, and where the spindle will be when a setpoint takes effect.
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
+//! - [`journal`] is what survives a loss of power: the hole a tap is in.
 //! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
 //!
 //! # One idea for all motion
@@ -54,6 +55,7 @@ pub mod board;
 pub mod bus;
 pub mod cycle;
 pub mod feasible;
+pub mod journal;
 pub mod motion;
 pub mod params;
 pub mod program;

@@ -1,7 +1,9 @@
 //! One [`Move`]: what the planner gets and `expand` prints.
 
 use crate::alarm::Span;
-use crate::program::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapSpindle};
+use crate::program::{
+    Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapNotes, TapSpindle,
+};
 use crate::units::{CentiRpm, Lead, Length, Millis, Rpm, StartAngle, TurnRatio};
 
 /// One move, with where it ends and where it came from.
@@ -100,6 +102,8 @@ pub struct TapMove {
     /// True for the last stroke of a hole: it ends at R, and the tap is out. No stroke of a K198 hole has it until the call
     /// that goes on.
     pub closes: bool,
+    /// For the tap journal.
+    pub notes: TapNotes,
 }
 
 /// Place of a move in its cycle; the fields are those of the move list.

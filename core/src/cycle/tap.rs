@@ -202,6 +202,7 @@ impl TapMoves {
             outward,
             opens: self.fresh,
             closes: stage == Stage::Extract,
+            notes: self.call.notes,
         });
         self.fresh = false;
         let peck = if stage == Stage::Tap { self.infeeds } else { 0 };

@@ -6,6 +6,7 @@
 
 use core::num::NonZeroU8;
 
+use super::tap_notes::TapNotes;
 use crate::alarm::{At, Span};
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle,
@@ -439,6 +440,8 @@ pub struct TapCall {
     pub clamp: Option<u16>,
     /// True where the tap stands in the hole since a K198: it goes on from there.
     pub continues: bool,
+    /// For the tap journal.
+    pub notes: TapNotes,
 }
 
 /// The start angle of start `index` of `starts`: `round(index · 360 000 / starts)` thousandths of a degree after the

@@ -24,6 +24,7 @@ mod speeds;
 mod state;
 mod tap;
 mod tap_mode;
+mod tap_notes;
 mod tap_speed;
 #[cfg(test)]
 mod tests;
@@ -35,3 +36,4 @@ pub use interpreter::{Event, Interpreter};
 pub use lexer::MAX_LINE;
 pub use options::{Dialect, Options};
 pub use reader::{Events, Reader};
+pub use tap_notes::{Extraction, LengthUnit, Plane, TapNotes};

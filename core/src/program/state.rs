@@ -14,6 +14,7 @@ use super::plan::Plan;
 use super::scale::{Scale, seconds};
 use super::speeds::ModalFeed;
 use super::tap_mode::Tapping;
+use super::tap_notes::LengthUnit;
 use super::thread::ThreadWords;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::params::Params;
@@ -201,6 +202,15 @@ impl<'p> State<'p> {
             self.program = Some(number);
         }
         Ok(())
+    }
+
+    /// G20 or G21.
+    pub(super) const fn length_unit(&self) -> LengthUnit {
+        if self.scale.is_inch() {
+            LengthUnit::Inch
+        } else {
+            LengthUnit::Metric
+        }
     }
 
     /// G17–G21, G54–G59, G98, G99.

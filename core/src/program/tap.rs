@@ -15,6 +15,7 @@ use super::plan::Plan;
 use super::scale::Range;
 use super::state::{AXES, State};
 use super::tap_mode::{locked, rigid_code};
+use super::tap_notes::{Plane, TapNotes};
 use super::tap_speed::Turning;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Length, Millis, Rpm};
@@ -134,7 +135,7 @@ impl State<'_> {
             Some(hole) => self.going_on(block, &kept, &turning, span, repeat, &hole)?,
             None => self.new_hole(block, &kept, &turning, span, repeat)?,
         };
-        let (extract, asked) = self.extraction(kept.extract, &call, turning.rpm);
+        let (extract, asked) = self.extraction(&call);
         let call = TapCall { extract, ..call };
         let says_speed = word.is_some() || block.has_any(Letters::of(b"SJ"));
         if says_speed && asked > extract {
@@ -347,6 +348,11 @@ impl State<'_> {
             repeat: TapRepeat::Holes(NonZeroU8::MIN),
             clamp: kept.clamp,
             continues: false,
+            notes: TapNotes {
+                unit: self.length_unit(),
+                plane: Plane::new(self.plane).unwrap_or_default(),
+                extraction: self.extraction_override(kept.extract, turning),
+            },
         })
     }
 

@@ -7,6 +7,7 @@ use super::plan::Plan;
 use super::state::State;
 use super::tap::{Kept, TapFeed};
 use super::tap_mode::rigid_code;
+use super::tap_notes::Extraction;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::units::{CentiRpm, Lead, Rpm};
 
@@ -125,37 +126,24 @@ impl State<'_> {
         CentiRpm::new(i32::try_from(speed).unwrap_or(i32::MAX))
     }
 
-    /// The speed of the way out, and what was asked for: the infeed's times the extraction override (5200.4, 5201.3,
-    /// 5201.4, 5202.6, 5211, J [D28]).
-    pub(super) fn extraction(
-        &self,
-        j: Option<u32>,
-        call: &TapCall,
-        rpm: Rpm,
-    ) -> (CentiRpm, CentiRpm) {
+    /// The speed of the way out, and what was asked for: the infeed's times the extraction override.
+    pub(super) fn extraction(&self, call: &TapCall) -> (CentiRpm, CentiRpm) {
         if call.mode == TapMode::Floating {
             return (call.speed, call.speed);
         }
-        let (part, whole) = self.extraction_ratio(j, rpm);
-        let speed = i64::from(call.speed.get());
-        let half = whole >> 1;
-        let asked = speed
-            .saturating_mul(part)
-            .saturating_add(half)
-            .checked_div(whole)
-            .unwrap_or(speed)
-            .max(1);
+        let asked = call.notes.extraction.of(call.speed).get();
         let limit = i64::from(self.highest_tap_speed()).saturating_mul(100);
-        let speed = |raw: i64| CentiRpm::new(i32::try_from(raw).unwrap_or(i32::MAX));
-        (speed(asked.min(limit)), speed(asked))
+        let limit = i32::try_from(limit).unwrap_or(i32::MAX);
+        (CentiRpm::new(asked.min(limit)), CentiRpm::new(asked))
     }
 
-    fn extraction_ratio(&self, j: Option<u32>, rpm: Rpm) -> (i64, i64) {
-        if !self.params.tap_extract_override() {
-            return (1, 1);
+    /// By 5200.4, 5201.3, 5201.4, 5202.6, 5211 and J [D28]. An ordinary tap has none.
+    pub(super) fn extraction_override(&self, j: Option<u32>, turning: &Turning) -> Extraction {
+        if !self.params.tap_extract_override() || turning.mode == TapMode::Floating {
+            return Extraction::NONE;
         }
-        let s = i64::from(rpm.abs());
-        match j.map(i64::from) {
+        let s = turning.rpm.abs();
+        let (part, whole) = match j {
             Some(j) if self.params.tap_extract_by_j() => {
                 let most = if self.params.tap_extract_wide() {
                     20
@@ -169,18 +157,17 @@ impl State<'_> {
                 }
             }
             _ => {
-                let percent = i64::from(self.params.tap_extract_percent());
                 let unit = if self.params.tap_extract_tens() {
                     10
                 } else {
                     1
                 };
-                match percent {
-                    0 => (1, 1),
-                    percent => (percent.saturating_mul(unit), 100),
-                }
+                let percent = u32::from(self.params.tap_extract_percent());
+                (percent.saturating_mul(unit), 100)
             }
-        }
+        };
+        // 5211 = 0 means 100 %.
+        Extraction::new(part, whole).unwrap_or_default()
     }
 
     pub(super) fn limited(&self, block: &Block, span: Span, asked: CentiRpm) -> Alarm {

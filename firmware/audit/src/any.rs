@@ -12,12 +12,13 @@ use leadscrew_core::bus::{
     SpindleDemand, Statusword, SyncProducer,
 };
 use leadscrew_core::cycle::{Context, Move, MoveKind, TapMove, ThreadMove};
+use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
-    ArcCall, Aux, Call, CallKind, CutIn, Dialect, FeedRate, GrooveCall, Hand, Infeed, Options,
-    Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode,
-    TapPeck, TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
+    ArcCall, Aux, Call, CallKind, CutIn, Dialect, Extraction, FeedRate, GrooveCall, Hand, Infeed,
+    LengthUnit, Options, Plane, Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall,
+    TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -122,8 +123,12 @@ records! {
     TapPeck { infeed back }
     TapCall {
         cycle mode axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
+        notes
     }
-    TapMove { mode axis spindle lead hand level bottom turns speed outward opens closes }
+    TapMove { mode axis spindle lead hand level bottom turns speed outward opens closes notes }
+    TapNotes { unit plane extraction }
+    TapHole { axis level bottom lead hand spindle speed notes }
+    TapRecord { sequence in_hole hole position angle }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
     EncoderSample { count edge_age_ns index }
     Options { dialect skip optional_stop dry_run position }
@@ -133,6 +138,12 @@ records! {
     Emcy { code register detail }
     FollowingLimit { increments time }
     DriveConfig { letter node scale step silence following }
+}
+
+impl Any for Extraction {
+    fn any() -> Self {
+        Self::new(any(), any()).unwrap_or_default()
+    }
 }
 
 /// Types that are one of several.
@@ -161,6 +172,8 @@ choices! {
     SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid;
     TapMode { TapMode::Rigid } or TapMode::Floating;
     TapCycle { TapCycle::G84 } or TapCycle::G88;
+    LengthUnit { LengthUnit::Metric } or LengthUnit::Inch;
+    Plane { Plane::G17, Plane::G18 } or Plane::G19;
     TapAxis { TapAxis::X } or TapAxis::Z;
     TapSpindle { TapSpindle::First, TapSpindle::Second, TapSpindle::Third } or TapSpindle::Fourth;
     Hand { Hand::Right } or Hand::Left;

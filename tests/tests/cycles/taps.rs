@@ -31,6 +31,7 @@ fn hole() -> TapCall {
         repeat: holes(1),
         clamp: None,
         continues: false,
+        notes: TapNotes::default(),
     }
 }
 

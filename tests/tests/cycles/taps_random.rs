@@ -106,6 +106,7 @@ fn random_call(r: &mut Random) -> TapCall {
         repeat,
         clamp: r.chance(30).then_some(10),
         continues: false,
+        notes: TapNotes::default(),
     }
 }
 

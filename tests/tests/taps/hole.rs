@@ -5,7 +5,7 @@ use std::num::NonZeroU8;
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::program::{
     Call, CallKind, Hand, Position, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapMode,
-    TapPeck, TapRepeat, TapSpindle,
+    TapNotes, TapPeck, TapRepeat, TapSpindle,
 };
 use leadscrew_core::units::{CentiRpm, Lead, Length, Millis, Rpm};
 
@@ -39,6 +39,7 @@ pub fn sheet() -> TapCall {
         repeat: TapRepeat::Holes(NonZeroU8::MIN),
         clamp: None,
         continues: false,
+        notes: TapNotes::default(),
     }
 }
 

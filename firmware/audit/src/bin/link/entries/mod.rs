@@ -7,6 +7,7 @@ mod alarm;
 mod board;
 mod bus;
 mod cycle;
+mod journal;
 mod motion;
 mod params;
 mod program;
@@ -19,6 +20,7 @@ pub fn all() {
     alarm::all();
     params::all();
     cycle::all();
+    journal::all();
     motion::all();
     spindle::all();
     bus::all();
