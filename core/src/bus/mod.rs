@@ -20,6 +20,7 @@ mod nmt;
 mod object;
 mod pdo;
 mod periods;
+mod sdo;
 mod spindle;
 mod sync;
 
@@ -33,5 +34,8 @@ pub use nmt::{NmtCommand, NmtState};
 pub use object::{Abort, Object, Objects};
 pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
 pub use periods::Periods;
+pub use sdo::{
+    BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
+};
 pub use spindle::{SpindleDemand, SpindleMaster, SpindleOutput};
 pub use sync::{SyncProducer, is_sync};

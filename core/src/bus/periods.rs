@@ -30,6 +30,11 @@ impl Periods {
         self.0
     }
 
+    /// This and `more`; stays at the greatest.
+    pub(super) const fn plus(self, more: Self) -> Self {
+        Self(self.0.saturating_add(more.0))
+    }
+
     /// One more than this; stays at the greatest.
     pub(super) const fn one_more(self) -> Self {
         Self(self.0.saturating_add(1))

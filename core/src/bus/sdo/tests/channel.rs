@@ -1,0 +1,247 @@
+//! Server and client over a wire that loses frames, doubles them and lets one overtake another.
+//!
+//! The wire does what a bus and its controllers can do: a frame is lost in a full receiver, comes twice where an
+//! acknowledgement was destroyed, and two that wait in mailboxes at the same time leave in the wrong order.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+use std::vec::Vec;
+
+use super::*;
+use crate::bus::{SdoDownload, SdoError, SdoProtocol, SdoSink, SdoUpload};
+
+const PROTOCOLS: [SdoProtocol; 3] = [
+    SdoProtocol::Short,
+    SdoProtocol::Segmented,
+    SdoProtocol::Block,
+];
+
+/// One direction of the wire. Each trouble comes once in so many frames; 0: never.
+#[derive(Default)]
+struct Wire {
+    waiting: VecDeque<Frame>,
+    trouble: u64,
+}
+
+impl Wire {
+    fn send(&mut self, frame: Frame, dice: &mut Dice) {
+        let once = |dice: &mut Dice, trouble| trouble > 0 && dice.below(trouble) == 0;
+        if once(dice, self.trouble) {
+            return;
+        }
+        self.waiting.push_back(frame);
+        if once(dice, self.trouble) {
+            self.waiting.push_back(frame);
+        }
+        if self.waiting.len() > 1 && once(dice, self.trouble) {
+            let last = self.waiting.len() - 1;
+            self.waiting.swap(last - 1, last);
+        }
+    }
+}
+
+impl SdoSink for Vec<u8> {
+    fn begin(&mut self, size: Option<u32>) -> Result<(), Abort> {
+        self.clear();
+        self.reserve(size.unwrap_or_default() as usize);
+        Ok(())
+    }
+
+    fn put(&mut self, bytes: &[u8]) -> Result<(), Abort> {
+        self.extend_from_slice(bytes);
+        Ok(())
+    }
+}
+
+/// One transfer to its end. Both sides run dry before time passes.
+fn transfer(
+    server: &mut SdoServer,
+    shelf: &mut Shelf,
+    trouble: u64,
+    dice: &mut Dice,
+    mut poll: impl FnMut(Option<Frame>, Duration) -> (Option<Frame>, Option<Result<(), SdoError>>),
+) -> Result<(), SdoError> {
+    let mut there = Wire {
+        trouble,
+        ..Wire::default()
+    };
+    let mut back = Wire {
+        trouble,
+        ..Wire::default()
+    };
+    let mut now = Duration::ZERO;
+    let mut heard = None;
+    let mut ended = None;
+    loop {
+        let mut idle = true;
+        // Bursts of up to eight frames wait together.
+        for _ in 0..=dice.below(8) {
+            let (frame, outcome) = poll(heard.take(), now);
+            if let Some(frame) = frame {
+                there.send(frame, dice);
+                idle = false;
+            } else if let Some(outcome) = outcome {
+                ended = Some(outcome);
+            }
+        }
+        for _ in 0..=dice.below(8) {
+            if let Some(frame) = server.poll(shelf) {
+                back.send(frame, dice);
+                idle = false;
+            }
+        }
+        for _ in 0..=dice.below(8) {
+            if let Some(frame) = there.waiting.pop_front() {
+                idle = false;
+                if let Some(answer) = server.receive(&frame, shelf) {
+                    back.send(answer, dice);
+                }
+            }
+        }
+        if let Some(frame) = back.waiting.pop_front() {
+            heard = Some(frame);
+            idle = false;
+        }
+        if !idle {
+            continue;
+        }
+        match ended {
+            // The server may still wait for a client that has gone.
+            Some(outcome) if !server.is_busy() => return outcome,
+            _ => {}
+        }
+        now += Duration::from_millis(100);
+        if let Some(frame) = server.elapse(Periods::new(100), shelf) {
+            back.send(frame, dice);
+        }
+    }
+}
+
+fn write(
+    server: &mut SdoServer,
+    shelf: &mut Shelf,
+    data: &[u8],
+    protocol: SdoProtocol,
+    trouble: u64,
+    dice: &mut Dice,
+) -> Result<(), SdoError> {
+    let mut client = SdoDownload::new(NODE, DOMAIN, data, protocol, PATIENCE, Duration::ZERO);
+    transfer(server, shelf, trouble, dice, |frame, now| {
+        if let Some(frame) = frame {
+            client.receive(&frame, now);
+        }
+        (client.poll(now), client.outcome())
+    })
+}
+
+fn read(
+    server: &mut SdoServer,
+    shelf: &mut Shelf,
+    protocol: SdoProtocol,
+    trouble: u64,
+    dice: &mut Dice,
+) -> (Vec<u8>, Result<(), SdoError>) {
+    let mut data = Vec::new();
+    let mut client = SdoUpload::new(NODE, DOMAIN, &mut data, protocol, PATIENCE, Duration::ZERO);
+    let outcome = transfer(server, shelf, trouble, dice, |frame, now| {
+        if let Some(frame) = frame {
+            client.receive(&frame, now);
+        }
+        (client.poll(now), client.outcome())
+    });
+    (data, outcome)
+}
+
+/// Most values are short; some are long, and some end at a border.
+fn length(dice: &mut Dice) -> usize {
+    (match dice.below(4) {
+        0 => dice.below(16),
+        1 => dice.below(2000),
+        2 => 7 * 127 * dice.below(4) + dice.below(3),
+        _ => dice.below(70_001),
+    }) as usize
+}
+
+#[test]
+fn a_good_wire_brings_everything() {
+    let mut dice = Dice(0x5D0_0001);
+    for size in [1, 2, 3, 127] {
+        let mut server = SdoServer::new(NODE, Periods::new(1000), BlockSize::new(size).unwrap());
+        let mut shelf = Shelf::new();
+        for _ in 0..20 {
+            for protocol in PROTOCOLS {
+                let len = length(&mut dice);
+                let data = dice.bytes(len);
+                let outcome = write(&mut server, &mut shelf, &data, protocol, 0, &mut dice);
+                assert_eq!(outcome, Ok(()), "{} bytes, {protocol:?}", data.len());
+                assert!(shelf.values[&DOMAIN] == data);
+                let (back, outcome) = read(&mut server, &mut shelf, protocol, 0, &mut dice);
+                assert_eq!(outcome, Ok(()));
+                assert!(back == data);
+            }
+        }
+        assert_eq!((shelf.commits.len(), shelf.abandoned), (60, 0));
+    }
+}
+
+#[test]
+fn a_bad_wire_brings_all_of_a_value_or_nothing() {
+    let rounds = if cfg!(debug_assertions) { 1000 } else { 10_000 };
+    let mut dice = Dice(0x5D0_0002);
+    let mut server = server();
+    let mut shelf = Shelf::new();
+    let (mut written, mut read_well, mut repeated) = (0_u32, 0_u32, 0_u32);
+    for _ in 0..rounds {
+        for protocol in PROTOCOLS {
+            // From a wire that is hardly usable to one that now and then spoils a long transfer.
+            let trouble = [10, 100, 1000, 10_000][dice.below(4) as usize];
+            let len = if protocol == SdoProtocol::Block || trouble > 1000 {
+                length(&mut dice)
+            } else {
+                dice.below(2000) as usize
+            };
+            let data = dice.bytes(len);
+            let before = shelf.values[&DOMAIN].clone();
+            shelf.commits.clear();
+            let outcome = write(&mut server, &mut shelf, &data, protocol, trouble, &mut dice);
+            assert!(!shelf.is_write_open());
+            for (_, committed) in &shelf.commits {
+                assert!(
+                    *committed == data,
+                    "{len} bytes, {protocol:?}: another value"
+                );
+            }
+            match outcome {
+                Ok(()) => {
+                    written += 1;
+                    assert!(!shelf.commits.is_empty(), "nothing was written");
+                }
+                // The value may be there all the same: the last answer was lost.
+                Err(_) if shelf.commits.is_empty() => {
+                    assert!(shelf.values[&DOMAIN] == before);
+                }
+                Err(_) => {}
+            }
+            let kept = shelf.values[&DOMAIN].clone();
+            let (back, outcome) = read(&mut server, &mut shelf, protocol, trouble, &mut dice);
+            if outcome == Ok(()) {
+                read_well += 1;
+                assert!(
+                    back == kept,
+                    "{} bytes, {protocol:?}: another value",
+                    kept.len()
+                );
+                repeated +=
+                    u32::from(protocol == SdoProtocol::Block && kept.len() > 7 * trouble as usize);
+            }
+        }
+    }
+    // Not all fail, and blocks that lost something arrive all the same.
+    let all = rounds * 3;
+    assert!(written > all / 4 && written < all, "{written} of {all}");
+    assert!(
+        read_well > all / 4 && read_well < all,
+        "{read_well} of {all}"
+    );
+    assert!(repeated > rounds / 100, "{repeated}");
+}
