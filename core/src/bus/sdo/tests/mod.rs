@@ -1,5 +1,7 @@
 //! Server against client, byte for byte and over bad wires.
 
+#![allow(clippy::arithmetic_side_effects)]
+
 extern crate std;
 
 mod aborts;
