@@ -42,7 +42,7 @@ pub fn generate(tables: &Tables) -> String {
     write_line(
         &mut out,
         format_args!(
-            "/// Values in a set; the bits of one number share one.\nconst SLOTS: usize = {slots};"
+            "/// Values in a set; the bits of one number share one.\npub(crate) const SLOTS: usize = {slots};"
         ),
     );
     write_line(

@@ -8,10 +8,13 @@ mod table;
 
 pub use table::{Code, Lang};
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use crate::units::{Angle, Diameter, Feed, Lead, Length, Rpm};
 
 /// A place in the program text: the line (from 1) and the columns (from 1, `end` exclusive) of a word.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct Span {
     /// Line in the file, from 1; 0 where nothing in the text is meant.
     pub line: u32,
@@ -22,7 +25,7 @@ pub struct Span {
 }
 
 /// A value together with the word it was written in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct At<T> {
     /// The value.
     pub value: T,
@@ -43,7 +46,7 @@ impl<T> At<T> {
 }
 
 /// A figure in the text of an alarm. The reader's units (mm or inch, diameter or radius) are chosen by its type.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Arg {
     /// Nothing here.
     #[default]
@@ -77,7 +80,7 @@ pub enum Arg {
 }
 
 /// An alarm or a warning: what ([`Code`]), where, at which word, and up to four figures for the template.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Alarm {
     /// Which condition.
     pub code: Code,

@@ -1,11 +1,16 @@
 //! The one list of alarms and warnings: number, cause and remedy in English and Chinese.
 
+use postcard_schema::Schema;
+use postcard_schema::schema::NamedType;
+use serde::{Deserialize, Serialize};
+
 /// Defines [`Code`]. A template may use `{0}`…`{3}` for the figures and `{w}` for the word's letter.
 macro_rules! codes {
     ($($(#[$doc:meta])* $name:ident = $number:literal, $cause:literal, $help:literal, $zh:literal, $zh_help:literal;)*) => {
         /// Every alarm and warning. Numbers up to 999 are those GSK and FANUC users know; 4000–4899 are alarms of our
         /// own, 4900–4999 warnings.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(into = "u16", try_from = "u16")]
         #[repr(u16)]
         #[non_exhaustive]
         pub enum Code {
@@ -20,6 +25,15 @@ macro_rules! codes {
             #[must_use]
             pub const fn number(self) -> u16 {
                 self as u16
+            }
+
+            /// The condition with this number; `None` where there is none.
+            #[must_use]
+            pub const fn from_number(number: u16) -> Option<Self> {
+                match number {
+                    $($number => Some(Self::$name),)*
+                    _ => None,
+                }
             }
 
             /// Cause, as a template.
@@ -39,6 +53,25 @@ macro_rules! codes {
             }
         }
     };
+}
+
+/// On the wire a code is its number.
+impl From<Code> for u16 {
+    fn from(code: Code) -> Self {
+        code.number()
+    }
+}
+
+impl TryFrom<u16> for Code {
+    type Error = &'static str;
+
+    fn try_from(number: u16) -> Result<Self, Self::Error> {
+        Self::from_number(number).ok_or("no alarm has this number")
+    }
+}
+
+impl Schema for Code {
+    const SCHEMA: &'static NamedType = u16::SCHEMA;
 }
 
 /// Language of the texts.

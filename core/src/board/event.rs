@@ -1,11 +1,14 @@
 //! What the board tells the outside, as data.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use crate::alarm::Alarm;
 use crate::program::Aux;
 use crate::units::Rpm;
 
 /// Something that happened.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub enum Event {
     /// All drives are enabled; motion is possible.
     Ready,

@@ -42,4 +42,37 @@ impl Default for Params {
     }
 }
 
+/// Key of the parameter table: numbers, units and ranges, in order. A set belongs to one table.
+pub const TABLE_KEY: u32 = table_key();
+
+const fn table_key() -> u32 {
+    let mut key = 0xCBF2_9CE4_8422_2325;
+    let mut entries: &[Entry] = &ENTRIES;
+    while let [entry, rest @ ..] = entries {
+        let part = match entry.part {
+            Part::Whole => 0,
+            Part::Bit(bit) => 0x100 | bit as i64,
+            Part::Axis(axis) => 0x200 | axis as i64,
+        };
+        key = hash(key, entry.no as i64);
+        key = hash(key, part);
+        key = hash(key, entry.unit as i64);
+        key = hash(key, entry.min);
+        key = hash(key, entry.max);
+        entries = rest;
+    }
+    (key ^ (key >> 32)) as u32
+}
+
+/// FNV-1a over the bytes of a number.
+const fn hash(mut key: u64, value: i64) -> u64 {
+    let [a, b, c, d, e, f, g, h] = value.to_le_bytes();
+    let mut bytes: &[u8] = &[a, b, c, d, e, f, g, h];
+    while let [first, rest @ ..] = bytes {
+        key = (key ^ *first as u64).wrapping_mul(0x0000_0100_0000_01B3);
+        bytes = rest;
+    }
+    key
+}
+
 include!(concat!(env!("OUT_DIR"), "/params.rs"));

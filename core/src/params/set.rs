@@ -12,6 +12,20 @@ pub enum SetError {
 }
 
 impl Entry {
+    /// Place of the value in a set.
+    pub(crate) const fn place(&self) -> usize {
+        self.slot as usize
+    }
+
+    /// The bits of this number that mean something.
+    pub(crate) fn byte_mask(&self) -> i64 {
+        let same = Self::all().iter().filter(|entry| entry.slot == self.slot);
+        same.fold(0, |mask, entry| match entry.part {
+            Part::Bit(bit) => mask | 1_i64.wrapping_shl(u32::from(bit)),
+            Part::Whole | Part::Axis(_) => mask,
+        })
+    }
+
     /// Whether `raw` may be stored.
     #[must_use]
     pub fn allows(&self, raw: i64) -> bool {
@@ -43,6 +57,33 @@ impl Entry {
 }
 
 impl Params {
+    /// The value in a place of the set: what an image of the set is made of.
+    pub(crate) fn slot(&self, place: usize) -> Option<i64> {
+        self.raw.get(place).copied()
+    }
+
+    /// Puts any value into a place of the set. Whoever does so asks [`first_out_of_range`](Self::first_out_of_range)
+    /// before the set is used.
+    pub(crate) fn put_slot(&mut self, place: usize, raw: i64) {
+        if let Some(value) = self.raw.get_mut(place) {
+            *value = raw;
+        }
+    }
+
+    /// The number of the first value outside its range, undefined bits included; `None` where all may be stored.
+    pub(crate) fn first_out_of_range(&self) -> Option<u16> {
+        let beyond = Entry::all().iter().find(|entry| match entry.part {
+            Part::Bit(_) => self.whole(entry) & !entry.byte_mask() != 0,
+            Part::Whole | Part::Axis(_) => !entry.allows(self.get(entry)),
+        })?;
+        Some(beyond.no)
+    }
+
+    /// The whole value that an entry is, or is a bit of.
+    pub(crate) fn whole(&self, entry: &Entry) -> i64 {
+        self.slot(entry.place()).unwrap_or(0)
+    }
+
     /// The raw value of an entry: whole steps of its unit; a bit is 0 or 1.
     #[must_use]
     pub fn get(&self, entry: &Entry) -> i64 {

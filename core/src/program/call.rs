@@ -6,6 +6,9 @@
 
 use core::num::NonZeroU8;
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use super::tap_notes::TapNotes;
 use crate::alarm::{At, Span};
 use crate::units::{
@@ -13,7 +16,7 @@ use crate::units::{
 };
 
 /// A point in machine coordinates; X is a radius.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Position {
     /// Radius.
     pub x: Length,
@@ -33,7 +36,7 @@ impl Position {
 }
 
 /// One thing to do, and where in the text it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Call {
     /// The G (or other leading) word; its line is the block's.
     pub span: Span,
@@ -44,7 +47,7 @@ pub struct Call {
 }
 
 /// What a call asks for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub enum CallKind {
     /// Straight rapid to a point (G00, G53).
     Rapid(Position),
@@ -72,7 +75,7 @@ pub enum CallKind {
 }
 
 /// Cutting speed on the path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum FeedRate {
     /// G98.
     PerMinute(Feed),
@@ -92,7 +95,7 @@ impl FeedRate {
 }
 
 /// A circle in the X–Z plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct ArcCall {
     /// Where it ends.
     pub end: Position,
@@ -107,7 +110,7 @@ pub struct ArcCall {
 }
 
 /// What a spindle does with its speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum SpindleMode {
     /// It turns at it.
     #[default]
@@ -118,7 +121,7 @@ pub enum SpindleMode {
 }
 
 /// A spindle command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct SpindleCall {
     /// Commanded speed, signed; zero to stop. In rigid mode a minus means a left-hand tap.
     pub rpm: Rpm,
@@ -150,7 +153,7 @@ impl SpindleCall {
 }
 
 /// A machine function that moves no axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Aux {
     /// An M code.
     M(u16),
@@ -159,7 +162,7 @@ pub enum Aux {
 }
 
 /// Which thread cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum ThreadCycle {
     /// [G76 sheet].
     G76,
@@ -168,7 +171,7 @@ pub enum ThreadCycle {
 }
 
 /// How the tool enters from pass to pass (G78 P(r); cycles.md section 4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum CutIn {
     /// 0: down the centre, no shift along Z.
     Centre,
@@ -185,7 +188,7 @@ pub enum CutIn {
 }
 
 /// How depth grows from pass to pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Infeed {
     /// G78 D0: equal steps Δd.
     Equal,
@@ -194,7 +197,7 @@ pub enum Infeed {
 }
 
 /// Run-out (chamfer) of a thread, before it is clipped at the start level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct RunOut {
     /// Displacement of the short axis (J), positive.
     pub short: At<Length>,
@@ -207,7 +210,7 @@ pub struct RunOut {
 }
 
 /// A G76 or G78 cycle with every word resolved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct ThreadCall {
     /// Which cycle.
     pub cycle: ThreadCycle,
@@ -250,7 +253,7 @@ pub struct ThreadCall {
 }
 
 /// A G75 cycle with every word resolved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct GrooveCall {
     /// A: where the tool stands.
     pub start: Position,
@@ -273,7 +276,7 @@ pub struct GrooveCall {
 }
 
 /// Which tapping cycle [G84/G88 sheet].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum TapCycle {
     /// Face.
     G84,
@@ -282,7 +285,7 @@ pub enum TapCycle {
 }
 
 /// The linear axis that carries a tap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum TapAxis {
     /// Lead and travel are on the radius.
     X,
@@ -312,7 +315,7 @@ impl TapAxis {
 }
 
 /// A spindle that can tap (E word, M24–M27).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum TapSpindle {
     /// E1, M24.
     #[default]
@@ -351,7 +354,7 @@ impl TapSpindle {
 }
 
 /// The hand of a tap: which way the spindle turns on the way in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum Hand {
     /// As M03.
     #[default]
@@ -361,7 +364,7 @@ pub enum Hand {
 }
 
 /// How a tap goes down: the three forms of the [G84/G88 sheet].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum TapForm {
     /// At once (Q missing or zero).
     Standard,
@@ -372,7 +375,7 @@ pub enum TapForm {
 }
 
 /// The lengths of a peck, on the radius.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct TapPeck {
     /// q: depth of an infeed, positive.
     pub infeed: At<Length>,
@@ -381,7 +384,7 @@ pub struct TapPeck {
 }
 
 /// How often a tap call taps, and whether it comes back (K word).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum TapRepeat {
     /// So many holes, 1…99, each `step` from the one before.
     Holes(NonZeroU8),
@@ -390,7 +393,7 @@ pub enum TapRepeat {
 }
 
 /// What ties a tap's axis to its spindle (cycles.md section 8).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum TapMode {
     /// Rigid: the spindle is in position mode, and one master moves both.
     #[default]
@@ -401,7 +404,7 @@ pub enum TapMode {
 }
 
 /// A G84 or G88 with every word resolved: one block, one or more holes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct TapCall {
     /// Which cycle.
     pub cycle: TapCycle,

@@ -1,9 +1,12 @@
 //! What the tap journal keeps of the program around a hole: unit, plane, extraction override.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use crate::units::CentiRpm;
 
 /// The unit a program's lengths are written in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum LengthUnit {
     /// G21.
     #[default]
@@ -13,7 +16,7 @@ pub enum LengthUnit {
 }
 
 /// A plane of the work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum Plane {
     /// X–Y.
     G17,
@@ -49,7 +52,8 @@ impl Plane {
 
 /// The extraction override of a tap: speed on the way out over speed on the way in, as it is asked for; the highest speed
 /// of a tap is not in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
+#[serde(into = "(u32, u32)", try_from = "(u32, u32)")]
 pub struct Extraction {
     part: u32,
     whole: u32,
@@ -100,8 +104,22 @@ impl Extraction {
     }
 }
 
+impl From<Extraction> for (u32, u32) {
+    fn from(extraction: Extraction) -> Self {
+        (extraction.part, extraction.whole)
+    }
+}
+
+impl TryFrom<(u32, u32)> for Extraction {
+    type Error = &'static str;
+
+    fn try_from((part, whole): (u32, u32)) -> Result<Self, Self::Error> {
+        Self::new(part, whole).ok_or("an override is a ratio of positive numbers")
+    }
+}
+
 /// What the tap journal keeps of the program around a hole.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct TapNotes {
     /// G20 or G21.
     pub unit: LengthUnit,

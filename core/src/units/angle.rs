@@ -2,13 +2,42 @@
 
 use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 /// Position of a rotary axis in millionths of a degree (C words; 1 µ° to a degree is what a nanometre is to a
 /// millimetre).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Angle(i64);
 
 /// Spindle angle in 2⁻³² turns, continuous (never wrapped), positive in the direction of M03.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Turns(i64);
 
 macro_rules! saturating_ops {

@@ -1,9 +1,25 @@
 //! Speeds as they are programmed: feed, lead, spindle speed, dwell.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use super::Length;
 
 /// Path speed in nanometres per minute (G98), never negative.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Feed(i64);
 
 impl Feed {
@@ -21,7 +37,20 @@ impl Feed {
 }
 
 /// Path feed in nanometres per spindle turn (G99).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct FeedPerTurn(i64);
 
 impl FeedPerTurn {
@@ -46,7 +75,8 @@ impl FeedPerTurn {
 
 /// Lead of a thread: long-axis travel per spindle turn as an exact ratio, `nm / turns` nanometres per turn, both
 /// positive and without a common factor. `F` gives `nm/1`; `I` (turns per inch) gives 25 400 000 · 10ᵏ over its digits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
+#[serde(into = "(i64, i64)", try_from = "(i64, i64)")]
 pub struct Lead {
     nm: i64,
     turns: i64,
@@ -98,8 +128,35 @@ impl Lead {
     }
 }
 
+impl From<Lead> for (i64, i64) {
+    fn from(lead: Lead) -> Self {
+        (lead.nm, lead.turns)
+    }
+}
+
+impl TryFrom<(i64, i64)> for Lead {
+    type Error = &'static str;
+
+    fn try_from((nm, turns): (i64, i64)) -> Result<Self, Self::Error> {
+        Self::new(nm, turns).ok_or("a lead is a ratio of positive numbers")
+    }
+}
+
 /// Spindle speed in turns per minute; positive M03, negative M04.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Rpm(i32);
 
 impl Rpm {
@@ -127,7 +184,20 @@ impl Rpm {
 
 /// Spindle speed of a tap in hundredths of a turn per minute, signed like [`Rpm`]: fine enough for a whole speed times a
 /// whole percentage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct CentiRpm(i32);
 
 impl CentiRpm {
@@ -157,7 +227,20 @@ impl CentiRpm {
 }
 
 /// A time in milliseconds (G04, dwell at the bottom of a hole).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Millis(u32);
 
 impl Millis {

@@ -2,8 +2,24 @@
 
 use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 /// A length or a coordinate in nanometres: Z, a radius, a depth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Length(i64);
 
 impl Length {
@@ -51,7 +67,7 @@ impl Length {
 
 /// What rounding a computed length to nanometres took away: 2⁻¹⁵ nm, −½ nm … +½ nm. Two computed lengths that make one
 /// coordinate keep it, so that the coordinate is rounded once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct Remainder(i16);
 
 impl Remainder {
@@ -108,7 +124,20 @@ impl SubAssign for Length {
 
 /// An X coordinate or distance as programmed: a diameter, in nanometres. Even for every input increment, so that its
 /// [`radius`](Diameter::radius) is exact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct Diameter(i64);
 
 impl Diameter {

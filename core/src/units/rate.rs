@@ -1,9 +1,25 @@
 //! How fast the spindle turns ([`TurnRate`]), and a span of ticks with a fraction ([`Ticks`]).
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use super::Rpm;
 
 /// Speed of the spindle in 2⁻³² turns per second, positive in the direction of M03. 1 rpm is about 7·10⁷.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    Schema,
+)]
 pub struct TurnRate(i64);
 
 impl TurnRate {

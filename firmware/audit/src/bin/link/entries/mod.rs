@@ -8,6 +8,7 @@ mod board;
 mod bus;
 mod cycle;
 mod journal;
+mod link;
 mod motion;
 mod params;
 mod program;
@@ -21,6 +22,7 @@ pub fn all() {
     params::all();
     cycle::all();
     journal::all();
+    link::all();
     motion::all();
     spindle::all();
     bus::all();

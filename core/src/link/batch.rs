@@ -1,0 +1,166 @@
+//! Calls on their way to the board: batches of whole calls, each small enough for one short transfer.
+//!
+//! A batch names its program and the number of its first call, counted from 0. So a batch that comes twice is known, one
+//! that is missing is noticed, and a call is never split.
+//!
+//! ```text
+//! version · program · first · call · call · …        all postcard
+//! ```
+
+use heapless::Vec;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+use super::{LinkError, VERSION, Version, bounds};
+use crate::program::Call;
+
+/// The longest batch.
+pub const BATCH_BYTES: usize = 512;
+
+/// The longest call in a batch. All that a call can say, with the largest figures everywhere, takes less.
+pub const CALL_BYTES: usize = 480;
+
+/// A call as it travels.
+pub type CallBytes = Vec<u8, CALL_BYTES>;
+
+/// Why a batch is not taken; nothing of it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BatchError {
+    /// Written by another version of the link.
+    Version(Version),
+    /// Not a batch.
+    Malformed,
+    /// A call says what no program can say: its place in the batch, from 0, and what is beyond its bounds.
+    Bounds(u32, bounds::Beyond),
+}
+
+#[derive(Serialize, Deserialize, Schema)]
+struct Header {
+    program: u32,
+    first: u32,
+}
+
+/// Puts a batch together.
+#[derive(Debug)]
+pub struct BatchWriter {
+    bytes: Vec<u8, BATCH_BYTES>,
+    count: u32,
+}
+
+impl BatchWriter {
+    /// An empty batch of `program` that begins with its call number `first`.
+    #[must_use]
+    pub fn new(program: u32, first: u32) -> Self {
+        let mut bytes = Vec::new();
+        // Both are far shorter than a batch.
+        let mut head = [0; 32];
+        if let Ok(head) = postcard::to_slice(&(VERSION, Header { program, first }), &mut head) {
+            let _ = bytes.extend_from_slice(head);
+        }
+        Self { bytes, count: 0 }
+    }
+
+    /// Adds a call.
+    ///
+    /// # Errors
+    /// [`LinkError::TooLong`] where it does not fit behind the others; the batch is unchanged.
+    pub fn push(&mut self, call: &[u8]) -> Result<(), LinkError> {
+        self.bytes
+            .extend_from_slice(call)
+            .map_err(|_| LinkError::TooLong)?;
+        self.count = self.count.saturating_add(1);
+        Ok(())
+    }
+
+    /// Calls in it.
+    #[must_use]
+    pub const fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// What is sent.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// Encodes a call.
+///
+/// # Errors
+/// [`LinkError::TooLong`] beyond [`CALL_BYTES`]: no call that keeps its [bounds] is.
+pub fn encode_call(call: &Call) -> Result<CallBytes, LinkError> {
+    let mut bytes = [0; CALL_BYTES];
+    let used = postcard::to_slice(call, &mut bytes).map_err(|_| LinkError::TooLong)?;
+    CallBytes::from_slice(used).map_err(|_| LinkError::TooLong)
+}
+
+/// The call at the front of `bytes`, and how many of them it takes.
+///
+/// # Errors
+/// [`LinkError::Malformed`]. The [bounds] are not looked at.
+pub fn decode_call(bytes: &[u8]) -> Result<(Call, usize), LinkError> {
+    let (call, rest) =
+        postcard::take_from_bytes::<Call>(bytes).map_err(|_| LinkError::Malformed)?;
+    Ok((call, bytes.len().saturating_sub(rest.len())))
+}
+
+/// A batch as it came.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<'a> {
+    /// Which program.
+    pub program: u32,
+    /// Number of its first call in the program.
+    pub first: u32,
+    rest: &'a [u8],
+    at: u32,
+}
+
+impl<'a> Batch<'a> {
+    /// Reads the front of a batch.
+    ///
+    /// # Errors
+    /// [`BatchError::Version`], [`BatchError::Malformed`].
+    pub fn new(bytes: &'a [u8]) -> Result<Self, BatchError> {
+        let (version, rest) =
+            postcard::take_from_bytes::<Version>(bytes).map_err(|_| BatchError::Malformed)?;
+        if version != VERSION {
+            return Err(BatchError::Version(version));
+        }
+        let (header, rest) =
+            postcard::take_from_bytes::<Header>(rest).map_err(|_| BatchError::Malformed)?;
+        Ok(Self {
+            program: header.program,
+            first: header.first,
+            rest,
+            at: 0,
+        })
+    }
+}
+
+/// The calls, checked, each with its bytes.
+impl<'a> Iterator for Batch<'a> {
+    type Item = Result<(Call, &'a [u8]), BatchError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let taken = decode_call(self.rest).ok().and_then(|(call, length)| {
+            let (bytes, rest) = self.rest.split_at_checked(length)?;
+            Some((call, bytes, rest))
+        });
+        let Some((call, bytes, rest)) = taken else {
+            self.rest = &[];
+            return Some(Err(BatchError::Malformed));
+        };
+        self.rest = rest;
+        let at = self.at;
+        self.at = at.saturating_add(1);
+        if let Err(beyond) = bounds::call(&call) {
+            self.rest = &[];
+            return Some(Err(BatchError::Bounds(at, beyond)));
+        }
+        Some(Ok((call, bytes)))
+    }
+}

@@ -1,0 +1,63 @@
+//! The event log: what happened, numbered, object 5040h.
+
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+use super::LinkError;
+use crate::board::Event;
+
+/// An entry of the log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Logged {
+    /// Counted from 1 since power-up; a gap means that older entries had to go.
+    pub number: u32,
+    /// When it was read from the tick, in ticks since power-up.
+    pub tick: u64,
+    /// What happened.
+    pub event: Event,
+}
+
+/// Puts an entry at the front of `bytes`; how many it takes comes back.
+///
+/// # Errors
+/// [`LinkError::TooLong`] where it does not fit.
+pub fn encode_event(entry: &Logged, bytes: &mut [u8]) -> Result<usize, LinkError> {
+    match postcard::to_slice(entry, bytes) {
+        Ok(used) => Ok(used.len()),
+        Err(_) => Err(LinkError::TooLong),
+    }
+}
+
+/// The entries of a reading of the log, in order.
+#[derive(Clone, Copy, Debug)]
+pub struct EventReader<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> EventReader<'a> {
+    /// Reads `bytes`.
+    #[must_use]
+    pub const fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes }
+    }
+}
+
+impl Iterator for EventReader<'_> {
+    type Item = Result<Logged, LinkError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        match postcard::take_from_bytes(self.rest) {
+            Ok((entry, rest)) => {
+                self.rest = rest;
+                Some(Ok(entry))
+            }
+            Err(_) => {
+                self.rest = &[];
+                Some(Err(LinkError::Malformed))
+            }
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! What gateway and board say to each other, beyond what CANopen says by itself: messages in `postcard`, carried as
+//! domains by SDO.
+//!
+//! ```text
+//! gateway ── calls ──────────────► 5020  (batches; the board says how many bytes it has room for)
+//!         ◄─ status, events ────── 5001, 5040
+//!         ◄─ parameter set ──────► 5010
+//! ```
+//!
+//! Every message that goes to a board begins with the [`Version`] of the link it was written by; a board takes its own
+//! only. What is decoded is as bounded as what the interpreter yields: see [`bounds`].
+//!
+//! This room knows messages and bytes. It must not know frames, transfers, sockets or when anything is sent.
+
+mod batch;
+pub mod bounds;
+mod event;
+mod image;
+mod status;
+mod version;
+
+pub use batch::{
+    BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
+};
+pub use event::{EventReader, Logged, encode_event};
+pub use image::{ImageError, ImageReader, ImageWriter, identity};
+pub use status::{Activity, Status};
+pub use version::{VERSION, Version};
+
+/// A message that is none, or one that has no room in its bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkError {
+    /// The bytes are no such message.
+    Malformed,
+    /// More bytes than there is room for.
+    TooLong,
+}
+
+#[cfg(test)]
+mod tests;

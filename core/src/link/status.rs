@@ -1,0 +1,145 @@
+//! All that a look at the board shows: object 5001h.
+
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+use super::{LinkError, Version};
+use crate::alarm::Alarm;
+use crate::program::Position;
+use crate::units::{Length, Rpm, TurnRate, Turns};
+
+/// What the machine is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+#[repr(u8)]
+pub enum Activity {
+    /// The drives are being enabled.
+    #[default]
+    Starting,
+    /// Nothing.
+    Idle,
+    /// Moving, or changing from one move to the next.
+    Run,
+    /// In feed hold or single block.
+    Hold,
+    /// In a dwell.
+    Dwell,
+    /// Waiting for the spindle, or for the next segment.
+    Wait,
+    /// Coming to rest after a reset.
+    Stopping,
+    /// Stopping or stopped on an alarm.
+    Alarm,
+}
+
+impl Activity {
+    /// All of them; each at the place of its number.
+    pub const ALL: [Self; 8] = [
+        Self::Starting,
+        Self::Idle,
+        Self::Run,
+        Self::Hold,
+        Self::Dwell,
+        Self::Wait,
+        Self::Stopping,
+        Self::Alarm,
+    ];
+
+    /// The word for it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Idle => "idle",
+            Self::Run => "run",
+            Self::Hold => "hold",
+            Self::Dwell => "dwell",
+            Self::Wait => "wait",
+            Self::Stopping => "stopping",
+            Self::Alarm => "alarm",
+        }
+    }
+}
+
+/// The status record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Status {
+    /// The link the board speaks. First, so that it is read before anything else.
+    pub version: Version,
+    /// Ticks since power-up.
+    pub tick: u64,
+    /// What the machine is doing.
+    pub activity: Activity,
+    /// The alarm it stands on.
+    pub alarm: Option<Alarm>,
+    /// A program is under way.
+    pub in_program: bool,
+    /// Source line of what executes; 0 for nothing.
+    pub line: u32,
+    /// Its move; 0 for nothing.
+    pub number: u32,
+    /// The last setpoint, machine coordinates.
+    pub position: Position,
+    /// Angle of the spindle at the last SYNC.
+    pub spindle: Turns,
+    /// Its measured speed.
+    pub speed: TurnRate,
+    /// Its commanded speed, override included.
+    pub command: Rpm,
+    /// Feed hold is on.
+    pub hold: bool,
+    /// Single block is on.
+    pub single_block: bool,
+    /// Feed override in percent.
+    pub feed_percent: u8,
+    /// Rapid override in percent.
+    pub rapid_percent: u8,
+    /// Spindle override in percent.
+    pub spindle_percent: u8,
+    /// Setpoint minus where the axis should be at the measured angle, while an axis is held to the spindle.
+    pub sync_error: Option<Length>,
+    /// Setpoints that came late for their SYNC, since power-up.
+    pub late: u32,
+    /// The program being fed or carried out.
+    pub program: u32,
+    /// The number of the call of that program that the board expects next.
+    pub next_call: u32,
+    /// Bytes of program that the board has room for.
+    pub credit: u16,
+    /// Number of the newest entry of the event log; 0 for none.
+    pub newest_event: u32,
+    /// The inputs, as [`Signals::bits`](crate::signals::Signals::bits) gives them: object 5060h.
+    pub signals: u16,
+    /// CRC-32 of the parameter set in force.
+    pub parameters: u32,
+}
+
+impl Status {
+    /// The most bytes a status takes.
+    pub const BYTES: usize = 256;
+
+    /// Writes the status into `bytes`; the part used comes back.
+    ///
+    /// # Errors
+    /// [`LinkError::TooLong`]; not with [`Status::BYTES`] of room.
+    pub fn encode<'a>(&self, bytes: &'a mut [u8]) -> Result<&'a [u8], LinkError> {
+        match postcard::to_slice(self, bytes) {
+            Ok(used) => Ok(used),
+            Err(_) => Err(LinkError::TooLong),
+        }
+    }
+
+    /// Reads a status. One of another version of the link is not looked at further: its version comes back.
+    ///
+    /// # Errors
+    /// [`LinkError::Malformed`].
+    pub fn decode(bytes: &[u8]) -> Result<Result<Self, Version>, LinkError> {
+        let (version, _) =
+            postcard::take_from_bytes::<Version>(bytes).map_err(|_| LinkError::Malformed)?;
+        if version != super::VERSION {
+            return Ok(Err(version));
+        }
+        postcard::from_bytes(bytes)
+            .map(Ok)
+            .map_err(|_| LinkError::Malformed)
+    }
+}

@@ -1,0 +1,83 @@
+//! Which link this is: a number for people and a key over the message types.
+
+use core::fmt;
+
+use postcard_schema::Schema;
+use postcard_schema::key::Key;
+use serde::{Deserialize, Serialize};
+
+use super::{Logged, Status};
+use crate::alarm::Code;
+use crate::program::Call;
+
+/// The version of a link: both sides have to have the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Version {
+    /// Counted up by hand with every release that changes what a message means.
+    pub number: u16,
+    /// Key over all message types, field by field, and over the list of alarms.
+    #[serde(with = "postcard::fixint::le")]
+    pub key: u32,
+}
+
+/// The link of this build.
+pub const VERSION: Version = Version {
+    number: 1,
+    key: key(),
+};
+
+impl Version {
+    /// The version as one number, key below: object 5020h sub 2.
+    #[must_use]
+    pub const fn raw(self) -> u64 {
+        ((self.number as u64) << 32) | self.key as u64
+    }
+
+    /// The version of a [`raw`](Self::raw) number; what is above 48 bits does not count.
+    #[must_use]
+    pub const fn from_raw(raw: u64) -> Self {
+        Self {
+            number: (raw >> 32) as u16,
+            key: raw as u32,
+        }
+    }
+}
+
+/// `1 (key 0123abcd)`.
+impl fmt::Display for Version {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (key {:08x})", self.number, self.key)
+    }
+}
+
+const fn key() -> u32 {
+    let key = Key::for_path::<(Call, Status, Logged)>("leadscrew");
+    let mut hash = u64::from_le_bytes(key.to_bytes());
+    // An alarm travels as its number, so both sides need the same list. FNV-1a, as above.
+    let mut codes: &[Code] = Code::ALL;
+    while let [first, rest @ ..] = codes {
+        hash = (hash ^ first.number() as u64).wrapping_mul(0x0000_0100_0000_01B3);
+        codes = rest;
+    }
+    (hash ^ (hash >> 32)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn a_version_is_read_back_and_printed() {
+        let version = Version {
+            number: 0x0102,
+            key: 0x0000_BEEF,
+        };
+        assert_eq!(version.raw(), 0x0102_0000_BEEF);
+        assert_eq!(Version::from_raw(version.raw()), version);
+        assert_eq!(version.to_string(), "258 (key 0000beef)");
+        assert_ne!(VERSION.key, 0);
+    }
+}

@@ -1,0 +1,62 @@
+//! Messages between gateway and board.
+
+use audit::any::{any, sink};
+use leadscrew_core::board::Event;
+use leadscrew_core::link::{
+    Batch, BatchWriter, EventReader, ImageReader, ImageWriter, LinkError, Logged, Status, bounds,
+    encode_call, encode_event, identity,
+};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Call;
+
+/// All of this room.
+pub fn all() {
+    batch();
+    records();
+    image();
+}
+
+#[inline(never)]
+fn batch() {
+    let call: Call = any();
+    sink(bounds::call(&call));
+    let mut writer = BatchWriter::new(any(), any());
+    while any() {
+        sink(encode_call(&call).and_then(|bytes| writer.push(&bytes)));
+    }
+    sink((writer.bytes().len(), writer.count()));
+    let bytes: [u8; 64] = any();
+    if let Ok(batch) = Batch::new(bytes.get(..any()).unwrap_or(&bytes)) {
+        for call in batch {
+            sink(call);
+        }
+    }
+}
+
+#[inline(never)]
+fn records() {
+    let bytes: [u8; 64] = any();
+    let bytes = bytes.get(..any()).unwrap_or(&bytes);
+    sink(Status::decode(bytes));
+    let mut room = [0; 64];
+    for entry in EventReader::new(bytes) {
+        sink(entry.and_then(|entry: Logged| encode_event(&entry, &mut room)));
+    }
+    if let Ok(Ok(status)) = Status::decode(bytes) {
+        sink(status.encode(&mut room).map(<[u8]>::len));
+    }
+    sink((Event::Ready, LinkError::Malformed));
+}
+
+#[inline(never)]
+fn image() {
+    let params: Params = any();
+    let mut bytes: [u8; 16] = any();
+    sink((ImageWriter::new(&params).read(any(), &mut bytes), identity(&params)));
+    let mut staged = params;
+    let mut reader = ImageReader::new();
+    while any() {
+        sink(reader.take(&any::<[u8; 8]>(), &mut staged));
+    }
+    sink(reader.finish(&staged));
+}
