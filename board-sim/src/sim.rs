@@ -8,7 +8,7 @@ use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
 use leadscrew_core::bus::Frame;
-use leadscrew_core::motion::{Motion, TapLine, ThreadRun};
+use leadscrew_core::motion::{Helix, Motion, TapLine};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position, TapAxis};
 use leadscrew_core::signals::Signals;
@@ -109,15 +109,11 @@ struct Pending {
 
 /// What a row is judged by.
 #[derive(Clone, Copy)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "few wait at a time, and there is no heap"
-)]
 enum Law {
     /// Nothing is synchronous.
     Free,
     /// The helix of a pass; true while the long axis is held to it.
-    Thread(ThreadRun, bool),
+    Thread(Helix, bool),
     /// The line of a tap.
     Tap(TapLine),
 }
@@ -127,7 +123,7 @@ impl Law {
     fn on_x(&self) -> bool {
         match self {
             Self::Free => false,
-            Self::Thread(run, _) => run.plan().long_x(),
+            Self::Thread(helix, _) => helix.long_x(),
             Self::Tap(line) => line.gear.axis() == TapAxis::X,
         }
     }
@@ -343,8 +339,8 @@ impl Sim {
         if let Some(line) = executor.tap() {
             self.line = Some(*line);
         }
-        match (executor.thread(), self.line) {
-            (Some(run), _) => Law::Thread(*run, locked),
+        match (self.board.helix(), self.line) {
+            (Some(helix), _) => Law::Thread(helix, locked),
             (None, Some(line)) if locked => Law::Tap(line),
             _ => Law::Free,
         }
@@ -372,8 +368,8 @@ impl Sim {
         row.spindle = self.truth(if law.on_x() { x } else { z });
         row.error = match law {
             Law::Free | Law::Thread(_, false) => None,
-            Law::Thread(run, true) => {
-                let exact = run.helix(row.spindle.turns());
+            Law::Thread(helix, true) => {
+                let exact = helix.at(row.spindle.turns());
                 let actual = if law.on_x() {
                     row.position.x
                 } else {

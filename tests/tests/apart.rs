@@ -84,6 +84,7 @@ impl Apart {
             params: &self.params,
             limits: &self.limits,
             spindle_percent: self.ticker.operator().spindle_percent(),
+            begun: self.ticker.has_begun(),
             signals: self.ticker.operator().signals,
         };
         let (mut program, mut calls) = self.calls.split();

@@ -7,14 +7,14 @@
 use heapless::{Deque, Vec};
 
 use super::detour::Route;
-use super::queue::{CallOut, SegmentIn, is_empty, put, room, take};
+use super::queue::{CallOut, SegmentIn, filled, put, room, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Context, Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
 use crate::motion::{
-    Action, Epoch, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, dwell_ticks, plan,
-    stroke,
+    Action, Epoch, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, WaysOut,
+    dwell_ticks, plan, stroke,
 };
 use crate::params::Params;
 use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, ThreadCall};
@@ -30,6 +30,8 @@ pub struct Settings<'a> {
     pub limits: &'a Limits,
     /// Spindle override in percent, as the operator has set it.
     pub spindle_percent: u8,
+    /// The oldest segment in the queue is under way: it is there until it is done.
+    pub begun: bool,
     /// The inputs.
     pub signals: Signals,
 }
@@ -153,11 +155,12 @@ impl Background {
             self.queue(span, Stops::default(), Action::End);
             return (true, None);
         }
-        // The override of a thread cycle is that of its beginning: it is planned when nothing else waits any more.
+        // The override of a thread cycle is that of its beginning: it is planned when nothing else waits any more, and
+        // the last move before it is under way.
         if calls
             .peek()
             .is_some_and(|call| matches!(call.kind, CallKind::Thread(_)))
-            && !is_empty(segments)
+            && filled(segments) > usize::from(settings.begun)
         {
             return (false, None);
         }
@@ -408,9 +411,12 @@ impl Background {
         };
         let pass = Pass {
             plan,
-            start: self.pass_start,
-            home: self.home,
-            depth: last.tag.map_or(Length::ZERO, |tag| tag.depth),
+            ways: WaysOut::new(
+                &plan,
+                self.home,
+                last.tag.map_or(Length::ZERO, |tag| tag.depth),
+                settings.params.thread_clearance(),
+            ),
             rpm,
         };
         self.put(self.pass_number, last.span, stops, Action::Thread(pass));

@@ -34,7 +34,7 @@ pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::Frame;
-use crate::motion::Limits;
+use crate::motion::{Helix, Limits};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
@@ -94,6 +94,7 @@ impl Board {
             params: &self.params,
             limits: &self.limits,
             spindle_percent: self.ticker.operator().spindle_percent(),
+            begun: self.ticker.has_begun(),
             signals: self.ticker.operator().signals,
         };
         let (_, mut calls) = self.calls.split();
@@ -153,6 +154,12 @@ impl Board {
     #[must_use]
     pub const fn ticker(&self) -> &Ticker {
         &self.ticker
+    }
+
+    /// The exact helix that the pass under way follows; `None` outside.
+    #[must_use]
+    pub fn helix(&self) -> Option<Helix> {
+        self.ticker.helix(self.segments.peek())
     }
 
     /// The limits in force.

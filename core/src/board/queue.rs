@@ -8,8 +8,8 @@ use crate::program::Call;
 
 /// Calls a board holds; one place of a ring stays empty.
 pub const CALLS: usize = 4;
-/// Segments planned ahead.
-pub const SEGMENTS: usize = 8;
+/// Segments planned ahead, the one under way and the place that stays empty.
+pub const SEGMENTS: usize = 9;
 /// Events not yet read.
 pub const EVENTS: usize = 32;
 
@@ -40,9 +40,14 @@ pub fn put<T>(queue: &mut Producer<'_, T>, value: T) -> Result<(), T> {
     queue.enqueue(value)
 }
 
-/// True while a producer's queue holds nothing.
-pub fn is_empty<T>(queue: &Producer<'_, T>) -> bool {
-    queue.capacity() == room(queue)
+/// How many entries a producer's queue holds.
+pub fn filled<T>(queue: &Producer<'_, T>) -> usize {
+    queue.capacity().saturating_sub(room(queue))
+}
+
+/// True where something waits behind the oldest entry.
+pub fn has_second<T>(queue: &Consumer<'_, T>) -> bool {
+    queue.capacity() != usize::MAX && queue.len() > 1
 }
 
 /// Takes the oldest entry.

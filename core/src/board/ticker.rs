@@ -19,17 +19,17 @@ use super::detour::{Detour, Route};
 use super::drives::{Drives, Spindle};
 use super::event::{Command, Event};
 use super::operator::{Operator, Wish};
-use super::queue::{EventIn, SegmentOut, put, take};
+use super::queue::{EventIn, SegmentOut, has_second, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{Frame, MilliRpm};
 use crate::motion::{
-    Action, Arrival, Conditions, Epoch, Executor, Motion, Segment, Setpoint, Stops,
+    Action, Arrival, Conditions, Epoch, Executor, Helix, Motion, Segment, Setpoint, Stops, WaysOut,
 };
 use crate::params::Params;
 use crate::program::Position;
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
-use crate::units::{Axis, Length, Rpm, Ticks};
+use crate::units::{Axis, Rpm, Ticks};
 
 /// Frames a board sends in one period at most: SYNC, and for each of four drives a start, an RPDO1 and an RPDO2.
 pub const FRAMES: usize = 16;
@@ -90,6 +90,38 @@ pub struct Ends<'a, 'q> {
     pub events: &'a mut EventIn<'q>,
 }
 
+/// Where the segment under way lies: at the head of its queue, until it is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Source {
+    /// None is under way.
+    #[default]
+    None,
+    /// The program.
+    Program,
+    /// A detour.
+    Detour,
+}
+
+impl Ends<'_, '_> {
+    /// The segment under way.
+    fn current(&self, source: Source) -> Option<&Segment> {
+        match source {
+            Source::None => None,
+            Source::Program => self.segments.peek(),
+            Source::Detour => self.detours.peek(),
+        }
+    }
+}
+
+/// What the ways out of a pass need of it, also when it is over.
+#[derive(Clone, Copy, Debug)]
+struct LastPass {
+    number: u32,
+    span: Span,
+    frozen: Option<u8>,
+    ways: WaysOut,
+}
+
 /// Position mode of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rigid {
@@ -129,17 +161,18 @@ pub struct Ticker {
     pauses_unless_hole: bool,
     /// The program has begun and not ended.
     in_program: bool,
+    /// Where the segment under way lies.
+    source: Source,
     /// The last pass begun.
-    pass: Option<Segment>,
+    pass: Option<LastPass>,
     detour: Detour,
-    /// Reset: where the short axis is clear of the crests.
-    clear_at: Option<Position>,
+    /// Reset: the tool has to be brought clear of the crests.
+    clearing: bool,
     notice: Option<Notice>,
     /// Of the segments that count.
     epoch: Epoch,
     /// Of the way asked for last.
     route_epoch: Epoch,
-    clearance: Length,
     edge_time: bool,
     hold_retracts: bool,
 }
@@ -185,13 +218,13 @@ impl Ticker {
             paused: false,
             pauses_unless_hole: false,
             in_program: false,
+            source: Source::None,
             pass: None,
             detour: Detour::None,
-            clear_at: None,
+            clearing: false,
             notice: None,
             epoch: Epoch::default(),
             route_epoch: Epoch::default(),
-            clearance: params.thread_clearance(),
             edge_time: params.encoder_edge_time(),
             hold_retracts: params.thread_hold_retracts(),
         })
@@ -219,6 +252,19 @@ impl Ticker {
     #[must_use]
     pub const fn observer(&self) -> &Observer {
         &self.observer
+    }
+
+    /// The exact helix of the pass under way, if one is; `head` is the head of the program's queue.
+    #[must_use]
+    pub fn helix(&self, head: Option<&Segment>) -> Option<Helix> {
+        self.executor
+            .helix(head.filter(|_| self.source == Source::Program))
+    }
+
+    /// The head of the program's queue is under way: it has begun, and is not done.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.source == Source::Program
     }
 
     /// Commanded spindle speed, override included.
@@ -265,9 +311,9 @@ impl Ticker {
         for frame in received {
             self.drives.hear(frame);
         }
-        self.observe(sample, ends.events);
-        self.watch_drives(ends.events);
-        self.obey(ends.events);
+        self.observe(sample, ends);
+        self.watch_drives(ends);
+        self.obey(ends);
         self.drop_stale(ends);
         let instant = self.take_up(ends);
 
@@ -277,6 +323,7 @@ impl Ticker {
             (setpoint.number, setpoint.line) = (number, line);
             setpoint.motion = motion;
         }
+        self.release(ends);
         self.settle(&setpoint, moved, ends);
         output.setpoint = setpoint;
         output.notice = None;
@@ -284,7 +331,25 @@ impl Ticker {
             output.notice = self.notice.take();
         }
         output.frames.clear();
-        self.send(&mut output.frames, ends.events);
+        self.send(&mut output.frames, ends);
+    }
+
+    /// Lets a segment that is done go from the head of its queue.
+    fn release(&mut self, ends: &mut Ends<'_, '_>) {
+        if !self.executor.is_free() {
+            return;
+        }
+        match core::mem::take(&mut self.source) {
+            Source::None => {}
+            // The pass that was left stays: it is done again.
+            Source::Program if self.detour == Detour::Leaving => {}
+            Source::Program => {
+                take(ends.segments);
+            }
+            Source::Detour => {
+                take(ends.detours);
+            }
+        }
     }
 
     fn execute(&mut self, ends: &mut Ends<'_, '_>) -> Setpoint {
@@ -295,12 +360,13 @@ impl Ticker {
             feed: self.operator.feed(),
             rapid: self.operator.rapid(),
             hold: self.operator.hold,
-            more: self.is_next(ends),
+            more: self.source == Source::Program && has_second(ends.segments),
         };
-        match self.executor.tick(&conditions) {
+        let current = ends.current(self.source);
+        match self.executor.tick(&conditions, current) {
             Ok(setpoint) => setpoint,
             Err(alarm) => {
-                self.raise(alarm, ends.events);
+                self.raise(alarm, ends);
                 Setpoint {
                     position: self.executor.position(),
                     ..Setpoint::default()
@@ -309,7 +375,7 @@ impl Ticker {
         }
     }
 
-    fn observe(&mut self, mut sample: EncoderSample, events: &mut EventIn<'_>) {
+    fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {
         if !self.edge_time {
             sample.edge_age_ns = None;
         }
@@ -323,13 +389,13 @@ impl Ticker {
         let in_cycle = self.executor.stops().frozen.is_some()
             && matches!(self.state, State::Running | State::Held);
         if in_cycle || self.executor.thread().is_some() {
-            self.raise(alarm, events);
+            self.raise(alarm, ends);
         } else {
-            emit(events, Event::Warning(alarm));
+            emit(ends.events, Event::Warning(alarm));
         }
     }
 
-    fn watch_drives(&mut self, events: &mut EventIn<'_>) {
+    fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
         match self.state {
             State::Alarm(_) | State::Stopping(Outcome::Alarm(_)) => return,
             State::Starting if self.drives.enable() => {
@@ -337,29 +403,29 @@ impl Ticker {
                 self.executor.set_position(position);
                 self.restart(position);
                 self.state = State::Idle;
-                emit(events, Event::Ready);
+                emit(ends.events, Event::Ready);
             }
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {
-            self.raise(alarm, events);
+            self.raise(alarm, ends);
         }
     }
 
-    fn obey(&mut self, events: &mut EventIn<'_>) {
+    fn obey(&mut self, ends: &mut Ends<'_, '_>) {
         match self.operator.wish() {
             None => {}
             Some(Wish::Stop) => {
-                self.raise(Alarm::new(Code::EmergencyStop, Span::default()), events);
+                self.raise(Alarm::new(Code::EmergencyStop, Span::default()), ends);
             }
             Some(Wish::Resume) => {
                 self.operator.hold = false;
                 self.paused = false;
                 if self.detour == Detour::AtHome
-                    && let Some(pass) = self.pass.as_ref().and_then(Segment::pass)
+                    && let Some(pass) = &self.pass
                 {
                     self.detour = Detour::Back;
-                    let start = pass.start;
+                    let start = pass.ways.start;
                     self.route([Some(start), None]);
                 }
             }
@@ -372,12 +438,12 @@ impl Ticker {
                     self.remembered = self.remembered.or(Some(self.executor.position()));
                     self.state = State::Starting;
                 }
-                State::Idle | State::Running | State::Held => self.reset_in_motion(),
+                State::Idle | State::Running | State::Held => self.reset_in_motion(ends),
                 State::Starting | State::Stopping(_) => {}
             },
         }
         if self.operator.hold && self.hold_retracts {
-            self.leave_stroke();
+            self.leave_stroke(ends);
         }
     }
 
@@ -388,7 +454,7 @@ impl Ticker {
             return None;
         }
         if let Rigid::Entering { .. } = self.rigid {
-            return self.enter_rigid(ends.events);
+            return self.enter_rigid(ends);
         }
         if self.detour != Detour::None {
             self.go_on_with_detour(ends);
@@ -410,26 +476,35 @@ impl Ticker {
         }
         self.state = State::Running;
         self.in_program = true;
-        let instant = self.start(next, ends.events);
-        // Read in its place: a segment is large.
-        take(ends.segments);
-        instant
+        self.start(ends)
     }
 
-    fn start(&mut self, segment: &Segment, events: &mut EventIn<'_>) -> Option<(u32, u32, Motion)> {
-        let (number, line) = (segment.number, segment.span.line);
+    /// Begins the segment at the head of the program's queue.
+    fn start(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+        let segment = ends.segments.peek()?;
+        let events = &mut *ends.events;
+        let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
         let instant = match segment.action {
             Action::Tap(_) if self.rigid != Rigid::On => {
                 // No program asks for this: its rigid mode comes first.
-                self.raise(Alarm::new(Code::TapModePlace, segment.span), events);
+                let alarm = Alarm::new(Code::TapModePlace, segment.span);
+                take(ends.segments);
+                self.raise(alarm, ends);
                 return None;
             }
             Action::Timed(_) | Action::Thread(_) | Action::Tap(_) | Action::Dwell(_) => {
-                if segment.pass().is_some() {
-                    self.pass = Some(*segment);
+                if let Some(pass) = segment.pass() {
+                    self.pass = Some(LastPass {
+                        number,
+                        span: segment.span,
+                        frozen: segment.stops.frozen,
+                        ways: pass.ways,
+                    });
                 }
                 emit(events, Event::Started { number, line });
                 self.executor.begin(segment);
+                // It stays where it is until it is done.
+                self.source = Source::Program;
                 return None;
             }
             Action::Spindle(rpm) => {
@@ -454,7 +529,8 @@ impl Ticker {
             }
             Action::Aux(aux) => Event::Aux(aux),
             Action::Alarm(alarm) => {
-                self.raise(alarm, events);
+                take(ends.segments);
+                self.raise(alarm, ends);
                 return None;
             }
             Action::End => {
@@ -462,12 +538,14 @@ impl Ticker {
                 self.commanded = Rpm::STOPPED;
                 self.state = State::Idle;
                 emit(events, Event::Finished);
+                take(ends.segments);
                 return None;
             }
         };
-        emit(events, Event::Started { number, line });
-        emit(events, instant);
-        self.pause_behind(segment.stops);
+        take(ends.segments);
+        emit(ends.events, Event::Started { number, line });
+        emit(ends.events, instant);
+        self.pause_behind(stops);
         Some((number, line, Motion::Run))
     }
 
@@ -486,8 +564,8 @@ impl Ticker {
                 if !self.executor.is_free() || self.detour != Detour::None {
                     return;
                 }
-                if let Some(clear) = self.clear_at.take()
-                    && let Some(target) = self.not_clear(clear)
+                if core::mem::take(&mut self.clearing)
+                    && let Some(target) = self.not_clear()
                 {
                     self.detour = Detour::Clearing;
                     self.route([Some(target), None]);
@@ -542,7 +620,7 @@ impl Ticker {
                 .is_some_and(|next| next.stops.hold_not_before)
     }
 
-    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, events: &mut EventIn<'_>) {
+    fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {
         // Frozen in a thread cycle, also while a reset leaves it.
         self.spindle_percent = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
@@ -559,7 +637,7 @@ impl Ticker {
         if let Some(axis) = beyond {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             let alarm = Alarm::new(Code::BeyondDriveRange, Span::default()).with(args);
-            self.raise(alarm, events);
+            self.raise(alarm, ends);
         }
     }
 }

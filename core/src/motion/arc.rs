@@ -138,6 +138,12 @@ impl Arc {
         self.length
     }
 
+    /// Where it starts.
+    #[must_use]
+    pub const fn start(&self) -> Position {
+        self.from
+    }
+
     /// Where it ends.
     #[must_use]
     pub const fn end(&self) -> Position {

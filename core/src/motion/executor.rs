@@ -2,20 +2,23 @@
 //!
 //! Knows planned segments, the spindle's angle and how far the operator lets things go; knows nothing of moves, program
 //! text, drives or frames. Constant work: at most one segment is begun in a tick.
+//!
+//! A planned segment is large. It stays where it is (at the head of its queue) until it is done, and whoever drives the
+//! executor hands it in, the same one every time; the executor keeps what changes alone [D104].
 
+mod pass;
+
+use super::plan::Timed;
 use super::rate::Rate;
 use super::run::Run;
-use super::segment::{Action, Pass, Segment, Stops};
-use super::tap::{TapLine, TapRun};
-use super::thread::{Phase, Retract, ThreadRun};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use super::segment::{Action, Segment, Stops};
+use super::tap::{Tap, TapLine, TapRun};
+use super::thread::{Helix, Retract, ThreadRun};
+use crate::alarm::{Alarm, Span};
 use crate::program::{FeedRate, Position};
 use crate::spindle::Observer;
 use crate::units::{Length, Rpm, Ticks, TurnRate, Turns};
-
-/// Ticks for which the axes stand at the end of a pass before the next segment begins. The last setpoints of the pass and
-/// the first of the next segment then share no third difference, so their jerks do not add.
-const SETTLING: u8 = 2;
+use pass::Waited;
 
 /// What one tick of motion depends on.
 #[derive(Clone, Copy, Debug)]
@@ -80,24 +83,33 @@ pub struct Setpoint {
     pub line: u32,
 }
 
-/// For how many ticks a pass has waited, and for what.
-#[derive(Clone, Copy, Debug, Default)]
-struct Waited {
-    /// For the speed.
-    speed: u32,
-    /// For the index, at speed.
-    index: u32,
-}
-
 #[derive(Clone, Copy, Debug)]
 enum Active {
     Free,
-    Timed(Option<FeedRate>),
-    /// For the spindle, to begin the last pass.
+    Timed,
+    /// For the spindle, to begin the pass.
     Waiting(Waited),
     Thread(ThreadRun),
     Tap(TapRun),
     Dwell(u32),
+}
+
+/// What one tick of a segment says beside the position.
+struct Done {
+    motion: Motion,
+    locked: bool,
+    /// Moves of the segment done before the one of this tick.
+    offset: u32,
+}
+
+impl Done {
+    const fn of(motion: Motion) -> Self {
+        Self {
+            motion,
+            locked: false,
+            offset: 0,
+        }
+    }
 }
 
 /// The one long-lived executor of a machine.
@@ -111,8 +123,6 @@ pub struct Executor {
     number: u32,
     span: Span,
     stops: Stops,
-    /// The last pass begun, for doing it again.
-    pass: Option<Pass>,
     arrival: Arrival,
     aborting: bool,
     /// Ticks for which the spindle has not turned as it must in a stroke: a second of standing is an alarm, a tenth of it
@@ -150,7 +160,6 @@ impl Executor {
                 tap_cycle: false,
                 stops_after_last_hole: false,
             },
-            pass: None,
             arrival,
             aborting: false,
             astray: 0,
@@ -223,260 +232,159 @@ impl Executor {
         self.span = segment.span;
         self.stops = segment.stops;
         self.aborting = false;
-        self.active = match &segment.action {
-            Action::Timed(timed) if self.run.begin(timed) => Active::Timed(timed.feed),
-            Action::Thread(pass) => {
-                self.pass = Some(*pass);
+        match &segment.action {
+            Action::Timed(timed) if self.run.begin(timed) => self.active = Active::Timed,
+            Action::Thread(_) => {
                 (self.settled, self.astray) = (0, 0);
-                Active::Waiting(Waited::default())
+                self.active = Active::Waiting(Waited::default());
             }
-            Action::Tap(tap) => match self.spindle {
-                Some(angle) if !tap.is_empty() => {
-                    Active::Tap(TapRun::new(tap, self.position, angle))
+            Action::Tap(tap) => {
+                if let Some(angle) = self.spindle
+                    && !tap.is_empty()
+                {
+                    self.active = Active::Tap(TapRun::new(tap, self.position, angle));
                 }
-                _ => Active::Free,
-            },
-            Action::Dwell(ticks) => Active::Dwell(*ticks),
-            _ => Active::Free,
-        };
+            }
+            Action::Dwell(ticks) => self.active = Active::Dwell(*ticks),
+            _ => {}
+        }
     }
 
-    /// Emergency stop: whatever is under way comes to rest on its path, both axes of a synchronised move together
-    /// [D18]; what is left of it is forgotten.
-    pub fn stop(&mut self) {
+    /// What has just begun is told as part of another segment: a way out of a pass and back belongs to the pass.
+    pub const fn tell_as(&mut self, number: u32, span: Span, frozen: Option<u8>) {
+        self.number = number;
+        self.span = span;
+        self.stops.frozen = frozen;
+    }
+
+    /// Emergency stop: whatever is under way (`current`) comes to rest on its path, both axes of a synchronised move
+    /// together [D18]; what is left of it is forgotten.
+    pub fn stop(&mut self, current: Option<&Segment>) {
         self.aborting = true;
-        match &mut self.active {
-            Active::Free => {}
-            Active::Timed(_) => self.run.abandon(),
-            Active::Thread(run) => run.stop(),
-            Active::Tap(tap) => {
+        match (&mut self.active, current.map(|segment| &segment.action)) {
+            (Active::Free, _) => {}
+            (Active::Timed, _) => self.run.abandon(),
+            (Active::Thread(run), Some(Action::Thread(pass))) => run.stop(&pass.plan),
+            (Active::Tap(tap), _) => {
                 if tap.stop(&mut self.run) {
                     self.active = Active::Free;
                 }
             }
-            Active::Waiting(_) | Active::Dwell(_) => self.active = Active::Free,
+            (Active::Waiting(_) | Active::Dwell(_) | Active::Thread(_), _) => {
+                self.active = Active::Free;
+            }
         }
     }
 
     /// Reset, and feed hold with immediate retract: a stroke is left along the run-out's slope towards `target` on the
     /// short axis while the long one stays in lead; anything else stops as by [`stop`](Self::stop).
-    pub fn retract(&mut self, target: Length) -> Retract {
-        if let Active::Thread(run) = &mut self.active {
+    pub fn retract(&mut self, current: Option<&Segment>, target: Length) -> Retract {
+        if let Active::Thread(run) = &mut self.active
+            && let Some(pass) = current.and_then(Segment::pass)
+        {
             self.aborting = true;
-            return run.retract(target);
+            return run.retract(&pass.plan, target);
         }
-        self.stop();
+        self.stop(current);
         Retract::Standing
     }
 
-    /// One tick.
+    /// One tick. `current`: the segment that was begun, until the executor [is free](Self::is_free) again.
     ///
     /// # Errors
-    /// What the spindle does not do for a stroke: [`Code::NoIndex`], [`Code::SpindleNotArrived`], and what
+    /// What the spindle does not do for a stroke: [`NoIndex`](crate::alarm::Code::NoIndex),
+    /// [`SpindleNotArrived`](crate::alarm::Code::SpindleNotArrived), and what
     /// [`ThreadRun::start`] refuses. The axes stand then.
-    pub fn tick(&mut self, now: &Conditions<'_>) -> Result<Setpoint, Alarm> {
+    pub fn tick(
+        &mut self,
+        now: &Conditions<'_>,
+        current: Option<&Segment>,
+    ) -> Result<Setpoint, Alarm> {
         let number = self.number;
-        let mut offset = 0;
-        let mut locked = false;
-        let motion = match &mut self.active {
-            Active::Free => {
+        let done = match (&mut self.active, current.map(|segment| &segment.action)) {
+            (Active::Tap(_), Some(Action::Tap(tap))) => self.tap_on(now, tap),
+            (Active::Timed, Some(Action::Timed(timed))) => self.move_on(now, timed),
+            (Active::Dwell(left), _) => {
+                if now.hold {
+                    Done::of(Motion::Hold)
+                } else {
+                    *left = left.saturating_sub(1);
+                    if *left == 0 {
+                        self.active = Active::Free;
+                    }
+                    Done::of(Motion::Dwell)
+                }
+            }
+            (Active::Waiting(_), Some(Action::Thread(pass))) => self.wait(now, pass)?,
+            (Active::Thread(_), Some(Action::Thread(pass))) => self.cut_on(now, &pass.plan)?,
+            // Nothing is under way; or, which cannot be, it is not what was begun.
+            _ => {
+                self.active = Active::Free;
                 return Ok(Setpoint {
                     position: self.position,
                     spindle: self.spindle,
                     ..Setpoint::default()
                 });
             }
-            Active::Tap(tap) => {
-                let hold = now.hold && !self.stops.hold_not_inside && !self.aborting;
-                let rate = if tap.feed_override() {
-                    now.feed
-                } else {
-                    Rate::FULL
-                };
-                let point = tap.tick(&mut self.run, rate, hold);
-                self.position = point.position;
-                self.spindle = Some(point.angle);
-                offset = point.offset;
-                locked = true;
-                if point.done {
-                    self.active = Active::Free;
-                }
-                point.motion
-            }
-            Active::Timed(feed) => {
-                let hold = now.hold && !self.stops.hold_not_inside;
-                let rate = if hold {
-                    Rate::HOLD
-                } else {
-                    match feed {
-                        None => now.rapid,
-                        Some(FeedRate::PerMinute(_)) => now.feed,
-                        Some(FeedRate::PerTurn(_, rpm)) => {
-                            now.feed.times(turning(now.observer.speed(), *rpm))
-                        }
-                    }
-                };
-                let step = self.run.tick(rate);
-                self.position = step.position;
-                if step.joined {
-                    self.number = self.number.saturating_add(1);
-                }
-                if step.done {
-                    self.active = Active::Free;
-                }
-                if hold && self.run.at_rest() && !step.done {
-                    Motion::Hold
-                } else {
-                    Motion::Run
-                }
-            }
-            Active::Dwell(left) => {
-                if now.hold {
-                    Motion::Hold
-                } else {
-                    *left = left.saturating_sub(1);
-                    if *left == 0 {
-                        self.active = Active::Free;
-                    }
-                    Motion::Dwell
-                }
-            }
-            Active::Waiting(waited) => {
-                if now.hold {
-                    *waited = Waited::default();
-                    Motion::Hold
-                } else {
-                    let mut waited = *waited;
-                    match self.wait(&mut waited, now) {
-                        Ok(None) => self.active = Active::Waiting(waited),
-                        Ok(Some(run)) => self.active = Active::Thread(run),
-                        Err(alarm) => {
-                            self.active = Active::Free;
-                            return Err(alarm);
-                        }
-                    }
-                    Motion::Wait
-                }
-            }
-            Active::Thread(run) if now.hold && !self.aborting && run.phase() == Phase::Waiting => {
-                // It has not left yet: it waits again after the hold.
-                self.active = Active::Waiting(Waited::default());
-                Motion::Hold
-            }
-            Active::Thread(run) => {
-                let speed = now.observer.speed();
-                let turning = now.observer.is_turning();
-                let backwards = turning && speed.is_negative() != run.plan().is_reverse();
-                let too_fast = speed.abs() > run.plan().speed_limit();
-                let as_planned = turning && !backwards && !too_fast;
-                if as_planned || !run.is_led() {
-                    self.astray = 0;
-                } else {
-                    let per_second = self.arrival.ticks_per_minute / 60;
-                    let patience = if too_fast {
-                        per_second / 100
-                    } else if backwards {
-                        per_second / 10
-                    } else {
-                        per_second
-                    };
-                    self.astray = self.astray.saturating_add(1);
-                    if self.astray > patience {
-                        self.astray = 0;
-                        return Err(if too_fast {
-                            run.plan().too_fast(speed)
-                        } else {
-                            Alarm::new(Code::SpindleStopped, self.span)
-                        });
-                    }
-                }
-                let (long, short) = if run.plan().long_x() {
-                    (now.ahead_x, now.ahead_z)
-                } else {
-                    (now.ahead_z, now.ahead_x)
-                };
-                let angle = now.observer.predict(long);
-                let point = if long == short {
-                    run.tick(angle)
-                } else {
-                    run.tick_apart(angle, now.observer.predict(short))
-                };
-                self.position = point.position;
-                locked = point.phase == Phase::Locked;
-                offset = u32::from(point.move_index);
-                match point.phase {
-                    Phase::Waiting => Motion::Wait,
-                    Phase::Done => {
-                        self.settled = self.settled.saturating_add(1);
-                        if self.settled > SETTLING {
-                            self.active = Active::Free;
-                        }
-                        Motion::Run
-                    }
-                    Phase::Joining | Phase::Locked | Phase::Braking => Motion::Run,
-                }
-            }
         };
         Ok(Setpoint {
             position: self.position,
-            motion,
-            locked,
+            motion: done.motion,
+            locked: done.locked,
             spindle: self.spindle,
-            number: number.saturating_add(offset),
+            number: number.saturating_add(done.offset),
             line: self.span.line,
         })
     }
 
-    /// The pass begins (`None`: not yet) when the spindle turns as commanded, its index is known and the retract is queued.
-    fn wait(&self, waited: &mut Waited, now: &Conditions<'_>) -> Result<Option<ThreadRun>, Alarm> {
-        let Some(pass) = &self.pass else {
-            return Err(Alarm::new(Code::SpindleNotArrived, self.span));
+    /// A tick of a tap.
+    fn tap_on(&mut self, now: &Conditions<'_>, tap: &Tap) -> Done {
+        let Active::Tap(run) = &mut self.active else {
+            return Done::of(Motion::Idle);
         };
-        let speed = now.observer.speed();
-        let wanted = TurnRate::of_rpm(pass.rpm);
-        if !self.arrived(speed, wanted) {
-            waited.speed = waited.speed.saturating_add(1);
-            if waited.speed > self.arrival.speed_ticks {
-                return Err(Alarm::new(Code::SpindleNotArrived, self.span).with([
-                    Arg::Rpm(speed.rpm()),
-                    Arg::Rpm(pass.rpm),
-                    Arg::None,
-                    Arg::None,
-                ]));
-            }
-            return Ok(None);
+        let hold = now.hold && !self.stops.hold_not_inside && !self.aborting;
+        let rate = if tap.feed_override {
+            now.feed
+        } else {
+            Rate::FULL
+        };
+        let point = run.tick(tap, &mut self.run, rate, hold);
+        self.position = point.position;
+        self.spindle = Some(point.angle);
+        if point.done {
+            self.active = Active::Free;
         }
-        if !now.observer.indexed() {
-            // Two turns at the commanded speed and a second.
-            let per_minute = self.arrival.ticks_per_minute;
-            let turn = per_minute.checked_div(pass.rpm.abs()).unwrap_or(per_minute);
-            let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
-            waited.index = waited.index.saturating_add(1);
-            if waited.index > patience {
-                return Err(Alarm::new(Code::NoIndex, self.span));
-            }
-            return Ok(None);
+        Done {
+            motion: point.motion,
+            locked: true,
+            offset: point.offset,
         }
-        if !now.more {
-            return Ok(None);
-        }
-        // Both axes have to be in time: the one with the slower drive leaves first.
-        let ahead = now.ahead_x.max(now.ahead_z);
-        ThreadRun::start(pass.plan, now.observer.predict(ahead), speed).map(Some)
     }
 
-    fn arrived(&self, speed: TurnRate, wanted: TurnRate) -> bool {
-        if wanted == TurnRate::ZERO || speed.is_negative() != wanted.is_negative() {
-            return false;
+    /// A tick of a move that time drives.
+    fn move_on(&mut self, now: &Conditions<'_>, timed: &Timed) -> Done {
+        let hold = now.hold && !self.stops.hold_not_inside;
+        let rate = if hold {
+            Rate::HOLD
+        } else {
+            match &timed.feed {
+                None => now.rapid,
+                Some(FeedRate::PerMinute(_)) => now.feed,
+                Some(FeedRate::PerTurn(_, rpm)) => {
+                    now.feed.times(turning(now.observer.speed(), *rpm))
+                }
+            }
+        };
+        let step = self.run.tick(rate, timed, None);
+        self.position = step.position;
+        if step.done {
+            self.active = Active::Free;
         }
-        let off = speed
-            .abs()
-            .raw()
-            .saturating_sub(wanted.abs().raw())
-            .saturating_abs();
-        let tolerance =
-            (wanted.abs().raw() / 100).saturating_mul(i64::from(self.arrival.tolerance_percent));
-        off <= tolerance
+        Done::of(if hold && self.run.at_rest() && !step.done {
+            Motion::Hold
+        } else {
+            Motion::Run
+        })
     }
 
     /// True while an abort is bringing the axes to rest.
@@ -485,11 +393,11 @@ impl Executor {
         self.aborting && !self.is_free()
     }
 
-    /// Where the exact helix of the pass under way stands at a spindle angle, and on which axis; `None` outside.
+    /// The exact helix of the pass under way; `None` outside.
     #[must_use]
-    pub fn helix(&self, angle: Turns) -> Option<(bool, Length)> {
-        self.thread()
-            .map(|run| (run.plan().long_x(), run.helix(angle)))
+    pub fn helix(&self, current: Option<&Segment>) -> Option<Helix> {
+        let pass = current.and_then(Segment::pass)?;
+        self.thread().map(|run| run.helix(&pass.plan))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Straight paths: three axes in proportion to one distance.
 
 use super::rate::Travel;
-use crate::program::{Position, TapAxis};
+use crate::program::Position;
 use crate::units::{Angle, Length, mul_high};
 
 /// A straight path in X, Z and C.
@@ -43,26 +43,6 @@ impl Line {
         }
     }
 
-    /// A line along X or Z alone, without a root or a division: for the tick.
-    pub(super) fn along_axis(from: Position, to: Position, axis: TapAxis) -> Self {
-        /// One in 2⁻⁶³.
-        const WHOLE: u64 = 1 << 63;
-        let length = (axis.of(to) - axis.of(from)).abs();
-        let (x, z) = match axis {
-            TapAxis::X => (WHOLE, 0),
-            TapAxis::Z => (0, WHOLE),
-        };
-        Self {
-            from,
-            to,
-            length,
-            feed_length: length,
-            x,
-            z,
-            c: 0,
-        }
-    }
-
     /// Length in nm; in µ° where C covers more.
     #[must_use]
     pub const fn length(&self) -> Length {
@@ -82,6 +62,12 @@ impl Line {
             magnitude(self.from.z.nm(), self.to.z.nm()),
             magnitude(self.from.c.udeg(), self.to.c.udeg()),
         ]
+    }
+
+    /// Where it starts.
+    #[must_use]
+    pub const fn start(&self) -> Position {
+        self.from
     }
 
     /// Where it ends.

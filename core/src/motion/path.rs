@@ -35,6 +35,15 @@ impl Path {
         }
     }
 
+    /// Where it starts.
+    #[must_use]
+    pub const fn start(&self) -> Position {
+        match self {
+            Self::Line(line) => line.start(),
+            Self::Arc(arc) => arc.start(),
+        }
+    }
+
     /// Where it ends.
     #[must_use]
     pub const fn end(&self) -> Position {

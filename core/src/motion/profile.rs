@@ -82,6 +82,12 @@ impl Ramp {
         })
     }
 
+    /// True where it is the same ramp.
+    #[must_use]
+    pub const fn is(&self, other: &Self) -> bool {
+        self.cap.raw() == other.cap.raw() && self.n1 == other.n1 && self.n2 == other.n2
+    }
+
     /// The largest rate.
     #[must_use]
     pub const fn cap(&self) -> PathRate {

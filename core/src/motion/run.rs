@@ -3,7 +3,7 @@
 //! Knows planned motions; knows nothing of moves, limits or what the rate is made of.
 
 use super::plan::Timed;
-use super::profile::Profile;
+use super::profile::{Profile, Progress, Ramp};
 use super::rate::{PathRate, Rate, Travel};
 use crate::program::Position;
 use crate::units::Length;
@@ -19,12 +19,14 @@ pub struct Step {
     pub done: bool,
 }
 
-/// Time-driven motion in the tick. Long-lived: holds the profile and what it drives.
+/// Time-driven motion in the tick. Long-lived: holds the profile and what has become of the motion under way. The motion
+/// itself stays where it is and is handed in, the same one until it is done.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     profile: Profile,
-    current: Option<Timed>,
-    next: Option<Timed>,
+    /// A motion is under way; one is joined to it.
+    moving: bool,
+    joined: bool,
     /// Travel at which the current path starts.
     origin: Travel,
     position: Position,
@@ -36,8 +38,8 @@ impl Run {
     pub const fn new() -> Self {
         Self {
             profile: Profile::new(),
-            current: None,
-            next: None,
+            moving: false,
+            joined: false,
             origin: Travel::ZERO,
             position: Position {
                 x: Length::ZERO,
@@ -50,61 +52,54 @@ impl Run {
     /// Starts a motion from rest. False, and nothing changes, while the last one is not done.
     #[must_use]
     pub fn begin(&mut self, motion: &Timed) -> bool {
-        if !self
-            .profile
-            .begin(motion.length, motion.nominal, motion.ramp)
-        {
+        if !self.begin_length(motion.length, motion.nominal, motion.ramp) {
             return false;
         }
-        self.position = motion.path.at(Travel::ZERO);
-        self.current = Some(*motion);
-        self.next = None;
-        self.origin = Travel::ZERO;
+        self.position = motion.path.start();
         true
     }
 
-    /// Joins a motion to the one under way, which must have asked for it by its exit rate: it runs on without a stop,
+    /// Joins `next` to the motion under way, which must have asked for it by its exit rate: it runs on without a stop,
     /// with the same ramp, and the speed of the second holds from here on. Joining is for motions that go on in the same
     /// direction; who plans them answers for that. False, and nothing changes, where it cannot be done: nothing is under
     /// way, one is joined already, the first asks for a stop, or the ramps differ.
     #[must_use]
-    pub fn join(&mut self, motion: &Timed) -> bool {
-        let Some(current) = &self.current else {
-            return false;
-        };
-        if current.exit == PathRate::ZERO || current.ramp != motion.ramp || self.next.is_some() {
+    pub const fn join(&mut self, current: &Timed, next: &Timed) -> bool {
+        if !self.moving || self.joined {
             return false;
         }
-        if !self.profile.extend(motion.length, motion.nominal) {
+        if current.exit.raw() == 0 || !current.ramp.is(&next.ramp) {
             return false;
         }
-        self.next = Some(*motion);
-        true
+        self.joined = self.profile.extend(next.length, next.nominal);
+        self.joined
     }
 
-    /// One tick at `rate`.
-    pub fn tick(&mut self, rate: Rate) -> Step {
-        // A planned motion is some 200 bytes: it is read in place.
-        let Some(current) = &self.current else {
+    /// One tick at `rate`. `next` is the motion that was joined. Where the step says that it has been entered, it is the
+    /// current one from then on.
+    pub fn tick(&mut self, rate: Rate, current: &Timed, next: Option<&Timed>) -> Step {
+        if !self.moving {
             return Step {
                 position: self.position,
                 joined: false,
                 done: true,
             };
-        };
-        let progress = self.profile.tick(rate);
+        }
+        let progress = self.progress(rate);
         let travel = progress.travel.beyond(self.origin);
         let end = Travel::of(current.length);
-        let joined = travel > end && self.next.is_some();
-        if joined {
-            self.position = self.enter_next(end, travel.beyond(end));
-        } else {
-            self.position = current.path.at(travel);
-        }
-        if progress.done {
-            self.current = None;
-            self.next = None;
-        }
+        let joined = match next {
+            Some(next) if self.joined && travel > end => {
+                self.origin = Travel::from_raw(self.origin.raw().saturating_add(end.raw()));
+                self.joined = false;
+                self.position = next.path.at(travel.beyond(end));
+                true
+            }
+            _ => {
+                self.position = current.path.at(travel);
+                false
+            }
+        };
         Step {
             position: self.position,
             joined,
@@ -112,22 +107,29 @@ impl Run {
         }
     }
 
-    /// Makes the joined motion the current one, which starts where the one of length `end` stops; its position at
-    /// `travel`.
-    fn enter_next(&mut self, end: Travel, travel: Travel) -> Position {
-        self.origin = Travel::from_raw(self.origin.raw().saturating_add(end.raw()));
-        self.current = self.next.take();
-        self.current
-            .as_ref()
-            .map_or(self.position, |motion| motion.path.at(travel))
+    /// Starts a motion of which the run keeps the profile alone. False, and nothing changes, while the last one is not
+    /// done.
+    pub(super) fn begin_length(&mut self, length: Length, nominal: PathRate, ramp: Ramp) -> bool {
+        if !self.profile.begin(length, nominal, ramp) {
+            return false;
+        }
+        (self.moving, self.joined) = (true, false);
+        self.origin = Travel::ZERO;
+        true
+    }
+
+    /// One tick of such a motion at `rate`.
+    pub(super) fn progress(&mut self, rate: Rate) -> Progress {
+        let progress = self.profile.tick(rate);
+        self.moving &= !progress.done;
+        progress
     }
 
     /// Gives up what is left, the joined motion too: the axes stop as on a feed hold, and then the run is done.
-    pub fn abandon(&mut self) {
+    pub const fn abandon(&mut self) {
         self.profile.abandon();
         if self.profile.at_rest() {
-            self.current = None;
-            self.next = None;
+            self.moving = false;
         }
     }
 
@@ -179,17 +181,52 @@ mod tests {
         }
     }
 
-    /// Setpoints to the end, and the tick in which the joined motion was entered.
-    fn finish(run: &mut Run) -> (Vec<i64>, Option<usize>) {
-        let (mut setpoints, mut joined) = (Vec::new(), None);
-        loop {
-            let step = run.tick(Rate::FULL);
-            if step.joined {
-                joined = Some(setpoints.len());
+    /// A run with the motions it is handed: what a queue is on a board.
+    struct Driven {
+        run: Run,
+        current: Timed,
+        next: Option<Timed>,
+    }
+
+    impl Driven {
+        fn new(motion: Timed) -> Self {
+            let mut run = Run::new();
+            assert!(run.begin(&motion));
+            Self {
+                run,
+                current: motion,
+                next: None,
             }
-            setpoints.push(step.position.z.nm());
-            if step.done {
-                return (setpoints, joined);
+        }
+
+        fn join(&mut self, next: Timed) -> bool {
+            let joined = self.run.join(&self.current, &next);
+            if joined {
+                self.next = Some(next);
+            }
+            joined
+        }
+
+        fn tick(&mut self, rate: Rate) -> Step {
+            let step = self.run.tick(rate, &self.current, self.next.as_ref());
+            if step.joined {
+                self.current = self.next.take().unwrap();
+            }
+            step
+        }
+
+        /// Setpoints to the end, and the tick in which the joined motion was entered.
+        fn finish(mut self) -> (Vec<i64>, Option<usize>) {
+            let (mut setpoints, mut joined) = (Vec::new(), None);
+            loop {
+                let step = self.tick(Rate::FULL);
+                if step.joined {
+                    joined = Some(setpoints.len());
+                }
+                setpoints.push(step.position.z.nm());
+                if step.done {
+                    return (setpoints, joined);
+                }
             }
         }
     }
@@ -197,13 +234,11 @@ mod tests {
     #[test]
     fn two_joined_lines_run_like_one() {
         for seam in [1, 777, 5_000, 9_999] {
-            let mut one = Run::new();
-            assert!(one.begin(&line(0, 10_000, 51_200, 0)));
-            let mut two = Run::new();
-            assert!(two.begin(&line(0, seam, 51_200, 51_200)));
-            assert!(two.join(&line(seam, 10_000, 51_200, 0)));
-            let (whole, _) = finish(&mut one);
-            let (pieces, joined) = finish(&mut two);
+            let one = Driven::new(line(0, 10_000, 51_200, 0));
+            let mut two = Driven::new(line(0, seam, 51_200, 51_200));
+            assert!(two.join(line(seam, 10_000, 51_200, 0)));
+            let (whole, _) = one.finish();
+            let (pieces, joined) = two.finish();
             assert_eq!(whole, pieces, "{seam}");
             assert_eq!(joined, whole.iter().position(|&at| at > seam), "{seam}");
         }
@@ -212,68 +247,68 @@ mod tests {
     #[test]
     fn joining_late_still_ends_exactly() {
         // All of the first is put in already; the axis slows down and goes on.
-        let mut run = Run::new();
-        assert!(run.begin(&line(0, 5_000, 51_200, 51_200)));
+        let mut driven = Driven::new(line(0, 5_000, 51_200, 51_200));
         let mut last = 0;
         for _ in 0..28 {
-            last = run.tick(Rate::FULL).position.z.nm();
+            last = driven.tick(Rate::FULL).position.z.nm();
         }
-        assert!(run.profile().remaining() == Length::ZERO && last < 5_000);
-        assert!(run.join(&line(5_000, 9_000, 25_600, 0)));
-        let (setpoints, _) = finish(&mut run);
+        assert!(driven.run.profile().remaining() == Length::ZERO && last < 5_000);
+        assert!(driven.join(line(5_000, 9_000, 25_600, 0)));
+        let (setpoints, _) = driven.finish();
         assert_eq!(setpoints.last(), Some(&9_000));
         assert!(setpoints.is_sorted());
     }
 
     #[test]
     fn three_lines_one_after_another() {
-        let mut run = Run::new();
-        assert!(run.begin(&line(0, 4_000, 51_200, 51_200)));
-        assert!(run.join(&line(4_000, 8_000, 51_200, 51_200)));
+        let mut driven = Driven::new(line(0, 4_000, 51_200, 51_200));
+        assert!(driven.join(line(4_000, 8_000, 51_200, 51_200)));
         // Only one can wait.
         let third = line(8_000, 12_000, 51_200, 0);
-        assert!(!run.join(&third));
-        while !run.tick(Rate::FULL).joined {}
-        assert!(run.join(&third));
-        let (setpoints, joined) = finish(&mut run);
+        assert!(!driven.join(third));
+        while !driven.tick(Rate::FULL).joined {}
+        assert!(driven.join(third));
+        let (setpoints, joined) = driven.finish();
         assert!(joined.is_some());
         assert_eq!(setpoints.last(), Some(&12_000));
     }
 
     #[test]
     fn exact_stops_and_other_ramps_do_not_join() {
+        let (first, next) = (line(0, 100, 256, 0), line(100, 200, 256, 0));
         let mut run = Run::new();
-        let next = line(100, 200, 256, 0);
-        assert!(!run.join(&next));
-        assert!(run.begin(&line(0, 100, 256, 0)));
-        assert!(!run.join(&next));
+        assert!(!run.join(&first, &next));
+        assert!(run.begin(&first));
+        assert!(!run.join(&first, &next));
         assert!(!run.begin(&next));
+        let first = line(0, 100, 256, 256);
         let mut run = Run::new();
-        assert!(run.begin(&line(0, 100, 256, 256)));
+        assert!(run.begin(&first));
         let mut other = next;
         other.ramp = Ramp::new(PathRate::from_raw(51_200), 7, 5).unwrap();
-        assert!(!run.join(&other));
+        assert!(!run.join(&first, &other));
     }
 
     #[test]
     fn held_and_abandoned_it_stands_where_it_is() {
-        let mut run = Run::new();
-        assert!(run.begin(&line(0, 10_000, 51_200, 51_200)));
-        assert!(run.join(&line(10_000, 20_000, 51_200, 0)));
+        let mut driven = Driven::new(line(0, 10_000, 51_200, 51_200));
+        assert!(driven.join(line(10_000, 20_000, 51_200, 0)));
         for _ in 0..30 {
-            run.tick(Rate::FULL);
+            driven.tick(Rate::FULL);
         }
         for _ in 0..11 {
-            assert!(!run.tick(Rate::HOLD).done);
+            assert!(!driven.tick(Rate::HOLD).done);
         }
-        assert!(run.at_rest());
-        assert_eq!(run.position(), z(30 * 200));
-        run.abandon();
-        let step = run.tick(Rate::FULL);
+        assert!(driven.run.at_rest());
+        assert_eq!(driven.run.position(), z(30 * 200));
+        driven.run.abandon();
+        let step = driven.tick(Rate::FULL);
         assert_eq!((step.position, step.done), (z(6_000), true));
         // The next motion starts here and knows nothing of the last.
-        assert!(run.begin(&line(6_000, 6_100, 256, 0)));
-        let (setpoints, joined) = finish(&mut run);
+        let last = line(6_000, 6_100, 256, 0);
+        assert!(driven.run.begin(&last));
+        (driven.current, driven.next) = (last, None);
+        let (setpoints, joined) = driven.finish();
         assert_eq!((setpoints.len(), joined), (100 + 11, None));
         assert_eq!(setpoints.last(), Some(&6_100));
     }

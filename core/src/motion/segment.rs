@@ -74,14 +74,57 @@ pub enum Action {
 pub struct Pass {
     /// The planned pass.
     pub plan: ThreadPlan,
-    /// Where it starts.
+    /// How it can be left.
+    pub ways: WaysOut,
+    /// Commanded speed, override included.
+    pub rpm: Rpm,
+}
+
+/// What the ways out of a pass need to know of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WaysOut {
+    /// X is the long axis.
+    pub long_x: bool,
+    /// Where the pass starts.
     pub start: Position,
     /// A: where its cycle starts and ends; a retract in mid-thread goes there.
     pub home: Position,
-    /// Depth of the pass below the crest.
-    pub depth: Length,
-    /// Commanded speed, override included.
-    pub rpm: Rpm,
+    /// Where the short axis is clear of both crests, C's and D's, or at the start level.
+    pub clear: Length,
+}
+
+impl WaysOut {
+    /// Out of the pass `plan`, `depth` below the crest, of a cycle that starts at `home`; `clearance`: how far beyond the
+    /// crests is clear.
+    #[must_use]
+    pub fn new(plan: &ThreadPlan, home: Position, depth: Length, clearance: Length) -> Self {
+        let mut ways = Self {
+            long_x: plan.long_x(),
+            start: plan.start(),
+            home,
+            clear: Length::ZERO,
+        };
+        let up = ways.short_of(home);
+        let level = plan.level_towards(up);
+        let out = (depth + clearance).min((up - level).abs());
+        ways.clear = level + out.times((up - level).signum());
+        ways
+    }
+
+    /// The short axis' coordinate.
+    #[must_use]
+    pub const fn short_of(&self, position: Position) -> Length {
+        if self.long_x { position.z } else { position.x }
+    }
+
+    /// Sets the short axis' coordinate.
+    pub const fn set_short(&self, position: &mut Position, to: Length) {
+        if self.long_x {
+            position.z = to;
+        } else {
+            position.x = to;
+        }
+    }
 }
 
 /// Where an operator's stop may take effect, and what is frozen meanwhile.

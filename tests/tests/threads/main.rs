@@ -119,7 +119,7 @@ impl Setup {
         }
         let plan = ThreadPlan::new(self.from, &moves, &params, observer.speed()).unwrap();
         let mut run =
-            ThreadRun::start(plan, observer.predict(Ticks::ONE), observer.speed()).unwrap();
+            ThreadRun::start(&plan, observer.predict(Ticks::ONE), observer.speed()).unwrap();
         let (long, short) = if self.long_x {
             (Axis::X, Axis::Z)
         } else {
@@ -133,7 +133,7 @@ impl Setup {
         loop {
             let t = f64::from(tick) * TICK_S;
             observer.tick(spindle.sample(t, self.edges));
-            let point = run.tick(observer.predict(Ticks::ONE));
+            let point = run.tick(&plan, observer.predict(Ticks::ONE));
             tick += 1;
             let (here, last) = (self.long(point.position), self.long(end));
             assert!((here - last).signum() != (last - self.long(self.from)).signum());
@@ -146,7 +146,7 @@ impl Setup {
                 }
                 Phase::Locked => {
                     // The observer numbers its turns from where it woke up: whole leads say nothing.
-                    let truth = run.helix(spindle.truth(t + TICK_S));
+                    let truth = run.helix(&plan).at(spindle.truth(t + TICK_S));
                     let lead = self.lead.numerator() as f64 / self.lead.denominator() as f64;
                     let error = here as f64 - truth.nm() as f64 + lead / 2.0;
                     errors.push((error.rem_euclid(lead) - lead / 2.0) * 1e-3);

@@ -139,12 +139,13 @@ fn long(case: &Case, at: Position) -> i64 {
 
 /// Ticks until the pass is over, with a spindle whose angle is `angle(tick)`; hands every point on.
 fn run(
+    plan: &ThreadPlan,
     run: &mut ThreadRun,
     angle: impl Fn(u32) -> Turns,
     mut see: impl FnMut(u32, &mut ThreadRun, ThreadPoint),
 ) -> u32 {
     for tick in 0..20_000_000 {
-        let point = run.tick(angle(tick));
+        let point = run.tick(plan, angle(tick));
         see(tick, run, point);
         if point.phase == Phase::Done {
             return tick;
@@ -159,7 +160,7 @@ fn step(case: &Case, share: f64) -> i64 {
     (per_second * f64::from(case.params.tick_us()) * 1e-6 * 2f64.powi(32)) as i64
 }
 
-fn start(case: &Case, plan: ThreadPlan) -> ThreadRun {
+fn start(case: &Case, plan: &ThreadPlan) -> ThreadRun {
     ThreadRun::start(plan, Turns::ZERO, TurnRate::of_rpm(Rpm::new(case.rpm))).unwrap()
 }
 
@@ -199,9 +200,10 @@ fn no_limit_is_exceeded_and_every_pass_ends_exactly() {
         );
         let mut x = Watch::new(&case.params, Axis::X, case.from.x.nm());
         let mut z = Watch::new(&case.params, Axis::Z, case.from.z.nm());
-        let mut thread = start(&case, plan);
+        let mut thread = start(&case, &plan);
         let mut end = case.from;
         ticks += u64::from(run(
+            &plan,
             &mut thread,
             |tick| Turns::from_raw(step * i64::from(tick)),
             |_, _, point| {
@@ -274,16 +276,16 @@ fn the_end_plane_is_never_passed_whatever_the_spindle_does() {
                 .unwrap_or(last + Turns::from_raw(8 * beyond * step(&case, 1.0)))
         };
         let (first, last) = (long(&case, case.from), long(&case, plan.end()));
-        let mut thread = start(&case, plan);
+        let mut thread = start(&case, &plan);
         let mut end = case.from;
-        run(&mut thread, on, |_, _, point| {
+        run(&plan, &mut thread, on, |_, _, point| {
             let here = long(&case, point.position);
             assert!(here >= first.min(last) && here <= first.max(last));
             end = point.position;
         });
         assert_eq!(end, plan.end());
         // Over is over: the spindle may turn back now.
-        assert_eq!(thread.tick(Turns::ZERO).position, end);
+        assert_eq!(thread.tick(&plan, Turns::ZERO).position, end);
     }
 }
 
@@ -313,9 +315,9 @@ fn interrupted(act: Act, seed: u64) -> [[f64; 3]; 2] {
                 random.scale(0.3, 1.0)
             },
         );
-        let mut thread = start(&case, plan);
+        let mut thread = start(&case, &plan);
         let angle = |tick: u32| Turns::from_raw(step * i64::from(tick));
-        let whole = run(&mut thread.clone(), angle, |_, _, _| {});
+        let whole = run(&plan, &mut thread.clone(), angle, |_, _, _| {});
         let when = random.whole(0, i64::from(whole)) as u32;
         // The short axis starts at 20 mm and leaves away from zero.
         let short = |at: Position| if case.long_x { at.z } else { at.x };
@@ -326,7 +328,7 @@ fn interrupted(act: Act, seed: u64) -> [[f64; 3]; 2] {
         let mut z = Watch::new(&case.params, Axis::Z, case.from.z.nm());
         let (first, last) = (long(&case, case.from), long(&case, plan.end()));
         let mut end = case.from;
-        let took = run(&mut thread, angle, |tick, thread, point| {
+        let took = run(&plan, &mut thread, angle, |tick, thread, point| {
             x.see(point.position.x.nm());
             z.see(point.position.z.nm());
             let here = long(&case, point.position);
@@ -334,9 +336,9 @@ fn interrupted(act: Act, seed: u64) -> [[f64; 3]; 2] {
             if tick == when {
                 match act {
                     Act::Retract => {
-                        leaving += u32::from(thread.retract(target) == Retract::Leaving)
+                        leaving += u32::from(thread.retract(&plan, target) == Retract::Leaving)
                     }
-                    Act::Stop => thread.stop(),
+                    Act::Stop => thread.stop(&plan),
                 }
             }
             end = point.position;

@@ -2,29 +2,24 @@
 
 use super::super::detour::{Detour, Route};
 use super::super::queue::take;
-use super::{Ends, Notice, State, Ticker};
-use crate::motion::{Action, Phase, Retract, Segment};
+use super::{Ends, Notice, Source, State, Ticker};
+use crate::motion::{Action, Phase, Retract};
 use crate::program::Position;
 
 impl Ticker {
     /// Feed hold with immediate retract [D11]; where the stroke is all but over it is finished instead.
-    pub(super) fn leave_stroke(&mut self) {
+    pub(super) fn leave_stroke(&mut self, ends: &Ends<'_, '_>) {
         if self.detour != Detour::None || self.state != State::Running {
             return;
         }
-        let pass = self.pass.as_ref().and_then(Segment::pass);
-        let (Some(run), Some(pass)) = (self.executor.thread(), pass) else {
+        let (Some(run), Some(pass)) = (self.executor.thread(), &self.pass) else {
             return;
         };
         if !matches!(run.phase(), Phase::Joining | Phase::Locked) {
             return;
         }
-        let target = if run.plan().long_x() {
-            pass.home.z
-        } else {
-            pass.home.x
-        };
-        if self.executor.retract(target) == Retract::Leaving {
+        let target = pass.ways.short_of(pass.ways.home);
+        if self.executor.retract(ends.current(self.source), target) == Retract::Leaving {
             self.detour = Detour::Leaving;
         }
     }
@@ -32,43 +27,37 @@ impl Ticker {
     /// The next leg of a detour; its mark ends it.
     pub(super) fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
         if self.detour == Detour::Leaving {
-            let Some(pass) = self.pass.as_ref().and_then(Segment::pass) else {
+            let Some(pass) = &self.pass else {
                 self.detour = Detour::None;
                 return;
             };
-            let from = self.executor.position();
-            let mut level = pass.home;
-            if pass.plan.long_x() {
-                level.x = from.x;
-            } else {
-                level.z = from.z;
-            }
+            let home = pass.ways.home;
+            let mut level = self.executor.position();
+            pass.ways.set_short(&mut level, pass.ways.short_of(home));
             self.detour = Detour::Home;
-            let home = pass.home;
             self.route([Some(level), Some(home)]);
             return;
         }
         let epoch = self.route_epoch;
-        if ends.detours.peek().is_none_or(|leg| leg.epoch != epoch) {
-            return;
-        }
-        let Some(mut leg) = take(ends.detours) else {
+        let Some(leg) = ends.detours.peek().filter(|leg| leg.epoch == epoch) else {
             return;
         };
         if !matches!(leg.action, Action::End) {
-            if let Some(segment) = &self.pass {
+            self.executor.begin(leg);
+            self.source = Source::Detour;
+            if let Some(pass) = &self.pass {
                 // It belongs to the pass that was left.
-                (leg.number, leg.span) = (segment.number, segment.span);
-                leg.stops.frozen = segment.stops.frozen;
+                self.executor.tell_as(pass.number, pass.span, pass.frozen);
             }
-            self.executor.begin(&leg);
             return;
         }
+        take(ends.detours);
         self.detour = match self.detour {
             Detour::Home => Detour::AtHome,
             Detour::Back => {
-                if let Some(segment) = &self.pass {
-                    self.executor.begin(segment);
+                if let Some(pass) = ends.segments.peek() {
+                    self.executor.begin(pass);
+                    self.source = Source::Program;
                 }
                 Detour::None
             }

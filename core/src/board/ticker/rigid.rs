@@ -1,7 +1,6 @@
 //! Rigid mode of the spindle: into it at standstill, out of it with the next speed.
 
-use super::super::queue::EventIn;
-use super::{Rigid, Ticker};
+use super::{Ends, Rigid, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::Motion;
 
@@ -15,7 +14,7 @@ impl Ticker {
     }
 
     /// The spindle stands, and its drive has said where: from here on it is where it is told to be.
-    pub(super) fn enter_rigid(&mut self, events: &mut EventIn<'_>) -> Option<(u32, u32, Motion)> {
+    pub(super) fn enter_rigid(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
         let Rigid::Entering {
             number,
             line,
@@ -42,7 +41,7 @@ impl Ticker {
                 Arg::None,
                 Arg::None,
             ];
-            self.raise(Alarm::new(Code::SpindleNotStopped, span).with(args), events);
+            self.raise(Alarm::new(Code::SpindleNotStopped, span).with(args), ends);
         }
         Some((number, line, Motion::Wait))
     }

@@ -5,47 +5,46 @@ use super::super::event::Event;
 use super::super::queue::{EventIn, take};
 use super::{Ends, Notice, Outcome, State, Ticker, emit};
 use crate::alarm::Alarm;
-use crate::motion::{Pass, Phase, Segment};
+use crate::motion::Phase;
 use crate::program::Position;
 use crate::units::{Length, Rpm};
 
 impl Ticker {
     /// An alarm: the axes come to rest on their path, and what is queued is forgotten. The first one stays.
-    pub(super) fn raise(&mut self, alarm: Alarm, events: &mut EventIn<'_>) {
+    pub(super) fn raise(&mut self, alarm: Alarm, ends: &mut Ends<'_, '_>) {
         if matches!(
             self.state,
             State::Alarm(_) | State::Stopping(Outcome::Alarm(_))
         ) {
             return;
         }
-        self.executor.stop();
+        self.executor.stop(ends.current(self.source));
         self.detour = Detour::None;
         // A reset may have been on its way out of a thread: an alarm moves nothing any more.
-        self.clear_at = None;
+        self.clearing = false;
         self.commanded = Rpm::STOPPED;
         self.stay_rigid();
         self.state = State::Stopping(Outcome::Alarm(alarm));
-        emit(events, Event::Alarm(alarm));
+        emit(ends.events, Event::Alarm(alarm));
     }
 
     /// Reset: a stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
     /// the way out behind a stroke goes on until then; anything else stops on its path. The spindle goes on turning until the axes stand.
-    pub(super) fn reset_in_motion(&mut self) {
+    pub(super) fn reset_in_motion(&mut self, ends: &Ends<'_, '_>) {
         self.operator.hold = false;
         self.paused = false;
         self.detour = Detour::None;
-        self.clear_at = None;
+        self.clearing = false;
         self.pauses_unless_hole = false;
         self.stay_rigid();
         self.state = State::Stopping(Outcome::Reset);
-        let pass = self.pass.as_ref().and_then(Segment::pass);
-        let Some(pass) = pass.filter(|_| self.in_thread()) else {
-            self.executor.stop();
+        let current = ends.current(self.source);
+        let Some(pass) = self.pass.filter(|_| self.in_thread()) else {
+            self.executor.stop(current);
             return;
         };
-        let (clear, target) = clear_of(pass, self.clearance);
-        self.clear_at = Some(clear);
-        self.executor.retract(target);
+        self.clearing = true;
+        self.executor.retract(current, pass.ways.clear);
     }
 
     /// The tool is in the thread, or may be: in a stroke, behind it, or on its way out.
@@ -59,20 +58,15 @@ impl Ticker {
     }
 
     /// Where the tool still has to go to be clear of the crests: on the short axis alone, away from the work.
-    pub(super) fn not_clear(&self, clear: Position) -> Option<Position> {
-        let pass = self.pass.as_ref()?.pass()?;
-        let at = self.executor.position();
-        let mut target = at;
-        let (here, wanted, home) = if pass.plan.long_x() {
-            target.z = clear.z;
-            (at.z, clear.z, pass.home.z)
-        } else {
-            target.x = clear.x;
-            (at.x, clear.x, pass.home.x)
-        };
+    pub(super) fn not_clear(&self) -> Option<Position> {
+        let ways = &self.pass.as_ref()?.ways;
+        let mut target = self.executor.position();
+        let here = ways.short_of(target);
+        ways.set_short(&mut target, ways.clear);
         // Only outwards.
-        let way = wanted - here;
-        (way != Length::ZERO && way.signum() == (home - here).signum()).then_some(target)
+        let way = ways.clear - here;
+        let outwards = ways.short_of(ways.home) - here;
+        (way != Length::ZERO && way.signum() == outwards.signum()).then_some(target)
     }
 
     pub(super) fn finish_stop(&mut self, outcome: Outcome, events: &mut EventIn<'_>) {
@@ -105,21 +99,4 @@ impl Ticker {
             }
         }
     }
-}
-
-/// Where the short axis is clear of both crests of a pass, C's and D's, or at the start level: as a position, and on that
-/// axis alone.
-fn clear_of(pass: &Pass, clearance: Length) -> (Position, Length) {
-    let long_x = pass.plan.long_x();
-    let home = if long_x { pass.home.z } else { pass.home.x };
-    let level = pass.plan.level_towards(home);
-    let out = (pass.depth + clearance).min((home - level).abs());
-    let target = level + out.times((home - level).signum());
-    let mut clear = pass.home;
-    if long_x {
-        clear.z = target;
-    } else {
-        clear.x = target;
-    }
-    (clear, target)
 }

@@ -3,13 +3,10 @@
 use super::gear::TapLine;
 use super::plan::{Stroke, Tap, TapStep};
 use crate::motion::executor::Motion;
-use crate::motion::line::Line;
-use crate::motion::path::Path;
-use crate::motion::plan::Timed;
-use crate::motion::rate::{PathRate, Rate};
+use crate::motion::rate::{Rate, Travel};
 use crate::motion::run::Run;
 use crate::program::Position;
-use crate::units::Turns;
+use crate::units::{Length, Turns};
 
 /// What one tick of a tap says.
 #[derive(Clone, Copy, Debug)]
@@ -30,16 +27,15 @@ pub(in crate::motion) struct TapPoint {
 enum Stage {
     /// At rest before a step.
     Between,
-    /// In a stroke.
-    Moving,
+    /// In a stroke that began here on the tap axis.
+    Moving(Length),
     /// In a dwell, so many ticks to go.
     Dwelling(u32),
 }
 
-/// A tap under way.
+/// A tap under way. Only what changes: its steps stay where they are and are handed in, the same ones every time.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct TapRun {
-    tap: Tap,
     line: TapLine,
     stage: Stage,
     index: u8,
@@ -54,7 +50,6 @@ impl TapRun {
     /// A tap that begins where the machine stands, with the spindle at `angle`.
     pub(in crate::motion) fn new(tap: &Tap, position: Position, angle: Turns) -> Self {
         Self {
-            tap: *tap,
             line: TapLine::through(tap.gear, position, angle),
             stage: Stage::Between,
             index: 0,
@@ -70,40 +65,45 @@ impl TapRun {
         &self.line
     }
 
-    /// The feed override acts.
-    pub(in crate::motion) const fn feed_override(&self) -> bool {
-        self.tap.feed_override
-    }
-
     /// Gives up what is left. True where nothing moves and it is over at once.
-    pub(in crate::motion) fn stop(&mut self, run: &mut Run) -> bool {
+    pub(in crate::motion) const fn stop(&mut self, run: &mut Run) -> bool {
         self.aborted = true;
         run.abandon();
-        self.stage != Stage::Moving
+        !matches!(self.stage, Stage::Moving(_))
     }
 
     /// One tick at `rate`; `hold`: nothing new begins, and a stroke is at rate zero.
-    pub(in crate::motion) fn tick(&mut self, run: &mut Run, rate: Rate, hold: bool) -> TapPoint {
+    pub(in crate::motion) fn tick(
+        &mut self,
+        tap: &Tap,
+        run: &mut Run,
+        rate: Rate,
+        hold: bool,
+    ) -> TapPoint {
         let offset = self.done;
+        let step = tap.step(self.index);
         if self.stage == Stage::Between && !hold {
-            self.begin(run);
+            self.begin(step, run);
         }
-        let (motion, over) = match &mut self.stage {
-            Stage::Between => (Motion::Hold, false),
-            Stage::Dwelling(_) if hold => (Motion::Hold, false),
-            Stage::Dwelling(left) => {
+        let (motion, over) = match (&mut self.stage, step) {
+            (Stage::Between, _) => (Motion::Hold, false),
+            (Stage::Dwelling(_), _) if hold => (Motion::Hold, false),
+            (Stage::Dwelling(left), _) => {
                 *left = left.saturating_sub(1);
                 (Motion::Dwell, *left == 0)
             }
-            Stage::Moving => {
-                let step = run.tick(if hold { Rate::HOLD } else { rate });
-                self.position = step.position;
-                let resting = hold && run.at_rest() && !step.done;
+            (Stage::Moving(from), Some(TapStep::Stroke(stroke))) => {
+                let progress = run.progress(if hold { Rate::HOLD } else { rate });
+                let axis = self.line.gear.axis();
+                self.position = axis.with(self.position, *from + way(stroke, progress.travel));
+                let resting = hold && run.at_rest() && !progress.done;
                 let motion = if resting { Motion::Hold } else { Motion::Run };
-                (motion, step.done)
+                (motion, progress.done)
             }
+            // Not reached: only a stroke moves.
+            (Stage::Moving(_), _) => (Motion::Run, true),
         };
-        let done = over && self.finish_step();
+        let done = over && self.finish_step(tap);
         TapPoint {
             position: self.position,
             angle: self.line.angle(self.position),
@@ -113,13 +113,12 @@ impl TapRun {
         }
     }
 
-    fn begin(&mut self, run: &mut Run) {
-        self.stage = match self.tap.step(self.index) {
+    fn begin(&mut self, step: Option<&TapStep>, run: &mut Run) {
+        self.stage = match step {
             Some(TapStep::Dwell(ticks)) => Stage::Dwelling(*ticks),
             Some(TapStep::Stroke(stroke)) => {
-                let timed = timed(stroke, self.line.gear.axis(), self.position);
-                if run.begin(&timed) {
-                    Stage::Moving
+                if run.begin_length(stroke.travel.abs(), stroke.nominal, stroke.ramp) {
+                    Stage::Moving(self.line.gear.axis().of(self.position))
                 } else {
                     Stage::Between
                 }
@@ -130,23 +129,22 @@ impl TapRun {
     }
 
     /// The next step; true where there is none.
-    fn finish_step(&mut self) -> bool {
-        (self.index, self.left) = self.tap.after(self.index, self.left);
+    fn finish_step(&mut self, tap: &Tap) -> bool {
+        (self.index, self.left) = tap.after(self.index, self.left);
         self.done = self.done.saturating_add(1);
         self.stage = Stage::Between;
-        self.aborted || self.tap.step(self.index).is_none()
+        self.aborted || tap.step(self.index).is_none()
     }
 }
 
-/// A stroke from where the machine stands, for the profile.
-fn timed(stroke: &Stroke, axis: crate::program::TapAxis, from: Position) -> Timed {
-    let to = axis.with(from, axis.of(from) + stroke.travel);
-    Timed {
-        path: Path::Line(Line::along_axis(from, to, axis)),
-        length: stroke.travel.abs(),
-        nominal: stroke.nominal,
-        ramp: stroke.ramp,
-        exit: PathRate::ZERO,
-        feed: None,
-    }
+/// How far a stroke has come, rounded to the nearest nanometre; all of it at its end.
+const fn way(stroke: &Stroke, travel: Travel) -> Length {
+    let length = stroke.travel.nm().unsigned_abs();
+    let way = travel.raw().wrapping_add(1 << 15) >> 16;
+    let way = if way > length { length } else { way } as i64;
+    Length::from_nm(if stroke.travel.nm() < 0 {
+        way.wrapping_neg()
+    } else {
+        way
+    })
 }

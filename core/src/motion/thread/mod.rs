@@ -31,5 +31,6 @@ mod ramp;
 mod run;
 mod shape;
 
+pub use path::Helix;
 pub use plan::ThreadPlan;
 pub use run::{Phase, Retract, ThreadPoint, ThreadRun};

@@ -14,18 +14,52 @@ pub(super) struct Out {
     pub apart: Fine,
 }
 
-impl ThreadPlan {
-    /// An angle counted in the direction the spindle is to turn.
-    pub(super) fn turned(&self, angle: Turns) -> Turns {
-        if self.reverse { -angle } else { angle }
+/// The exact helix of a pass, to judge its setpoints by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Helix {
+    travel: HelixTravel,
+    base: Turns,
+    start: Length,
+    long_x: bool,
+    backward: bool,
+    reverse: bool,
+}
+
+impl Helix {
+    /// True where X is the long axis.
+    #[must_use]
+    pub const fn long_x(&self) -> bool {
+        self.long_x
     }
 
-    /// The helix' travel for an angle since it was at the start point, limited to a turn around the pass.
-    pub(super) fn travel(&self, relative: Turns) -> Fine {
-        let low = (-self.join_angle - Turns::ONE).raw();
-        let high = (self.done_angle + Turns::ONE).raw();
+    /// Where the helix stands on the long axis at a spindle angle.
+    #[must_use]
+    pub fn at(&self, angle: Turns) -> Length {
+        let turned = if self.reverse { -angle } else { angle };
+        let way = whole(self.travel.at(turned - self.base));
+        if self.backward {
+            self.start - way
+        } else {
+            self.start + way
+        }
+    }
+}
+
+/// What turns an angle into a travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct HelixTravel {
+    /// Angles below and above count as these: a turn around the pass.
+    pub low: Turns,
+    pub high: Turns,
+    /// Travel per turn: whole nanometres, and the rest in 2⁻³² nm.
+    pub lead: (u64, u64),
+}
+
+impl HelixTravel {
+    /// The helix' travel for an angle since it was at the start point.
+    pub fn at(&self, relative: Turns) -> Fine {
         // Not `clamp`, which panics where the limits cross.
-        let relative = relative.raw().max(low).min(high);
+        let relative = relative.raw().max(self.low.raw()).min(self.high.raw());
         let turns = relative >> 32;
         let part = (relative as u64) & 0xffff_ffff;
         let (lead, rest) = self.lead;
@@ -37,6 +71,29 @@ impl ThreadPlan {
         let within =
             ((part >> 2).wrapping_mul(lead) >> 14).wrapping_add(part.wrapping_mul(rest) >> 48);
         whole_turns.wrapping_add(within as i64)
+    }
+}
+
+impl ThreadPlan {
+    /// The helix that is at the start point at the angle `base`.
+    pub(super) fn helix(&self, base: Turns) -> Helix {
+        Helix {
+            travel: self.travel,
+            base,
+            start: if self.long_x {
+                self.start.x
+            } else {
+                self.start.z
+            },
+            long_x: self.long_x,
+            backward: self.backward,
+            reverse: self.reverse,
+        }
+    }
+
+    /// An angle counted in the direction the spindle is to turn.
+    pub(super) fn turned(&self, angle: Turns) -> Turns {
+        if self.reverse { -angle } else { angle }
     }
 
     /// The pass's line with its run-in, relative to the start point on the short axis.

@@ -1,6 +1,7 @@
 //! A pass planned: every figure the tick needs, from the moves of the pass, the axes' limits and the spindle's speed.
 
 use super::pace::{Pace, lead_nm, lead_turns};
+use super::path::HelixTravel;
 use super::ramp::{Slope, along, inverse};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -49,8 +50,7 @@ pub struct ThreadPlan {
     pub(super) backward: bool,
     /// M04: the spindle's angle falls.
     pub(super) reverse: bool,
-    /// Travel per turn: whole nanometres, and the rest in 2⁻³² nm.
-    pub(super) lead: (u64, u64),
+    pub(super) travel: HelixTravel,
     pub(super) start_angle: Turns,
     /// L.
     pub(super) length: Fine,
@@ -137,6 +137,8 @@ impl ThreadPlan {
         let steepest = slopes.into_iter().max().unwrap_or(0);
         let lead = shape.thread.lead;
         let per_tick = mul_div(machine.speed << 16, u64::from(params.tick_us()), 1_000_000);
+        let join_angle = angle_of(join.half(), lead);
+        let done_angle = angle_of(length.saturating_add(brake.half()), lead);
         let mut plan = Self {
             span: shape.span,
             start: shape.from,
@@ -144,14 +146,18 @@ impl ThreadPlan {
             long_x,
             backward: shape.backward,
             reverse: pace.reverse,
-            lead: (mul_div(lead_nm(lead), 1, lead_turns(lead)), rest(lead)),
+            travel: HelixTravel {
+                low: -join_angle - Turns::ONE,
+                high: done_angle + Turns::ONE,
+                lead: (mul_div(lead_nm(lead), 1, lead_turns(lead)), rest(lead)),
+            },
             start_angle: shape.thread.pass_angle.turns(),
             length,
             join,
             brake,
             stop: machine.straight(steepest),
-            join_angle: angle_of(join.half(), lead),
-            done_angle: angle_of(length.saturating_add(brake.half()), lead),
+            join_angle,
+            done_angle,
             taper: shape.taper,
             run_in,
             run_in_rise: run_in.beside_at_start(),

@@ -1,6 +1,6 @@
 //! A pass running: the spindle's angle in, a setpoint out, once a tick. No division, no loop.
 
-use super::path::Out;
+use super::path::{Helix, Out};
 use super::plan::{ThreadPlan, whole};
 use super::ramp::along;
 use crate::alarm::{Alarm, Code};
@@ -62,16 +62,17 @@ enum Master {
 }
 
 /// A pass under way.
+///
+/// Only what changes: its plan stays where it is and is handed in, the same one every time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadRun {
-    plan: ThreadPlan,
     /// The whole turn plus start angle at which the exact helix is at the start point, in the turning direction.
     base: Turns,
     master: Master,
     /// Where the long axis comes to rest; less than the plan's after a retract.
     length: Fine,
-    /// How it does.
-    brake: Ease,
+    /// It does so as a stop does, not as the plan brakes.
+    stops: bool,
     out: Option<Out>,
     /// The last tick: angle since `base`, how far it had come, the long axis.
     angle: Turns,
@@ -87,7 +88,7 @@ impl ThreadRun {
     /// # Errors
     /// The spindle stands or turns the wrong way ([`Code::SpindleStopped`]), or faster than the pass is planned for
     /// ([`Code::SpindleTooFast`]).
-    pub fn start(plan: ThreadPlan, angle: Turns, speed: TurnRate) -> Result<Self, Alarm> {
+    pub fn start(plan: &ThreadPlan, angle: Turns, speed: TurnRate) -> Result<Self, Alarm> {
         if speed == TurnRate::ZERO || speed.is_negative() != plan.reverse {
             return Err(Alarm::new(Code::SpindleStopped, plan.span));
         }
@@ -100,23 +101,16 @@ impl ThreadRun {
         let turn = (leaving.raw() >> 32).wrapping_add(1);
         let base = Turns::from_raw(turn.wrapping_shl(32)) + plan.start_angle;
         Ok(Self {
-            plan,
             base,
             master: Master::Spindle,
             length: plan.length,
-            brake: plan.brake,
+            stops: false,
             out: None,
             angle: angle - base,
             step: 0,
             way: 0,
             phase: Phase::Waiting,
         })
-    }
-
-    /// The plan this pass follows.
-    #[must_use]
-    pub const fn plan(&self) -> &ThreadPlan {
-        &self.plan
     }
 
     /// True while the spindle leads; false once a stop has taken over.
@@ -131,24 +125,23 @@ impl ThreadRun {
         self.phase
     }
 
-    /// Where the exact helix of this pass stands on the long axis at a spindle angle.
+    /// The exact helix of this pass.
     #[must_use]
-    pub fn helix(&self, angle: Turns) -> Length {
-        let way = whole(self.plan.travel(self.plan.turned(angle) - self.base));
-        self.plan.long_at(way)
+    pub fn helix(&self, plan: &ThreadPlan) -> Helix {
+        plan.helix(self.base)
     }
 
     /// The setpoint for the instant at which the spindle is at `angle`.
-    pub fn tick(&mut self, angle: Turns) -> ThreadPoint {
-        let measured = self.plan.turned(angle) - self.base;
+    pub fn tick(&mut self, plan: &ThreadPlan, angle: Turns) -> ThreadPoint {
+        let measured = plan.turned(angle) - self.base;
         let (relative, step) = match self.master {
             Master::Coasting(step) => (self.angle + Turns::from_raw(step), step),
             _ => (measured, (measured - self.angle).raw()),
         };
         self.angle = relative;
         self.step = step;
-        let helix = self.plan.travel(relative);
-        let (way, phase) = self.law(relative, helix);
+        let helix = plan.travel.at(relative);
+        let (way, phase) = self.law(plan, relative, helix);
         self.way = way;
         self.phase = phase;
         if phase == Phase::Done {
@@ -156,25 +149,25 @@ impl ThreadRun {
         }
         let exact = match self.master {
             Master::Spindle => helix,
-            _ => self.plan.travel(measured),
+            _ => plan.travel.at(measured),
         };
         ThreadPoint {
-            position: self.plan.position(way, self.out),
+            position: plan.position(way, self.out),
             phase,
-            exact: self.plan.long_at(whole(exact)),
-            move_index: self.plan.move_index(way, self.out.is_some()),
+            exact: plan.long_at(whole(exact)),
+            move_index: plan.move_index(way, self.out.is_some()),
         }
     }
 
     /// The next setpoint where the drive of the short axis is slower or faster than that of the long one: each coordinate
     /// is that of its own instant. `angle` and `short`: predicted spindle angle at the instant of the long and of the
     /// short axis. The pass is done when both have arrived.
-    pub fn tick_apart(&mut self, angle: Turns, short: Turns) -> ThreadPoint {
+    pub fn tick_apart(&mut self, plan: &ThreadPlan, angle: Turns, short: Turns) -> ThreadPoint {
         let master = self.master;
         let mut beside = *self;
-        let mut point = self.tick(angle);
-        let other = beside.tick(short);
-        if self.plan.long_x {
+        let mut point = self.tick(plan, angle);
+        let other = beside.tick(plan, short);
+        if plan.long_x {
             point.position.z = other.position.z;
         } else {
             point.position.x = other.position.x;
@@ -191,7 +184,7 @@ impl ThreadRun {
     /// none) to `target`, an absolute coordinate of the short axis away from the work, with a taper's slope added; the
     /// long axis stays in lead meanwhile and then comes to rest, never beyond the end plane. Where the way left is too
     /// short for all of it, the short axis goes as far as there is room.
-    pub fn retract(&mut self, target: Length) -> Retract {
+    pub fn retract(&mut self, plan: &ThreadPlan, target: Length) -> Retract {
         if self.out.is_some() {
             return Retract::Leaving;
         }
@@ -208,7 +201,6 @@ impl ThreadRun {
             Phase::Braking => return Retract::Finishing,
             Phase::Joining | Phase::Locked => {}
         }
-        let plan = &self.plan;
         // Behind join and run-in, so that only one corner at a time asks for the short axis' limits.
         let from = self.way.max(plan.join.half()).max(plan.run_in.at);
         if plan.run_out.slope != 0 && from >= plan.run_out.at {
@@ -250,24 +242,23 @@ impl ThreadRun {
     /// fault. The short axis stays on the path of the long one, and no limit is exceeded: a corner of the short axis that
     /// has begun is finished first, and where the rest of the pass is no longer than a stop the pass ends as planned, at
     /// the pace it has.
-    pub fn stop(&mut self) {
+    pub fn stop(&mut self, plan: &ThreadPlan) {
         if self.master != Master::Spindle {
             return;
         }
-        let plan = &self.plan;
         let from = match self.phase {
             Phase::Waiting | Phase::Done => {
                 self.master = Master::Rest(self.way);
                 return;
             }
             Phase::Braking => None,
-            Phase::Joining => self.stop_from(plan.join.half()),
-            Phase::Locked => self.stop_from(self.way),
+            Phase::Joining => self.stop_from(plan, plan.join.half()),
+            Phase::Locked => self.stop_from(plan, self.way),
         };
         match from {
             Some(from) if self.phase == Phase::Locked && from == self.way => {
                 // At once, from the speed there is (a share of the planned one), with the ease scaled down to it.
-                let share = share_of(plan.travel(Turns::from_raw(self.step)), plan.speed);
+                let share = share_of(plan.travel.at(Turns::from_raw(self.step)), plan.speed);
                 self.master = Master::Stopping {
                     left: plan.stop.half(),
                     share,
@@ -276,20 +267,19 @@ impl ThreadRun {
             }
             Some(from) => {
                 self.length = from.wrapping_add(plan.stop.half());
-                self.brake = plan.stop;
-                self.coast();
+                self.stops = true;
+                self.coast(plan);
             }
-            None => self.coast(),
+            None => self.coast(plan),
         }
     }
 
     /// Where a stop that may begin at `from` does begin, so that it meets no corner of the short axis and ends before
     /// the end plane; `None` where the pass had better end as planned.
-    fn stop_from(&self, from: Fine) -> Option<Fine> {
+    fn stop_from(&self, plan: &ThreadPlan, from: Fine) -> Option<Fine> {
         if self.out.is_some() {
             return None;
         }
-        let plan = &self.plan;
         let stop = plan.stop.half();
         let corner = |ease: &Ease| ease.half().wrapping_mul(2);
         if from.wrapping_add(stop) <= plan.run_in.at.wrapping_sub(corner(&plan.run_in.ease)) {
@@ -303,9 +293,9 @@ impl ThreadRun {
     }
 
     /// Lets the angle run on at its present pace; a spindle that hardly moves leaves the axis where it is.
-    fn coast(&mut self) {
-        let pace = self.plan.travel(Turns::from_raw(self.step));
-        self.master = if pace < self.plan.speed >> 6 {
+    fn coast(&mut self, plan: &ThreadPlan) {
+        let pace = plan.travel.at(Turns::from_raw(self.step));
+        self.master = if pace < plan.speed >> 6 {
             Master::Rest(self.way)
         } else {
             Master::Coasting(self.step)
@@ -313,8 +303,7 @@ impl ThreadRun {
     }
 
     /// The long axis' way from the start point, and the phase.
-    fn law(&mut self, relative: Turns, helix: Fine) -> (Fine, Phase) {
-        let plan = &self.plan;
+    fn law(&mut self, plan: &ThreadPlan, relative: Turns, helix: Fine) -> (Fine, Phase) {
         match &mut self.master {
             Master::Rest(way) => return (*way, Phase::Done),
             Master::Stopping { left, share, rest } => {
@@ -332,14 +321,12 @@ impl ThreadRun {
             return (plan.join.at(helix), Phase::Joining);
         }
         let left = self.length.wrapping_sub(helix);
-        let brake = self.brake.half();
+        let ease = if self.stops { &plan.stop } else { &plan.brake };
+        let brake = ease.half();
         if left >= brake {
             (helix, Phase::Locked)
         } else if left > brake.wrapping_neg() {
-            (
-                self.length.wrapping_sub(self.brake.at(left)),
-                Phase::Braking,
-            )
+            (self.length.wrapping_sub(ease.at(left)), Phase::Braking)
         } else {
             (self.length, Phase::Done)
         }

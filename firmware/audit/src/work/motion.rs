@@ -83,7 +83,7 @@ fn override_at(tick: usize) -> Rate {
 }
 
 impl Work for TimedMove {
-    type State = Run;
+    type State = (Run, Timed);
     type Out = Step;
 
     fn steps(&self) -> usize {
@@ -91,15 +91,15 @@ impl Work for TimedMove {
         until(LONGEST, |number| self.step(&mut run, number).done)
     }
 
-    fn begin(&self) -> Run {
+    fn begin(&self) -> (Run, Timed) {
         let timed = self.plan().ok().flatten().expect("a move that time drives");
         let mut run = Run::new();
         assert!(run.begin(&timed), "a run at rest takes a motion");
-        run
+        (run, timed)
     }
 
-    fn step(&self, run: &mut Run, number: usize) -> Step {
-        run.tick(override_at(number))
+    fn step(&self, (run, timed): &mut (Run, Timed), number: usize) -> Step {
+        run.tick(override_at(number), timed, None)
     }
 }
 
@@ -130,7 +130,7 @@ impl ThreadPass {
 }
 
 impl Work for ThreadPass {
-    type State = ThreadRun;
+    type State = (ThreadRun, ThreadPlan);
     type Out = ThreadPoint;
 
     fn steps(&self) -> usize {
@@ -140,12 +140,13 @@ impl Work for ThreadPass {
         })
     }
 
-    fn begin(&self) -> ThreadRun {
+    fn begin(&self) -> (ThreadRun, ThreadPlan) {
         let plan = self.plan().expect("the sheet's example");
-        ThreadRun::start(plan, spindle::angle(0), spindle::speed()).expect("the spindle turns")
+        let run = ThreadRun::start(&plan, spindle::angle(0), spindle::speed());
+        (run.expect("the spindle turns"), plan)
     }
 
-    fn step(&self, run: &mut ThreadRun, number: usize) -> ThreadPoint {
-        run.tick(spindle::angle(number))
+    fn step(&self, (run, plan): &mut (ThreadRun, ThreadPlan), number: usize) -> ThreadPoint {
+        run.tick(plan, spindle::angle(number))
     }
 }

@@ -80,16 +80,12 @@ fn profile() {
 fn run() {
     let mut run = Run::new();
     let limits: Limits = any();
-    while any() {
-        if let Ok(Some(timed)) = plan::timed(any::<Position>(), &any::<Move>(), &limits) {
-            sink(timed.duration_ticks());
-            if any() {
-                sink(run.begin(&timed));
-            } else {
-                sink(run.join(&timed));
-            }
-        }
-        sink(run.tick(any()));
+    let timed = || plan::timed(any::<Position>(), &any::<Move>(), &limits);
+    while let (Ok(Some(current)), Ok(Some(next))) = (timed(), timed()) {
+        sink(current.duration_ticks());
+        sink(run.begin(&current));
+        sink(run.join(&current, &next));
+        sink(run.tick(any(), &current, any::<bool>().then_some(&next)));
         if any() {
             run.abandon();
         }
@@ -123,18 +119,20 @@ fn thread_plan() {
 
 #[inline(never)]
 fn thread_run() {
-    let Some(Ok(mut run)) = any_thread_plan().map(|plan| ThreadRun::start(plan, any(), any()))
-    else {
+    let Some(plan) = any_thread_plan() else {
+        return;
+    };
+    let Ok(mut run) = ThreadRun::start(&plan, any(), any()) else {
         return;
     };
     while any() {
-        sink(run.tick(any()));
-        sink((run.phase(), run.helix(any())));
+        sink(run.tick(&plan, any()));
+        sink((run.phase(), run.helix(&plan).at(any())));
         if any() {
-            sink(run.retract(any()));
+            sink(run.retract(&plan, any()));
         }
         if any() {
-            run.stop();
+            run.stop(&plan);
         }
     }
 }

@@ -1,0 +1,158 @@
+//! A pass of a thread in the executor: waiting for the spindle, and what the spindle may do in the stroke.
+
+use super::{Active, Conditions, Done, Executor, Motion};
+use crate::alarm::{Alarm, Arg, Code};
+use crate::motion::segment::Pass;
+use crate::motion::thread::{Phase, ThreadPlan, ThreadRun};
+use crate::units::TurnRate;
+
+/// Ticks for which the axes stand at the end of a pass before the next segment begins. The last setpoints of the pass and
+/// the first of the next segment then share no third difference, so their jerks do not add.
+const SETTLING: u8 = 2;
+
+/// For how many ticks a pass has waited, and for what.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Waited {
+    /// For the speed.
+    speed: u32,
+    /// For the index, at speed.
+    index: u32,
+}
+
+impl Executor {
+    /// A tick of the wait. The pass begins when the spindle turns as commanded, its index is known and the retract is
+    /// queued.
+    pub(super) fn wait(&mut self, now: &Conditions<'_>, pass: &Pass) -> Result<Done, Alarm> {
+        if now.hold {
+            self.active = Active::Waiting(Waited::default());
+            return Ok(Done::of(Motion::Hold));
+        }
+        let speed = now.observer.speed();
+        let wanted = TurnRate::of_rpm(pass.rpm);
+        if !self.arrived(speed, wanted) {
+            if self.waits_longer(|waited| &mut waited.speed) > self.arrival.speed_ticks {
+                self.active = Active::Free;
+                return Err(Alarm::new(Code::SpindleNotArrived, self.span).with([
+                    Arg::Rpm(speed.rpm()),
+                    Arg::Rpm(pass.rpm),
+                    Arg::None,
+                    Arg::None,
+                ]));
+            }
+        } else if !now.observer.indexed() {
+            // Two turns at the commanded speed and a second.
+            let per_minute = self.arrival.ticks_per_minute;
+            let turn = per_minute.checked_div(pass.rpm.abs()).unwrap_or(per_minute);
+            let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
+            if self.waits_longer(|waited| &mut waited.index) > patience {
+                self.active = Active::Free;
+                return Err(Alarm::new(Code::NoIndex, self.span));
+            }
+        } else if now.more {
+            // Both axes have to be in time: the one with the slower drive leaves first.
+            let ahead = now.ahead_x.max(now.ahead_z);
+            match ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed) {
+                Ok(run) => self.active = Active::Thread(run),
+                Err(alarm) => {
+                    self.active = Active::Free;
+                    return Err(alarm);
+                }
+            }
+        }
+        Ok(Done::of(Motion::Wait))
+    }
+
+    /// A tick more of one of the waits: its ticks so far.
+    fn waits_longer(&mut self, which: impl FnOnce(&mut Waited) -> &mut u32) -> u32 {
+        let Active::Waiting(waited) = &mut self.active else {
+            return 0;
+        };
+        let ticks = which(waited);
+        *ticks = ticks.saturating_add(1);
+        *ticks
+    }
+
+    fn arrived(&self, speed: TurnRate, wanted: TurnRate) -> bool {
+        if wanted == TurnRate::ZERO || speed.is_negative() != wanted.is_negative() {
+            return false;
+        }
+        let off = speed
+            .abs()
+            .raw()
+            .saturating_sub(wanted.abs().raw())
+            .saturating_abs();
+        let tolerance =
+            (wanted.abs().raw() / 100).saturating_mul(i64::from(self.arrival.tolerance_percent));
+        off <= tolerance
+    }
+
+    /// A tick of the pass.
+    pub(super) fn cut_on(
+        &mut self,
+        now: &Conditions<'_>,
+        plan: &ThreadPlan,
+    ) -> Result<Done, Alarm> {
+        let Active::Thread(run) = &mut self.active else {
+            return Ok(Done::of(Motion::Idle));
+        };
+        if now.hold && !self.aborting && run.phase() == Phase::Waiting {
+            // It has not left yet: it waits again after the hold.
+            self.active = Active::Waiting(Waited::default());
+            return Ok(Done::of(Motion::Hold));
+        }
+        let speed = now.observer.speed();
+        let turning = now.observer.is_turning();
+        let backwards = turning && speed.is_negative() != plan.is_reverse();
+        let too_fast = speed.abs() > plan.speed_limit();
+        let as_planned = turning && !backwards && !too_fast;
+        if as_planned || !run.is_led() {
+            self.astray = 0;
+        } else {
+            let per_second = self.arrival.ticks_per_minute / 60;
+            let patience = if too_fast {
+                per_second / 100
+            } else if backwards {
+                per_second / 10
+            } else {
+                per_second
+            };
+            self.astray = self.astray.saturating_add(1);
+            if self.astray > patience {
+                self.astray = 0;
+                return Err(if too_fast {
+                    plan.too_fast(speed)
+                } else {
+                    Alarm::new(Code::SpindleStopped, self.span)
+                });
+            }
+        }
+        let (long, short) = if plan.long_x() {
+            (now.ahead_x, now.ahead_z)
+        } else {
+            (now.ahead_z, now.ahead_x)
+        };
+        let angle = now.observer.predict(long);
+        let point = if long == short {
+            run.tick(plan, angle)
+        } else {
+            run.tick_apart(plan, angle, now.observer.predict(short))
+        };
+        self.position = point.position;
+        let motion = match point.phase {
+            Phase::Waiting => Motion::Wait,
+            Phase::Done => {
+                self.settled = self.settled.saturating_add(1);
+                if self.settled > SETTLING {
+                    self.active = Active::Free;
+                }
+                Motion::Run
+            }
+            Phase::Joining | Phase::Locked | Phase::Braking => Motion::Run,
+        };
+        Ok(Done {
+            motion,
+            locked: point.phase == Phase::Locked,
+            offset: u32::from(point.move_index),
+        })
+    }
+}
