@@ -21,6 +21,7 @@ mod object;
 mod pdo;
 mod periods;
 mod sdo;
+pub mod slcan;
 mod spindle;
 mod sync;
 

@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_core::bus::{
     CobId, DriveCommand, DriveMaster, DriveStatus, Emcy, Frame, Increments, MilliRpm, NmtCommand,
-    NmtState, Scale, SpindleCommand, SpindleMaster, Statusword, SyncProducer, is_sync,
+    NmtState, Scale, SpindleCommand, SpindleMaster, Statusword, SyncProducer, is_sync, slcan,
 };
 
 /// All of this room.
@@ -14,6 +14,7 @@ pub fn all() {
     increments();
     drive();
     spindle();
+    serial_line();
 }
 
 #[inline(never)]
@@ -52,6 +53,32 @@ fn decode() {
     sink(NmtState::decode(&frame));
     sink(Emcy::decode(&frame));
     sink((is_sync(&frame), any::<Statusword>().state()));
+}
+
+#[inline(never)]
+fn serial_line() {
+    let mut lines = slcan::Lines::new();
+    let mut adapter = slcan::Adapter::new(any(), any(), any());
+    for _ in 0..u8::MAX {
+        let Some(heard) = lines.push(any()) else {
+            continue;
+        };
+        if let Some(reply) = slcan::Reply::of(heard) {
+            sink(reply.line().bytes());
+        }
+        if let Some(request) = slcan::Request::of(heard) {
+            sink(request.line().bytes());
+        }
+        let handled = adapter.handle(heard);
+        sink(handled.reply.line().bytes());
+        adapter.flag(slcan::Flags::WARNING);
+        if let Some(frame) = handled.send {
+            sink(adapter.received(&frame, any()).map(|reply| reply.line()));
+        }
+        sink((adapter.is_open(), adapter.bit_rate(), adapter.timing()));
+    }
+    let frame: Frame = any();
+    sink(slcan::Request::Send(slcan::SlcanFrame::Data(frame)).line());
 }
 
 #[inline(never)]

@@ -1,0 +1,161 @@
+//! The adapter's side: what it does with a request depends on whether it is open.
+
+use super::acceptance::Acceptance;
+use super::frame::SlcanFrame;
+use super::line::Heard;
+use super::reply::{Flags, Reply, Stamp};
+use super::request::{BitRate, Request};
+
+/// Where the channel is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Channel {
+    Closed,
+    Listening,
+    Open,
+}
+
+/// What to do about a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Handled {
+    /// To be sent to the host.
+    pub reply: Reply,
+    /// To be put on the bus.
+    pub send: Option<SlcanFrame>,
+}
+
+/// An adapter, closed at first.
+#[derive(Clone, Copy, Debug)]
+pub struct Adapter {
+    channel: Channel,
+    rate: Option<BitRate>,
+    timing: Option<(u8, u8)>,
+    stamps: bool,
+    acceptance: Acceptance,
+    flags: Flags,
+    version: (u8, u8),
+    serial: [u8; 4],
+}
+
+impl Adapter {
+    /// An adapter with these versions of hardware and software and this serial number (letters and digits).
+    #[must_use]
+    pub const fn new(hardware: u8, software: u8, serial: [u8; 4]) -> Self {
+        Self {
+            channel: Channel::Closed,
+            rate: None,
+            timing: None,
+            stamps: false,
+            acceptance: Acceptance::ALL,
+            flags: Flags(0),
+            version: (hardware, software),
+            serial,
+        }
+    }
+
+    /// True while it takes part in the bus or listens.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        !matches!(self.channel, Channel::Closed)
+    }
+
+    /// The bit rate asked for last; `None` before, and after a request for timing registers.
+    #[must_use]
+    pub const fn bit_rate(&self) -> Option<BitRate> {
+        self.rate
+    }
+
+    /// The timing registers asked for last, if they were asked for instead of a bit rate.
+    #[must_use]
+    pub const fn timing(&self) -> Option<(u8, u8)> {
+        self.timing
+    }
+
+    /// Something went wrong; the host is told when it asks.
+    pub const fn flag(&mut self, flags: Flags) {
+        self.flags = self.flags.with(flags);
+    }
+
+    /// Takes what the host sent. An empty line is what some hosts clear the line with: it is answered like any other and
+    /// changes nothing.
+    pub fn handle(&mut self, heard: Heard<'_>) -> Handled {
+        if heard == Heard::Line(&[]) {
+            return Handled {
+                reply: Reply::Done,
+                send: None,
+            };
+        }
+        let answer = Request::of(heard).and_then(|request| self.answer(request));
+        let (reply, send) = answer.unwrap_or((Reply::Refused, None));
+        Handled { reply, send }
+    }
+
+    /// `None` where the request is refused.
+    fn answer(&mut self, request: Request) -> Option<(Reply, Option<SlcanFrame>)> {
+        let closed = self.channel == Channel::Closed;
+        let reply = match request {
+            Request::Version => Reply::Version(self.version.0, self.version.1),
+            Request::Serial => Reply::Serial(self.serial),
+            Request::Rate(rate) if closed => {
+                (self.rate, self.timing) = (Some(rate), None);
+                Reply::Done
+            }
+            Request::Timing(first, second) if closed => {
+                (self.rate, self.timing) = (None, Some((first, second)));
+                Reply::Done
+            }
+            Request::Stamps(on) if closed => {
+                self.stamps = on;
+                Reply::Done
+            }
+            Request::Code(code) if closed => {
+                self.acceptance.code = code;
+                Reply::Done
+            }
+            Request::Mask(mask) if closed => {
+                self.acceptance.mask = mask;
+                Reply::Done
+            }
+            Request::Open | Request::Listen
+                if closed && (self.rate.is_some() || self.timing.is_some()) =>
+            {
+                self.channel = if request == Request::Open {
+                    Channel::Open
+                } else {
+                    Channel::Listening
+                };
+                Reply::Done
+            }
+            Request::Close if !closed => {
+                self.channel = Channel::Closed;
+                Reply::Done
+            }
+            Request::Flags if !closed => {
+                let flags = self.flags;
+                self.flags = Flags(0);
+                Reply::Flags(flags)
+            }
+            Request::Send(frame) if self.channel == Channel::Open => {
+                let extended = matches!(
+                    frame,
+                    SlcanFrame::Extended(_) | SlcanFrame::RemoteExtended(..)
+                );
+                let reply = if extended {
+                    Reply::SentExtended
+                } else {
+                    Reply::Sent
+                };
+                return Some((reply, Some(frame)));
+            }
+            _ => return None,
+        };
+        Some((reply, None))
+    }
+
+    /// The line for a frame from the bus, at this many milliseconds by the adapter's clock; `None` while it is closed, or
+    /// where the acceptance mask keeps it back.
+    #[must_use]
+    pub fn received(&self, frame: &SlcanFrame, ms: u64) -> Option<Reply> {
+        let wanted = self.is_open() && self.acceptance.passes(frame);
+        wanted.then(|| Reply::Frame(*frame, self.stamps.then(|| Stamp::at(ms))))
+    }
+}

@@ -1,0 +1,31 @@
+//! The serial-line protocol of Lawicel's CAN adapters (SLCAN): classical frames as lines of text.
+//!
+//! Terms. The *host* gives requests, the *adapter* replies to each and, while it is open, sends a line for every frame it
+//! receives. A line ends with CR; an adapter refuses with a single BEL. A *time stamp* counts the milliseconds of a minute.
+//!
+//! ```text
+//! t1232AABB␍          a data frame, identifier 123h, two bytes      T, with eight digits: an extended identifier
+//! r1230␍              a remote request                              R, likewise
+//! S8␍ O␍ L␍ C␍        bit rate, open, listen only, close
+//! V␍ N␍ F␍ Z1␍        version, serial number, status flags, time stamps on
+//! M…␍ m…␍             acceptance code and mask, eight digits each
+//! ```
+//!
+//! [`Lines`] cuts bytes into lines, [`Request`] and [`Reply`] are what the lines mean, both ways. [`Adapter`] is the
+//! behaviour of the adapter's side, for a board that is reached over a serial line. Sans-IO: it must not know what the bytes
+//! travel on.
+
+mod acceptance;
+mod adapter;
+mod frame;
+mod line;
+mod reply;
+mod request;
+#[cfg(test)]
+mod tests;
+
+pub use adapter::{Adapter, Handled};
+pub use frame::{ExtendedFrame, ExtendedId, SlcanFrame};
+pub use line::{Heard, Line, Lines};
+pub use reply::{Flags, Reply, Stamp};
+pub use request::{BitRate, Request};
