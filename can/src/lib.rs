@@ -22,6 +22,7 @@ mod health;
 mod log;
 mod packet;
 mod pair;
+mod slcan;
 mod socket;
 #[cfg(test)]
 mod tests;
@@ -29,6 +30,7 @@ mod tests;
 use std::time::Duration;
 
 use leadscrew_core::bus::Frame;
+pub use leadscrew_core::bus::slcan::BitRate;
 
 pub use address::{Address, WrongAddress};
 pub use error::CanError;
@@ -37,6 +39,7 @@ pub use health::{Health, Suspicion};
 pub use log::{Entry, LogReader, LogWriter, WrongLine};
 pub use packet::{Data, FdFrame, Filter, Id, Packet, Received, Stamp};
 pub use pair::{End, pair};
+pub use slcan::Slcan;
 pub use socket::SocketCan;
 
 /// One end of a bus.
@@ -71,14 +74,17 @@ pub trait Can: Send {
     fn dropped(&self) -> Result<u64, CanError>;
 }
 
-/// Opens a bus other than `sim`.
+/// Opens a bus other than `sim`. `bit_rate` is for adapters on a line; an interface of the kernel has its own, set from
+/// outside.
 ///
 /// # Errors
 /// [`CanError`] says what is missing and how to get it.
-pub fn open(address: &Address) -> Result<Box<dyn Can>, CanError> {
+pub fn open(address: &Address, bit_rate: BitRate) -> Result<Box<dyn Can>, CanError> {
     match address {
         Address::Sim => Err(CanError::NotABus),
         Address::SocketCan(name) => Ok(Box::new(SocketCan::open(name)?)),
-        Address::Serial { .. } | Address::Tcp { .. } | Address::Unix(_) => Err(CanError::NotABus),
+        Address::Serial { .. } | Address::Tcp { .. } | Address::Unix(_) => {
+            Ok(Box::new(Slcan::open(address, bit_rate)?))
+        }
     }
 }

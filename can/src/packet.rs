@@ -71,6 +71,17 @@ impl<const N: usize> Data<N> {
         })
     }
 
+    /// The first `N` of these bytes.
+    pub(crate) fn truncated(content: &[u8]) -> Self {
+        let mut bytes = [0; N];
+        let mut len = 0;
+        for (to, from) in bytes.iter_mut().zip(content) {
+            *to = *from;
+            len += 1;
+        }
+        Self { len, bytes }
+    }
+
     /// The bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {

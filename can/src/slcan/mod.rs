@@ -1,0 +1,296 @@
+//! Lawicel (SLCAN) adapters, and boards that behave like one: on a serial line, behind TCP or behind a Unix socket.
+//!
+//! The protocol itself is `leadscrew_core::bus::slcan`. Classical frames only; such adapters tell neither FD nor error
+//! frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under way at a time,
+//! so that its buffer is not overrun.
+
+mod line;
+#[cfg(test)]
+mod tests;
+
+use std::io::{ErrorKind, Read, Write};
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::slcan::{BitRate, Lines, Reply, Request, SlcanFrame};
+use nix::errno::Errno;
+use nix::poll::{PollFd, PollFlags, ppoll};
+use nix::sys::time::TimeSpec;
+
+use crate::{Address, Can, CanError, Data, Filter, Id, Packet, Received, Stamp};
+
+/// Frames sent and not yet acknowledged, at most.
+const WINDOW: usize = 32;
+
+/// Time for an adapter to answer a command.
+const ANSWER: Duration = Duration::from_secs(2);
+
+/// Time in which an adapter that was in the middle of something becomes quiet.
+const QUIET: Duration = Duration::from_millis(100);
+
+/// What an adapter is reached over.
+pub(crate) trait Stream: Read + Write + AsFd + Send {}
+
+impl<T: Read + Write + AsFd + Send> Stream for T {}
+
+/// An open adapter. It is closed when this is dropped.
+pub struct Slcan {
+    name: String,
+    stream: Box<dyn Stream>,
+    lines: Lines,
+    filters: Vec<Filter>,
+    /// Frames sent and not yet acknowledged.
+    under_way: usize,
+    /// Acknowledgements that were refusals, since the last time that was told.
+    refused: bool,
+    /// Received while something else was waited for.
+    early: Vec<Received>,
+}
+
+impl Slcan {
+    /// Opens the adapter at an address, at this bit rate.
+    ///
+    /// # Errors
+    /// There is nothing at the address, or it does not answer like an adapter.
+    pub fn open(address: &Address, bit_rate: BitRate) -> Result<Self, CanError> {
+        let (name, stream) = line::open(address)?;
+        let mut adapter = Self {
+            name,
+            stream,
+            lines: Lines::new(),
+            filters: Vec::new(),
+            under_way: 0,
+            refused: false,
+            early: Vec::new(),
+        };
+        adapter.begin(bit_rate)?;
+        Ok(adapter)
+    }
+
+    /// Whatever state the adapter is in, afterwards it is open.
+    fn begin(&mut self, bit_rate: BitRate) -> Result<(), CanError> {
+        // Empty lines end what another program left unfinished; it may be open already or not.
+        self.write(b"\r\r\r")?;
+        self.write(Request::Close.line().bytes())?;
+        while self.wait(QUIET)? {
+            let mut ignored = [0; 512];
+            self.read(&mut ignored)?;
+        }
+        self.lines = Lines::new();
+        self.command("S", &Request::Rate(bit_rate))?;
+        self.command("O", &Request::Open)
+    }
+
+    fn command(&mut self, name: &'static str, request: &Request) -> Result<(), CanError> {
+        self.write(request.line().bytes())?;
+        let deadline = Instant::now() + ANSWER;
+        let mut early = std::mem::take(&mut self.early);
+        let mut answered = None;
+        while answered.is_none() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || !self.wait(left)? {
+                return Err(CanError::AdapterSilent {
+                    name: self.name.clone(),
+                    command: name,
+                });
+            }
+            self.take(&mut early, |reply| {
+                if answered.is_none() && matches!(reply, Reply::Done | Reply::Refused) {
+                    answered = Some(*reply);
+                }
+            })?;
+        }
+        self.early = early;
+        match answered {
+            Some(Reply::Done) => Ok(()),
+            _ => Err(CanError::AdapterRefused {
+                name: self.name.clone(),
+                command: name,
+            }),
+        }
+    }
+
+    /// Reads once. Frames go to `into`, everything else to `other`.
+    fn take(
+        &mut self,
+        into: &mut Vec<Received>,
+        mut other: impl FnMut(&Reply),
+    ) -> Result<(), CanError> {
+        let mut bytes = [0; 4096];
+        let count = self.read(&mut bytes)?;
+        let time = Stamp::now();
+        for byte in bytes.get(..count).unwrap_or_default() {
+            match self.lines.push(*byte).and_then(Reply::of) {
+                Some(Reply::Frame(frame, _)) => {
+                    let packet = packet(&frame);
+                    if Filter::any_passes(&self.filters, &packet) {
+                        into.push(Received { time, packet });
+                    }
+                }
+                Some(reply) => other(&reply),
+                None => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads once, and heeds acknowledgements.
+    fn hear(&mut self, into: &mut Vec<Received>) -> Result<(), CanError> {
+        let (mut done, mut refused) = (0, false);
+        self.take(into, |reply| match reply {
+            Reply::Sent | Reply::SentExtended | Reply::Done => done += 1,
+            Reply::Refused => {
+                done += 1;
+                refused = true;
+            }
+            _ => {}
+        })?;
+        self.under_way = self.under_way.saturating_sub(done);
+        self.refused |= refused;
+        Ok(())
+    }
+
+    fn tell_refusal(&mut self) -> Result<(), CanError> {
+        if std::mem::take(&mut self.refused) {
+            return Err(CanError::AdapterRefused {
+                name: self.name.clone(),
+                command: "t",
+            });
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), CanError> {
+        self.stream
+            .write_all(bytes)
+            .and_then(|()| self.stream.flush())
+            .map_err(|error| self.failed("send to", error))
+    }
+
+    /// Blocks where there is nothing; nothing is what a line that has ended gives, and that is an error here.
+    fn read(&mut self, into: &mut [u8]) -> Result<usize, CanError> {
+        loop {
+            match self.stream.read(into) {
+                Ok(0) => {
+                    return Err(CanError::Closed {
+                        name: self.name.clone(),
+                    });
+                }
+                Ok(count) => return Ok(count),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(self.failed("receive from", error)),
+            }
+        }
+    }
+
+    /// True where something can be read.
+    fn wait(&self, patience: Duration) -> Result<bool, CanError> {
+        let mut wanted = [PollFd::new(self.stream.as_fd(), PollFlags::POLLIN)];
+        match ppoll(&mut wanted, Some(TimeSpec::from_duration(patience)), None) {
+            Ok(ready) => Ok(ready > 0),
+            Err(Errno::EINTR) => Ok(false),
+            Err(error) => Err(self.failed("wait for", error.into())),
+        }
+    }
+
+    fn failed(&self, doing: &'static str, error: std::io::Error) -> CanError {
+        let name = self.name.clone();
+        match error.kind() {
+            ErrorKind::BrokenPipe | ErrorKind::ConnectionReset | ErrorKind::UnexpectedEof => {
+                CanError::Closed { name }
+            }
+            // What a terminal says whose device was unplugged.
+            _ if error.raw_os_error() == Some(Errno::EIO as i32) => CanError::Closed { name },
+            ErrorKind::WouldBlock | ErrorKind::TimedOut => CanError::Stuck { name },
+            _ => CanError::System { name, doing, error },
+        }
+    }
+}
+
+impl Drop for Slcan {
+    fn drop(&mut self) {
+        // The adapter may be gone: then there is nothing to close.
+        let _ = self.write(Request::Close.line().bytes());
+    }
+}
+
+impl Can for Slcan {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        self.tell_refusal()?;
+        let mut left = frames;
+        let mut early = std::mem::take(&mut self.early);
+        let mut result = Ok(());
+        while !left.is_empty() && result.is_ok() {
+            let room = WINDOW.saturating_sub(self.under_way).min(left.len());
+            let (now, later) = left.split_at(room);
+            let text: Vec<u8> = now
+                .iter()
+                .flat_map(|frame| {
+                    let line = Request::Send(SlcanFrame::Data(*frame)).line();
+                    line.bytes().to_vec()
+                })
+                .collect();
+            left = later;
+            self.under_way += room;
+            result = self.write(&text);
+            if result.is_ok() && self.under_way >= WINDOW {
+                result = match self.wait(Duration::from_secs(1)) {
+                    Ok(true) => self.hear(&mut early),
+                    Ok(false) => Err(CanError::Stuck {
+                        name: self.name.clone(),
+                    }),
+                    Err(error) => Err(error),
+                };
+            }
+        }
+        self.early = early;
+        result
+    }
+
+    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
+        self.tell_refusal()?;
+        let before = into.len();
+        into.append(&mut self.early);
+        if into.len() > before {
+            return Ok(into.len() - before);
+        }
+        // Acknowledgements come too, and are not what was waited for.
+        let started = Instant::now();
+        let mut left = patience;
+        while self.wait(left)? {
+            self.hear(into)?;
+            left = patience.saturating_sub(started.elapsed());
+            if into.len() > before || left.is_zero() {
+                break;
+            }
+        }
+        Ok(into.len() - before)
+    }
+
+    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
+        self.filters = filters.to_vec();
+        Ok(())
+    }
+
+    fn dropped(&self) -> Result<u64, CanError> {
+        // A line waits; nothing on this side of the adapter drops.
+        Ok(0)
+    }
+}
+
+fn packet(frame: &SlcanFrame) -> Packet {
+    match frame {
+        SlcanFrame::Data(frame) => Packet::Frame(*frame),
+        SlcanFrame::Remote(id, len) => Packet::Remote(Id::Standard(*id), *len),
+        SlcanFrame::RemoteExtended(id, len) => Packet::Remote(Id::Extended(id.get()), *len),
+        SlcanFrame::Extended(frame) => {
+            let data = Data::truncated(frame.payload());
+            Packet::Extended(frame.id().get(), data)
+        }
+    }
+}

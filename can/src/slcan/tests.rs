@@ -1,0 +1,258 @@
+//! Against the adapter's side of the protocol, over each kind of line.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpListener;
+use std::os::unix::net::UnixListener;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use leadscrew_core::bus::slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
+use leadscrew_core::bus::{CobId, Frame};
+use nix::pty::openpty;
+
+use crate::{Address, Can, CanError, Filter, Received, Slcan};
+
+static NUMBER: AtomicU32 = AtomicU32::new(0);
+
+/// A path that nobody else uses.
+fn path(name: &str) -> std::path::PathBuf {
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    std::env::temp_dir().join(format!("leadscrew-{name}-{}-{number}", std::process::id()))
+}
+
+fn frame(id: u16, payload: &[u8]) -> Frame {
+    Frame::new(CobId::new(id).unwrap(), payload).unwrap()
+}
+
+/// An adapter whose bus sends every frame back with its first byte counted up; it ends with the line.
+fn serve(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Adapter> {
+    std::thread::spawn(move || {
+        let mut adapter = Adapter::new(0x10, 0x10, *b"TEST");
+        let mut lines = Lines::new();
+        let mut bytes = [0; 256];
+        loop {
+            let count = match line.read(&mut bytes) {
+                Ok(0) => return adapter,
+                Ok(count) => count,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                // What the last end of a terminal says when the other is gone.
+                Err(_) => return adapter,
+            };
+            let mut answer = Vec::new();
+            for byte in &bytes[..count] {
+                let Some(heard) = lines.push(*byte) else {
+                    continue;
+                };
+                // What a terminal echoes while it is not set up yet is no request.
+                if heard == Heard::Bell {
+                    continue;
+                }
+                let handled = adapter.handle(heard);
+                answer.extend(handled.reply.line().bytes());
+                if let Some(SlcanFrame::Data(sent)) = handled.send {
+                    let mut payload = sent.payload().to_vec();
+                    if let Some(first) = payload.first_mut() {
+                        *first = first.wrapping_add(1);
+                    }
+                    let back = SlcanFrame::Data(frame(sent.id().get(), &payload));
+                    let reply = adapter.received(&back, 0).unwrap();
+                    answer.extend(reply.line().bytes());
+                }
+            }
+            if line.write_all(&answer).is_err() {
+                return adapter;
+            }
+        }
+    })
+}
+
+/// Sends many frames and gets as many back, in order.
+fn exchange(address: &Address) {
+    let mut can = Slcan::open(address, BitRate::M1).unwrap();
+    let frames: Vec<Frame> = (0..1000_u16)
+        .map(|n| frame(0x100 + n % 0x400, &n.to_le_bytes()))
+        .collect();
+    can.send(&frames).unwrap();
+    let mut heard: Vec<Received> = Vec::new();
+    while heard.len() < frames.len() {
+        let count = can.receive(&mut heard, Duration::from_secs(10)).unwrap();
+        assert!(count > 0, "{} frames came back", heard.len());
+    }
+    for (received, sent) in heard.iter().zip(&frames) {
+        let back = received.packet.frame().unwrap();
+        assert_eq!(back.id(), sent.id());
+        assert_eq!(back.payload()[0], sent.payload()[0].wrapping_add(1));
+    }
+    // Nothing more, and the patience is kept.
+    let count = can.receive(&mut heard, Duration::from_millis(20)).unwrap();
+    assert_eq!(count, 0);
+
+    can.listen_for(&[Filter::exactly(CobId::new(0x123).unwrap())])
+        .unwrap();
+    heard.clear();
+    can.send(&[frame(0x122, &[1]), frame(0x123, &[2])]).unwrap();
+    while heard.is_empty() {
+        can.receive(&mut heard, Duration::from_secs(10)).unwrap();
+    }
+    assert_eq!(heard.len(), 1);
+    assert_eq!(heard[0].packet.frame(), Some(&frame(0x123, &[3])));
+}
+
+#[test]
+fn over_a_unix_socket() {
+    let path = path("unix");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || serve(listener.accept().unwrap().0).join().unwrap());
+    exchange(&Address::Unix(path.clone()));
+    let adapter = server.join().unwrap();
+    assert!(!adapter.is_open(), "it is closed at the end");
+    assert_eq!(adapter.bit_rate(), Some(BitRate::M1));
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn over_tcp() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let server = std::thread::spawn(move || serve(listener.accept().unwrap().0).join().unwrap());
+    exchange(&Address::Tcp {
+        host: "localhost".into(),
+        port,
+    });
+    assert!(!server.join().unwrap().is_open());
+}
+
+#[test]
+fn over_a_terminal() {
+    let pty = openpty(None, None).unwrap();
+    let path = nix::unistd::ttyname(&pty.slave).unwrap();
+    let server = serve(std::fs::File::from(pty.master));
+    exchange(&Address::Serial {
+        path,
+        baud: 115_200,
+    });
+    drop(pty.slave);
+    assert!(!server.join().unwrap().is_open());
+}
+
+#[test]
+fn an_adapter_that_was_left_open_is_closed_first() {
+    let path = path("open");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || {
+        let (line, _) = listener.accept().unwrap();
+        let mut both = line.try_clone().unwrap();
+        // A frame from before, and half of another.
+        both.write_all(b"t1230\rt456").unwrap();
+        serve(line).join().unwrap()
+    });
+    let mut can = Slcan::open(&Address::Unix(path.clone()), BitRate::K500).unwrap();
+    can.send(&[frame(0x111, &[1])]).unwrap();
+    let mut heard = Vec::new();
+    while heard.is_empty() {
+        can.receive(&mut heard, Duration::from_secs(10)).unwrap();
+    }
+    assert_eq!(heard[0].packet.frame(), Some(&frame(0x111, &[2])));
+    drop(can);
+    assert_eq!(server.join().unwrap().bit_rate(), Some(BitRate::K500));
+    std::fs::remove_file(path).unwrap();
+}
+
+fn message(address: &Address) -> String {
+    match Slcan::open(address, BitRate::M1) {
+        Ok(_) => "opened".into(),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn each_mistake_has_its_own_words() {
+    let nowhere = path("nowhere");
+    assert!(message(&Address::Unix(nowhere.clone())).contains("is the adapter plugged in"));
+    let serial = |path: &std::path::Path, baud| Address::Serial {
+        path: path.into(),
+        baud,
+    };
+    assert!(message(&serial(&nowhere, 115_200)).contains("is the adapter plugged in"));
+    assert!(message(&serial(&nowhere, 12_345)).contains("does not run at 12345 baud"));
+
+    // A port that nobody listens at.
+    let port = TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap()
+        .port();
+    let address = Address::Tcp {
+        host: "127.0.0.1".into(),
+        port,
+    };
+    assert!(message(&address).contains("refuses the connection"));
+
+    // One that says nothing, one that refuses, one that hangs up.
+    for (said, expected) in [
+        (None, "does not answer to `S`"),
+        (Some(b"\x07"), "refuses `S`"),
+    ] {
+        let path = path("silent");
+        let listener = UnixListener::bind(&path).unwrap();
+        let server = std::thread::spawn(move || {
+            let (mut line, _) = listener.accept().unwrap();
+            let mut bytes = [0; 64];
+            // Heard only where there is a line to answer to.
+            let mut heard = Vec::new();
+            while let Ok(count @ 1..) = line.read(&mut bytes) {
+                heard.extend_from_slice(&bytes[..count]);
+                if let Some(said) = said
+                    && heard.contains(&b'S')
+                {
+                    let _ = line.write_all(said);
+                }
+            }
+        });
+        let told = message(&Address::Unix(path.clone()));
+        assert!(told.contains(expected), "{told}");
+        server.join().unwrap();
+        std::fs::remove_file(path).unwrap();
+    }
+    let path = path("gone");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || drop(listener.accept().unwrap()));
+    let told = message(&Address::Unix(path.clone()));
+    assert!(told.contains("closed the connection"), "{told}");
+    server.join().unwrap();
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn a_terminal_in_use_is_told() {
+    let pty = openpty(None, None).unwrap();
+    let path = nix::unistd::ttyname(&pty.slave).unwrap();
+    let server = serve(std::fs::File::from(pty.master));
+    let address = Address::Serial { path, baud: 9600 };
+    let first = Slcan::open(&address, BitRate::M1).unwrap();
+    assert!(message(&address).contains("in use by another program"));
+    drop(first);
+    drop(pty.slave);
+    server.join().unwrap();
+}
+
+#[test]
+fn a_line_that_ends_in_mid_run_is_told() {
+    let path = path("ends");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || {
+        let (line, _) = listener.accept().unwrap();
+        let other = line.try_clone().unwrap();
+        (serve(line), other)
+    });
+    let mut can = Slcan::open(&Address::Unix(path.clone()), BitRate::M1).unwrap();
+    let (adapter, line) = server.join().unwrap();
+    line.shutdown(std::net::Shutdown::Both).unwrap();
+    let error = can
+        .receive(&mut Vec::new(), Duration::from_secs(10))
+        .unwrap_err();
+    assert!(matches!(error, CanError::Closed { .. }), "{error}");
+    adapter.join().unwrap();
+    std::fs::remove_file(path).unwrap();
+}
