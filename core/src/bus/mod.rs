@@ -10,12 +10,14 @@
 //! Everything here is sans-IO: frames and ticks go in, frames and events come out. It must not know what the positions
 //! are for: no motion, no program text.
 
+mod board_pdo;
 mod cia402;
 mod drive;
 mod emcy;
 mod failure;
 mod frame;
 mod increments;
+mod mapping;
 mod nmt;
 mod object;
 mod pdo;
@@ -25,12 +27,16 @@ pub mod slcan;
 mod spindle;
 mod sync;
 
+pub use board_pdo::{
+    BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus, Order, OrderGate,
+};
 pub use cia402::{Controlword, State, Statusword};
 pub use drive::{DriveConfig, DriveMaster, DriveOutput, FollowingLimit, Phase, Step};
 pub use emcy::Emcy;
 pub use failure::DriveFailure;
 pub use frame::{CobId, Frame, NodeId, Service};
 pub use increments::{Increments, Scale};
+pub use mapping::{Mapped, PdoCommunication};
 pub use nmt::{NmtCommand, NmtState};
 pub use object::{Abort, Object, Objects};
 pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};

@@ -1,0 +1,445 @@
+//! The process data of the board itself, byte by byte: how it is operated, and what it tells all the time.
+//!
+//! | PDO | bytes | object | content |
+//! |---|---|---|---|
+//! | RPDO1 | 0 | 5000h:01 | count: another value for another order |
+//! | | 1 | 5000h:02 | order: 0 none, 1 run, 2 hold, 3 resume, 4 reset, 5 stop |
+//! | | 2 | 5000h:03 | switches: bit 0 single block, bit 1 dry run; bits 4 and 5: that switch is to be set |
+//! | | 3 | 5000h:04 | feed override in percent; 255: as it is |
+//! | | 4 | 5000h:05 | rapid override in percent; 255: as it is |
+//! | | 5 | 5000h:06 | spindle override in percent; 255: as it is |
+//! | TPDO1 | 0 | 5001h:02 | state, see [`BoardState`] |
+//! | | 1 | 5001h:03 | flags, see [`BoardFlags`] |
+//! | | 2–3 | 5001h:04 | number of the alarm; 0: none |
+//! | | 4 | 5001h:05 | count of the last order that was taken |
+//! | | 5 | 5001h:06 | setpoints that were late for their SYNC; 255: that many or more |
+//! | | 6–7 | 5001h:07 | program credit |
+//! | TPDO2 | 0–3 | 5001h:08 | line of what is carried out; 0: nothing |
+//! | | 4–7 | 5001h:09 | its move; 0: nothing |
+//! | TPDO3 | 0–1 | 5001h:0A | spindle angle in 1/65536 turn |
+//! | | 2–5 | 5001h:0B | spindle speed in 0.001 rpm, positive M03 |
+//! | | 6–7 | 5001h:0C | synchronism error in 10 nm; −32768: nothing is synchronised |
+//!
+//! All little-endian. **A frame that is lost or comes twice does no harm** [D96]. Overrides and switches are levels: twice
+//! the same is the same. An order is one only together with its count: the board takes it once, tells the count in TPDO1,
+//! and the sender repeats the frame until it reads its own count there. Two senders that count alike do not take
+//! each other's orders for repetitions, as long as they want different things; and wanting the same is no conflict.
+
+use super::frame::{CobId, Frame, NodeId, Service};
+use super::mapping::Mapped;
+use super::pdo::MilliRpm;
+use crate::units::{Length, Turns};
+
+/// What an operator wants done once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Order {
+    /// Begin the program.
+    Run = 1,
+    /// Feed hold.
+    Hold = 2,
+    /// Go on after feed hold or single block.
+    Resume = 3,
+    /// Stop, forget what is queued, clear an alarm.
+    Reset = 4,
+    /// Emergency stop.
+    Stop = 5,
+}
+
+impl Order {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Run, Self::Hold, Self::Resume, Self::Reset, Self::Stop];
+
+    const fn from_raw(raw: u8) -> Option<Self> {
+        match raw {
+            1 => Some(Self::Run),
+            2 => Some(Self::Hold),
+            3 => Some(Self::Resume),
+            4 => Some(Self::Reset),
+            5 => Some(Self::Stop),
+            _ => None,
+        }
+    }
+}
+
+/// RPDO1 of the board. What is `None` stays as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BoardCommand {
+    /// Makes an order another one than the last.
+    pub count: u8,
+    /// To be done once.
+    pub order: Option<Order>,
+    /// Single block on or off.
+    pub single_block: Option<bool>,
+    /// Dry run on or off.
+    pub dry_run: Option<bool>,
+    /// Feed override in percent, up to 254.
+    pub feed: Option<u8>,
+    /// Rapid override in percent, up to 254.
+    pub rapid: Option<u8>,
+    /// Spindle override in percent, up to 254.
+    pub spindle: Option<u8>,
+}
+
+impl BoardCommand {
+    /// Which objects its bytes are.
+    pub const MAPPING: [Mapped; 6] = [
+        Mapped::new(0x5000, 1, 8),
+        Mapped::new(0x5000, 2, 8),
+        Mapped::new(0x5000, 3, 8),
+        Mapped::new(0x5000, 4, 8),
+        Mapped::new(0x5000, 5, 8),
+        Mapped::new(0x5000, 6, 8),
+    ];
+    const AS_IT_IS: u8 = 255;
+
+    /// `order` as the one after the order with count `last`.
+    #[must_use]
+    pub fn order(order: Order, last: u8) -> Self {
+        Self {
+            count: last.wrapping_add(1),
+            order: Some(order),
+            ..Self::default()
+        }
+    }
+
+    /// The frame to the board `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        const fn switch(wanted: Option<bool>, bit: u8) -> u8 {
+            match wanted {
+                Some(on) => 0x10 << bit | (on as u8) << bit,
+                None => 0,
+            }
+        }
+        const fn percent(wanted: Option<u8>) -> u8 {
+            match wanted {
+                Some(percent) => percent,
+                None => BoardCommand::AS_IT_IS,
+            }
+        }
+        let order = match self.order {
+            Some(order) => order as u8,
+            None => 0,
+        };
+        Frame::of(
+            CobId::of(Service::Rpdo1, node),
+            [
+                self.count,
+                order,
+                switch(self.single_block, 0) | switch(self.dry_run, 1),
+                percent(self.feed),
+                percent(self.rapid),
+                percent(self.spindle),
+            ],
+        )
+    }
+
+    /// The board and its command, if `frame` is one. Bytes behind the sixth mean nothing; a frame with an order that does
+    /// not exist is none.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (Service::Rpdo1, node) = frame.id().service()? else {
+            return None;
+        };
+        let &[count, order, switches, feed, rapid, spindle] = frame.payload().first_chunk::<6>()?;
+        let switch = |bit: u8| (switches >> bit & 0x10 != 0).then_some(switches >> bit & 1 != 0);
+        let percent = |percent| (percent != Self::AS_IT_IS).then_some(percent);
+        let order = match order {
+            0 => None,
+            _ => Some(Order::from_raw(order)?),
+        };
+        Some((
+            node,
+            Self {
+                count,
+                order,
+                single_block: switch(0),
+                dry_run: switch(1),
+                feed: percent(feed),
+                rapid: percent(rapid),
+                spindle: percent(spindle),
+            },
+        ))
+    }
+}
+
+/// Lets an order through once, however often its frame comes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OrderGate {
+    last: Option<(u8, Order)>,
+}
+
+impl OrderGate {
+    /// No order has come yet: the first is taken, whatever its count.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { last: None }
+    }
+
+    /// The order in `command`, unless it is the last one repeated.
+    pub fn take(&mut self, command: &BoardCommand) -> Option<Order> {
+        let order = command.order?;
+        let this = Some((command.count, order));
+        if self.last == this {
+            return None;
+        }
+        self.last = this;
+        Some(order)
+    }
+
+    /// The count of the last order, for [`BoardStatus::count`]; 0 before the first.
+    #[must_use]
+    pub const fn count(&self) -> u8 {
+        match self.last {
+            Some((count, _)) => count,
+            None => 0,
+        }
+    }
+}
+
+/// What the machine is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum BoardState {
+    /// The drives are being enabled.
+    #[default]
+    Starting = 0,
+    /// Nothing.
+    Idle = 1,
+    /// Moving, or changing from one move to the next.
+    Run = 2,
+    /// In feed hold or single block.
+    Hold = 3,
+    /// In a dwell.
+    Dwell = 4,
+    /// Waiting for the spindle, or for the next segment.
+    Wait = 5,
+    /// Coming to rest after a reset.
+    Stopping = 6,
+    /// Stopping or stopped on an alarm.
+    Alarm = 7,
+}
+
+impl BoardState {
+    /// All of them; each at the place of its number.
+    pub const ALL: [Self; 8] = [
+        Self::Starting,
+        Self::Idle,
+        Self::Run,
+        Self::Hold,
+        Self::Dwell,
+        Self::Wait,
+        Self::Stopping,
+        Self::Alarm,
+    ];
+
+    fn from_raw(raw: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(raw)).copied()
+    }
+}
+
+/// What is on or off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct BoardFlags {
+    /// Bit 0: feed hold.
+    pub hold: bool,
+    /// Bit 1: single block.
+    pub single_block: bool,
+    /// Bit 2: dry run.
+    pub dry_run: bool,
+    /// Bit 3: a program is under way.
+    pub program: bool,
+    /// Bit 4: an axis is held to the spindle.
+    pub locked: bool,
+}
+
+impl BoardFlags {
+    const fn raw(self) -> u8 {
+        self.hold as u8
+            | (self.single_block as u8) << 1
+            | (self.dry_run as u8) << 2
+            | (self.program as u8) << 3
+            | (self.locked as u8) << 4
+    }
+
+    const fn from_raw(raw: u8) -> Self {
+        Self {
+            hold: raw & 1 != 0,
+            single_block: raw & 1 << 1 != 0,
+            dry_run: raw & 1 << 2 != 0,
+            program: raw & 1 << 3 != 0,
+            locked: raw & 1 << 4 != 0,
+        }
+    }
+}
+
+/// TPDO1 of the board: how it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BoardStatus {
+    /// What the machine is doing.
+    pub state: BoardState,
+    /// What is on.
+    pub flags: BoardFlags,
+    /// Number of the alarm it stands on; an alarm 0 does not exist.
+    pub alarm: Option<u16>,
+    /// Count of the last order that was taken.
+    pub count: u8,
+    /// Setpoints that were late for their SYNC. The frame has at most 255.
+    pub late: u32,
+    /// Program credit: how much may be sent, in the unit of the program object. The frame has at most 65535.
+    pub credit: u32,
+}
+
+impl BoardStatus {
+    /// Which objects its bytes are.
+    pub const MAPPING: [Mapped; 6] = [
+        Mapped::new(0x5001, 2, 8),
+        Mapped::new(0x5001, 3, 8),
+        Mapped::new(0x5001, 4, 16),
+        Mapped::new(0x5001, 5, 8),
+        Mapped::new(0x5001, 6, 8),
+        Mapped::new(0x5001, 7, 16),
+    ];
+
+    /// The frame from the board `node`.
+    #[must_use]
+    pub fn frame(self, node: NodeId) -> Frame {
+        let [alarm, alarm_high] = self.alarm.unwrap_or(0).to_le_bytes();
+        let credit = self.credit.min(u16::MAX.into()) as u16;
+        let [credit, credit_high] = credit.to_le_bytes();
+        Frame::of(
+            CobId::of(Service::Tpdo1, node),
+            [
+                self.state as u8,
+                self.flags.raw(),
+                alarm,
+                alarm_high,
+                self.count,
+                self.late.min(u8::MAX.into()) as u8,
+                credit,
+                credit_high,
+            ],
+        )
+    }
+
+    /// The board and its status, if `frame` is one with a state that is known here.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (Service::Tpdo1, node) = frame.id().service()? else {
+            return None;
+        };
+        let [state, flags, a, b, count, late, c, d] = frame.exactly()?;
+        let alarm = u16::from_le_bytes([a, b]);
+        Some((
+            node,
+            Self {
+                state: BoardState::from_raw(state)?,
+                flags: BoardFlags::from_raw(flags),
+                alarm: (alarm != 0).then_some(alarm),
+                count,
+                late: late.into(),
+                credit: u16::from_le_bytes([c, d]).into(),
+            },
+        ))
+    }
+}
+
+/// TPDO2 of the board: where it is in the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BoardPlace {
+    /// Source line of what is carried out, from 1; 0: nothing.
+    pub line: u32,
+    /// Its move, from 1; 0: nothing.
+    pub number: u32,
+}
+
+impl BoardPlace {
+    /// Which objects its bytes are.
+    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x5001, 8, 32), Mapped::new(0x5001, 9, 32)];
+
+    /// The frame from the board `node`.
+    #[must_use]
+    pub const fn frame(self, node: NodeId) -> Frame {
+        let [a, b, c, d] = self.line.to_le_bytes();
+        let [e, f, g, h] = self.number.to_le_bytes();
+        Frame::of(CobId::of(Service::Tpdo2, node), [a, b, c, d, e, f, g, h])
+    }
+
+    /// The board and its place, if `frame` is one.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (Service::Tpdo2, node) = frame.id().service()? else {
+            return None;
+        };
+        let [a, b, c, d, e, f, g, h] = frame.exactly()?;
+        Some((
+            node,
+            Self {
+                line: u32::from_le_bytes([a, b, c, d]),
+                number: u32::from_le_bytes([e, f, g, h]),
+            },
+        ))
+    }
+}
+
+/// TPDO3 of the board: the spindle, and how well an axis follows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BoardSpindle {
+    /// Angle at the last SYNC. The frame has what is beyond whole turns, in steps of 1/65536 turn, rounded down.
+    pub angle: Turns,
+    /// Measured speed.
+    pub speed: MilliRpm,
+    /// Setpoint minus where the axis should be at the measured angle; `None` while nothing is synchronised. The frame has
+    /// ±327.67 µm, in steps of 10 nm, rounded towards zero.
+    pub sync_error: Option<Length>,
+}
+
+impl BoardSpindle {
+    /// Which objects its bytes are.
+    pub const MAPPING: [Mapped; 3] = [
+        Mapped::new(0x5001, 0x0A, 16),
+        Mapped::new(0x5001, 0x0B, 32),
+        Mapped::new(0x5001, 0x0C, 16),
+    ];
+    const NOT_SYNCHRONISED: i16 = i16::MIN;
+    const ERROR_STEP_NM: i64 = 10;
+    /// Of 2⁻³² turns in 1/65536 turn.
+    const ANGLE_SHIFT: u32 = 16;
+
+    /// The frame from the board `node`.
+    #[must_use]
+    pub fn frame(self, node: NodeId) -> Frame {
+        let [a, b] = ((self.angle.raw() >> Self::ANGLE_SHIFT) as u16).to_le_bytes();
+        let [c, d, e, f] = self.speed.get().to_le_bytes();
+        let steps = self.sync_error.map_or(Self::NOT_SYNCHRONISED, |error| {
+            let most = i64::from(i16::MAX);
+            (error.nm() / Self::ERROR_STEP_NM).clamp(most.saturating_neg(), most) as i16
+        });
+        let [g, h] = steps.to_le_bytes();
+        Frame::of(CobId::of(Service::Tpdo3, node), [a, b, c, d, e, f, g, h])
+    }
+
+    /// The board and its spindle, if `frame` is one.
+    #[must_use]
+    pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
+        let (Service::Tpdo3, node) = frame.id().service()? else {
+            return None;
+        };
+        let [a, b, c, d, e, f, g, h] = frame.exactly()?;
+        let steps = i16::from_le_bytes([g, h]);
+        Some((
+            node,
+            Self {
+                angle: Turns::from_raw(i64::from(u16::from_le_bytes([a, b])) << Self::ANGLE_SHIFT),
+                speed: MilliRpm::new(i32::from_le_bytes([c, d, e, f])),
+                sync_error: (steps != Self::NOT_SYNCHRONISED).then_some(Length::from_nm(
+                    i64::from(steps).saturating_mul(Self::ERROR_STEP_NM),
+                )),
+            },
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests;
