@@ -27,6 +27,7 @@
 
 mod drive;
 mod encoder;
+mod flash;
 mod follower;
 mod power;
 mod sine;
@@ -36,6 +37,7 @@ mod tests;
 
 pub use drive::{Drive, DriveOptions, Trouble};
 pub use encoder::Encoder;
+pub use flash::{Flash, FlashError, ImageError, Tear};
 pub use follower::Follower;
 pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};

@@ -24,12 +24,14 @@ mod drives;
 mod event;
 mod operator;
 mod queue;
+mod store;
 mod ticker;
 
 pub use background::{Background, Settings, overridden};
 pub use detour::Route;
 pub use event::{Command, Event};
 pub use operator::Operator;
+pub use store::{Region, StoreError, StoreRequest};
 pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};

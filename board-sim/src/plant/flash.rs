@@ -1,0 +1,337 @@
+//! Flash as a microcontroller has it: words of 8 bytes that are written once, pages of 2 KiB that are erased whole, and
+//! power that can go at any byte of either.
+//!
+//! A word in which the power goes is torn: its first bytes are new, the rest is erased. What it reads as afterwards depends
+//! on the device: half written, or not at all, because its error correction does not fit ([`Tear`]).
+
+use embedded_storage_async::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+
+/// How a write or an erase looks in which the power went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tear {
+    /// A torn word cannot be read (an ECC error); else it reads half written.
+    pub unreadable: bool,
+    /// An erase that is cut has erased the end of its page; else the beginning.
+    pub from_the_end: bool,
+}
+
+/// What an access is refused with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashError {
+    /// The power is off.
+    NoPower,
+    /// The word cannot be read.
+    Unreadable,
+    /// A word is written that is not erased.
+    NotErased,
+    /// Not on a word or page, or outside.
+    Address,
+}
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::NoPower | Self::Unreadable | Self::NotErased => NorFlashErrorKind::Other,
+            Self::Address => NorFlashErrorKind::OutOfBounds,
+        }
+    }
+}
+
+/// Bytes that are no image of a flash.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageError {
+    /// Not as many bytes as an image has: how many there are.
+    Length(usize),
+    /// They begin as no image does: they are something else.
+    Foreign,
+    /// The checksum does not fit.
+    Damaged,
+}
+
+/// The flash of a board.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Flash {
+    bytes: [u8; Self::SIZE],
+    /// A bit for each word that cannot be read.
+    unreadable: [u8; Self::WORDS / 8],
+    tear: Tear,
+    /// Bytes that can still be written or erased before the power goes.
+    left: Option<u32>,
+    off: bool,
+    /// Every write is refused.
+    broken: bool,
+    written: u32,
+}
+
+impl Default for Flash {
+    fn default() -> Self {
+        Self::erased()
+    }
+}
+
+impl Flash {
+    /// Bytes of a word.
+    pub const WORD: usize = 8;
+    /// Bytes of a page.
+    pub const PAGE: usize = 2048;
+    /// Bytes in all.
+    pub const SIZE: usize = 4 * Self::PAGE;
+    /// Bytes of an [image](Self::image).
+    pub const IMAGE: usize = Self::MARK.len() + Self::SIZE + Self::WORDS / 8 + 4;
+
+    const WORDS: usize = Self::SIZE / Self::WORD;
+    const MARK: [u8; 8] = *b"LSFLASH1";
+
+    /// Nothing was ever written.
+    #[must_use]
+    pub const fn erased() -> Self {
+        Self {
+            bytes: [0xFF; Self::SIZE],
+            unreadable: [0; Self::WORDS / 8],
+            tear: Tear {
+                unreadable: false,
+                from_the_end: false,
+            },
+            left: None,
+            off: false,
+            broken: false,
+            written: 0,
+        }
+    }
+
+    /// All that is in it, to be kept: a mark, the bytes, which words cannot be read, and a CRC-32.
+    #[must_use]
+    pub fn image(&self) -> [u8; Self::IMAGE] {
+        let mut image = [0; Self::IMAGE];
+        let content = self.content();
+        for (place, byte) in image.iter_mut().zip(content.clone()) {
+            *place = byte;
+        }
+        let sum = checksum(content);
+        if let Some(place) = image.last_chunk_mut::<4>() {
+            *place = sum.to_le_bytes();
+        }
+        image
+    }
+
+    fn content(&self) -> impl Iterator<Item = u8> + Clone {
+        Self::MARK
+            .into_iter()
+            .chain(self.bytes.iter().copied())
+            .chain(self.unreadable.iter().copied())
+    }
+
+    /// The flash of an [image](Self::image), its power on.
+    ///
+    /// # Errors
+    /// Bytes that are none.
+    pub fn from_image(image: &[u8]) -> Result<Self, ImageError> {
+        if !image.starts_with(&Self::MARK) {
+            return Err(ImageError::Foreign);
+        }
+        if image.len() != Self::IMAGE {
+            return Err(ImageError::Length(image.len()));
+        }
+        let wrong = ImageError::Length(image.len());
+        let (content, sum) = image.split_last_chunk::<4>().ok_or(wrong)?;
+        if checksum(content.iter().copied()) != u32::from_le_bytes(*sum) {
+            return Err(ImageError::Damaged);
+        }
+        let (_, rest) = content.split_first_chunk::<8>().ok_or(wrong)?;
+        let (bytes, unreadable) = rest.split_first_chunk().ok_or(wrong)?;
+        Ok(Self {
+            bytes: *bytes,
+            unreadable: unreadable.try_into().map_err(|_| wrong)?,
+            ..Self::erased()
+        })
+    }
+
+    /// What cut writes look like from now on.
+    pub const fn set_tear(&mut self, tear: Tear) {
+        self.tear = tear;
+    }
+
+    /// Lets the power go after so many more bytes have been written or erased.
+    pub const fn cut_after(&mut self, bytes: u32) {
+        self.left = Some(bytes);
+    }
+
+    /// The power goes, or comes back.
+    pub const fn power(&mut self, on: bool) {
+        self.off = !on;
+        self.left = None;
+    }
+
+    /// True while it has power.
+    #[must_use]
+    pub const fn is_on(&self) -> bool {
+        !self.off
+    }
+
+    /// Refuses every write and erase, or takes them again.
+    pub const fn set_broken(&mut self, broken: bool) {
+        self.broken = broken;
+    }
+
+    /// Bytes written and erased so far, by which to choose where to cut.
+    #[must_use]
+    pub const fn written(&self) -> u32 {
+        self.written
+    }
+
+    /// How many of `wanted` bytes can be changed before the power goes. Then it has gone.
+    fn spend(&mut self, wanted: usize) -> usize {
+        let wanted = u32::try_from(wanted).unwrap_or(u32::MAX);
+        let got = self.left.map_or(wanted, |left| left.min(wanted));
+        if let Some(left) = &mut self.left {
+            *left = left.wrapping_sub(got);
+        }
+        self.off |= got < wanted;
+        self.written = self.written.wrapping_add(got);
+        got as usize
+    }
+
+    fn check(&self, offset: u32, length: usize, grain: usize) -> Result<usize, FlashError> {
+        if self.off {
+            return Err(FlashError::NoPower);
+        }
+        let from = usize::try_from(offset).map_err(|_| FlashError::Address)?;
+        let aligned = from.is_multiple_of(grain) && length.is_multiple_of(grain);
+        let inside = from
+            .checked_add(length)
+            .is_some_and(|end| end <= Self::SIZE);
+        if aligned && inside {
+            Ok(from)
+        } else {
+            Err(FlashError::Address)
+        }
+    }
+
+    fn mark(&mut self, word: usize, unreadable: bool) {
+        let bit = 1 << (word % 8);
+        if let Some(bits) = self.unreadable.get_mut(word / 8) {
+            *bits = if unreadable {
+                *bits | bit
+            } else {
+                *bits & !bit
+            };
+        }
+    }
+
+    fn is_marked(&self, word: usize) -> bool {
+        let bits = self.unreadable.get(word / 8).copied().unwrap_or(0);
+        bits & (1 << (word % 8)) != 0
+    }
+
+    fn write_word(&mut self, at: usize, word: &[u8]) -> Result<(), FlashError> {
+        let index = at / Self::WORD;
+        let place = self.bytes.get(at..at.wrapping_add(Self::WORD));
+        let erased = place.is_some_and(|place| place.iter().all(|byte| *byte == 0xFF));
+        if !erased || self.is_marked(index) {
+            return Err(FlashError::NotErased);
+        }
+        let got = self.spend(Self::WORD);
+        for (place, byte) in self.bytes.iter_mut().skip(at).zip(word).take(got) {
+            *place = *byte;
+        }
+        if got < Self::WORD {
+            self.mark(index, self.tear.unreadable && got > 0);
+            return Err(FlashError::NoPower);
+        }
+        Ok(())
+    }
+
+    fn erase_page(&mut self, at: usize) -> Result<(), FlashError> {
+        let got = self.spend(Self::PAGE);
+        let from = if self.tear.from_the_end {
+            at.wrapping_add(Self::PAGE).wrapping_sub(got)
+        } else {
+            at
+        };
+        for byte in self.bytes.iter_mut().skip(from).take(got) {
+            *byte = 0xFF;
+        }
+        let words = from.div_ceil(Self::WORD)..from.wrapping_add(got) / Self::WORD;
+        for word in words {
+            self.mark(word, false);
+        }
+        // The word in which the erase was cut.
+        if got < Self::PAGE && !got.is_multiple_of(Self::WORD) && self.tear.unreadable {
+            let edge = if self.tear.from_the_end {
+                from
+            } else {
+                from.wrapping_add(got)
+            };
+            self.mark(edge / Self::WORD, true);
+        }
+        if got < Self::PAGE {
+            return Err(FlashError::NoPower);
+        }
+        Ok(())
+    }
+}
+
+impl ErrorType for Flash {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        let from = self.check(offset, bytes.len(), 1)?;
+        let end = from.wrapping_add(bytes.len());
+        if (from / Self::WORD..end.div_ceil(Self::WORD)).any(|word| self.is_marked(word)) {
+            return Err(FlashError::Unreadable);
+        }
+        for (to, byte) in bytes.iter_mut().zip(self.bytes.iter().skip(from)) {
+            *to = *byte;
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        Self::SIZE
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = Self::WORD;
+    const ERASE_SIZE: usize = Self::PAGE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        let length = to.checked_sub(from).ok_or(FlashError::Address)?;
+        let from = self.check(from, length as usize, Self::PAGE)?;
+        if self.broken {
+            return Err(FlashError::NotErased);
+        }
+        (from..from.wrapping_add(length as usize))
+            .step_by(Self::PAGE)
+            .try_for_each(|page| self.erase_page(page))
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        let from = self.check(offset, bytes.len(), Self::WORD)?;
+        if self.broken {
+            return Err(FlashError::NotErased);
+        }
+        let words = (from..).step_by(Self::WORD).zip(bytes.chunks(Self::WORD));
+        for (at, word) in words {
+            self.write_word(at, word)?;
+        }
+        Ok(())
+    }
+}
+
+/// CRC-32 (ISO-HDLC), bit by bit.
+fn checksum(bytes: impl Iterator<Item = u8>) -> u32 {
+    const CRC: crc::Crc<u32, crc::NoTable> =
+        crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);
+    let mut digest = CRC.digest();
+    for byte in bytes {
+        digest.update(&[byte]);
+    }
+    digest.finalize()
+}

@@ -1,0 +1,183 @@
+#![no_std]
+//! What a board keeps over a loss of power, in NOR flash: [regions](Region) of bytes, the newest of each.
+//!
+//! The power may go at any byte of any write or erase. Afterwards a region holds what it held before, or what was being
+//! written: never a mixture, never nothing. `sequential-storage` appends values and moves them from page to page; this room
+//! adds what it leaves to the flash below it and to the owner above it:
+//!
+//! - a word that was torn in the middle may read as an error (a real controller's ECC): [`Patient`] reads it as zeros, which
+//!   no checksum takes for a value;
+//! - an erase that was cut may leave a page that looks open and is not empty, or two pages in use: [`Store::recover`] ends
+//!   such an erase, before anything else is done.
+//!
+//! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation.
+
+mod patient;
+mod wait;
+
+pub use leadscrew_core::board::{Region, StoreError};
+pub use patient::Patient;
+pub use wait::block_on;
+
+use embedded_storage_async::nor_flash::NorFlash;
+use sequential_storage::Error;
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+
+/// The longest value with its key and the padding of a flash word.
+const BUFFER: usize = 128;
+
+/// Word and page of the largest flash this is made for.
+const WORD: usize = 32;
+
+type Map<F> = MapStorage<u8, Patient<F>, Cache<Uncached, Uncached, Uncached, u8>>;
+
+/// Regions in all of a flash. Nothing is kept in memory: it can be made anew for every access.
+pub struct Store<F: NorFlash> {
+    map: Map<F>,
+}
+
+impl<F: NorFlash> Store<F> {
+    /// The regions of a flash. It has to have three pages or more, and words of at most 32 bytes.
+    ///
+    /// # Errors
+    /// [`StoreError::Device`] for a flash that cannot hold them.
+    pub fn new(flash: F) -> Result<Self, StoreError> {
+        let capacity = u32::try_from(flash.capacity()).map_err(|_| StoreError::Device)?;
+        let page = u32::try_from(F::ERASE_SIZE).map_err(|_| StoreError::Device)?;
+        if F::WRITE_SIZE > WORD || F::READ_SIZE > F::WRITE_SIZE || capacity / page.max(1) < 3 {
+            return Err(StoreError::Device);
+        }
+        let config = MapConfig::try_new(0..capacity).map_err(|_| StoreError::Device)?;
+        Ok(Self {
+            map: MapStorage::new(Patient::new(flash), config, Cache::new_uncached()),
+        })
+    }
+
+    /// Ends an erase that a loss of power has cut. To be done once after power-up, before anything else.
+    ///
+    /// # Errors
+    /// [`StoreError::Device`].
+    pub async fn recover(&mut self) -> Result<(), StoreError> {
+        let end = self.map.flash_range().end;
+        let page = F::ERASE_SIZE as u32;
+        let pages = end.checked_div(page).unwrap_or(0);
+        let mut writing = None;
+        for index in 0..pages {
+            let start = index.saturating_mul(page);
+            match self.page(start).await? {
+                Page::Erased | Page::Closed => {}
+                Page::Cut => self.erase(start).await?,
+                Page::Writing => match writing {
+                    None => writing = Some(index),
+                    // Of two pages in use, the later one was about to be erased: all that counts is on the one before.
+                    Some(first) if first == 0 && index.saturating_add(1) == pages => {
+                        self.erase(0).await?;
+                    }
+                    Some(_) => self.erase(start).await?,
+                },
+            }
+        }
+        Ok(())
+    }
+
+    /// The newest bytes of a region, in `buffer`; `None` where nothing was ever stored.
+    ///
+    /// # Errors
+    /// [`StoreError::Device`], [`StoreError::Damaged`]; [`StoreError::Full`] where they do not fit into `buffer`.
+    pub async fn read<'b>(
+        &mut self,
+        region: Region,
+        buffer: &'b mut [u8],
+    ) -> Result<Option<&'b [u8]>, StoreError> {
+        let mut scratch = [0; BUFFER];
+        let found = self
+            .map
+            .fetch_item::<&[u8]>(&mut scratch, &region.key())
+            .await
+            .map_err(|error| reason(&error))?;
+        let Some(value) = found else {
+            return Ok(None);
+        };
+        let place = buffer.get_mut(..value.len()).ok_or(StoreError::Full)?;
+        place.copy_from_slice(value);
+        Ok(Some(place))
+    }
+
+    /// Stores bytes in a region; they replace what was there.
+    ///
+    /// # Errors
+    /// [`StoreError`]; the region then holds what it held before.
+    pub async fn write(&mut self, region: Region, bytes: &[u8]) -> Result<(), StoreError> {
+        let mut scratch = [0; BUFFER];
+        self.map
+            .store_item(&mut scratch, &region.key(), &bytes)
+            .await
+            .map_err(|error| reason(&error))
+    }
+
+    /// The flash back.
+    #[must_use]
+    pub fn into_flash(self) -> F {
+        self.map.destroy().0.into_inner()
+    }
+
+    /// What a page looks like from its first and last word, and, where these are erased, from all of them.
+    async fn page(&mut self, start: u32) -> Result<Page, StoreError> {
+        let word = F::WRITE_SIZE as u32;
+        let page = F::ERASE_SIZE as u32;
+        let last = start.saturating_add(page.saturating_sub(word));
+        let first = self.is_erased(start, word).await?;
+        let closed = !self.is_erased(last, word).await?;
+        Ok(match (first, closed) {
+            (true, true) => Page::Cut,
+            (false, true) => Page::Closed,
+            (false, false) => Page::Writing,
+            (true, false) if self.is_erased(start, page).await? => Page::Erased,
+            (true, false) => Page::Cut,
+        })
+    }
+
+    /// True where so many bytes from an address on are erased.
+    async fn is_erased(&mut self, from: u32, length: u32) -> Result<bool, StoreError> {
+        use embedded_storage_async::nor_flash::ReadNorFlash;
+        let mut word = [0; WORD];
+        let word = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
+        for address in (from..from.saturating_add(length)).step_by(F::WRITE_SIZE.max(1)) {
+            let read = self.map.flash().read(address, word).await;
+            read.map_err(|_| StoreError::Device)?;
+            if word.iter().any(|byte| *byte != 0xFF) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    async fn erase(&mut self, start: u32) -> Result<(), StoreError> {
+        let end = start.saturating_add(F::ERASE_SIZE as u32);
+        let done = self.map.flash().erase(start, end).await;
+        done.map_err(|_| StoreError::Device)
+    }
+}
+
+/// What a page looks like.
+enum Page {
+    /// Nothing is on it.
+    Erased,
+    /// It is full.
+    Closed,
+    /// It is being filled.
+    Writing,
+    /// An erase of it was cut.
+    Cut,
+}
+
+fn reason<E>(error: &Error<E>) -> StoreError {
+    match error {
+        Error::Storage { .. } => StoreError::Device,
+        Error::FullStorage | Error::BufferTooBig | Error::BufferTooSmall(_) | Error::ItemTooBig => {
+            StoreError::Full
+        }
+        _ => StoreError::Damaged,
+    }
+}
