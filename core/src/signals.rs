@@ -2,7 +2,8 @@
 //! ([G84/G88 sheet]). Levels only; what follows from them is said where they are used. Knows nothing of wires, buses or
 //! commands.
 
-use crate::program::TapSpindle;
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::program::{Hand, HandChoice, Selection, SpindleChoice, TapSpindle};
 
 /// One input, named as the makers' manuals name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -73,6 +74,14 @@ pub struct Signals {
 }
 
 impl Signals {
+    /// All inputs at 0, RGTAP following the mode.
+    pub const POWER_UP: Self = Self {
+        g61_2: false,
+        rgtap: None,
+        sws: 0,
+        rgtsp: 0,
+    };
+
     /// The bits that [`bits`](Self::bits) can have.
     pub const BITS: u16 = 0x0FF7;
 
@@ -132,10 +141,63 @@ impl Signals {
     }
 }
 
+impl Signals {
+    /// The hand of a tap.
+    #[must_use]
+    pub const fn hand(self, choice: HandChoice) -> Hand {
+        match choice {
+            HandChoice::Written(hand) => hand,
+            HandChoice::Signal if self.g61_2 => Hand::Left,
+            HandChoice::Signal => Hand::Right,
+        }
+    }
+
+    /// The spindle that taps, for a block at `span`.
+    ///
+    /// # Errors
+    /// More than one selection signal is on ([`Code::TapSpindlesSelected`]).
+    pub fn spindle(self, choice: SpindleChoice, span: Span) -> Result<TapSpindle, Alarm> {
+        let (mask, otherwise) = match choice {
+            SpindleChoice::Written(spindle) => return Ok(spindle),
+            SpindleChoice::Signals { by, otherwise } => match by {
+                Selection::Sws => (self.sws, otherwise),
+                Selection::Rgtsp => (self.rgtsp, otherwise),
+            },
+        };
+        let mut selected = TapSpindle::ALL
+            .into_iter()
+            .filter(|spindle| mask & bit(*spindle) != 0);
+        let Some(spindle) = selected.next() else {
+            return Ok(otherwise);
+        };
+        match selected.next() {
+            None => Ok(spindle),
+            Some(other) => {
+                let number = |spindle: TapSpindle| Arg::Int(i64::from(spindle.number()));
+                let args = [number(spindle), number(other), Arg::None, Arg::None];
+                Err(Alarm::new(Code::TapSpindlesSelected, span).with(args))
+            }
+        }
+    }
+}
+
+/// The bit of a spindle in a mask.
+const fn bit(spindle: TapSpindle) -> u8 {
+    match spindle {
+        TapSpindle::First => 1,
+        TapSpindle::Second => 2,
+        TapSpindle::Third => 4,
+        TapSpindle::Fourth => 8,
+    }
+}
+
 /// `mask` with the bit of a spindle set or cleared.
 const fn with(mask: u8, spindle: TapSpindle, level: bool) -> u8 {
-    let bit = 1 << spindle.number().saturating_sub(1);
-    if level { mask | bit } else { mask & !bit }
+    if level {
+        mask | bit(spindle)
+    } else {
+        mask & !bit(spindle)
+    }
 }
 
 #[cfg(test)]
@@ -179,6 +241,49 @@ mod tests {
             all.set(signal, true);
         }
         assert_eq!(all.bits(), Signals::BITS);
+    }
+
+    #[test]
+    fn g61_2_turns_a_positive_s_round() {
+        let mut signals = Signals::default();
+        assert_eq!(signals.hand(HandChoice::Signal), Hand::Right);
+        signals.set(Signal::G61Dot2, true);
+        assert_eq!(signals.hand(HandChoice::Signal), Hand::Left);
+        for hand in [Hand::Left, Hand::Right] {
+            assert_eq!(signals.hand(HandChoice::Written(hand)), hand);
+        }
+    }
+
+    #[test]
+    fn e_before_signals_before_m_codes() {
+        let none = Signals::default();
+        let by = |by| SpindleChoice::Signals {
+            by,
+            otherwise: TapSpindle::Third,
+        };
+        let e = SpindleChoice::Written(TapSpindle::Second);
+        for spindle in TapSpindle::ALL {
+            let (mut sws, mut rgtsp) = (none, none);
+            sws.set(Signal::Sws(spindle), true);
+            rgtsp.set(Signal::Rgtsp(spindle), true);
+            let of = |signals: Signals, choice| signals.spindle(choice, Span::default());
+            assert_eq!(of(sws, by(Selection::Sws)), Ok(spindle));
+            assert_eq!(of(rgtsp, by(Selection::Rgtsp)), Ok(spindle));
+            // The other group means nothing, and E counts before both.
+            assert_eq!(of(sws, by(Selection::Rgtsp)), Ok(TapSpindle::Third));
+            assert_eq!(of(rgtsp, by(Selection::Sws)), Ok(TapSpindle::Third));
+            assert_eq!(of(sws, e), Ok(TapSpindle::Second));
+        }
+        let two = Signals {
+            rgtsp: 0b1010,
+            ..none
+        };
+        let alarm = two
+            .spindle(by(Selection::Rgtsp), Span::default())
+            .unwrap_err();
+        assert_eq!(alarm.code, Code::TapSpindlesSelected);
+        assert_eq!(alarm.args[..2], [Arg::Int(2), Arg::Int(4)]);
+        assert_eq!(two.spindle(e, Span::default()), Ok(TapSpindle::Second));
     }
 
     #[test]

@@ -144,7 +144,11 @@ impl Checker<'_> {
             CallKind::Thread(thread) => self.thread(thread, call.span, time_us, inch),
             CallKind::Groove(_) => self.passes(call.span, "G75", &moves, time_us),
             CallKind::Tap(tap) => self.tap(tap, call.span, time_us, inch),
-            _ => {}
+            _ => {
+                if let Err(alarm) = feasible::tap_spindle(call, self.setup.signals, params) {
+                    self.tell(&alarm, inch);
+                }
+            }
         }
         for step in moves {
             self.report.moves += 1;
@@ -182,7 +186,7 @@ impl Checker<'_> {
     }
 
     fn tap(&mut self, call: &TapCall, span: Span, time_us: i64, inch: bool) {
-        let report = match feasible::tap(call, span, &self.setup.params) {
+        let report = match feasible::tap(call, self.setup.signals, span, &self.setup.params) {
             Ok(report) => report,
             Err(alarm) => return self.tell(&alarm, inch),
         };

@@ -425,9 +425,12 @@ codes! {
     /// The moves handed over as one pass of a thread are not one.
     ThreadMovesMixed = 4259, "these moves are not one pass of a thread", "this is a fault of the controller, not of the program: report it",
         "这些动作不构成一刀螺纹", "这是控制器的故障而不是程序错误，请报告";
-    /// A spindle that has no drive in position mode here; {0} its number.
-    TapSpindleNotAvailable = 4262, "spindle {0} cannot tap yet: only spindle 1 has a drive on this bus", "write E1 or M24, or leave E out",
-        "{0} 号主轴尚不能攻丝：总线上只有 1 号主轴的驱动器", "请写 E1 或 M24，或省略 E";
+    /// A spindle that this machine does not have; {0} its number, {1} how many there are.
+    TapSpindleNotAvailable = 4262, "there is no spindle {0} to tap with: the machine has {1} (parameter 9014)", "write another E or another of M24 to M27, or check the selection signals",
+        "没有 {0} 号攻丝主轴：机床有 {1} 个（参数 9014）", "请改写 E 或 M24 至 M27，或检查主轴选择信号";
+    /// Two selection signals at once; {0} and {1} the spindles.
+    TapSpindlesSelected = 4263, "the signals select spindle {0} and spindle {1} at once", "leave one of SWS1 to SWS4 on (5200.7 = 1: RGTSP1 to RGTSP4), or write E",
+        "信号同时选择了 {0} 号和 {1} 号主轴", "请只接通 SWS1 至 SWS4（5200.7 = 1 时为 RGTSP1 至 RGTSP4）中的一个，或写 E";
     /// No index within two turns and a second.
     NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
         "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";

@@ -51,6 +51,8 @@ pub struct Background {
     epoch: Epoch,
     /// The spindle override with which the call under expansion is planned.
     percent: u8,
+    /// The inputs when the last hole began: one that goes on after K198 keeps them.
+    hole_signals: Signals,
     /// The call under expansion asks for the end of the program.
     ending: Option<Span>,
     /// Where the last planned move ends.
@@ -85,6 +87,7 @@ impl Background {
             moves: None,
             epoch,
             percent: 100,
+            hole_signals: Signals::POWER_UP,
             ending: None,
             position,
             home: position,
@@ -178,6 +181,7 @@ impl Background {
 
     fn open(&mut self, call: &Call, settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
         let mut warning = None;
+        let signals = self.latch(call, settings.signals);
         match &call.kind {
             CallKind::Thread(thread) => {
                 feasible::thread(thread, call.span, settings.params)?;
@@ -191,13 +195,13 @@ impl Background {
                 }
             }
             CallKind::Tap(tap) => {
-                warning = feasible::tap(tap, call.span, settings.params)?.warning;
+                warning = feasible::tap(tap, signals, call.span, settings.params)?.warning;
             }
-            _ => {}
+            _ => feasible::tap_spindle(call, signals, settings.params)?,
         }
         let context = Context {
             at: self.position,
-            signals: settings.signals,
+            signals,
         };
         let moves = expand(call, &context)?;
         let warning = moves.warning().or(warning);
@@ -210,6 +214,17 @@ impl Background {
             self.ending = Some(call.span);
         }
         Ok(warning)
+    }
+
+    /// The inputs with which a call is carried out, whatever they do meanwhile.
+    const fn latch(&mut self, call: &Call, now: Signals) -> Signals {
+        if let CallKind::Tap(tap) = &call.kind {
+            if tap.continues {
+                return self.hole_signals;
+            }
+            self.hole_signals = now;
+        }
+        now
     }
 
     fn fail(&mut self, alarm: Alarm) {
@@ -297,7 +312,7 @@ impl Background {
                 ticks => Action::Dwell(ticks),
             },
             MoveKind::Spindle(SpindleCall {
-                mode: SpindleMode::Rigid,
+                mode: SpindleMode::Rigid(_),
                 ..
             }) => Action::Rigid,
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),

@@ -36,12 +36,7 @@ impl Operator {
         Self {
             hold: false,
             single_block: false,
-            signals: Signals {
-                g61_2: false,
-                rgtap: None,
-                sws: 0,
-                rgtsp: 0,
-            },
+            signals: Signals::POWER_UP,
             feed: 100,
             rapid: 100,
             spindle: 100,

@@ -2,7 +2,7 @@
 
 use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
 use crate::alarm::Alarm;
-use crate::program::{Aux, Call, CallKind, Position};
+use crate::program::{Aux, Call, CallKind, Position, SpindleCall, SpindleChoice, SpindleMode};
 use crate::signals::Signals;
 
 /// What the moves of a call depend on besides its words.
@@ -46,7 +46,7 @@ pub enum Moves {
 /// machine functions carry the standing position; the end of the program is a machine function too.
 ///
 /// # Errors
-/// What the geometry of a cycle forbids, before any of its moves.
+/// What the geometry of a cycle or the signals forbid, before any of its moves.
 pub fn expand(call: &Call, context: &Context) -> Result<Moves, Alarm> {
     let at = context.at;
     let (to, kind) = match call.kind {
@@ -56,7 +56,9 @@ pub fn expand(call: &Call, context: &Context) -> Result<Moves, Alarm> {
         CallKind::Groove(ref groove) => {
             return Ok(Moves::Groove(GrooveMoves::new(groove, call.span)?));
         }
-        CallKind::Tap(ref tap) => return Ok(Moves::Tap(TapMoves::new(tap, call.span)?)),
+        CallKind::Tap(ref tap) => {
+            return Ok(Moves::Tap(TapMoves::new(tap, context.signals, call.span)?));
+        }
         CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(Moves::One(None)),
         CallKind::Over => return Ok(Moves::One(None)),
         CallKind::Rapid(to) => (to, MoveKind::Rapid),
@@ -71,7 +73,16 @@ pub fn expand(call: &Call, context: &Context) -> Result<Moves, Alarm> {
             (arc.end, kind)
         }
         CallKind::Dwell(time) => (at, MoveKind::Dwell(time)),
-        CallKind::Spindle(spindle) => (at, MoveKind::Spindle(spindle)),
+        CallKind::Spindle(spindle) => {
+            let mode = match spindle.mode {
+                SpindleMode::Speed => SpindleMode::Speed,
+                SpindleMode::Rigid(choice) => {
+                    let taps = context.signals.spindle(choice, call.span)?;
+                    SpindleMode::Rigid(SpindleChoice::Written(taps))
+                }
+            };
+            (at, MoveKind::Spindle(SpindleCall { mode, ..spindle }))
+        }
         CallKind::Aux(aux) => (at, MoveKind::Aux(aux)),
         CallKind::End(code) => (at, MoveKind::Aux(Aux::M(code))),
     };

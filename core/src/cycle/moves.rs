@@ -43,7 +43,7 @@ pub enum MoveKind {
     Tap(TapMove),
     /// Standing still.
     Dwell(Millis),
-    /// Spindle to a speed, or to a stand in position mode.
+    /// Spindle to a speed, or to a stand in position mode: then with the spindle that taps written out.
     Spindle(SpindleCall),
     /// Machine function.
     Aux(Aux),

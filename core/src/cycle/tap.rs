@@ -5,7 +5,9 @@ use super::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{
     Aux, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
+    TapSpindle,
 };
+use crate::signals::Signals;
 use crate::units::{CentiRpm, Length, TurnRatio};
 
 /// Most infeeds of a hole.
@@ -20,6 +22,8 @@ const INFEEDS: i64 = 9999;
 pub struct TapMoves {
     span: Span,
     call: TapCall,
+    hand: Hand,
+    spindle: TapSpindle,
     /// The way in along the tap axis: −1 or +1.
     inward: i64,
     /// From R to the bottom.
@@ -55,13 +59,15 @@ enum Next {
 }
 
 impl TapMoves {
-    /// The moves of `call`, whose G word stands at `span`.
+    /// The moves of `call`, whose G word stands at `span`, with these signals.
     ///
     /// # Errors
     /// Bottom at R or on the wrong side of it, or d > q (0207); lengths out of range (4110); more than 9999 infeeds (4130);
-    /// speeds, or a depth to go on from, that no program can give (4131).
-    pub fn new(call: &TapCall, span: Span) -> Result<Self, Alarm> {
+    /// speeds, or a depth to go on from, that no program can give (4131); two spindles selected at once (4263).
+    pub fn new(call: &TapCall, signals: Signals, span: Span) -> Result<Self, Alarm> {
         tap_ranges(call, span)?;
+        let hand = signals.hand(call.hand);
+        let spindle = signals.spindle(call.spindle, span)?;
         let axis = call.axis;
         let level = call.level.value;
         let bottom = call.bottom.value;
@@ -104,6 +110,8 @@ impl TapMoves {
         Ok(Self {
             span,
             call: *call,
+            hand,
+            spindle,
             inward,
             total,
             at: call.start,
@@ -131,6 +139,12 @@ impl TapMoves {
             Some(done) => q.times(done.saturating_add(1)).min(self.total),
             None => self.total,
         }
+    }
+
+    /// The spindle that turns the tap.
+    #[must_use]
+    pub const fn spindle(&self) -> TapSpindle {
+        self.spindle
     }
 
     const fn peck(&self) -> Option<&TapPeck> {
@@ -182,7 +196,7 @@ impl TapMoves {
         // Plus is the way in of a right-hand tap.
         let turns = TurnRatio::of_travel(travel, self.call.lead.value);
         let speed = if outward { speed.reversed() } else { speed };
-        let (turns, speed) = match self.call.hand {
+        let (turns, speed) = match self.hand {
             Hand::Right => (turns, speed),
             Hand::Left => (turns.reversed(), speed.reversed()),
         };
@@ -192,9 +206,9 @@ impl TapMoves {
         let kind = MoveKind::Tap(TapMove {
             mode: self.call.mode,
             axis: self.call.axis,
-            spindle: self.call.spindle,
+            spindle: self.spindle,
             lead: self.call.lead.value,
-            hand: self.call.hand,
+            hand: self.hand,
             level: self.call.level.value,
             bottom: self.call.bottom.value,
             turns,

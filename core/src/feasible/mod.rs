@@ -13,6 +13,6 @@ mod thread;
 mod time;
 
 pub use limits::within_limits;
-pub use tap::{TapReport, tap};
+pub use tap::{TapReport, tap, tap_spindle};
 pub use thread::{FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
 pub use time::time;

@@ -5,7 +5,10 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind, Stage, TapMoves};
 use crate::motion::{Limits, PathRate, Stroke, stroke};
 use crate::params::Params;
-use crate::program::{Position, TapAxis, TapCall, TapMode, TapSpindle};
+use crate::program::{
+    Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
+};
+use crate::signals::Signals;
 use crate::units::{Axis, CentiRpm, Feed, Lead, Rpm, mul_div};
 
 /// What a tapping cycle does on the machine.
@@ -19,22 +22,23 @@ pub struct TapReport {
     pub warning: Option<Alarm>,
 }
 
-/// Checks a tapping cycle whose G word stands at `span`.
+/// Checks a tapping cycle whose G word stands at `span`, with these signals.
 ///
 /// # Errors
 /// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with ([`Code::TapSpindleNotAvailable`]);
 /// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`] refuses.
-pub fn tap(call: &TapCall, span: Span, params: &Params) -> Result<TapReport, Alarm> {
-    let moves = TapMoves::new(call, span)?;
+pub fn tap(
+    call: &TapCall,
+    signals: Signals,
+    span: Span,
+    params: &Params,
+) -> Result<TapReport, Alarm> {
+    let moves = TapMoves::new(call, signals, span)?;
     if call.mode == TapMode::Floating {
         let args = [Arg::None, Arg::None, Arg::None, Arg::None];
         return Err(Alarm::new(Code::TapSpindleStands, span).with(args));
     }
-    if call.spindle != TapSpindle::First {
-        let number = Arg::Int(i64::from(call.spindle.number()));
-        let args = [number, Arg::None, Arg::None, Arg::None];
-        return Err(Alarm::new(Code::TapSpindleNotAvailable, span).with(args));
-    }
+    taps_with(moves.spindle(), span, params)?;
     feed(call, call.speed, span, params)?;
     feed(call, call.extract, span, params)?;
 
@@ -70,6 +74,35 @@ pub fn tap(call: &TapCall, span: Span, params: &Params) -> Result<TapReport, Ala
         report.warning = Some(Alarm::new(Code::TapSpeedNotReached, span).with(args));
     }
     Ok(report)
+}
+
+/// Checks a spindle command for taps to come: the spindle it selects has to be there. Other calls pass.
+///
+/// # Errors
+/// Two spindles selected at once ([`Code::TapSpindlesSelected`]); a spindle this machine does not have
+/// ([`Code::TapSpindleNotAvailable`]).
+pub fn tap_spindle(call: &Call, signals: Signals, params: &Params) -> Result<(), Alarm> {
+    match call.kind {
+        CallKind::Spindle(SpindleCall {
+            mode: SpindleMode::Rigid(choice),
+            ..
+        }) => taps_with(signals.spindle(choice, call.span)?, call.span, params),
+        _ => Ok(()),
+    }
+}
+
+fn taps_with(spindle: TapSpindle, span: Span, params: &Params) -> Result<(), Alarm> {
+    if spindle.number() <= params.tap_spindles() {
+        return Ok(());
+    }
+    let number = |n: u8| Arg::Int(i64::from(n));
+    let args = [
+        number(spindle.number()),
+        number(params.tap_spindles()),
+        Arg::None,
+        Arg::None,
+    ];
+    Err(Alarm::new(Code::TapSpindleNotAvailable, span).with(args))
 }
 
 /// The planned infeed, where the move is one; every other stroke is planned too, so that none can be refused later.

@@ -9,9 +9,9 @@ use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::board::Event;
 use crate::params::Params;
 use crate::program::{
-    Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, Infeed, LengthUnit, Plane,
-    Position, RunOut, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
-    TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
+    Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice, Infeed,
+    LengthUnit, Plane, Position, RunOut, SpindleCall, SpindleChoice, TapAxis, TapCall, TapCycle,
+    TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
 };
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, TurnRate, Turns,
@@ -89,10 +89,10 @@ fn tap() -> TapCall {
         form: TapForm::Deep(peck),
         dwell: Millis::new(99_999_999),
         lead: at(Lead::new((1 << 50) - 1, 1 << 20).unwrap()),
-        hand: Hand::Left,
+        hand: HandChoice::Written(Hand::Left),
         speed: CentiRpm::new(100 << 20),
         extract: CentiRpm::new(100 << 20),
-        spindle: TapSpindle::Fourth,
+        spindle: SpindleChoice::Written(TapSpindle::Fourth),
         repeat: TapRepeat::Holes(NonZeroU8::MAX),
         clamp: Some(u16::MAX),
         continues: true,
@@ -124,7 +124,10 @@ fn calls_come_back_equal_and_the_longest_fits() {
     for kind in [
         CallKind::Rapid(FARTHEST),
         CallKind::Line(FARTHEST, groove().feed),
-        CallKind::Spindle(SpindleCall::rigid(Rpm::new(-(1 << 20)))),
+        CallKind::Spindle(SpindleCall::rigid(
+            Rpm::new(-(1 << 20)),
+            SpindleChoice::default(),
+        )),
         CallKind::Aux(Aux::T(u16::MAX)),
         CallKind::Thread(thread()),
         CallKind::Groove(groove()),

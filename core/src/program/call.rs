@@ -9,6 +9,7 @@ use core::num::NonZeroU8;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::choice::{HandChoice, SpindleChoice};
 use super::tap_notes::TapNotes;
 use crate::alarm::{At, Span};
 use crate::units::{
@@ -115,9 +116,9 @@ pub enum SpindleMode {
     /// It turns at it.
     #[default]
     Speed,
-    /// Rigid tapping: it is brought to a stand and waits in position mode; it turns with the tap axis only, at most at
-    /// this speed. Which spindle it is, the taps say.
-    Rigid,
+    /// Rigid tapping: spindle 1 is brought to a stand, and this spindle waits in position mode; it turns with the tap axis
+    /// only, at most at this speed. A tap with another one (E) takes that one.
+    Rigid(SpindleChoice),
 }
 
 /// A spindle command.
@@ -142,12 +143,12 @@ impl SpindleCall {
         }
     }
 
-    /// Waiting for taps at `rpm`.
+    /// `spindle` waiting for taps at `rpm`.
     #[must_use]
-    pub const fn rigid(rpm: Rpm) -> Self {
+    pub const fn rigid(rpm: Rpm, spindle: SpindleChoice) -> Self {
         Self {
             rpm,
-            mode: SpindleMode::Rigid,
+            mode: SpindleMode::Rigid(spindle),
         }
     }
 }
@@ -329,6 +330,9 @@ pub enum TapSpindle {
 }
 
 impl TapSpindle {
+    /// All four.
+    pub const ALL: [Self; 4] = [Self::First, Self::Second, Self::Third, Self::Fourth];
+
     /// Spindle `number`; `None` outside 1…4.
     #[must_use]
     pub const fn new(number: u32) -> Option<Self> {
@@ -428,15 +432,15 @@ pub struct TapCall {
     pub dwell: Millis,
     /// F/S (G98) or F (G99).
     pub lead: At<Lead>,
-    /// By the sign of S; in ordinary tapping by M03 or M04.
-    pub hand: Hand,
+    /// By the sign of S, or by signal; in ordinary tapping by M03 or M04.
+    pub hand: HandChoice,
     /// Spindle speed of the infeed, above zero (its magnitude). In ordinary tapping zero where the spindle stands: `expand`
     /// does not mind.
     pub speed: CentiRpm,
     /// Spindle speed of retracts and, in deep peck, of the re-entry, above zero: the infeed's with the extraction override.
     pub extract: CentiRpm,
-    /// Which spindle turns the tap.
-    pub spindle: TapSpindle,
+    /// Which spindle turns the tap: by E, by signal, or by M24–M27.
+    pub spindle: SpindleChoice,
     /// K.
     pub repeat: TapRepeat,
     /// M: C-axis clamp code before the R plane, its successor after the return.

@@ -10,6 +10,7 @@
 mod arc;
 mod block;
 mod call;
+mod choice;
 mod codes;
 mod groove;
 mod interpreter;
@@ -32,6 +33,7 @@ mod thread;
 
 pub use arc::ARC_END_TOLERANCE;
 pub use call::*;
+pub use choice::{HandChoice, Selection, SpindleChoice};
 pub use interpreter::{Event, Interpreter};
 pub use lexer::MAX_LINE;
 pub use options::{Dialect, Options};

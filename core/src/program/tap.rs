@@ -8,6 +8,7 @@ use super::call::{
     CallKind, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
     TapSpindle,
 };
+use super::choice::HandChoice;
 use super::codes::{Known, MGroup, m_code};
 use super::groove::not_negative;
 use super::motion::out_of_range;
@@ -56,7 +57,7 @@ pub(super) struct Kept {
     /// J.
     extract: Option<u32>,
     /// E.
-    spindle: Option<TapSpindle>,
+    pub(super) spindle: Option<TapSpindle>,
     /// M.
     clamp: Option<u16>,
 }
@@ -113,8 +114,8 @@ impl State<'_> {
         let Some(mut kept) = self.cycle_of(word)? else {
             return Ok(());
         };
-        let turning = self.turning(block, word, span, plan)?;
         self.read_kept(block, &mut kept)?;
+        let turning = self.turning(block, word, span, &kept, plan)?;
         if turning.mode == TapMode::Floating {
             self.refuse_in_ordinary(block, plan)?;
         }
@@ -338,13 +339,15 @@ impl State<'_> {
             dwell: kept.dwell,
             lead,
             hand: if turning.rpm < Rpm::STOPPED {
-                Hand::Left
+                HandChoice::Written(Hand::Left)
+            } else if turning.mode == TapMode::Floating {
+                HandChoice::Written(Hand::Right)
             } else {
-                Hand::Right
+                HandChoice::Signal
             },
             speed: self.infeed_speed(turning, lead.value),
             extract: CentiRpm::default(),
-            spindle: kept.spindle.unwrap_or(self.tapping.spindle),
+            spindle: self.spindle_choice(kept.spindle),
             repeat: TapRepeat::Holes(NonZeroU8::MIN),
             clamp: kept.clamp,
             continues: false,

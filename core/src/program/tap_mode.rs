@@ -7,6 +7,7 @@
 
 use super::block::{Block, Letters, Word, g_arg};
 use super::call::{SpindleCall, TapCall, TapSpindle};
+use super::choice::{Selection, SpindleChoice};
 use super::codes::{Group, MGroup};
 use super::plan::Plan;
 use super::state::{AXES, State};
@@ -138,6 +139,10 @@ impl State<'_> {
             && word.value.mantissa() != i64::from(self.plane)
         {
             return Err(word.alarm(Code::TapPlane));
+        }
+        // The spindle of this block is that of its rigid mode.
+        if let Some(word) = block.m(MGroup::TapSpindle) {
+            self.tapping.select(&word);
         }
         if let Some(word) = &codes.rigid {
             self.begin_rigid(block, word, &codes, plan)?;
@@ -282,8 +287,26 @@ impl State<'_> {
         let rpm = self.tap_speed(block.find(b'S'), word.span)?;
         self.begin_position_mode(rpm);
         self.tapping.armed = true;
-        plan.rigid(word.span, SpindleCall::rigid(rpm));
+        plan.rigid(
+            word.span,
+            SpindleCall::rigid(rpm, self.spindle_choice(None)),
+        );
         Ok(())
+    }
+
+    /// Who says which spindle taps: E, else the signals of 5200.7, else M24–M27 [D85].
+    pub(super) fn spindle_choice(&self, written: Option<TapSpindle>) -> SpindleChoice {
+        match written {
+            Some(spindle) => SpindleChoice::Written(spindle),
+            None => SpindleChoice::Signals {
+                by: if self.params.tap_spindle_by_rgtsp() {
+                    Selection::Rgtsp
+                } else {
+                    Selection::Sws
+                },
+                otherwise: self.tapping.spindle,
+            },
+        }
     }
 
     /// The spindle stands and waits for taps.

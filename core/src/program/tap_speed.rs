@@ -34,6 +34,7 @@ impl State<'_> {
         block: &Block,
         word: Option<&Word>,
         span: Span,
+        kept: &Kept,
         plan: &mut Plan,
     ) -> Result<Turning, Alarm> {
         let rigid = |rpm: Rpm| Turning {
@@ -61,7 +62,8 @@ impl State<'_> {
                 let rpm = self.tap_speed(written, span)?;
                 self.begin_position_mode(rpm);
                 let span = written.map_or(span, |word| word.span);
-                plan.rigid(span, SpindleCall::rigid(rpm));
+                let spindle = self.spindle_choice(kept.spindle);
+                plan.rigid(span, SpindleCall::rigid(rpm, spindle));
                 Ok(rigid(rpm))
             }
         }

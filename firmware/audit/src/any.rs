@@ -16,9 +16,10 @@ use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{
-    ArcCall, Aux, Call, CallKind, CutIn, Dialect, Extraction, FeedRate, GrooveCall, Hand, Infeed,
-    LengthUnit, Options, Plane, Position, RunOut, SpindleCall, SpindleMode, TapAxis, TapCall,
-    TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
+    ArcCall, Aux, Call, CallKind, CutIn, Dialect, Extraction, FeedRate, GrooveCall, Hand,
+    HandChoice, Infeed, LengthUnit, Options, Plane, Position, RunOut, Selection, SpindleCall,
+    SpindleChoice, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
+    TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -169,8 +170,11 @@ choices! {
     ThreadCycle { ThreadCycle::G76 } or ThreadCycle::G78;
     CutIn { CutIn::Centre, CutIn::Left, CutIn::Right, CutIn::RightCentre, CutIn::LeftRight } or CutIn::Trailing;
     Infeed { Infeed::Equal } or Infeed::Decreasing;
-    SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid;
     TapMode { TapMode::Rigid } or TapMode::Floating;
+    SpindleMode { SpindleMode::Speed } or SpindleMode::Rigid(any());
+    HandChoice { HandChoice::Signal } or HandChoice::Written(any());
+    Selection { Selection::Sws } or Selection::Rgtsp;
+    SpindleChoice { SpindleChoice::Written(any()) } or SpindleChoice::Signals { by: any(), otherwise: any() };
     TapCycle { TapCycle::G84 } or TapCycle::G88;
     LengthUnit { LengthUnit::Metric } or LengthUnit::Inch;
     Plane { Plane::G17, Plane::G18 } or Plane::G19;

@@ -116,7 +116,7 @@ impl Row {
                 row.rpm = Some(rpm(spindle.rpm));
                 row.mode = Some(match spindle.mode {
                     SpindleMode::Speed => "speed",
-                    SpindleMode::Rigid => "rigid",
+                    SpindleMode::Rigid(_) => "rigid",
                 });
                 "spindle"
             }
@@ -284,7 +284,7 @@ mod tests {
         for kind in [
             MoveKind::Rapid,
             MoveKind::Dwell(leadscrew_core::units::Millis::new(2000)),
-            MoveKind::Spindle(SpindleCall::rigid(Rpm::new(-300))),
+            MoveKind::Spindle(SpindleCall::rigid(Rpm::new(-300), Default::default())),
             MoveKind::Aux(Aux::M(30)),
             MoveKind::Aux(Aux::T(101)),
         ] {

@@ -467,7 +467,7 @@ fn other_calls_make_one_move_or_none() {
     );
     for spindle in [
         SpindleCall::speed(Rpm::new(-300)),
-        SpindleCall::rigid(Rpm::new(1000)),
+        SpindleCall::rigid(Rpm::new(1000), SpindleChoice::Written(TapSpindle::First)),
     ] {
         assert_eq!(
             one(CallKind::Spindle(spindle)),

@@ -5,6 +5,7 @@ use std::num::NonZeroU8;
 use leadscrew_core::cycle::*;
 use leadscrew_core::params::{Entry, Params, Writing};
 use leadscrew_core::program::*;
+use leadscrew_core::signals::Signals;
 use leadscrew_core::units::*;
 
 use crate::build::*;
@@ -24,10 +25,10 @@ fn hole() -> TapCall {
         form: TapForm::Standard,
         dwell: Millis::new(3000),
         lead: at(Lead::new(nm(2000.0), 1000).unwrap()),
-        hand: Hand::Right,
+        hand: HandChoice::Signal,
         speed: CentiRpm::new(100_000),
         extract: CentiRpm::new(100_000),
-        spindle: TapSpindle::First,
+        spindle: SpindleChoice::default(),
         repeat: holes(1),
         clamp: None,
         continues: false,
@@ -47,7 +48,9 @@ fn peck(q: f64, d: f64) -> TapPeck {
 }
 
 pub fn moves(call: &TapCall) -> Vec<Move> {
-    TapMoves::new(call, place(1)).unwrap().collect()
+    TapMoves::new(call, Signals::default(), place(1))
+        .unwrap()
+        .collect()
 }
 
 pub fn tap_of(m: &Move) -> Option<TapMove> {
@@ -256,12 +259,12 @@ fn the_way_to_a_hole_and_back() {
 #[test]
 fn the_hand_turns_it_round() {
     let left = TapCall {
-        hand: Hand::Left,
+        hand: HandChoice::Written(Hand::Left),
         form: TapForm::Deep(peck(20.0, 5.0)),
         ..hole()
     };
     let right = TapCall {
-        hand: Hand::Right,
+        hand: HandChoice::Signal,
         ..left
     };
     for (l, r) in moves(&left).iter().zip(moves(&right)) {
@@ -390,7 +393,7 @@ fn k198_stays_and_goes_on() {
 #[test]
 fn what_cannot_be_tapped() {
     let refused = |call: &TapCall| {
-        let alarm = TapMoves::new(call, place(1)).unwrap_err();
+        let alarm = TapMoves::new(call, Signals::default(), place(1)).unwrap_err();
         (alarm.number(), alarm.word, alarm.span.column)
     };
     let z = |level, bottom| TapCall {

@@ -96,13 +96,13 @@ fn random_call(r: &mut Random) -> TapCall {
         dwell: Millis::new(if r.chance(50) { 0 } else { 500 }),
         lead: at(Lead::new(r.within(1, 5_000) * 1_000_000, rpm).unwrap()),
         hand: if r.chance(50) {
-            Hand::Right
+            HandChoice::Signal
         } else {
-            Hand::Left
+            HandChoice::Written(Hand::Left)
         },
         speed: CentiRpm::new(rpm as i32 * 100),
         extract: CentiRpm::new((rpm * percent) as i32),
-        spindle: TapSpindle::First,
+        spindle: SpindleChoice::default(),
         repeat,
         clamp: r.chance(30).then_some(10),
         continues: false,
@@ -127,7 +127,11 @@ fn check_hole(call: &TapCall, list: &[Move], from: i64, stays: bool) -> u32 {
     let ends: Vec<_> = strokes.iter().map(|(m, _)| below(m)).collect();
     assert_eq!(ends, expected, "{call:?}");
     // Angle and axis on one line: the turns so far are the depth over the lead, exactly.
-    let hand = if call.hand == Hand::Right { 1 } else { -1 };
+    let hand = if call.hand == HandChoice::Signal {
+        1
+    } else {
+        -1
+    };
     let mut numerator = i128::from(from) * i128::from(call.lead.value.denominator()) * hand;
     let mut at = from;
     for (m, tap) in &strokes {

@@ -4,8 +4,8 @@ use std::num::NonZeroU8;
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::program::{
-    Call, CallKind, Hand, Position, SpindleCall, TapAxis, TapCall, TapCycle, TapForm, TapMode,
-    TapNotes, TapPeck, TapRepeat, TapSpindle,
+    Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, TapAxis, TapCall, TapCycle,
+    TapForm, TapMode, TapNotes, TapPeck, TapRepeat,
 };
 use leadscrew_core::units::{CentiRpm, Lead, Length, Millis, Rpm};
 
@@ -32,10 +32,10 @@ pub fn sheet() -> TapCall {
         form: TapForm::Standard,
         dwell: Millis::new(0),
         lead: at(Lead::new(2_000_000_000, 1000).expect("a lead")),
-        hand: Hand::Right,
+        hand: HandChoice::Signal,
         speed: CentiRpm::of_rpm(Rpm::new(1000)),
         extract: CentiRpm::of_rpm(Rpm::new(1000)),
-        spindle: TapSpindle::First,
+        spindle: SpindleChoice::default(),
         repeat: TapRepeat::Holes(NonZeroU8::MIN),
         clamp: None,
         continues: false,
@@ -84,7 +84,7 @@ pub fn program(holes: &[TapCall]) -> Vec<Call> {
         origin: Position::ZERO,
         kind,
     };
-    let rigid = SpindleCall::rigid(Rpm::new(1000));
+    let rigid = SpindleCall::rigid(Rpm::new(1000), SpindleChoice::default());
     let mut calls = vec![call(1, CallKind::Spindle(rigid))];
     for (index, hole) in holes.iter().enumerate() {
         calls.push(call(2 + index, CallKind::Tap(*hole)));

@@ -2,7 +2,8 @@
 
 use leadscrew_core::alarm::{At, Code, Span};
 use leadscrew_core::feasible;
-use leadscrew_core::program::{TapCall, TapSpindle};
+use leadscrew_core::program::{SpindleChoice, TapCall, TapSpindle};
+use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{CentiRpm, Lead, Rpm};
 use leadscrew_tests::machine::Ran;
 
@@ -52,7 +53,8 @@ fn the_retract_has_a_ramp_of_its_own() {
 #[test]
 fn s_is_reached_where_the_depth_allows_and_never_exceeded() {
     let params = machine(&[]);
-    let report = feasible::tap(&sheet(), Span::default(), &params).expect("a hole");
+    let report =
+        feasible::tap(&sheet(), Signals::default(), Span::default(), &params).expect("a hole");
     assert_eq!((report.infeeds, report.warning), (1, None));
     let ran = tap(&sheet(), &params);
     assert!(
@@ -66,7 +68,8 @@ fn s_is_reached_where_the_depth_allows_and_never_exceeded() {
 fn a_shallow_hole_is_triangular_and_says_so() {
     let params = machine(&[]);
     let hole = bottom(sheet(), -8_000);
-    let report = feasible::tap(&hole, Span::default(), &params).expect("a hole");
+    let report =
+        feasible::tap(&hole, Signals::default(), Span::default(), &params).expect("a hole");
     let warning = report.warning.expect("a warning");
     assert_eq!(warning.code, Code::TapSpeedNotReached);
     let ran = tap(&hole, &params);
@@ -93,7 +96,8 @@ fn a_ramp_too_long_for_the_profile_makes_the_tap_slower() {
         speed: CentiRpm::of_rpm(Rpm::new(2000)),
         ..bottom(sheet(), -200_000)
     };
-    let report = feasible::tap(&hole, Span::default(), &params).expect("a hole");
+    let report =
+        feasible::tap(&hole, Signals::default(), Span::default(), &params).expect("a hole");
     assert_eq!(
         report.warning.map(|w| w.code),
         Some(Code::TapSpeedNotReached)
@@ -129,7 +133,7 @@ fn too_fast_for_the_axis_is_an_alarm_before_anything_moves() {
 #[test]
 fn a_spindle_without_a_drive_is_an_alarm() {
     let hole = TapCall {
-        spindle: TapSpindle::Third,
+        spindle: SpindleChoice::Written(TapSpindle::Third),
         ..sheet()
     };
     let ran = run(program(&[hole]), &machine(&[]));

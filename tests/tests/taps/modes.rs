@@ -1,7 +1,7 @@
 //! The three forms, both axes, both hands: the line, the bottom, the turns.
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::program::{Hand, Position, TapAxis, TapCall, TapCycle};
+use leadscrew_core::program::{Hand, HandChoice, Position, TapAxis, TapCall, TapCycle};
 use leadscrew_core::units::{Lead, Millis, Turns};
 
 use super::hole::{bottom, deep, high_speed, nm, sheet};
@@ -80,7 +80,7 @@ fn deep_pecks_go_724_mm_geared() {
 fn a_left_hand_tap_turns_the_other_way() {
     let right = tap(&sheet(), &machine(&[]));
     let hole = TapCall {
-        hand: Hand::Left,
+        hand: HandChoice::Written(Hand::Left),
         ..sheet()
     };
     let left = tap(&hole, &machine(&[]));

@@ -4,6 +4,7 @@ use leadscrew_board_sim::Row;
 use leadscrew_board_sim::plant::{FineTurns, PlantOptions};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Call, Hand, TapCall};
+use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::{Ran, run_calls};
@@ -93,7 +94,7 @@ pub fn judge(ran: &Ran, hole: &TapCall, params: &Params) {
 
 /// θ = θ_R ± depth / lead, to the last unit of 2⁻³² turns.
 pub fn on_line(row: &Row, hole: &TapCall, origin: Turns) {
-    let sign = match hole.hand {
+    let sign = match Signals::default().hand(hole.hand) {
         Hand::Right => 1,
         Hand::Left => -1,
     };

@@ -48,7 +48,10 @@ fn a_turning_spindle_taps_without_rigid_mode() {
         panic!("{kinds:?}")
     };
     assert_eq!(*turn, spindle(500));
-    assert_eq!((first.mode, first.hand), (TapMode::Floating, Hand::Right));
+    assert_eq!(
+        (first.mode, first.hand),
+        (TapMode::Floating, HandChoice::Written(Hand::Right))
+    );
     assert_eq!((first.speed, first.extract), (rpm(500), rpm(500)));
     assert_eq!(
         (lead_of(first), first.dwell),
@@ -68,9 +71,9 @@ fn m04_is_a_left_hand_tap() {
     assert_eq!(
         seen,
         [
-            (Hand::Left, rpm(500)),
-            (Hand::Right, rpm(500)),
-            (Hand::Left, rpm(300))
+            (HandChoice::Written(Hand::Left), rpm(500)),
+            (HandChoice::Written(Hand::Right), rpm(500)),
+            (HandChoice::Written(Hand::Left), rpm(300))
         ]
     );
     assert!(taps.iter().all(|tap| lead_of(tap) == (1_500_000, 1)));
@@ -84,7 +87,10 @@ fn the_spindle_is_free_between_the_holes_and_goes_on_after_them() {
     let CallKind::Tap(tap) = kinds[2] else {
         panic!("{kinds:?}")
     };
-    assert_eq!((lead_of(&tap), tap.hand), ((1_000_000, 1), Hand::Left));
+    assert_eq!(
+        (lead_of(&tap), tap.hand),
+        ((1_000_000, 1), HandChoice::Written(Hand::Left))
+    );
     assert!(matches!(kinds[3], CallKind::Tap(_)));
     // G80 stops nothing and clears nothing: after M05 the S is still there.
     assert_eq!(kinds[4..], [spindle(0), spindle(600)]);
@@ -141,7 +147,7 @@ fn s_in_the_block_of_the_cycle_is_rigid_mode_where_5200_0_says_so() {
     let (kinds, _) = kinds_on(&values, "M3 S500\nG84 Z-20 F600\nG84 X5 S400");
     assert_eq!(
         kinds[2],
-        CallKind::Spindle(SpindleCall::rigid(Rpm::new(400)))
+        CallKind::Spindle(SpindleCall::rigid(Rpm::new(400), SpindleChoice::default()))
     );
     let CallKind::Tap(tap) = kinds[3] else {
         panic!("{kinds:?}")

@@ -66,7 +66,7 @@ fn the_sheets_program_as_printed() {
     assert_eq!(*rapid, CallKind::Rapid(at(500_000, 0)));
     assert_eq!(
         *rigid,
-        CallKind::Spindle(SpindleCall::rigid(Rpm::new(1000)))
+        CallKind::Spindle(SpindleCall::rigid(Rpm::new(1000), SpindleChoice::default()))
     );
     assert_eq!(*off, CallKind::Spindle(SpindleCall::STOPPED));
     assert_eq!(*end, CallKind::End(30));
@@ -83,9 +83,12 @@ fn the_sheets_program_as_printed() {
     assert_eq!(lead_of(call), (2_000_000, 1));
     assert_eq!(
         (call.hand, call.speed, call.extract),
-        (Hand::Right, rpm(1000), rpm(1000))
+        (HandChoice::Signal, rpm(1000), rpm(1000))
     );
-    assert_eq!((call.spindle, call.repeat), (TapSpindle::First, holes(1)));
+    assert_eq!(
+        (call.spindle, call.repeat),
+        (SpindleChoice::default(), holes(1))
+    );
     assert_eq!((call.clamp, call.continues), (None, false));
 }
 
@@ -105,12 +108,15 @@ fn a_minus_is_a_left_hand_tap() {
     let (kinds, _) = kinds_on(&[], "M29 S-800\nG84 Z-9 F1000");
     assert_eq!(
         kinds[0],
-        CallKind::Spindle(SpindleCall::rigid(Rpm::new(-800)))
+        CallKind::Spindle(SpindleCall::rigid(Rpm::new(-800), SpindleChoice::default()))
     );
     let CallKind::Tap(call) = kinds[1] else {
         panic!("{kinds:?}")
     };
-    assert_eq!((call.hand, call.speed), (Hand::Left, rpm(800)));
+    assert_eq!(
+        (call.hand, call.speed),
+        (HandChoice::Written(Hand::Left), rpm(800))
+    );
     assert_eq!(lead_of(&call), (1_250_000, 1));
 }
 
@@ -188,7 +194,10 @@ fn what_is_kept_from_hole_to_hole() {
     let text = "M29 S1000\nG84 C90 Z-20 R-2 Q4 P500 F1500 D2 J1500 E2 M10\nC180\nC270 Z-15 P0\nH45\nG84 C0\n";
     let taps = taps_on(&[], text);
     let first = taps[0];
-    assert_eq!((first.spindle, first.clamp), (TapSpindle::Second, Some(10)));
+    assert_eq!(
+        (first.spindle, first.clamp),
+        (SpindleChoice::Written(TapSpindle::Second), Some(10))
+    );
     assert_eq!(taps.len(), 5);
     for (call, degrees) in taps.iter().zip([90, 180, 270, 315, 0]) {
         assert_eq!(call.hole.c, Angle::from_udeg(degrees * 1_000_000));
@@ -265,16 +274,28 @@ fn repeats_apply_increments_again() {
 #[test]
 fn the_spindle_that_taps() {
     let spindle = |text: &str| taps_on(&[], text)[0].spindle;
-    assert_eq!(spindle("M26\nM29 S9\nG84 Z-9 F9"), TapSpindle::Third);
-    assert_eq!(spindle("M27\nM24\nM29 S9\nG84 Z-9 F9"), TapSpindle::First);
-    assert_eq!(spindle("M26\nM29 S9\nG84 Z-9 F9 E4"), TapSpindle::Fourth);
+    let by_signal = |by, otherwise| SpindleChoice::Signals { by, otherwise };
+    let sws = |otherwise| by_signal(Selection::Sws, otherwise);
+    assert_eq!(spindle("M29 S9\nG84 Z-9 F9"), sws(TapSpindle::First));
+    assert_eq!(spindle("M26\nM29 S9\nG84 Z-9 F9"), sws(TapSpindle::Third));
+    let interlocked = "M27\nM24\nM29 S9\nG84 Z-9 F9";
+    assert_eq!(spindle(interlocked), sws(TapSpindle::First));
+    let e4 = SpindleChoice::Written(TapSpindle::Fourth);
+    assert_eq!(spindle("M26\nM29 S9\nG84 Z-9 F9 E4"), e4);
+    let text = "M26\nM29 S9\nG84 Z-9 F9";
+    let rgtsp = taps_on(&[("5200.7", "1")], text)[0].spindle;
+    assert_eq!(rgtsp, by_signal(Selection::Rgtsp, TapSpindle::Third));
+    // With S in the cycle's block its E is known at once.
+    let (kinds, _) = kinds_on(&[("5200.0", "1")], "M26\nG84 Z-9 F9 S9 E4");
+    let rigid = SpindleCall::rigid(Rpm::new(9), e4);
+    assert_eq!(kinds[1], CallKind::Spindle(rigid));
     let (kinds, _) = kinds_on(&[], "M25 M29 M8 S9");
     assert_eq!(
         kinds,
         [
             CallKind::Aux(Aux::M(8)),
             CallKind::Aux(Aux::M(25)),
-            CallKind::Spindle(SpindleCall::rigid(Rpm::new(9)))
+            CallKind::Spindle(SpindleCall::rigid(Rpm::new(9), sws(TapSpindle::Second)))
         ]
     );
 }
@@ -283,11 +304,15 @@ fn the_spindle_that_taps() {
 fn rigid_mode_by_the_cycles_own_block() {
     let by_g = &[("5200.0", "1")];
     let (kinds, _) = kinds_on(by_g, "G84 X10 Z-10 F500 S600\nX20\nX30 S-500\nG80");
-    let rigid = |rpm| CallKind::Spindle(SpindleCall::rigid(Rpm::new(rpm)));
+    let rigid =
+        |rpm| CallKind::Spindle(SpindleCall::rigid(Rpm::new(rpm), SpindleChoice::default()));
     assert_eq!((kinds[0], kinds[3]), (rigid(600), rigid(-500)));
     assert_eq!(kinds[5], CallKind::Spindle(SpindleCall::STOPPED));
     let taps = taps_on(by_g, "G84 X10 Z-10 F500 S600\nX20\nX30 S-500\nG80");
-    assert_eq!([taps[1].hand, taps[2].hand], [Hand::Right, Hand::Left]);
+    assert_eq!(
+        [taps[1].hand, taps[2].hand],
+        [HandChoice::Signal, HandChoice::Written(Hand::Left)]
+    );
     assert_eq!(lead_of(&taps[2]), (1_000_000, 1));
     let number = |text: &str| {
         let (_, alarm) = read_with(text.as_bytes(), &machine(by_g), Options::default());
@@ -528,7 +553,7 @@ fn a_tap_waits_for_a_stop_of_the_spindle_only() {
     let (kinds, _) = kinds_on(&[], "M3 S500\nM29 S100\nG84 Z-9 F100\nG80\nM3 S700");
     assert_eq!(
         kinds[1],
-        CallKind::Spindle(SpindleCall::rigid(Rpm::new(100)))
+        CallKind::Spindle(SpindleCall::rigid(Rpm::new(100), SpindleChoice::default()))
     );
     assert_eq!(*kinds.last().unwrap(), spindle(700));
 }

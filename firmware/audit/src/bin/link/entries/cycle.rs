@@ -38,7 +38,7 @@ fn groove() {
 
 #[inline(never)]
 fn tap() {
-    if let Ok(moves) = TapMoves::new(&any::<TapCall>(), any()) {
+    if let Ok(moves) = TapMoves::new(&any::<TapCall>(), any(), any()) {
         moves.for_each(sink);
     }
 }
