@@ -81,6 +81,19 @@ pub struct Row {
     /// While the long axis is held to the helix, or axis and spindle to the tap's master: setpoint minus where the axis
     /// should be at the true angle.
     pub error: Option<Length>,
+    /// Where a tap is, while axis and spindle are held to its master.
+    pub tap: Option<TapPoint>,
+}
+
+/// A tap at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapPoint {
+    /// Setpoint of the tap axis below R; negative above it.
+    pub depth: Length,
+    /// Turns of the spindle since R: commanded ones in position mode, else true ones.
+    pub turned: Turns,
+    /// Setpoint of the tap axis minus where it should be at that angle.
+    pub skew: Length,
 }
 
 /// On the wire from here on.
@@ -325,6 +338,7 @@ impl Sim {
             number: setpoint.number,
             doing,
             error: None,
+            tap: None,
         };
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
@@ -377,7 +391,15 @@ impl Sim {
                 };
                 Some(actual - exact)
             }
-            Law::Tap(line) => Some(line.error(row.position, row.spindle.turns())),
+            Law::Tap(line) => {
+                let angle = row.spindle_set.unwrap_or(row.spindle.turns());
+                row.tap = Some(TapPoint {
+                    depth: line.gear.depth(row.position),
+                    turned: angle - line.origin,
+                    skew: line.error(row.position, angle),
+                });
+                Some(line.error(row.position, row.spindle.turns()))
+            }
         };
         Some(row)
     }

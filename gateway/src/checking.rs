@@ -10,7 +10,7 @@ use leadscrew_core::units::Length;
 use leadscrew_core::{cycle, feasible};
 
 use crate::diagnostics::Diagnostic;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::json::Json;
 use crate::number;
@@ -67,7 +67,7 @@ pub struct ThreadFigures {
 pub fn check(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
     let options = setup.options();
     let mut program = Program::open(source, &setup.params, options)
-        .map_err(|error| Failure::file("read", source.name(), &error))?;
+        .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,
         source,
@@ -80,7 +80,7 @@ pub fn check(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
         }
         let next = program
             .next_event()
-            .map_err(|error| Failure::file("read", source.name(), &error))?;
+            .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
         let inch = program.is_inch();
         match next {
             None => return Ok(checker.report),

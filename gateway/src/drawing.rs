@@ -40,7 +40,7 @@ impl Drawing {
         let (kind, points) = match step.kind {
             MoveKind::Rapid => (Kind::Rapid, vec![from, to]),
             MoveKind::Feed(_) => (Kind::Feed, vec![from, to]),
-            MoveKind::Tap(_) => (Kind::Feed, vec![from, to]),
+            MoveKind::Tap(_) => (Kind::Tap, vec![from, to]),
             MoveKind::Thread(_) => (Kind::Thread, vec![from, to]),
             MoveKind::Arc {
                 i, k, clockwise, ..

@@ -9,12 +9,13 @@ use leadscrew_core::program::{Call, CallKind, Event as ProgramEvent, Position};
 
 use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::trace::Setpoint;
+use crate::trace::{Setpoint, TapPlace};
+use crate::words::{Both, both};
 
 /// How a run ended.
 #[derive(Debug, Default)]
@@ -43,8 +44,12 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
     let ripple = match drive.spindle_ripple {
         None => None,
         Some(ripple) => Some(
-            Ripple::new(ripple.milli_percent, ripple.milli_hz)
-                .ok_or_else(|| Failure::Usage("the spindle cannot have this ripple".into()))?,
+            Ripple::new(ripple.milli_percent, ripple.milli_hz).ok_or_else(|| {
+                Failure::Usage(both!(
+                    "the spindle cannot have this ripple",
+                    "主轴不可能有这样的波动"
+                ))
+            })?,
         ),
     };
     let options = PlantOptions {
@@ -62,16 +67,18 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
 /// Words for a machine that cannot be.
 fn no_machine(setup: &Setup, error: SimError) -> Failure {
     let reason = match error {
-        SimError::Plant(PlantError::Position(axis)) => format!(
-            "`--at` puts {} where its drive cannot count to",
-            char::from(axis.letter())
+        SimError::Plant(PlantError::Position(axis)) => both!(
+            "`--at` puts {axis} where its drive cannot count to",
+            "`--at` 把 {axis} 轴放到了驱动器计数范围之外",
+            axis = char::from(axis.letter())
         ),
-        SimError::Plant(error) => format!("the parameters make no simulated machine: {error:?}"),
+        SimError::Plant(error) => both!(
+            "the parameters make no simulated machine: {error:?}",
+            "这组参数构不成一台模拟机床：{error:?}"
+        ),
         SimError::Board(alarm) => {
             let nowhere = SourceFile::new(std::path::Path::new("the simulated board"));
-            return Failure::WrongBecause(
-                Diagnostic::new(&alarm, &nowhere, setup.lang, false).message,
-            );
+            Both::same(Diagnostic::new(&alarm, &nowhere, setup.lang, false).message)
         }
     };
     Failure::WrongBecause(reason)
@@ -186,7 +193,7 @@ impl<'a> Feeder<'a> {
             setup,
             source,
             program: Program::open(source, &setup.params, setup.options())
-                .map_err(|error| Failure::file("read", source.name(), &error))?,
+                .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?,
             waiting: None,
             ended: false,
             over: false,
@@ -216,7 +223,7 @@ impl<'a> Feeder<'a> {
             let next = self
                 .program
                 .next_event()
-                .map_err(|error| Failure::file("read", self.source.name(), &error))?;
+                .map_err(|error| Failure::file(Doing::Read, self.source.name(), &error))?;
             match next {
                 None => {
                     self.over = true;
@@ -254,5 +261,10 @@ fn setpoint(row: &Row) -> Setpoint {
         step: u64::from(row.number),
         state: row.doing,
         error_nm: row.error.map(|error| error.nm()),
+        tap: row.tap.map(|tap| TapPlace {
+            depth_nm: tap.depth.nm(),
+            turned_urev: FineTurns::from_turns(tap.turned).micro_turns(),
+            skew_nm: tap.skew.nm(),
+        }),
     }
 }

@@ -5,6 +5,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use crate::failure::{Failure, Outcome};
+use crate::words::both;
 
 /// Longest line that is shown in a message.
 const SHOWN: u64 = 4096;
@@ -31,9 +32,10 @@ impl SourceFile {
     /// Refuses `output` where it would overwrite the program.
     pub fn protect(&self, output: &Path) -> Outcome {
         match (self.path.canonicalize(), output.canonicalize()) {
-            (Ok(program), Ok(output)) if program == output => Err(Failure::Usage(format!(
-                "`{}` is the program itself: write the output to another file",
-                self.name()
+            (Ok(program), Ok(output)) if program == output => Err(Failure::Usage(both!(
+                "`{name}` is the program itself: write the output to another file",
+                "`{name}` 就是程序本身：请把输出写到别的文件",
+                name = self.name()
             ))),
             _ => Ok(()),
         }
@@ -43,7 +45,7 @@ impl SourceFile {
     pub fn open(&self) -> io::Result<File> {
         let file = File::open(&self.path)?;
         if file.metadata()?.is_dir() {
-            return Err(io::Error::other("is a directory"));
+            return Err(io::Error::from(io::ErrorKind::IsADirectory));
         }
         Ok(file)
     }

@@ -8,12 +8,13 @@ use leadscrew_core::program::{Call, Event, Position};
 
 use crate::cli::{Expand, Format};
 use crate::diagnostics::{self, Diagnostic};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::json::Json;
 use crate::movelist;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::words::both;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 1 << 16;
@@ -25,15 +26,16 @@ pub fn run(setup: &Setup, args: &Expand) -> Outcome {
         (None, false) => Format::Text,
         (Some(format), false) | (Some(format @ Format::Jsonl), true) => format,
         (Some(_), true) => {
-            return Err(Failure::Usage(
-                "`--json` is `--format jsonl`; it cannot be another format too".into(),
-            ));
+            return Err(Failure::Usage(both!(
+                "`--json` is `--format jsonl`; it cannot be another format too",
+                "`--json` 就是 `--format jsonl`，不能再指定别的格式"
+            )));
         }
     };
     let source = SourceFile::new(&args.program);
     let options = setup.options();
     let mut program = Program::open(&source, &setup.params, options)
-        .map_err(|error| Failure::file("read", source.name(), &error))?;
+        .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut list = List {
         setup,
         source: &source,
@@ -65,7 +67,7 @@ impl<W: Write> List<'_, W> {
         loop {
             let next = program
                 .next_event()
-                .map_err(|error| Failure::file("read", self.source.name(), &error))?;
+                .map_err(|error| Failure::file(Doing::Read, self.source.name(), &error))?;
             match next {
                 None => return Ok(()),
                 Some(Ok(Event::Call(call))) => self.call(&call, program.is_inch())?,

@@ -9,7 +9,7 @@ use crate::cli::Plot;
 use crate::diagnostics;
 use crate::drawing::Drawing;
 use crate::execution::Execution;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::machine::Observer;
 use crate::plot::{Envelope, Picture, Sample, Stroke};
@@ -17,6 +17,7 @@ use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
+use crate::words::both;
 
 /// Draws a program.
 pub fn run(setup: &Setup, args: &Plot) -> Outcome {
@@ -37,18 +38,19 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
     if !execution.is_interrupted() {
         let picture = Picture {
             title: title(&args.program),
-            subtitle: summary.line(),
+            subtitle: summary.line(setup.lang),
+            lang: setup.lang,
             path,
             series: watcher.series,
         };
         std::fs::write(&args.output, picture.svg())
-            .map_err(|error| Failure::file("write", args.output.display(), &error))?;
+            .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
         if !setup.global.json {
             diagnostics::say(&format!(
                 "{}: {}
 ",
                 args.output.display(),
-                summary.line()
+                summary.line(setup.lang)
             ));
         }
     }
@@ -63,13 +65,15 @@ pub fn format(output: &Path) -> Outcome {
         .unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
         "svg" => Ok(()),
-        known @ ("png" | "html") => Err(Failure::Usage(format!(
-            "pictures as `{known}` are not available yet; write `-o {}`",
-            output.with_extension("svg").display()
+        known @ ("png" | "html") => Err(Failure::Usage(both!(
+            "pictures as `{known}` are not available yet; write `-o {svg}`",
+            "尚不能输出 `{known}` 图片；请写 `-o {svg}`",
+            svg = output.with_extension("svg").display()
         ))),
-        _ => Err(Failure::Usage(format!(
-            "`{}`: the ending of the file chooses the format, and `.svg` is the one there is",
-            output.display()
+        _ => Err(Failure::Usage(both!(
+            "`{output}`: the ending of the file chooses the format, and `.svg` is the one there is",
+            "`{output}`：文件的扩展名决定格式，目前只有 `.svg`",
+            output = output.display()
         ))),
     }
 }
@@ -85,7 +89,7 @@ fn title(program: &Path) -> String {
 /// The tool path of a program that has been checked.
 fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     let options = setup.options();
-    let unreadable = |error| Failure::file("read", source.name(), &error);
+    let unreadable = |error| Failure::file(Doing::Read, source.name(), &error);
     let mut program = Program::open(source, &setup.params, options).map_err(unreadable)?;
     let mut drawing = Drawing::new(&options.position);
     let mut at = options.position;
@@ -101,11 +105,12 @@ fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     }
     let (strokes, left_out) = drawing.finish();
     if left_out > 0 {
-        diagnostics::say(&format!(
-            "the picture shows the first {} moves; {left_out} more did not fit
-",
-            strokes.len()
-        ));
+        let told = both!(
+            "the picture shows the first {shown} moves; {left_out} more did not fit\n",
+            "图中只画了前 {shown} 段移动，还有 {left_out} 段画不下\n",
+            shown = strokes.len()
+        );
+        diagnostics::say(told.get(setup.lang));
     }
     Ok(strokes)
 }
@@ -129,6 +134,8 @@ impl Observer for Watcher {
             z: z as f64 * minute / 1e6,
             rpm: turned as f64 * minute / 1e6,
             error: point.error_nm.map(|nm| nm as f64 / 1e3),
+            depth: point.tap.map(|tap| tap.depth_nm as f64 / 1e6),
+            turned: point.tap.map(|tap| tap.turned_urev as f64 / 1e6),
         });
         Ok(())
     }

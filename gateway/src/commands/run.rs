@@ -6,17 +6,19 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_board_sim::Direction;
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::Frame;
 
 use crate::candump::Log;
 use crate::cli::Run;
 use crate::execution::Execution;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::machine::Observer;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
+use crate::words::{both, pick};
 
 /// Runs a program.
 pub fn run(setup: &Setup, args: &Run) -> Outcome {
@@ -30,40 +32,44 @@ pub fn run(setup: &Setup, args: &Run) -> Outcome {
     let log = match &args.record {
         Some(path) => {
             let file = File::create(path)
-                .map_err(|error| Failure::file("write", path.display(), &error))?;
+                .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
             Some(Log::new(BufWriter::new(file), tick_us))
         }
         None => None,
     };
     let mut watcher = Watcher {
         tick_us,
+        lang: setup.lang,
         summary: Summary::new(tick_us),
         log,
-        bar: bar(execution.report.moves, setup.global.json),
+        bar: bar(execution.report.moves, setup.global.json, setup.lang),
     };
     let ran = execution.run(&args.drive, &mut watcher);
     watcher.bar.finish_and_clear();
     ran?;
     if let (Some(log), Some(path)) = (watcher.log, &args.record) {
         log.finish()
-            .map_err(|error| Failure::file("write", path.display(), &error))?;
+            .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
     }
     let verdict = execution.conclude(&watcher.summary, args.tolerance);
     if !setup.global.json {
         let word = match verdict {
-            Ok(()) => "done",
-            Err(Failure::Interrupted) => "interrupted",
-            Err(Failure::Machine) => "stopped",
-            Err(_) => "out of tolerance",
+            Ok(()) => pick(setup.lang, "done", "完成"),
+            Err(Failure::Interrupted) => pick(setup.lang, "interrupted", "已中断"),
+            Err(Failure::Machine) => pick(setup.lang, "stopped", "已停止"),
+            Err(_) => pick(setup.lang, "out of tolerance", "超差"),
         };
-        let text = format!(
-            "{}: {word}: {}
-setpoints {}
-",
-            source.name(),
-            watcher.summary.line(),
-            watcher.summary.hash()
-        );
+        let (name, summary) = (source.name(), &watcher.summary);
+        let line = summary.line(setup.lang);
+        let mut text = format!("{name}: {word}: {line}\n");
+        if let Some(taps) = summary.taps() {
+            text.push_str(pick(setup.lang, "taps ", "攻丝 "));
+            text.push_str(taps.get(setup.lang));
+            text.push('\n');
+        }
+        text.push_str(pick(setup.lang, "setpoints ", "设定值校验 "));
+        text.push_str(&summary.hash());
+        text.push('\n');
         std::io::stdout()
             .write_all(text.as_bytes())
             .map_err(|error| Failure::stdout(&error))?;
@@ -72,12 +78,17 @@ setpoints {}
 }
 
 /// A bar over the moves, only where somebody watches.
-fn bar(moves: u64, json: bool) -> ProgressBar {
+fn bar(moves: u64, json: bool, lang: Lang) -> ProgressBar {
     if json || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(moves), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} move {pos}/{len}  {msg}") {
+    let template = pick(
+        lang,
+        "{bar:40} move {pos}/{len}  {msg}",
+        "{bar:40} 移动 {pos}/{len}  {msg}",
+    );
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar
@@ -86,6 +97,7 @@ fn bar(moves: u64, json: bool) -> ProgressBar {
 /// Sums up, shows progress, records frames.
 struct Watcher {
     tick_us: u32,
+    lang: Lang,
     summary: Summary,
     log: Option<Log<BufWriter<File>>>,
     bar: ProgressBar,
@@ -97,11 +109,13 @@ impl Observer for Watcher {
         if !self.bar.is_hidden() && point.tick.is_multiple_of(1 << 10) {
             let time = Duration::from_micros(point.tick.saturating_mul(u64::from(self.tick_us)));
             self.bar.set_position(point.step);
-            self.bar.set_message(format!(
-                "line {}, {:.1} s machine time",
-                point.line,
-                time.as_secs_f64()
-            ));
+            let message = both!(
+                "line {line}, {time:.1} s machine time",
+                "第 {line} 行，机床时间 {time:.1} s",
+                line = point.line,
+                time = time.as_secs_f64()
+            );
+            self.bar.set_message(message.get(self.lang).to_owned());
         }
         Ok(())
     }

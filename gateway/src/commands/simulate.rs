@@ -6,7 +6,7 @@ use std::io;
 use crate::cli::Simulate;
 use crate::diagnostics;
 use crate::execution::Execution;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::machine::Observer;
 use crate::setup::Setup;
@@ -23,7 +23,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
     let mut execution = Execution::prepare(setup, &source)?;
     let tick_us = setup.params.tick_us();
     let cannot = |error: io::Error| match &args.output {
-        Some(path) => Failure::file("write", path.display(), &error),
+        Some(path) => Failure::file(Doing::Write, path.display(), &error),
         None => Failure::stdout(&error),
     };
     let csv = match &args.output {
@@ -41,7 +41,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
         csv.finish().map_err(cannot)?;
     }
     if !setup.global.json {
-        diagnostics::say(&summary.text());
+        diagnostics::say(&summary.text(setup.lang));
     }
     execution.conclude(&summary, args.tolerance)
 }

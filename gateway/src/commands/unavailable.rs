@@ -1,10 +1,11 @@
-//! What the contract names and this version does not do: each is a usage error that says so, never ignored.
+//! What the contract names and cannot be done as it was typed: each is a usage error that says so, never ignored.
 
 use crate::cli::{Cli, Command};
 use crate::failure::{Failure, Outcome};
 use crate::values::Bus;
+use crate::words::{Both, both};
 
-/// Refuses options that this version does not know how to honour.
+/// Refuses options that do not go with the command.
 pub fn refuse(cli: &Cli) -> Outcome {
     let global = &cli.global;
     let option = if global.state.is_some() {
@@ -15,51 +16,95 @@ pub fn refuse(cli: &Cli) -> Outcome {
         None
     };
     if let Some(option) = option {
-        return Err(Failure::Usage(format!("`{option}` is not available yet")));
-    }
-    if global.bus != Bus::Sim && touches_a_board(&cli.command) {
-        return Err(Failure::Usage(format!(
-            "`--bus {}` is not available yet; `--bus sim` (the default) runs on a simulated machine",
-            global.bus
+        return Err(Failure::Usage(both!(
+            "`{option}` is not available yet",
+            "`{option}` 尚未提供"
         )));
     }
-    Ok(())
+    let bus = &global.bus;
+    if *bus == Bus::Sim {
+        return Ok(());
+    }
+    match &cli.command {
+        Command::Simulate(_) | Command::Plot(_) => {
+            let name = name(&cli.command);
+            Err(Failure::Usage(both!(
+                "`{name}` computes in virtual time and talks to no board: leave out `--bus {bus}`, or let a board \
+                 carry the program out with `run --bus {bus}`",
+                "`{name}` 只在虚拟时间里计算，不与控制板通信：请去掉 `--bus {bus}`，或用 `run --bus {bus}` 让控制板执行程序"
+            )))
+        }
+        command if touches_a_board(command) => Err(Failure::Usage(both!(
+            "`--bus {bus}` is not available yet; `--bus sim` (the default) runs on a simulated machine",
+            "`--bus {bus}` 尚未提供；默认的 `--bus sim` 在模拟机床上运行"
+        ))),
+        _ => Ok(()),
+    }
 }
 
-/// `check`, `expand`, `simulate` and `plot` compute; the others talk to a board.
-fn touches_a_board(command: &Command) -> bool {
+/// `check`, `expand` and `completions` need no machine; `params` says for itself what it needs.
+const fn touches_a_board(command: &Command) -> bool {
     !matches!(
         command,
         Command::Check(_)
             | Command::Expand(_)
-            | Command::Simulate(_)
-            | Command::Plot(_)
             | Command::Params { .. }
             | Command::Completions { .. }
     )
 }
 
+/// The command as it is typed.
+const fn name(command: &Command) -> &'static str {
+    match command {
+        Command::Check(_) => "check",
+        Command::Expand(_) => "expand",
+        Command::Simulate(_) => "simulate",
+        Command::Plot(_) => "plot",
+        Command::Run(_) => "run",
+        Command::Params { .. } => "params",
+        Command::Status => "status",
+        Command::Monitor => "monitor",
+        Command::Hold => "hold",
+        Command::Resume => "resume",
+        Command::Reset => "reset",
+        Command::Stop => "stop",
+        Command::Override { .. } => "override",
+        Command::Signal { .. } => "signal",
+        Command::Retract { .. } => "retract",
+        Command::Record { .. } => "record",
+        Command::Completions { .. } => "completions",
+    }
+}
+
 /// Refuses a command that is not available, with the reason.
 pub fn command(cli: &Cli) -> Outcome {
-    let (name, needs_a_board) = match &cli.command {
-        Command::Status => ("status", false),
-        Command::Monitor => ("monitor", true),
-        Command::Hold => ("hold", true),
-        Command::Resume => ("resume", true),
-        Command::Reset => ("reset", true),
-        Command::Stop => ("stop", true),
-        Command::Override { .. } => ("override", true),
-        Command::Signal { .. } => ("signal", true),
-        Command::Record { .. } => ("record", true),
-        Command::Retract { .. } => ("retract", false),
-        _ => ("this command", false),
-    };
-    Err(Failure::Usage(if needs_a_board {
-        format!(
-            "`{name}` needs a board that goes on running between commands, and `--bus sim` lives inside one command; \
-             boards on a real bus are not available yet"
-        )
-    } else {
-        format!("`{name}` is not available yet")
+    let name = name(&cli.command);
+    Err(Failure::Usage(match &cli.command {
+        Command::Status | Command::Retract { .. } => {
+            both!("`{name}` is not available yet", "`{name}` 尚未提供")
+        }
+        command => needs_a_board(name, command),
     }))
+}
+
+/// Why a command cannot be on a machine that lives inside one command.
+fn needs_a_board(name: &str, command: &Command) -> Both {
+    let instead = match command {
+        Command::Signal { .. } => both!(
+            "; `--signal NAME=0|1` sets an input from the start of `simulate` and `run`",
+            "；`--signal NAME=0|1` 可在 `simulate` 和 `run` 开始时设置输入"
+        ),
+        Command::Record { .. } => both!(
+            "; `run --record FILE` writes the frames of the simulated bus",
+            "；`run --record FILE` 可写出模拟总线上的报文"
+        ),
+        _ => Both::default(),
+    };
+    both!(
+        "`{name}` needs a board that goes on running between commands, and `--bus sim` lives inside one command; \
+         boards on a real bus are not available yet{en}",
+        "`{name}` 需要一块在命令之间持续运行的控制板，而 `--bus sim` 只存在于一条命令之内；真实总线上的控制板尚未提供{zh}",
+        en = instead.en,
+        zh = instead.zh
+    )
 }

@@ -19,7 +19,7 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::{Loader, mistake};
 use crate::diagnostics::Place;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::source::SourceFile;
 
 /// The text of a file.
@@ -28,7 +28,7 @@ pub fn read(path: &Path) -> Outcome<String> {
     let opened = SourceFile::new(path).open();
     opened
         .and_then(|mut file| file.read_to_string(&mut text))
-        .map_err(|error| Failure::file("read", path.display(), &error))?;
+        .map_err(|error| Failure::file(Doing::Read, path.display(), &error))?;
     Ok(text)
 }
 

@@ -265,7 +265,7 @@ fn an_option_shows_where_in_it_the_mistake_is() {
         "1420.X",
     );
     assert!(
-        matches!(error, Err(crate::failure::Failure::Usage(text)) if text.contains("1420.X=12000"))
+        matches!(error, Err(crate::failure::Failure::Usage(text)) if text.en.contains("1420.X=12000"))
     );
 }
 

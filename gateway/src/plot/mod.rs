@@ -10,6 +10,7 @@ mod time;
 pub use path::{Kind, Stroke};
 pub use series::{Envelope, Sample};
 
+use leadscrew_core::alarm::Lang;
 use svg::node::element::{Group, Rectangle, Style, Text};
 use svg::{Document, Node as _};
 
@@ -27,6 +28,8 @@ pub struct Picture {
     pub title: String,
     /// Second line: the figures.
     pub subtitle: String,
+    /// Language of the labels.
+    pub lang: Lang,
     /// The tool path in the order of execution.
     pub path: Vec<Stroke>,
     /// What the machine did over time.
@@ -39,8 +42,8 @@ impl Picture {
         let mut document = Document::new();
         let mut top = TITLE;
         let mut body = Group::new();
-        top = path::draw(&mut body, top, &self.path) + 34.0;
-        top = time::draw(&mut body, top, &self.series);
+        top = path::draw(&mut body, top, &self.path, self.lang) + 34.0;
+        top = time::draw(&mut body, top, &self.series, self.lang);
         let height = top + 54.0;
 
         document.assign("viewBox", (0, 0, WIDTH, height));
@@ -148,6 +151,7 @@ mod tests {
         let picture = Picture {
             title: "<empty> & \"quoted\"".into(),
             subtitle: String::new(),
+            lang: Lang::En,
             path: Vec::new(),
             series: Envelope::new(0.001),
         };

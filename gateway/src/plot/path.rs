@@ -3,12 +3,14 @@
 
 use std::collections::HashSet;
 
+use leadscrew_core::alarm::Lang;
 use svg::Node as _;
 use svg::node::element::{Circle, Group, Path};
 
 use super::frame::{self, LEFT, RIGHT};
 use super::scale::Scale;
 use super::{px, text};
+use crate::words::pick;
 
 /// What a stroke is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,6 +21,8 @@ pub enum Kind {
     Feed,
     /// Locked to the spindle.
     Thread,
+    /// In a hole, axis and spindle together.
+    Tap,
 }
 
 impl Kind {
@@ -27,6 +31,7 @@ impl Kind {
             Self::Rapid => "rapid",
             Self::Feed => "feed",
             Self::Thread => "thread",
+            Self::Tap => "tap",
         }
     }
 }
@@ -45,7 +50,7 @@ const TALLEST: f64 = 470.0;
 const SHORTEST: f64 = 200.0;
 
 /// Draws the panel at `top` and returns its lower edge.
-pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke]) -> f64 {
+pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke], lang: Lang) -> f64 {
     let all = strokes.iter().flat_map(|stroke| &stroke.points);
     let (mut low, mut high) = ((0.0f64, 0.0f64), (0.0f64, 0.0f64));
     for (n, &(z, x)) in all.enumerate() {
@@ -86,9 +91,14 @@ pub(super) fn draw(document: &mut Group, top: f64, strokes: &[Stroke]) -> f64 {
         (z.px(at_z), x.px(2.0 * radius))
     });
 
-    document.append(text(LEFT - 8.0, top - 8.0, "left name", "X ⌀ mm"));
+    document.append(text(
+        LEFT - 8.0,
+        top - 8.0,
+        "left name",
+        pick(lang, "X ⌀ mm", "X 直径 mm"),
+    ));
     document.append(text(RIGHT + 8.0, bottom + 18.0, "right name", "Z mm"));
-    legend(document, top - 8.0, strokes);
+    legend(document, top - 8.0, strokes, lang);
     marks(document, strokes, |(at_z, radius)| {
         (z.px(at_z), x.px(2.0 * radius))
     });
@@ -101,7 +111,7 @@ fn strokes_in_layers(
     strokes: &[Stroke],
     place: impl Fn((f64, f64)) -> (f64, f64),
 ) {
-    for kind in [Kind::Rapid, Kind::Feed, Kind::Thread] {
+    for kind in [Kind::Rapid, Kind::Feed, Kind::Thread, Kind::Tap] {
         let mut drawn: HashSet<[[i64; 2]; 2]> = HashSet::new();
         let mut run: Vec<(f64, f64)> = Vec::new();
         let mut data = String::new();
@@ -140,11 +150,18 @@ fn strokes_in_layers(
     }
 }
 
-fn legend(document: &mut Group, y: f64, strokes: &[Stroke]) {
+fn legend(document: &mut Group, y: f64, strokes: &[Stroke], lang: Lang) {
     let entries = [
-        (Kind::Rapid, "rapid"),
-        (Kind::Feed, "feed"),
-        (Kind::Thread, "thread, locked to the spindle"),
+        (Kind::Rapid, pick(lang, "rapid", "快速移动")),
+        (Kind::Feed, pick(lang, "feed", "切削进给")),
+        (
+            Kind::Thread,
+            pick(lang, "thread, locked to the spindle", "螺纹，与主轴锁定"),
+        ),
+        (
+            Kind::Tap,
+            pick(lang, "tap, axis and spindle together", "攻丝，轴与主轴联动"),
+        ),
     ];
     let present: Vec<_> = entries
         .into_iter()
@@ -154,7 +171,10 @@ fn legend(document: &mut Group, y: f64, strokes: &[Stroke]) {
         .iter()
         .map(|(_, name)| 57.0 + frame::width(name))
         .sum();
-    let marks = [("start", "start"), ("end", "end")];
+    let marks = [
+        ("start", pick(lang, "start", "起点")),
+        ("end", pick(lang, "end", "终点")),
+    ];
     let dots: f64 = marks
         .iter()
         .map(|(_, name)| 38.0 + frame::width(name))

@@ -11,6 +11,10 @@ pub struct Sample {
     pub rpm: f64,
     /// Synchronism error in micrometres, while locked.
     pub error: Option<f64>,
+    /// Depth of a tap below R in millimetres, while in a hole.
+    pub depth: Option<f64>,
+    /// Turns of the spindle since R, while in a hole.
+    pub turned: Option<f64>,
 }
 
 /// Which value of a [`Sample`].
@@ -20,6 +24,8 @@ pub(super) enum Channel {
     Z,
     Rpm,
     Error,
+    Depth,
+    Turned,
 }
 
 /// Buckets kept; twice this many pixels would show no more.
@@ -64,7 +70,7 @@ impl Span {
     }
 }
 
-type Bucket = [Option<Span>; 4];
+type Bucket = [Option<Span>; 6];
 
 /// A time series of any length in bounded memory: equal buckets, each with what every channel did in it. When they are
 /// full, neighbours merge.
@@ -94,6 +100,8 @@ impl Envelope {
             Some(Span::of(sample.z)),
             Some(Span::of(sample.rpm)),
             sample.error.map(Span::of),
+            sample.depth.map(Span::of),
+            sample.turned.map(Span::of),
         ];
         match self.buckets.last_mut() {
             Some(bucket) if self.in_last < self.per_bucket => {

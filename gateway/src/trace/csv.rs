@@ -90,6 +90,7 @@ mod tests {
             step: 9,
             state: Doing::Run,
             error_nm: Some(-250),
+            tap: None,
         })
         .unwrap();
         let text = String::from_utf8(csv.finish().unwrap()).unwrap();

@@ -5,11 +5,13 @@ mod csv;
 mod hash;
 mod peaks;
 mod summary;
+mod taps;
 
 pub use csv::Csv;
 pub use hash::SetpointHash;
 pub use peaks::{Peak, Peaks};
 pub use summary::Summary;
+pub use taps::Taps;
 
 use leadscrew_board_sim::Doing;
 
@@ -36,4 +38,17 @@ pub struct Setpoint {
     pub state: Doing,
     /// Long-axis distance from the exact helix in nanometres, while locked to it.
     pub error_nm: Option<i64>,
+    /// Where a tap is, while axis and spindle are held to its master.
+    pub tap: Option<TapPlace>,
+}
+
+/// A tap at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TapPlace {
+    /// Tap axis below R in nanometres; negative above it.
+    pub depth_nm: i64,
+    /// Spindle angle since R in millionths of a turn.
+    pub turned_urev: i64,
+    /// Tap axis minus where it should be at that angle, nanometres.
+    pub skew_nm: i64,
 }

@@ -1,9 +1,12 @@
 //! The closing summary of a run: figures, certificate and hash.
 
-use super::{Peaks, Setpoint, SetpointHash};
+use leadscrew_core::alarm::Lang;
+
+use super::{Peaks, Setpoint, SetpointHash, Taps};
 use crate::json::Json;
 use crate::number;
 use crate::values::Tolerance;
+use crate::words::{Both, both, pick};
 
 /// Everything that is said about a stream of setpoints at its end.
 #[derive(Debug)]
@@ -17,6 +20,7 @@ pub struct Summary {
     error_max_nm: i64,
     error_squares: f64,
     peaks: Peaks,
+    taps: Taps,
     hash: SetpointHash,
 }
 
@@ -33,6 +37,7 @@ impl Summary {
             error_max_nm: 0,
             error_squares: 0.0,
             peaks: Peaks::default(),
+            taps: Taps::default(),
             hash: SetpointHash::default(),
         }
     }
@@ -50,6 +55,7 @@ impl Summary {
             self.error_max_nm = self.error_max_nm.max(error.abs());
             self.error_squares += (error as f64) * (error as f64);
         }
+        self.taps.push(point.tap);
         self.hash.push(point);
         self.peaks.push(point)
     }
@@ -60,11 +66,12 @@ impl Summary {
     }
 
     /// Why a tolerance is not met.
-    pub fn above(&self, tolerance: Tolerance) -> String {
-        format!(
-            "the worst synchronism error {} µm is above the tolerance of {} µm",
-            number::text::<3>(self.error_max_nm),
-            number::text::<6>(tolerance.pm),
+    pub fn above(&self, tolerance: Tolerance) -> Both {
+        both!(
+            "the worst synchronism error {error} µm is above the tolerance of {most} µm",
+            "最大同步误差 {error} µm，超过允许值 {most} µm",
+            error = number::text::<3>(self.error_max_nm),
+            most = number::text::<6>(tolerance.pm),
         )
     }
 
@@ -103,6 +110,7 @@ impl Summary {
                 json.decimal::<6>("rms", self.error_rms_pm());
             }
         });
+        self.taps.fields(json, self.tick_us);
         json.object_at("peak", |json| {
             for (axis, peak) in ["x", "z", "c"].into_iter().zip(self.peaks.overall()) {
                 json.object_at(axis, |json| {
@@ -132,57 +140,81 @@ impl Summary {
         i64::try_from(value).unwrap_or(i64::MAX)
     }
 
-    /// The worst error for a person; the simulation tells nanometres apart.
-    fn worst(&self) -> String {
-        match self.error_max_nm {
-            0 => "below 0.001".into(),
-            nm => number::text::<3>(nm),
-        }
-    }
-
     /// One line: moves, time, path, synchronism.
-    pub fn line(&self) -> String {
-        let mut line = format!(
-            "{} moves · {} s · path {} mm",
-            self.moves,
-            number::rounded::<6>(self.time_us(), 3),
-            number::rounded::<6>(self.path(), 3),
-        );
+    pub fn line(&self, lang: Lang) -> String {
+        let moves = self.moves;
+        let time = number::rounded::<6>(self.time_us(), 3);
+        let path = number::rounded::<6>(self.path(), 3);
+        let mut line = both!(
+            "{moves} moves · {time} s · path {path} mm",
+            "移动 {moves} 段 · {time} s · 路径 {path} mm"
+        )
+        .get(lang)
+        .to_owned();
         if self.locked > 0 {
-            line.push_str(&format!(
-                " · worst synchronism error {} µm ({} µm RMS)",
-                self.worst(),
-                number::rounded::<6>(self.error_rms_pm(), 3),
-            ));
+            let rms = number::rounded::<6>(self.error_rms_pm(), 3);
+            let worst = error(self.error_max_nm);
+            let worst = worst.get(lang);
+            let synchronism = both!(
+                " · worst synchronism error {worst} µm ({rms} µm RMS)",
+                " · 最大同步误差 {worst} µm（均方根 {rms} µm）"
+            );
+            line.push_str(synchronism.get(lang));
         }
         line
     }
 
+    /// What the taps did, in a line.
+    pub fn taps(&self) -> Option<Both> {
+        self.taps.words(self.tick_us)
+    }
+
     /// For a person: a few lines with a table of peaks.
-    pub fn text(&self) -> String {
-        let mut text = format!(
-            "moves       {}\ntime        {} s ({} ticks of {} µs)\npath        {} mm\n",
-            self.moves,
-            number::rounded::<6>(self.time_us(), 6),
-            self.ticks,
-            self.tick_us,
-            number::rounded::<6>(self.path(), 3),
-        );
-        if self.locked > 0 {
-            text.push_str(&format!(
-                "synchronism worst {} µm, {} µm RMS over {} locked ticks\n",
-                self.worst(),
-                number::rounded::<6>(self.error_rms_pm(), 3),
-                self.locked,
-            ));
+    pub fn text(&self, lang: Lang) -> String {
+        let (moves, ticks, tick) = (self.moves, self.ticks, self.tick_us);
+        let time = number::rounded::<6>(self.time_us(), 6);
+        let path = number::rounded::<6>(self.path(), 3);
+        let mut text = both!(
+            "moves       {moves}\ntime        {time} s ({ticks} ticks of {tick} µs)\npath        {path} mm\n",
+            "移动        {moves} 段\n时间        {time} s（{ticks} 个周期，每个 {tick} µs）\n路径        {path} mm\n"
+        )
+        .get(lang)
+        .to_owned();
+        let synchronism = if self.locked > 0 {
+            let worst = error(self.error_max_nm);
+            let worst = worst.get(lang);
+            let rms = number::rounded::<6>(self.error_rms_pm(), 3);
+            let locked = self.locked;
+            both!(
+                "synchronism worst {worst} µm, {rms} µm RMS over {locked} locked ticks\n",
+                "同步        最大误差 {worst} µm，均方根 {rms} µm，锁定 {locked} 个周期\n"
+            )
         } else {
-            text.push_str("synchronism nothing was locked to the spindle\n");
+            both!(
+                "synchronism nothing was locked to the spindle\n",
+                "同步        没有与主轴锁定的运动\n"
+            )
+        };
+        text.push_str(synchronism.get(lang));
+        if let Some(taps) = self.taps() {
+            text.push_str(pick(lang, "taps        ", "攻丝        "));
+            text.push_str(taps.get(lang));
+            text.push('\n');
         }
-        text.push_str(&format!("setpoints   {}\n", self.hash.text()));
-        text.push_str("peaks            speed mm/min   acceleration m/s²   jerk m/s³\n");
+        text.push_str(pick(lang, "setpoints   ", "设定值校验  "));
+        text.push_str(&self.hash.text());
+        text.push_str(pick(
+            lang,
+            "\npeaks            speed mm/min   acceleration m/s²   jerk m/s³\n",
+            "\n峰值              速度 mm/min         加速度 m/s²  加加速度 m/s³\n",
+        ));
         self.peak_rows(&mut text, "", &self.peaks.free);
         if self.locked > 0 {
-            self.peak_rows(&mut text, " locked", &self.peaks.locked);
+            self.peak_rows(
+                &mut text,
+                pick(lang, " locked", " 锁定"),
+                &self.peaks.locked,
+            );
         }
         text
     }
@@ -201,6 +233,17 @@ impl Summary {
             );
             text.push_str(&row);
         }
+    }
+}
+
+/// An error in micrometres for a person; the simulation tells nanometres apart.
+pub(super) fn error(nm: i64) -> Both {
+    match nm {
+        0 => Both {
+            en: "below 0.001".into(),
+            zh: "小于 0.001".into(),
+        },
+        nm => Both::same(number::text::<3>(nm)),
     }
 }
 
@@ -233,8 +276,12 @@ mod tests {
         assert!(summary.within(Tolerance { pm: 400_000 }));
         assert!(!summary.within(Tolerance { pm: 399_999 }));
         assert_eq!(
-            summary.line(),
+            summary.line(Lang::En),
             "1 moves · 0.002 s · path 0.01 mm · worst synchronism error 0.4 µm (0.354 µm RMS)"
+        );
+        assert_eq!(
+            summary.line(Lang::Zh),
+            "移动 1 段 · 0.002 s · 路径 0.01 mm · 最大同步误差 0.4 µm（均方根 0.354 µm）"
         );
         let mut json = Json::new();
         json.object(|json| summary.fields(json));

@@ -17,6 +17,8 @@ pub struct Gear {
     shift: u32,
     /// A coordinate above the level is a negative angle.
     falling: bool,
+    /// The bottom lies at a smaller coordinate than the level.
+    downwards: bool,
 }
 
 impl Gear {
@@ -42,6 +44,7 @@ impl Gear {
             factor,
             shift,
             falling: (inward < 0) == (hand == Hand::Right),
+            downwards: inward < 0,
         })
     }
 
@@ -55,6 +58,13 @@ impl Gear {
     #[must_use]
     pub const fn level(&self) -> Length {
         self.level
+    }
+
+    /// How deep `position` is below R; negative above it.
+    #[must_use]
+    pub fn depth(&self, position: Position) -> Length {
+        let way = self.axis.of(position) - self.level;
+        if self.downwards { -way } else { way }
     }
 
     /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. No

@@ -9,13 +9,15 @@ use super::{json_list, meaning, name, print, unit_text, value_text};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::setup;
+use crate::words::both;
 
 /// Prints the manual.
 pub fn run(global: &Global, eds: bool) -> Outcome {
     if eds {
-        return Err(Failure::Usage(
-            "`params docs --eds` is not available yet".into(),
-        ));
+        return Err(Failure::Usage(both!(
+            "`params docs --eds` is not available yet",
+            "`params docs --eds` 尚未提供"
+        )));
     }
     if global.json {
         let loaded = setup::load(global)?;

@@ -10,6 +10,7 @@ use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::params::{Loaded, unknown_key};
 use crate::setup;
+use crate::words::Both;
 
 /// Prints what the keys name; a number with bits or axes means all of them.
 pub fn run(global: &Global, keys: &[String]) -> Outcome {
@@ -23,7 +24,10 @@ pub fn run(global: &Global, keys: &[String]) -> Outcome {
             }
             Err(error) => {
                 let told = unknown_key(key, error, lang);
-                return Err(Failure::Usage(format!("{}; {}", told.message, told.help)));
+                return Err(Failure::Usage(Both::same(format!(
+                    "{}; {}",
+                    told.message, told.help
+                ))));
             }
         }
     }

@@ -14,13 +14,15 @@ use crate::cli::{Global, ParamsCommand};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::params::Loaded;
+use crate::words::both;
 
 /// Does what was typed.
 pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
     let not_yet = |name: &str| {
-        Err(Failure::Usage(format!(
+        Err(Failure::Usage(both!(
             "`params {name}` is not available yet: it needs a board that keeps its parameters; `--params FILE` and \
-             `--set NO=VALUE` give a set to every command"
+             `--set NO=VALUE` give a set to every command",
+            "`params {name}` 尚未提供：它需要一块自己保存参数的控制板；可以用 `--params FILE` 和 `--set NO=VALUE` 给任何命令一组参数"
         )))
     };
     match command {

@@ -1,0 +1,126 @@
+//! What the taps of a run did: turns, way, speed, and how far axis and spindle were apart.
+
+use super::TapPlace;
+use crate::json::Json;
+use crate::number;
+use crate::words::{Both, both};
+
+/// Figures of all taps of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Taps {
+    last: Option<TapPlace>,
+    seen: bool,
+    /// Most turns from R, in millionths.
+    deepest_urev: i64,
+    /// Turns in all, in and out, in millionths.
+    turns_urev: i64,
+    /// Synchronous way in all, in and out, in nanometres.
+    travel_nm: i64,
+    /// Most turns in a tick, in millionths.
+    fastest_urev: i64,
+    /// Largest distance from the line of axis and spindle, in nanometres.
+    skew_nm: i64,
+}
+
+impl Taps {
+    /// Takes in the next tick.
+    pub fn push(&mut self, tap: Option<TapPlace>) {
+        let last = std::mem::replace(&mut self.last, tap);
+        let Some(now) = tap else { return };
+        self.seen = true;
+        self.deepest_urev = self.deepest_urev.max(now.turned_urev.abs());
+        self.skew_nm = self.skew_nm.max(now.skew_nm.abs());
+        if let Some(last) = last {
+            let turned = (now.turned_urev - last.turned_urev).abs();
+            self.turns_urev = self.turns_urev.saturating_add(turned);
+            self.fastest_urev = self.fastest_urev.max(turned);
+            let way = (now.depth_nm - last.depth_nm).abs();
+            self.travel_nm = self.travel_nm.saturating_add(way);
+        }
+    }
+
+    /// Millionths of a turn per minute.
+    fn fastest(&self, tick_us: u32) -> i64 {
+        let value = i128::from(self.fastest_urev) * 60_000_000 / i128::from(tick_us.max(1));
+        i64::try_from(value).unwrap_or(i64::MAX)
+    }
+
+    /// `tap`, where there was one.
+    pub fn fields(&self, json: &mut Json, tick_us: u32) {
+        if !self.seen {
+            return;
+        }
+        json.object_at("tap", |json| {
+            json.decimal::<6>("turns_deep", self.deepest_urev);
+            json.decimal::<6>("turns", self.turns_urev);
+            json.decimal::<6>("travel_mm", self.travel_nm);
+            json.decimal::<6>("rpm_max", self.fastest(tick_us));
+            json.object_at("skew_um", |json| json.decimal::<3>("max", self.skew_nm));
+        });
+    }
+
+    /// For a person, in a line.
+    pub fn words(&self, tick_us: u32) -> Option<Both> {
+        if !self.seen {
+            return None;
+        }
+        let deep = number::rounded::<6>(self.deepest_urev, 3);
+        let turns = number::rounded::<6>(self.turns_urev, 3);
+        let travel = number::rounded::<6>(self.travel_nm, 3);
+        let rpm = number::rounded::<6>(self.fastest(tick_us), 0);
+        let skew = super::summary::error(self.skew_nm);
+        Some(both!(
+            "{deep} turns deep; {turns} turns and {travel} mm in and out; up to {rpm} rpm; \
+             worst skew of axis and spindle {en} µm",
+            "最深 {deep} 转；进出共 {turns} 转、{travel} mm；最高 {rpm} r/min；轴与主轴最大偏差 {zh} µm",
+            en = skew.en,
+            zh = skew.zh
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holes_do_not_run_into_each_other() {
+        let mut taps = Taps::default();
+        let place = |depth_nm, turned_urev| {
+            Some(TapPlace {
+                depth_nm,
+                turned_urev,
+                skew_nm: -depth_nm / 1_000_000,
+            })
+        };
+        for tap in [
+            place(0, 0),
+            place(2_000_000, -1_000_000),
+            place(0, 0),
+            None,
+            place(3_000_000, -1_500_000),
+        ] {
+            taps.push(tap);
+        }
+        let mut json = Json::new();
+        json.object(|json| taps.fields(json, 1000));
+        assert_eq!(
+            String::from_utf8(json.into_bytes()).unwrap(),
+            r#"{"tap":{"turns_deep":1.5,"turns":2,"travel_mm":4,"rpm_max":60000,"skew_um":{"max":0.003}}}"#
+        );
+        assert_eq!(
+            taps.words(1000).unwrap().en,
+            "1.5 turns deep; 2 turns and 4 mm in and out; up to 60000 rpm; worst skew of axis and spindle 0.003 µm"
+        );
+    }
+
+    #[test]
+    fn nothing_is_said_of_taps_where_there_were_none() {
+        let mut taps = Taps::default();
+        taps.push(None);
+        assert!(taps.words(1000).is_none());
+        let mut json = Json::new();
+        json.object(|json| taps.fields(json, 1000));
+        assert_eq!(json.into_bytes(), b"{}");
+    }
+}
