@@ -8,8 +8,10 @@ use crate::words::{Both, both};
 /// Figures of all taps of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Taps {
+    /// Where a tap was when one was last seen.
     last: Option<TapPlace>,
-    seen: bool,
+    /// That was in the tick before.
+    in_hole: bool,
     /// Most turns from R, in millionths.
     deepest_urev: i64,
     /// Turns in all, in and out, in millionths.
@@ -25,18 +27,23 @@ pub struct Taps {
 impl Taps {
     /// Takes in the next tick.
     pub fn push(&mut self, tap: Option<TapPlace>) {
-        let last = std::mem::replace(&mut self.last, tap);
+        let going_on = std::mem::replace(&mut self.in_hole, tap.is_some());
         let Some(now) = tap else { return };
-        self.seen = true;
+        let last = self.last.replace(now).unwrap_or_default();
+        // A hole begins at R, or goes on where the last one was left: whichever is nearer. The first tick has left it.
+        let distance = |from: &TapPlace| (now.depth_nm - from.depth_nm).abs();
+        let level = TapPlace::default();
+        let from = if !going_on && distance(&level) < distance(&last) {
+            level
+        } else {
+            last
+        };
+        let turned = (now.turned_urev - from.turned_urev).abs();
         self.deepest_urev = self.deepest_urev.max(now.turned_urev.abs());
         self.skew_nm = self.skew_nm.max(now.skew_nm.abs());
-        if let Some(last) = last {
-            let turned = (now.turned_urev - last.turned_urev).abs();
-            self.turns_urev = self.turns_urev.saturating_add(turned);
-            self.fastest_urev = self.fastest_urev.max(turned);
-            let way = (now.depth_nm - last.depth_nm).abs();
-            self.travel_nm = self.travel_nm.saturating_add(way);
-        }
+        self.turns_urev = self.turns_urev.saturating_add(turned);
+        self.fastest_urev = self.fastest_urev.max(turned);
+        self.travel_nm = self.travel_nm.saturating_add(distance(&from));
     }
 
     /// Millionths of a turn per minute.
@@ -47,7 +54,7 @@ impl Taps {
 
     /// `tap`, where there was one.
     pub fn fields(&self, json: &mut Json, tick_us: u32) {
-        if !self.seen {
+        if self.last.is_none() {
             return;
         }
         json.object_at("tap", |json| {
@@ -61,7 +68,7 @@ impl Taps {
 
     /// For a person, in a line.
     pub fn words(&self, tick_us: u32) -> Option<Both> {
-        if !self.seen {
+        if self.last.is_none() {
             return None;
         }
         let deep = number::rounded::<6>(self.deepest_urev, 3);
@@ -96,9 +103,9 @@ mod tests {
         for tap in [
             place(0, 0),
             place(2_000_000, -1_000_000),
-            place(0, 0),
             None,
-            place(3_000_000, -1_500_000),
+            place(10_000, -5_000),
+            place(0, 0),
         ] {
             taps.push(tap);
         }
@@ -106,11 +113,11 @@ mod tests {
         json.object(|json| taps.fields(json, 1000));
         assert_eq!(
             String::from_utf8(json.into_bytes()).unwrap(),
-            r#"{"tap":{"turns_deep":1.5,"turns":2,"travel_mm":4,"rpm_max":60000,"skew_um":{"max":0.003}}}"#
+            r#"{"tap":{"turns_deep":1,"turns":1.01,"travel_mm":2.02,"rpm_max":60000,"skew_um":{"max":0.002}}}"#
         );
         assert_eq!(
             taps.words(1000).unwrap().en,
-            "1.5 turns deep; 2 turns and 4 mm in and out; up to 60000 rpm; worst skew of axis and spindle 0.003 µm"
+            "1 turns deep; 1.01 turns and 2.02 mm in and out; up to 60000 rpm; worst skew of axis and spindle 0.002 µm"
         );
     }
 

@@ -1,35 +1,13 @@
 //! `simulate`, `plot` and `run`: setpoints, certificates, pictures, interruption.
 
-use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::{code, golden, leadscrew, root, stderr, stdout};
+use crate::{Folder, code, golden, leadscrew, root, stderr, stdout};
 
 const THREAD: &str = "examples/o0013-g76-m68x6.nc";
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("leadscrew-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 fn result(args: &[&str]) -> Value {
     let output = leadscrew(args);

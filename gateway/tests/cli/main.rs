@@ -33,6 +33,27 @@ fn code(output: &Output) -> i32 {
     output.status.code().unwrap()
 }
 
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("leadscrew-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
 /// Compares with the file, or writes it.
 fn golden(path: &Path, actual: &str) {
     if std::env::var_os("LEADSCREW_BLESS").is_some() {
@@ -67,4 +88,5 @@ fn cases(kind: &str) -> Vec<String> {
 mod check;
 mod expand;
 mod machine;
+mod taps;
 mod usage;

@@ -1,0 +1,96 @@
+//! Taps in summaries and pictures, in both languages.
+
+use serde_json::Value;
+
+use crate::{Folder, code, leadscrew, stderr, stdout};
+
+fn simulated(args: &[&str]) -> Value {
+    let mut all = vec!["simulate", "--json"];
+    all.extend_from_slice(args);
+    let output = leadscrew(&all);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    serde_json::from_str(&stdout(&output)).unwrap()
+}
+
+/// The worked figures of the sheet's example.
+#[test]
+fn summaries_count_turns_and_travel() {
+    let standard = &simulated(&["examples/g84-tap.nc"])["tap"];
+    assert_eq!(standard["turns_deep"], 25);
+    assert_eq!(standard["turns"], 50);
+    assert_eq!(standard["travel_mm"], 100);
+    assert_eq!(standard["rpm_max"], 1000.02);
+    assert_eq!(standard["skew_um"]["max"], 0);
+    assert_eq!(
+        simulated(&["examples/g84-peck.nc"])["tap"]["travel_mm"],
+        124
+    );
+    let deep = simulated(&["examples/g84-peck.nc", "--set", "5200.5=1"]);
+    assert_eq!(deep["tap"]["travel_mm"], 724);
+    assert!(simulated(&["examples/shaft.nc"])["tap"].is_null());
+}
+
+#[test]
+fn summaries_are_in_the_language_asked_for() {
+    let program = "examples/g84-tap.nc";
+    let english = stderr(&leadscrew(&["simulate", program]));
+    let line = "taps        25 turns deep; 50 turns and 100 mm in and out; up to 1000 rpm; worst skew of axis and spindle \
+                below 0.001 µm\n";
+    assert!(english.contains(line), "{english}");
+    let chinese = stderr(&leadscrew(&["simulate", program, "--lang", "zh"]));
+    let line = "攻丝        最深 25 转；进出共 50 转、100 mm；最高 1000 r/min；轴与主轴最大偏差 小于 0.001 µm\n";
+    assert!(chinese.contains(line), "{chinese}");
+    let ran = stdout(&leadscrew(&["run", program, "--lang", "zh"]));
+    assert!(
+        ran.starts_with("examples/g84-tap.nc: 完成: 移动 7 段")
+            && ran.contains("\n攻丝 最深 25 转"),
+        "{ran}"
+    );
+    let missing = leadscrew(&["check", "missing.nc", "--lang", "zh"]);
+    assert_eq!(
+        stderr(&missing),
+        "错误：无法读取 `missing.nc`：没有这个文件\n"
+    );
+}
+
+#[test]
+fn pictures_show_depth_and_spindle_angle() {
+    let folder = Folder::new("plot-taps");
+    let picture = folder.file("tap.svg");
+    for (lang, labels) in [
+        (
+            "en",
+            [
+                "tap, axis and spindle together",
+                "depth of the tap below R",
+                "spindle angle since R",
+            ],
+        ),
+        (
+            "zh",
+            [
+                "攻丝，轴与主轴联动",
+                "丝锥在 R 平面以下的深度",
+                "自 R 平面起的主轴转角",
+            ],
+        ),
+    ] {
+        let program = "examples/g84-left-hand.nc";
+        let output = leadscrew(&["plot", program, "-o", &picture, "--lang", lang]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let svg = std::fs::read_to_string(&picture).unwrap();
+        for part in ["line tap", "line depth", "line turned", "line error"]
+            .iter()
+            .chain(&labels)
+        {
+            assert!(svg.contains(part), "{part}");
+        }
+        // A left-hand tap turns backwards into the hole.
+        assert!(svg.contains("\n-10\n"));
+        assert!(!svg.contains("NaN"));
+    }
+    let thread = folder.file("thread.svg");
+    leadscrew(&["plot", "examples/o0013-g76-m68x6.nc", "-o", &thread]);
+    let svg = std::fs::read_to_string(&thread).unwrap();
+    assert!(!svg.contains("line depth") && !svg.contains("line tap"));
+}
