@@ -68,9 +68,7 @@ impl Taps {
 
     /// For a person, in a line.
     pub fn words(&self, tick_us: u32) -> Option<Both> {
-        if self.last.is_none() {
-            return None;
-        }
+        self.last?;
         let deep = number::rounded::<6>(self.deepest_urev, 3);
         let turns = number::rounded::<6>(self.turns_urev, 3);
         let travel = number::rounded::<6>(self.travel_nm, 3);
