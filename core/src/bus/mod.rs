@@ -1,4 +1,4 @@
-//! CANopen, as much of it as a cyclic master of drives needs: CiA 301 frames and services, CiA 402 drives.
+//! CANopen, as much of it as a cyclic master of drives, itself a node, needs: CiA 301 frames and services, CiA 402 drives.
 //!
 //! Terms: a *node* has a number; a *PDO* is process data in one frame, named as the drive sees it (RPDO in, TPDO out);
 //! *SYNC* is the beat on which drives latch the last RPDO and sample what they answer.
@@ -14,11 +14,14 @@ mod board_pdo;
 mod cia402;
 mod drive;
 mod emcy;
+mod emcy_producer;
 mod failure;
 mod frame;
+mod heartbeat;
 mod increments;
 mod mapping;
 mod nmt;
+mod nmt_slave;
 mod object;
 mod pdo;
 mod periods;
@@ -33,11 +36,14 @@ pub use board_pdo::{
 pub use cia402::{Controlword, State, Statusword};
 pub use drive::{DriveConfig, DriveMaster, DriveOutput, FollowingLimit, Phase, Step};
 pub use emcy::Emcy;
+pub use emcy_producer::EmcyProducer;
 pub use failure::DriveFailure;
 pub use frame::{CobId, Frame, NodeId, Service};
+pub use heartbeat::{HeartbeatConsumer, HeartbeatEvent, HeartbeatProducer, HeartbeatWatch};
 pub use increments::{Increments, Scale};
 pub use mapping::{Mapped, PdoCommunication};
 pub use nmt::{NmtCommand, NmtState};
+pub use nmt_slave::{NmtEvent, NmtSlave};
 pub use object::{Abort, Object, Objects};
 pub use pdo::{DriveCommand, DriveStatus, MilliRpm, Mode, SpindleCommand};
 pub use periods::Periods;
@@ -45,4 +51,4 @@ pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
 };
 pub use spindle::{SpindleDemand, SpindleMaster, SpindleOutput};
-pub use sync::{SyncProducer, is_sync};
+pub use sync::{SyncBeat, SyncConsumer, SyncProducer, is_sync};

@@ -35,6 +35,11 @@ impl Periods {
         Self(self.0.saturating_add(more.0))
     }
 
+    /// What is left of this after `less`; 0 where nothing is.
+    pub(super) const fn minus(self, less: Self) -> Self {
+        Self(self.0.saturating_sub(less.0))
+    }
+
     /// One more than this; stays at the greatest.
     pub(super) const fn one_more(self) -> Self {
         Self(self.0.saturating_add(1))

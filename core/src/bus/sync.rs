@@ -35,9 +35,91 @@ pub fn is_sync(frame: &Frame) -> bool {
     frame.id() == CobId::SYNC && frame.payload().len() <= 1
 }
 
+/// Counts along with somebody else's SYNC.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SyncConsumer {
+    /// Counter of the last SYNC.
+    last: Option<u8>,
+}
+
+/// A SYNC that has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SyncBeat {
+    /// Its counter, 1–240; `None` for a SYNC without one.
+    pub counter: Option<u8>,
+    /// How many are missing between the last one and this, up to 239. The same counter twice counts as 239 missing: to a
+    /// consumer that is no other thing than a whole round.
+    pub missed: u8,
+}
+
+impl SyncConsumer {
+    /// One that has heard nothing: the first SYNC is never late.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { last: None }
+    }
+
+    /// Takes a frame; `None` where it is no SYNC, or one with a counter that does not exist.
+    pub fn receive(&mut self, frame: &Frame) -> Option<SyncBeat> {
+        if !is_sync(frame) {
+            return None;
+        }
+        let counter = frame.payload().first().copied();
+        if counter.is_some_and(|counter| !(1..=SyncProducer::LAST).contains(&counter)) {
+            return None;
+        }
+        let before = core::mem::replace(&mut self.last, counter);
+        let missed = match (before, counter) {
+            (Some(before), Some(counter)) if counter > before => {
+                counter.saturating_sub(before).saturating_sub(1)
+            }
+            (Some(before), Some(counter)) => SyncProducer::LAST
+                .saturating_sub(before)
+                .saturating_add(counter)
+                .saturating_sub(1),
+            _ => 0,
+        };
+        Some(SyncBeat { counter, missed })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_consumer_notices_what_is_missing() {
+        let mut consumer = SyncConsumer::new();
+        let mut hear = |payload: &[u8]| {
+            let frame = Frame::new(CobId::SYNC, payload).unwrap();
+            consumer.receive(&frame).map(|beat| beat.missed)
+        };
+        for (counter, missed) in [
+            (17, 0),
+            (18, 0),
+            (20, 1),
+            (240, 219),
+            (1, 0),
+            (3, 1),
+            (2, 238),
+            (2, 239),
+        ] {
+            assert_eq!(hear(&[counter]), Some(missed), "{counter}");
+        }
+        assert_eq!(hear(&[0]), None);
+        assert_eq!(hear(&[241]), None);
+        assert_eq!(hear(&[3]), Some(0));
+        // Without a counter nothing can be noticed.
+        assert_eq!(hear(&[]), Some(0));
+        assert_eq!(hear(&[100]), Some(0));
+        let mut producer = SyncProducer::new();
+        let mut consumer = SyncConsumer::new();
+        for _ in 0..500 {
+            let beat = consumer.receive(&producer.next()).unwrap();
+            assert_eq!(beat.missed, 0);
+        }
+        assert_eq!(consumer.receive(&Frame::of(CobId::NMT, [1])), None);
+    }
 
     #[test]
     fn the_counter_runs_from_1_to_240_and_around() {
