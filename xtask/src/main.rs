@@ -15,6 +15,7 @@ mod run;
 mod setup;
 mod target;
 mod test;
+mod vcan;
 
 use std::process::ExitCode;
 
@@ -24,6 +25,7 @@ usage: cargo xtask COMMAND
   demo       checks, runs and draws examples/shaft.nc on the simulated machine
   setup      what the other commands need: Debian packages, the ARM target
   test       everything a change must pass; installs what it needs first
+  vcan       the tests on a CAN bus alone (vcan NAME: those with this in their name)
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   audit      the link test: no panic is reachable from what runs on the board
@@ -43,6 +45,8 @@ fn main() -> ExitCode {
         ["bench"] => bench::bench(false),
         ["bench", "--write"] => bench::bench(true),
         ["ci"] => test::ci(),
+        ["vcan"] => test::vcan(""),
+        ["vcan", filter] => test::vcan(filter),
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),

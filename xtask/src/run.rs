@@ -100,6 +100,31 @@ pub fn watch(mut command: Command, mut seen: impl FnMut(&str)) -> Result<bool> {
     Ok(child.wait()?.success())
 }
 
+/// As [`watch`], showing only the lines for which `seen` says so; the result is that it ended.
+pub fn watch_some(mut command: Command, mut seen: impl FnMut(&str) -> bool) -> Result<()> {
+    let line = line_of(&command);
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .with_context(|| format!("cannot start `{line}`"))?;
+    if let Some(mut stdout) = child.stdout.take().map(BufReader::new) {
+        let mut bytes = Vec::new();
+        // A kernel's messages need not be text.
+        while stdout.read_until(b'\n', &mut bytes)? > 0 {
+            let text = String::from_utf8_lossy(&bytes);
+            let text = text.trim_end_matches(['\r', '\n']);
+            if seen(text) {
+                println!("{text}");
+            }
+            bytes.clear();
+        }
+    }
+    child.wait()?;
+    Ok(())
+}
+
 /// Runs for at most `limit` with nothing shown; true where it succeeded in time.
 pub fn try_quietly(mut command: Command, limit: Duration) -> bool {
     let started = Instant::now();

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 
-use crate::{audit, docs, emulator, licences, rules, run, setup, target};
+use crate::{audit, docs, emulator, licences, rules, run, setup, target, vcan as bus};
 
 /// The whole test, as the README names it.
 pub fn test() -> Result<()> {
@@ -27,6 +27,8 @@ pub fn test() -> Result<()> {
                 "clippy",
                 "--workspace",
                 "--all-targets",
+                "--features",
+                "leadscrew-tests/vcan",
                 "--quiet",
                 "--",
                 "-D",
@@ -47,6 +49,7 @@ pub fn test() -> Result<()> {
         ))
     })?;
     clock.step("tests with overflow checks", || tests(&mut counts, &[]))?;
+    clock.step("tests on a CAN bus", || on_a_bus(&mut counts, &[], ""))?;
     clock.step("core for the microcontroller", || {
         run::show(run::cargo(
             &root,
@@ -70,6 +73,30 @@ pub fn test() -> Result<()> {
 
     clock.report();
     println!("{} passed, {} failed", counts.passed, counts.failed);
+    Ok(())
+}
+
+/// The tests on a CAN bus alone.
+pub fn vcan(filter: &str) -> Result<()> {
+    let mut counts = Counts::default();
+    on_a_bus(&mut counts, &[], filter)?;
+    println!("{} passed, {} failed", counts.passed, counts.failed);
+    Ok(())
+}
+
+fn on_a_bus(counts: &mut Counts, profile: &[&str], filter: &str) -> Result<()> {
+    let before = (counts.passed, counts.failed);
+    let ok = bus::tests(profile, filter, |line| counts.take(line))?;
+    let ran = counts.passed.saturating_sub(before.0);
+    if !ok {
+        match counts.failed.saturating_sub(before.1) {
+            0 => bail!("the tests on a CAN bus ended without a result"),
+            failed => bail!("{failed} tests on a CAN bus failed"),
+        }
+    }
+    if ran == 0 {
+        bail!("not one test ran on a CAN bus");
+    }
     Ok(())
 }
 

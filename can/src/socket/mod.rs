@@ -82,6 +82,12 @@ impl SocketCan {
         Self::new(name, CanFdSocket::from(socket))
     }
 
+    /// The socket itself.
+    #[must_use]
+    pub const fn socket(&self) -> &impl AsFd {
+        &self.socket
+    }
+
     fn new(name: &str, socket: CanFdSocket) -> Result<Self, CanError> {
         let can = Self {
             name: name.into(),

@@ -1,0 +1,223 @@
+//! A virtual CAN bus for whatever needs one: that of the running kernel, or that of a kernel booted as a program
+//! (user-mode Linux) on the files of this machine, where the running one has no CAN.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail};
+
+use crate::{run, setup};
+
+/// The interface that everything uses.
+pub const INTERFACE: &str = "vcan0";
+
+/// Printed around the output of the commands inside, to tell it from what the kernel says.
+const BEGIN: &str = "-- inside: begin";
+const END: &str = "-- inside: end";
+
+/// The longest that anything may run inside.
+const LIMIT: &str = "1500";
+
+/// Where the bus is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In the running kernel.
+    Here,
+    /// In a kernel booted for it.
+    Booted,
+}
+
+impl Place {
+    /// In words, for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Here => "on this kernel's vcan0",
+            Self::Booted => "on vcan0 of a kernel booted as a program",
+        }
+    }
+}
+
+/// Finds out, and makes the interface here where that can be done.
+pub fn place() -> Place {
+    let there = || Path::new("/sys/class/net").join(INTERFACE).is_dir();
+    if !there() && run::is_root() {
+        let quietly = |program: &str, args: &[&str]| {
+            // Not here is an answer too.
+            let _ = run::read(run::command(Path::new("/"), program, args));
+        };
+        quietly("modprobe", &["vcan"]);
+        quietly("ip", &["link", "add", "dev", INTERFACE, "type", "vcan"]);
+        quietly("ip", &["link", "set", INTERFACE, "mtu", "72", "up"]);
+    }
+    if there() { Place::Here } else { Place::Booted }
+}
+
+/// Runs a shell script where the bus is, in the folder of the workspace; its lines are shown and handed to `seen`. True
+/// where it succeeded.
+pub fn run(name: &str, script: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
+    setup::tools(setup::CAN)?;
+    let root = run::root();
+    match place() {
+        Place::Here => run::watch(run::command(&root, "sh", &["-c", script]), seen),
+        Place::Booted => {
+            let dir = run::scratch("vcan")?;
+            let status = dir.join(format!("{name}.status"));
+            let init = dir.join(format!("{name}.init"));
+            // A status of an earlier run would be taken for this one's.
+            match fs::remove_file(&status) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(error).context("the status of the last run cannot be removed");
+                }
+                _ => {}
+            }
+            write_script(&init, &boot(&root, script, &status)?)?;
+            let mut inside = false;
+            let command = kernel(&init);
+            run::watch_some(command, |line| match line.trim_end() {
+                BEGIN => {
+                    inside = true;
+                    false
+                }
+                END => {
+                    inside = false;
+                    false
+                }
+                line if inside => {
+                    seen(line);
+                    true
+                }
+                _ => false,
+            })?;
+            let code = fs::read_to_string(&status).map_err(|_| {
+                anyhow!(
+                    "the kernel with CAN ended without a result (limit {LIMIT} s); its script is {}",
+                    init.display()
+                )
+            })?;
+            Ok(code.trim() == "0")
+        }
+    }
+}
+
+fn kernel(init: &Path) -> std::process::Command {
+    let init = format!("init={}", init.display());
+    run::command(
+        &run::root(),
+        "timeout",
+        &[
+            "--kill-after=5",
+            LIMIT,
+            "linux.uml",
+            "mem=1024M",
+            "rootfstype=hostfs",
+            "root=/dev/root",
+            "rootflags=/",
+            "rw",
+            &init,
+            "con=null",
+            "con0=fd:0,fd:1",
+            "quiet",
+        ],
+    )
+}
+
+/// The first program of the booted kernel.
+fn boot(root: &Path, script: &str, status: &Path) -> Result<String> {
+    let modules = modules()?;
+    let mut text = String::from(
+        "#!/bin/sh\n\
+         mount -t proc proc /proc\n\
+         mount -t sysfs sys /sys\n\
+         mount -t tmpfs tmpfs /run\n",
+    );
+    // Writing to a string cannot fail.
+    for module in modules {
+        let _ = writeln!(text, "insmod {}", module.display());
+    }
+    let path = std::env::var("PATH").unwrap_or_default();
+    let _ = write!(
+        text,
+        "export PATH='{path}:/usr/sbin:/usr/bin:/sbin:/bin' LEADSCREW_BOOTED=1\n\
+         ip link set lo up\n\
+         ip link add dev {INTERFACE} type vcan && ip link set {INTERFACE} mtu 72 up\n\
+         cd '{}'\n\
+         echo '{BEGIN}'\n\
+         ( {script}\n) 2>&1\n\
+         echo $? > '{}'\n\
+         echo '{END}'\n\
+         sync\n\
+         halt -f -p\n",
+        root.display(),
+        status.display()
+    );
+    Ok(text)
+}
+
+/// The modules in the order in which they need each other.
+fn modules() -> Result<Vec<PathBuf>> {
+    let all = Path::new("/usr/lib/uml/modules");
+    let mut found = Vec::new();
+    for name in [
+        "can", "can-raw", "can-bcm", "can-gw", "can-dev", "vcan", "slcan",
+    ] {
+        let file = run::read(run::command(
+            all,
+            "find",
+            &[".", "-name", &format!("{name}.ko")],
+        ))?;
+        match file.lines().next() {
+            Some(file) => found.push(all.join(file.trim_start_matches("./"))),
+            None => bail!("the package user-mode-linux has no module {name}.ko any more"),
+        }
+    }
+    Ok(found)
+}
+
+fn write_script(path: &Path, text: &str) -> Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755))?;
+    Ok(())
+}
+
+/// Builds the tests that need a bus, with the programs they start, and runs them where the bus is.
+pub fn tests(profile: &[&str], filter: &str, seen: impl FnMut(&str)) -> Result<bool> {
+    let root = run::root();
+    let programs = [
+        "build",
+        "--quiet",
+        "-p",
+        "leadscrew",
+        "-p",
+        "leadscrew-board-sim",
+    ];
+    run::show(run::cargo(&root, &[&programs[..], profile].concat()))?;
+    let build = [
+        "test",
+        "--quiet",
+        "-p",
+        "leadscrew-tests",
+        "--test",
+        "vcan",
+        "--features",
+        "vcan",
+        "--no-run",
+        "--message-format",
+        "json",
+    ];
+    let told = run::read(run::cargo(&root, &[&build[..], profile].concat()))?;
+    let program = told
+        .lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .find(|message| message["target"]["name"] == "vcan" && message["executable"].is_string())
+        .and_then(|message| message["executable"].as_str().map(str::to_owned))
+        .context("cargo named no program of the tests on vcan")?;
+    println!("{}", place().name());
+    // They share one bus.
+    run(
+        "tests",
+        &format!("'{program}' --test-threads=1 --color=never {filter}"),
+        seen,
+    )
+}
