@@ -62,30 +62,52 @@ struct Loader {
 /// A file that cannot be read, or an option without `=`: the command line is wrong. What is wrong with the parameters
 /// themselves is in [`Loaded::diagnostics`].
 pub fn load(files: &[PathBuf], options: &[String], lang: Lang) -> Outcome<Loaded> {
-    let mut loader = Loader {
-        loaded: Loaded {
-            params: Params::slant_bed(),
-            diagnostics: Vec::new(),
-            sources: BTreeMap::new(),
-        },
-        lang,
-        layer: 0,
-        count: 0,
-    };
+    let mut loader = Loader::new(lang);
     for path in files {
-        loader.layer += 1;
         let text = file::read(path)?;
-        file::apply(&mut loader, &path.display().to_string(), &text);
+        loader.file(&path.display().to_string(), &text);
     }
     for text in options {
         loader.layer += 1;
         option::apply(&mut loader, text)?;
     }
-    // A set with a hole in it would only produce reasons that are none.
-    if loader.loaded.is_good() {
-        loader.loaded.cross_check(lang);
+    Ok(loader.finish())
+}
+
+/// As [`load`], for the text of one file and no options.
+#[must_use]
+pub fn load_text(name: &str, text: &str, lang: Lang) -> Loaded {
+    let mut loader = Loader::new(lang);
+    loader.file(name, text);
+    loader.finish()
+}
+
+impl Loader {
+    fn new(lang: Lang) -> Self {
+        Self {
+            loaded: Loaded {
+                params: Params::slant_bed(),
+                diagnostics: Vec::new(),
+                sources: BTreeMap::new(),
+            },
+            lang,
+            layer: 0,
+            count: 0,
+        }
     }
-    Ok(loader.loaded)
+
+    fn file(&mut self, name: &str, text: &str) {
+        self.layer += 1;
+        file::apply(self, name, text);
+    }
+
+    fn finish(mut self) -> Loaded {
+        // A set with a hole in it would only produce reasons that are none.
+        if self.loaded.is_good() {
+            self.loaded.cross_check(self.lang);
+        }
+        self.loaded
+    }
 }
 
 impl Loaded {

@@ -1,0 +1,10 @@
+//! Input from anywhere: what must hold whatever comes in. One file a door; each takes bytes and panics where something
+//! that must hold does not. The fuzzers in `fuzz/` call these, and the ordinary tests replay their corpora through them.
+
+mod machine;
+mod parameters;
+mod program;
+
+pub use machine::machine;
+pub use parameters::parameters;
+pub use program::program;

@@ -1,0 +1,35 @@
+//! A parameter file of any text.
+
+use leadscrew::params::load_text;
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::{Sim, SimError};
+use leadscrew_core::alarm::Lang;
+
+/// The first byte chooses the language; the rest is the file, where it is UTF-8.
+///
+/// # Panics
+/// Where a file is neither taken nor refused with a place in it, or a set that was found good gives no machine.
+pub fn parameters(data: &[u8]) {
+    let Some((choice, text)) = data.split_first() else {
+        return;
+    };
+    let Ok(text) = core::str::from_utf8(text) else {
+        return;
+    };
+    let lang = if choice & 1 == 0 { Lang::En } else { Lang::Zh };
+    let loaded = load_text("fuzz.toml", text, lang);
+    assert!(!loaded.report().is_empty());
+    if !loaded.is_good() {
+        return;
+    }
+    // What is good is good for a board; a plant has bounds of its own, and says so.
+    match Sim::new(&loaded.params, &PlantOptions::default()) {
+        Ok(mut sim) => {
+            for _ in 0..50 {
+                sim.step();
+            }
+        }
+        Err(SimError::Plant(_)) => {}
+        Err(SimError::Board(alarm)) => panic!("{alarm:?}"),
+    }
+}

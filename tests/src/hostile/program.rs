@@ -1,0 +1,122 @@
+//! Program text: read whole and in pieces, expanded, judged.
+
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::cycle::{Context, expand};
+use leadscrew_core::feasible;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{Call, CallKind, Dialect, Event, Events, Options, Position, Reader};
+
+/// Moves of one program that are looked at; a few bytes can ask for millions.
+const MOVES: usize = 5000;
+
+/// A position is within ±2⁴² nm at the input and what a cycle adds stays near it.
+const FAR: i64 = 1 << 44;
+
+/// The first byte chooses the dialect, the skip of blocks and how the text is cut into pieces; the rest is text.
+///
+/// # Panics
+/// Where the pieces make a difference, an alarm stands outside the text, or a move leaves the range of positions.
+pub fn program(data: &[u8]) {
+    let Some((choice, text)) = data.split_first() else {
+        return;
+    };
+    let params = Params::slant_bed();
+    let options = Options {
+        dialect: if choice & 1 == 0 {
+            Dialect::Gsk980td
+        } else {
+            Dialect::Gsk988
+        },
+        skip: choice & 2 != 0,
+        optional_stop: choice & 4 != 0,
+        dry_run: choice & 8 != 0,
+        ..Options::default()
+    };
+    let (events, end) = whole(text, &params, options);
+    let (again, same_end) = in_pieces(text, usize::from(choice >> 4) + 1, &params, options);
+    assert_eq!(events, again, "pieces make a difference");
+    assert_eq!(end, same_end, "pieces make a difference to the end");
+    if let Err(alarm) = end {
+        lies_within(&alarm, text);
+    }
+    let calls = events.into_iter().filter_map(|event| match event {
+        Event::Call(call) => Some(call),
+        Event::Warning(warning) => {
+            lies_within(&warning, text);
+            None
+        }
+    });
+    look_at(calls, text, &params, options.position);
+}
+
+fn whole(text: &[u8], params: &Params, options: Options) -> (Vec<Event>, Result<(), Alarm>) {
+    let mut events = Vec::new();
+    for event in Events::new(text, params, options) {
+        match event {
+            Ok(event) => events.push(event),
+            Err(alarm) => return (events, Err(alarm)),
+        }
+    }
+    (events, Ok(()))
+}
+
+fn in_pieces(
+    text: &[u8],
+    size: usize,
+    params: &Params,
+    options: Options,
+) -> (Vec<Event>, Result<(), Alarm>) {
+    let mut events = Vec::new();
+    let mut reader = Reader::new(params, options);
+    let mut take = |event| events.push(event);
+    let mut end = Ok(());
+    for piece in text.chunks(size) {
+        end = reader.push(piece, &mut take);
+        if end.is_err() {
+            break;
+        }
+    }
+    if end.is_ok() {
+        end = reader.finish(&mut take);
+    }
+    (events, end)
+}
+
+/// An alarm names a line that is there and columns that are in order.
+fn lies_within(alarm: &Alarm, text: &[u8]) {
+    let lines = text.iter().filter(|byte| **byte == b'\n').count() + 1;
+    let span = alarm.span;
+    assert!(span.line as usize <= lines, "{alarm:?} of {lines} lines");
+    assert!(span.column <= span.end, "{alarm:?}");
+    assert!(alarm.number() != 0, "{alarm:?}");
+}
+
+/// Expands every call as the board would, each from where the one before ended.
+fn look_at(calls: impl Iterator<Item = Call>, text: &[u8], params: &Params, from: Position) {
+    let mut at = from;
+    let mut left = MOVES;
+    for call in calls {
+        let judged = match &call.kind {
+            CallKind::Thread(thread) => feasible::thread(thread, call.span, params).err(),
+            CallKind::Tap(tap) => feasible::tap(tap, call.span, params).err(),
+            _ => None,
+        };
+        let moves = match expand(&call, &Context::standing(at)) {
+            Ok(moves) => moves,
+            Err(alarm) => return lies_within(&alarm, text),
+        };
+        if let Some(alarm) = judged {
+            return lies_within(&alarm, text);
+        }
+        for next in moves.take(left) {
+            left -= 1;
+            at = next.to;
+            for nm in [at.x.nm(), at.z.nm(), at.c.udeg()] {
+                assert!(nm.abs() < FAR, "{next:?}");
+            }
+        }
+        if left == 0 {
+            return;
+        }
+    }
+}
