@@ -5,6 +5,7 @@ use leadscrew_core::cycle::{Context, expand};
 use leadscrew_core::feasible;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, CallKind, Dialect, Event, Events, Options, Position, Reader};
+use leadscrew_core::signals::Signals;
 
 /// Moves of one program that are looked at; a few bytes can ask for millions.
 const MOVES: usize = 5000;
@@ -98,7 +99,7 @@ fn look_at(calls: impl Iterator<Item = Call>, text: &[u8], params: &Params, from
     for call in calls {
         let judged = match &call.kind {
             CallKind::Thread(thread) => feasible::thread(thread, call.span, params).err(),
-            CallKind::Tap(tap) => feasible::tap(tap, call.span, params).err(),
+            CallKind::Tap(tap) => feasible::tap(tap, Signals::default(), call.span, params).err(),
             _ => None,
         };
         let moves = match expand(&call, &Context::standing(at)) {
