@@ -3,13 +3,15 @@
 
 use core::hint::black_box;
 use core::num::NonZeroU8;
+use core::time::Duration;
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::board::Command;
 use leadscrew_core::bus::{
+    Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
     CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
-    Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Periods, Scale, SpindleCommand,
-    SpindleDemand, Statusword, SyncProducer,
+    HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order,
+    Periods, Scale, SdoProtocol, SpindleCommand, SpindleDemand, Statusword, SyncProducer,
 };
 use leadscrew_core::cycle::{Context, Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::journal::{TapHole, TapRecord};
@@ -138,6 +140,13 @@ records! {
     SpindleCommand { mode velocity }
     Emcy { code register detail }
     FollowingLimit { increments time }
+    Object { index sub }
+    HeartbeatWatch { node ms }
+    BoardCommand { count order single_block dry_run feed rapid spindle }
+    BoardFlags { hold single_block dry_run program locked }
+    BoardStatus { state flags alarm count late credit }
+    BoardPlace { line number }
+    BoardSpindle { angle speed sync_error }
     DriveConfig { letter node scale step silence following }
 }
 
@@ -164,6 +173,8 @@ choices! {
     NmtCommand {
         NmtCommand::Start, NmtCommand::Stop, NmtCommand::PreOperational, NmtCommand::ResetNode,
     } or NmtCommand::ResetCommunication;
+    SdoProtocol { SdoProtocol::Short, SdoProtocol::Segmented } or SdoProtocol::Block;
+    Order { Order::Run, Order::Hold, Order::Resume, Order::Reset } or Order::Stop;
     NmtState { NmtState::BootUp, NmtState::Stopped, NmtState::Operational } or NmtState::PreOperational;
     FeedRate { FeedRate::PerMinute(any()) } or FeedRate::PerTurn(any(), any());
     Aux { Aux::M(any()) } or Aux::T(any());
@@ -219,6 +230,40 @@ impl Any for TurnRatio {
 impl Any for NodeId {
     fn any() -> Self {
         Self::new(any()).unwrap_or(Self::BOARD)
+    }
+}
+
+impl Any for BlockSize {
+    fn any() -> Self {
+        Self::new(any()).unwrap_or(Self::MAX)
+    }
+}
+
+impl Any for Abort {
+    fn any() -> Self {
+        Self::from_code(any()).unwrap_or(Self::General)
+    }
+}
+
+impl Any for BoardState {
+    fn any() -> Self {
+        Self::ALL.get(usize::any()).copied().unwrap_or_default()
+    }
+}
+
+impl Any for Duration {
+    fn any() -> Self {
+        Self::from_nanos(any())
+    }
+}
+
+impl Any for () {
+    fn any() -> Self {}
+}
+
+impl<T: Any, E: Any> Any for Result<T, E> {
+    fn any() -> Self {
+        if bool::any() { Ok(any()) } else { Err(any()) }
     }
 }
 

@@ -46,7 +46,7 @@ impl BlockSize {
 }
 
 /// What is going on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
 enum State {
     /// Nothing.
     #[default]
@@ -72,7 +72,7 @@ enum State {
 }
 
 /// An SDO server.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct SdoServer {
     node: NodeId,
     patience: Periods,
@@ -141,7 +141,7 @@ impl SdoServer {
 
     /// Tells that time has passed; gives the abort to send where the client has been silent for too long.
     pub fn elapse<O: Objects + ?Sized>(&mut self, by: Periods, objects: &mut O) -> Option<Frame> {
-        if self.state == State::Idle {
+        if matches!(self.state, State::Idle) {
             return None;
         }
         self.quiet = self.quiet.plus(by);
@@ -149,7 +149,7 @@ impl SdoServer {
             return None;
         }
         self.quiet = Periods::new(0);
-        if self.state == State::Swallow {
+        if matches!(self.state, State::Swallow) {
             self.state = State::Idle;
             return None;
         }
@@ -166,7 +166,7 @@ impl SdoServer {
         bytes: Bytes,
         objects: &mut O,
     ) -> Result<Option<Response>, Abort> {
-        if self.state == State::Swallow && self.swallows(bytes) {
+        if matches!(self.state, State::Swallow) && self.swallows(bytes) {
             return Ok(None);
         }
         match &mut self.state {
@@ -282,7 +282,7 @@ impl SdoServer {
     fn swallows(&mut self, bytes: Bytes) -> bool {
         match Request::decode(bytes) {
             Some(Request::Abort(..)) => return false,
-            Some(request @ Request::Upload(_)) if request.encode() == bytes => return false,
+            Some(Request::Upload(_)) if is_bare(bytes) => return false,
             _ => {}
         }
         if BlockSegment::decode(bytes).last {
@@ -430,6 +430,11 @@ impl SdoServer {
     const fn frame_of(&self, bytes: Bytes) -> Frame {
         Frame::of(CobId::of(Service::SdoReply, self.node), bytes)
     }
+}
+
+/// True for a request to read with nothing in the bytes that mean nothing there.
+const fn is_bare([head, _, _, _, rest @ ..]: Bytes) -> bool {
+    matches!((head, rest), (0x40, [0, 0, 0, 0]))
 }
 
 /// The bytes of a segment at `offset` in a value of `size` bytes. A value that is shorter than it said is an error of the

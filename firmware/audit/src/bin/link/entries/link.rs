@@ -52,7 +52,10 @@ fn records() {
 fn image() {
     let params: Params = any();
     let mut bytes: [u8; 16] = any();
-    sink((ImageWriter::new(&params).read(any(), &mut bytes), identity(&params)));
+    sink((
+        ImageWriter::new(&params).read(any(), &mut bytes),
+        identity(&params),
+    ));
     let mut staged = params;
     let mut reader = ImageReader::new();
     while any() {

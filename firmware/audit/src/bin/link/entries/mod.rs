@@ -12,6 +12,7 @@ mod link;
 mod motion;
 mod params;
 mod program;
+mod services;
 mod spindle;
 mod units;
 
@@ -26,6 +27,7 @@ pub fn all() {
     motion::all();
     spindle::all();
     bus::all();
+    services::all();
     board::all();
     program::all();
 }
