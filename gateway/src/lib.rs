@@ -7,7 +7,8 @@
 //!
 //! A program file becomes a stream of events ([`program`]); [`checking`] looks at all of it without a machine, and
 //! [`execution`] runs it on one ([`machine`]) while [`trace`] watches the setpoints and [`drawing`] and [`plot`] make the
-//! picture. Knows nothing of how motion is made.
+//! picture. What the simulated board keeps between commands is in
+//! [`state`]. Knows nothing of how motion is made.
 
 pub mod candump;
 pub mod checking;
@@ -27,6 +28,8 @@ pub mod plot;
 pub mod program;
 pub mod setup;
 pub mod source;
+pub mod state;
+pub mod tapping;
 pub mod trace;
 pub mod values;
 pub mod words;

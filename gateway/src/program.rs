@@ -1,14 +1,13 @@
 //! A program file as a stream of events, in bounded memory whatever its length.
 
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io::{self, Read as _};
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Options, Reader};
 
-use crate::source::SourceFile;
+use crate::source::{SourceFile, Text};
 
 /// Bytes read at a time.
 const CHUNK: usize = 1 << 14;
@@ -16,7 +15,7 @@ const CHUNK: usize = 1 << 14;
 /// A program being read.
 #[derive(Debug)]
 pub struct Program<'p> {
-    file: File,
+    text: Text,
     reader: Reader<'p>,
     chunk: Vec<u8>,
     /// What the latest piece of text has yielded and nobody has taken yet.
@@ -30,7 +29,7 @@ impl<'p> Program<'p> {
     /// Opens a file.
     pub fn open(source: &SourceFile, params: &'p Params, options: Options) -> io::Result<Self> {
         Ok(Self {
-            file: source.open()?,
+            text: source.open()?,
             reader: Reader::new(params, options),
             chunk: vec![0; CHUNK],
             queue: VecDeque::new(),
@@ -61,7 +60,7 @@ impl<'p> Program<'p> {
     }
 
     fn fill(&mut self) -> io::Result<()> {
-        let read = match self.file.read(&mut self.chunk) {
+        let read = match self.text.read(&mut self.chunk) {
             Err(error) if error.kind() == io::ErrorKind::Interrupted => return Ok(()),
             other => other?,
         };

@@ -1,8 +1,10 @@
-//! Program files: read in pieces, and read again where a message wants to show a line.
+//! Programs as text: read in pieces, and read again where a message wants to show a line. Mostly files; what a command
+//! carries out of itself is a text in memory.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::failure::{Failure, Outcome};
 use crate::words::both;
@@ -10,10 +12,29 @@ use crate::words::both;
 /// Longest line that is shown in a message.
 const SHOWN: u64 = 4096;
 
-/// A program file. Nothing of it is kept in memory.
+/// A program. Of a file nothing is kept in memory.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
     path: PathBuf,
+    text: Option<Arc<[u8]>>,
+}
+
+/// A program being read.
+#[derive(Debug)]
+pub enum Text {
+    /// From a file.
+    File(File),
+    /// From memory.
+    Memory(Cursor<Arc<[u8]>>),
+}
+
+impl Read for Text {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.read(buffer),
+            Self::Memory(text) => text.read(buffer),
+        }
+    }
 }
 
 impl SourceFile {
@@ -21,6 +42,16 @@ impl SourceFile {
     pub fn new(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
+            text: None,
+        }
+    }
+
+    /// A text that a command has made, under the name messages show.
+    #[must_use]
+    pub fn text(name: &str, text: String) -> Self {
+        Self {
+            path: name.into(),
+            text: Some(text.into_bytes().into()),
         }
     }
 
@@ -42,12 +73,15 @@ impl SourceFile {
     }
 
     /// Opens it.
-    pub fn open(&self) -> io::Result<File> {
+    pub fn open(&self) -> io::Result<Text> {
+        if let Some(text) = self.text.clone() {
+            return Ok(Text::Memory(Cursor::new(text)));
+        }
         let file = File::open(&self.path)?;
         if file.metadata()?.is_dir() {
             return Err(io::Error::from(io::ErrorKind::IsADirectory));
         }
-        Ok(file)
+        Ok(Text::File(file))
     }
 
     /// Line `number` (from 1) without its end, at most a screenful of it; `None` where there is no such line.

@@ -1,0 +1,270 @@
+//! `--state FILE`: the flash of the simulated board, kept between commands.
+//!
+//! A file that is no image, or a damaged one, is refused and never written over. A new image goes into a file beside it
+//! first and takes its place in one step, so that whatever happens there is the old image or the new one.
+
+use std::fs::{self, File};
+use std::io::{self, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use leadscrew_board_sim::plant::{Flash, ImageError};
+use leadscrew_core::journal::{RecordError, TapRecord};
+use leadscrew_store::{Region, Store, block_on};
+
+use crate::failure::{Doing, Failure, Outcome};
+use crate::words::both;
+
+/// Bytes for what a region holds.
+const REGION: usize = 128;
+
+/// A file with the flash of a simulated board.
+#[derive(Clone, Debug)]
+pub struct StateFile {
+    path: PathBuf,
+}
+
+impl StateFile {
+    /// Names the file.
+    #[must_use]
+    pub fn new(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+        }
+    }
+
+    fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// The flash in it, or an erased one where there is no such file yet.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is no image.
+    pub fn load_or_new(&self) -> Outcome<Flash> {
+        match self.read() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Flash::erased()),
+            read => self.image(read),
+        }
+    }
+
+    /// The flash in it.
+    ///
+    /// # Errors
+    /// A file that is not there, cannot be read, or is no image.
+    pub fn load(&self) -> Outcome<Flash> {
+        self.image(self.read())
+    }
+
+    /// No more than one byte beyond an image: whatever else was named may be endless.
+    fn read(&self) -> io::Result<Vec<u8>> {
+        let file = File::open(&self.path)?;
+        if file.metadata()?.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        let mut bytes = Vec::new();
+        let most = Flash::IMAGE as u64 + 1;
+        file.take(most).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn image(&self, read: io::Result<Vec<u8>>) -> Outcome<Flash> {
+        let name = self.name();
+        let bytes = read.map_err(|error| Failure::file(Doing::Read, &name, &error))?;
+        let reason = match Flash::from_image(&bytes) {
+            Ok(flash) => return Ok(flash),
+            Err(ImageError::Foreign) => both!(
+                "it is no image of a simulated board's flash",
+                "它不是模拟控制板的闪存映像"
+            ),
+            Err(ImageError::Length(found)) if found > Flash::IMAGE => both!(
+                "it is longer than the {most} bytes of an image",
+                "它比映像的 {most} 字节长",
+                most = Flash::IMAGE
+            ),
+            Err(ImageError::Length(found)) => both!(
+                "it has {found} of the {most} bytes of an image",
+                "它只有 {found} 字节，而映像应有 {most} 字节",
+                most = Flash::IMAGE
+            ),
+            Err(ImageError::Damaged) => both!(
+                "it is damaged: its checksum does not fit",
+                "它已损坏：校验和不符"
+            ),
+        };
+        Err(Failure::Usage(both!(
+            "`--state {name}`: {en}; it has been left as it is. Restore a copy of it, or name a file that does not \
+             exist yet to begin with a new board",
+            "`--state {name}`：{zh}；文件未作改动。请恢复它的备份，或指定一个尚不存在的文件，从一块新的控制板开始",
+            en = reason.en,
+            zh = reason.zh
+        )))
+    }
+
+    /// Puts a flash into it, in one step.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save(&self, flash: &Flash) -> Outcome {
+        let replace = || -> io::Result<()> {
+            // A link stays a link, and the file behind it is replaced.
+            let target = fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
+            let mut beside = target.clone().into_os_string();
+            beside.push(format!(".new-{}", std::process::id()));
+            let beside = PathBuf::from(beside);
+            let written = File::create(&beside)
+                .and_then(|mut file| file.write_all(&flash.image()).and_then(|()| file.sync_all()));
+            written
+                .and_then(|()| fs::rename(&beside, &target))
+                .inspect_err(|_| {
+                    // What is half done is of no use; that it cannot be removed either changes nothing.
+                    let _ = fs::remove_file(&beside);
+                })
+        };
+        replace().map_err(|error| Failure::file(Doing::Write, self.name(), &error))
+    }
+
+    /// The tap journal in the flash of this file.
+    ///
+    /// # Errors
+    /// An entry that cannot be read: a tap may be in a hole, and nobody knows how to bring it out.
+    pub fn journal(&self, flash: &Flash) -> Outcome<Option<TapRecord>> {
+        journal(flash).map_err(|unreadable| {
+            let name = self.name();
+            let why = match unreadable {
+                Unreadable::Store => both!("the flash cannot be read", "闪存读不出来"),
+                Unreadable::Record(RecordError::Version(found, known)) => both!(
+                    "its entry has version {found}, and this software knows version {known}",
+                    "记录的版本是 {found}，本软件只认识版本 {known}"
+                ),
+                Unreadable::Record(RecordError::Length(found)) => both!(
+                    "its entry has {found} of {most} bytes",
+                    "记录有 {found} 字节，应有 {most} 字节",
+                    most = TapRecord::BYTES
+                ),
+                Unreadable::Record(RecordError::Damaged) => both!(
+                    "the checksum of its entry does not fit",
+                    "记录的校验和不符"
+                ),
+                Unreadable::Record(RecordError::Impossible) => both!(
+                    "its entry says what no hole can give",
+                    "记录的内容不可能来自任何孔"
+                ),
+            };
+            Failure::WrongBecause(both!(
+                "the tap journal in `{name}` is unreadable: {en}. A tap may be in a hole: look at the machine, bring the \
+                 tap out by hand, then drop the entry with `leadscrew retract --discard --state {name}`",
+                "`{name}` 里的攻丝记录无法读取：{zh}。丝锥可能还在孔里：请检查机床，手动退出丝锥，再用 \
+                 `leadscrew retract --discard --state {name}` 清除记录",
+                en = why.en,
+                zh = why.zh
+            ))
+        })
+    }
+}
+
+/// Why there is no journal to be had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unreadable {
+    Store,
+    Record(RecordError),
+}
+
+/// The newest entry of the tap journal.
+fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
+    let mut buffer = [0; REGION];
+    let mut store = Store::new(flash.clone()).map_err(|_| Unreadable::Store)?;
+    let read = block_on(async {
+        store.recover().await?;
+        store.read(Region::TapJournal, &mut buffer).await
+    });
+    match read {
+        Err(_) => Err(Unreadable::Store),
+        Ok(None) => Ok(None),
+        Ok(Some(bytes)) => TapRecord::decode(bytes).map_err(Unreadable::Record),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Place(PathBuf);
+
+    impl Place {
+        fn new(name: &str) -> Self {
+            let folder =
+                std::env::temp_dir().join(format!("leadscrew-state-{name}-{}", std::process::id()));
+            fs::create_dir_all(&folder).unwrap();
+            Self(folder)
+        }
+
+        fn file(&self) -> StateFile {
+            StateFile::new(&self.0.join("flash.bin"))
+        }
+    }
+
+    impl Drop for Place {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_flash_comes_back_as_it_was_and_nothing_is_left_beside_it() {
+        let place = Place::new("back");
+        let file = place.file();
+        assert_eq!(file.load_or_new().unwrap(), Flash::erased());
+        assert!(file.load().is_err());
+        let mut store = Store::new(Flash::erased()).unwrap();
+        block_on(store.write(Region::TapJournal, b"no entry")).unwrap();
+        let flash = store.into_flash();
+        file.save(&flash).unwrap();
+        file.save(&flash).unwrap();
+        assert_eq!(file.load().unwrap().image(), flash.image());
+        assert_eq!(fs::read_dir(&place.0).unwrap().count(), 1);
+        let Err(Failure::WrongBecause(told)) = file.journal(&flash) else {
+            panic!("those bytes are no entry");
+        };
+        assert!(told.en.contains("8 of 72 bytes") && told.en.contains("retract --discard"));
+    }
+
+    #[test]
+    fn what_is_no_image_is_refused_and_left_alone() {
+        let place = Place::new("foreign");
+        let file = place.file();
+        let good = Flash::erased().image().to_vec();
+        let mut damaged = good.clone();
+        damaged[100] ^= 1;
+        let mut long = good.clone();
+        long.push(0);
+        for (bytes, word) in [
+            (b"G0 X0\n".to_vec(), "no image"),
+            (Vec::new(), "no image"),
+            (good[..good.len() - 1].to_vec(), "of the 8332 bytes"),
+            (long, "longer"),
+            (damaged, "checksum"),
+        ] {
+            fs::write(&file.path, &bytes).unwrap();
+            for told in [file.load(), file.load_or_new()] {
+                let Err(Failure::Usage(told)) = told else {
+                    panic!("{word}");
+                };
+                assert!(told.en.contains(word), "{}", told.en);
+            }
+            assert_eq!(fs::read(&file.path).unwrap(), bytes);
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link() {
+        let place = Place::new("link");
+        let real = place.0.join("real.bin");
+        fs::write(&real, Flash::erased().image()).unwrap();
+        std::os::unix::fs::symlink(&real, place.0.join("flash.bin")).unwrap();
+        let file = place.file();
+        file.save(&Flash::erased()).unwrap();
+        assert!(fs::symlink_metadata(&file.path).unwrap().is_symlink());
+        assert!(file.load().is_ok());
+    }
+}
