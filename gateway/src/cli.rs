@@ -6,9 +6,10 @@ use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use leadscrew_can::Address;
 use leadscrew_core::alarm::Lang;
 
-use crate::values::{At, Bus, Percent, Ripple, SetSignal, Tolerance};
+use crate::values::{At, Percent, Ripple, SetSignal, Tolerance};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -48,12 +49,13 @@ pub struct Cli {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of every command")]
 pub struct Global {
-    /// Where the machine is: `sim`, a SocketCAN interface (`can0`, `socketcan:can0`) or `slcan:…`
+    /// Where the machine is: `sim`, a SocketCAN interface (`can0`, `socketcan:can0`), or an adapter:
+    /// `slcan:/dev/ttyACM0[@BAUD]`, `slcan:tcp:HOST:PORT`, `slcan:unix:PATH`
     ///
     /// `sim` is a simulated board with drives and a spindle inside this process; it needs no device and no privileges.
     /// The others are not available yet.
     #[arg(long, global = true, value_name = "BUS", default_value = "sim")]
-    pub bus: Bus,
+    pub bus: Address,
     /// CANopen node of the board, 1 to 127
     #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=127))]
     pub node: u8,
@@ -97,7 +99,7 @@ pub struct Global {
         allow_hyphen_values = true
     )]
     pub at: Option<At>,
-    /// File that keeps the simulated flash between runs (not available yet)
+    /// File that keeps the simulated board's flash between commands; made where there is none
     #[arg(long, global = true, value_name = "FILE")]
     pub state: Option<PathBuf>,
     /// An input at the start (repeatable): G61.2, RGTAP, SWS1 to SWS4, RGTSP1 to RGTSP4
@@ -163,7 +165,7 @@ pub enum Command {
         #[command(subcommand)]
         command: ParamsCommand,
     },
-    /// One look at the board (not available yet)
+    /// One look at the board; with `sim`, at what the flash in `--state` remembers
     Status,
     /// A live view of the board (not available yet)
     Monitor,

@@ -111,8 +111,10 @@ impl StateFile {
             let mut beside = target.clone().into_os_string();
             beside.push(format!(".new-{}", std::process::id()));
             let beside = PathBuf::from(beside);
-            let written = File::create(&beside)
-                .and_then(|mut file| file.write_all(&flash.image()).and_then(|()| file.sync_all()));
+            let written = File::create(&beside).and_then(|mut file| {
+                file.write_all(&flash.image())
+                    .and_then(|()| file.sync_all())
+            });
             written
                 .and_then(|()| fs::rename(&beside, &target))
                 .inspect_err(|_| {

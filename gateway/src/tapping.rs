@@ -146,7 +146,13 @@ mod tests {
     #[test]
     fn a_person_reads_the_same() {
         let english = text(&record(), Lang::En);
-        for part in ["X58\n", "X30\n", "8.5 mm below R", "1.25 mm per turn, left hand", "1, S500.5"] {
+        for part in [
+            "X58\n",
+            "X30\n",
+            "8.5 mm below R",
+            "1.25 mm per turn, left hand",
+            "1, S500.5",
+        ] {
             assert!(english.contains(part), "{part}: {english}");
         }
         let chinese = text(&record(), Lang::Zh);

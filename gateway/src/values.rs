@@ -1,52 +1,8 @@
 //! Values on the command line that have a form of their own. Exact: decimals are read as integers, never as floats.
 
-use std::fmt;
 use std::str::FromStr;
 
 use leadscrew_core::signals::Signal;
-
-/// Where the machine is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Bus {
-    /// Inside this process.
-    Sim,
-    /// Linux SocketCAN.
-    SocketCan(String),
-    /// A serial-line CAN adapter.
-    Slcan(String),
-}
-
-impl FromStr for Bus {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "sim" {
-            return Ok(Self::Sim);
-        }
-        if let Some(target) = text.strip_prefix("slcan:") {
-            return Ok(Self::Slcan(target.to_owned()));
-        }
-        let name = text.strip_prefix("socketcan:").unwrap_or(text);
-        // The kernel's rule for interface names: 1 to 15 bytes, no slash, no space.
-        if name.is_empty()
-            || name.len() > 15
-            || name.contains(|c: char| c == '/' || c == ':' || c.is_whitespace())
-        {
-            return Err("expected `sim`, an interface such as `can0`, `socketcan:can0`, or `slcan:/dev/ttyACM0`".into());
-        }
-        Ok(Self::SocketCan(name.to_owned()))
-    }
-}
-
-impl fmt::Display for Bus {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Sim => f.write_str("sim"),
-            Self::SocketCan(name) => write!(f, "socketcan:{name}"),
-            Self::Slcan(target) => write!(f, "slcan:{target}"),
-        }
-    }
-}
 
 /// Reads a decimal as an integer with `decimals` digits after the point; refuses more digits than that.
 fn decimal(text: &str, decimals: usize) -> Result<i64, String> {
@@ -252,21 +208,6 @@ mod tests {
         for wrong in ["100", "X=1,X=2", "Y=1", "X=0.000001", "X=9999999999"] {
             assert!(wrong.parse::<At>().is_err(), "{wrong}");
         }
-    }
-
-    #[test]
-    fn buses_have_three_forms() {
-        assert_eq!("sim".parse::<Bus>(), Ok(Bus::Sim));
-        assert_eq!("can0".parse::<Bus>(), Ok(Bus::SocketCan("can0".into())));
-        assert_eq!(
-            "socketcan:vcan0".parse::<Bus>(),
-            Ok(Bus::SocketCan("vcan0".into()))
-        );
-        assert_eq!(
-            "slcan:tcp:h:1".parse::<Bus>(),
-            Ok(Bus::Slcan("tcp:h:1".into()))
-        );
-        assert!("/dev/ttyACM0".parse::<Bus>().is_err());
     }
 
     #[test]

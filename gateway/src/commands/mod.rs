@@ -7,6 +7,7 @@ mod params;
 mod plot;
 mod run;
 mod simulate;
+mod status;
 mod unavailable;
 
 use crate::cli::{Cli, Command};
@@ -29,6 +30,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             plot::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
         }
         Command::Run(args) => run::run(&Setup::with_drive(&cli.global, &args.drive)?, args),
+        Command::Status => status::run(&cli.global),
         _ => unavailable::command(cli),
     }
 }

@@ -32,12 +32,7 @@ pub fn run(global: &Global) -> Outcome {
     } else {
         match record.filter(|record| record.in_hole) {
             Some(record) => tapping::text(&record, global.lang()),
-            None => pick(
-                global.lang(),
-                "no tap is in a hole\n",
-                "没有丝锥在孔里\n",
-            )
-            .to_owned(),
+            None => pick(global.lang(), "no tap is in a hole\n", "没有丝锥在孔里\n").to_owned(),
         }
         .into_bytes()
     };

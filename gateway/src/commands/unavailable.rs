@@ -1,14 +1,15 @@
 //! What the contract names and cannot be done as it was typed: each is a usage error that says so, never ignored.
 
+use leadscrew_can::Address;
+
 use crate::cli::{Cli, Command};
 use crate::failure::{Failure, Outcome};
-use crate::values::Bus;
 use crate::words::{Both, both};
 
 /// Refuses options that do not go with the command.
 pub fn refuse(cli: &Cli) -> Outcome {
     let global = &cli.global;
-    let option = if global.state.is_some() {
+    let option = if global.state.is_some() && !matches!(cli.command, Command::Status) {
         Some("--state")
     } else if global.cut_power.is_some() {
         Some("--cut-power")
@@ -22,7 +23,7 @@ pub fn refuse(cli: &Cli) -> Outcome {
         )));
     }
     let bus = &global.bus;
-    if *bus == Bus::Sim {
+    if *bus == Address::Sim {
         return Ok(());
     }
     match &cli.command {
@@ -80,7 +81,7 @@ const fn name(command: &Command) -> &'static str {
 pub fn command(cli: &Cli) -> Outcome {
     let name = name(&cli.command);
     Err(Failure::Usage(match &cli.command {
-        Command::Status | Command::Retract { .. } => {
+        Command::Retract { .. } => {
             both!("`{name}` is not available yet", "`{name}` 尚未提供")
         }
         command => needs_a_board(name, command),

@@ -43,7 +43,6 @@ fn what_is_not_available_is_a_usage_error_that_says_so() {
         &["override", "feed", "50"],
         &["signal", "RGTAP=1"],
         &["record", "-o", "bus.log"],
-        &["status"],
         &["retract"],
         &["run", "examples/shaft.nc", "--bus", "can0"],
         &["status", "--bus", "slcan:tcp:localhost:1234"],
@@ -127,4 +126,28 @@ fn completions_exist_for_the_usual_shells() {
         assert_eq!(code(&output), 0, "{shell}");
         assert!(stdout(&output).contains("leadscrew"), "{shell}");
     }
+}
+
+#[test]
+fn status_without_a_board_says_where_to_look() {
+    let output = leadscrew(&["status"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("`--state FILE`"),
+        "{}",
+        stderr(&output)
+    );
+    let output = leadscrew(&["status", "--state", "no-such-flash.bin"]);
+    assert_eq!(code(&output), 2);
+    assert_eq!(
+        stderr(&output),
+        "error: cannot read `no-such-flash.bin`: there is no such file\n"
+    );
+    let output = leadscrew(&["status", "--state", "README.md"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("no image of a simulated board's flash"),
+        "{}",
+        stderr(&output)
+    );
 }
