@@ -456,6 +456,21 @@ codes! {
     SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";
 
+    // 4330–4349: the board as a node.
+    /// The heartbeat of the gateway has stayed away (9025 = 1).
+    GatewayLost = 4330, "the gateway has fallen silent while a program ran", "look at its cable and at the program that operates the board; reset, and begin again",
+        "程序运行中网关失去联系", "请检查网关电缆和操作程序；复位后重新开始";
+    /// An NMT master has stopped or restarted the board while a program ran.
+    NetworkStop = 4331, "the network has stopped the board while it worked (NMT)", "start the node again (NMT start), then reset",
+        "控制板在工作中被网络停止（NMT）", "请重新启动节点（NMT start），然后复位";
+    /// Somebody else sends as the board's node.
+    NodeTwice = 4332, "another node on the bus has the number of this board", "give each board a number of its own, then restart both",
+        "总线上另有节点使用本控制板的节点号", "请为每块控制板设置不同的节点号，然后重新启动";
+    /// The cyclic frames do not fit: load in per cent, tick in µs, drives, kbit/s.
+    BusOverload = 4333, "the cycle would take {0} of the bus: SYNC, {2} drives and the board's status every {1} µs at {3} kbit/s",
+        "make the tick (9000) longer, let the drives send their status less often (9021), or raise the bit rate (9020)",
+        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s", "请加长周期（9000）、减少驱动状态发送次数（9021）或提高波特率（9020）";
+
     // 4350–4399: drives. {0} is the drive's letter, {1} its node.
     /// No status from a drive after it was started.
     DriveNoAnswer = 4350, "drive {0} (node {1}) does not answer",

@@ -3,7 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, Code};
 use crate::program::Aux;
 use crate::units::Rpm;
 
@@ -49,6 +49,8 @@ pub enum Command {
     /// Emergency stop: both axes of a synchronised move decelerate together [D18]; everything queued is forgotten, the
     /// alarm stays until reset.
     Stop,
+    /// A stop as by [`Stop`](Self::Stop), with an alarm of its own: what watches the board asks for it.
+    Halt(Code),
     /// Single block on or off.
     SingleBlock(bool),
     /// Feed override in percent, 0…150.

@@ -22,8 +22,11 @@ mod background;
 mod detour;
 mod drives;
 mod event;
+mod node;
 mod operator;
 mod queue;
+mod snapshot;
+pub mod station;
 mod store;
 mod ticker;
 
@@ -31,11 +34,13 @@ pub use background::{Background, Settings, overridden};
 pub use detour::Route;
 pub use event::{Command, Event};
 pub use operator::Operator;
+pub use snapshot::Snapshot;
+pub use station::Station;
 pub use store::{Region, StoreError, StoreRequest};
 pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
-use crate::bus::Frame;
+use crate::bus::{Frame, NodeId};
 use crate::motion::{Helix, Limits};
 use crate::params::Params;
 use crate::program::{Call, Position};
@@ -55,6 +60,18 @@ pub struct Board {
     events: Events,
     background: Background,
     ticker: Ticker,
+    station: Station,
+    /// What the next measured angle is judged by.
+    reference: Option<node::Reference>,
+}
+
+/// Hands a call to the background. False, and nothing changes, where that does not go.
+fn offer(ticker: &mut Ticker, calls: &mut Calls, call: &Call) -> bool {
+    let taken = ticker.takes_calls() && calls.enqueue(*call).is_ok();
+    if taken {
+        ticker.program_begins();
+    }
+    taken
 }
 
 impl Board {
@@ -67,7 +84,10 @@ impl Board {
         let Some(ticker) = Ticker::new(params, remembered) else {
             return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
         };
+        let snapshot = Snapshot::new(&ticker, &Output::default());
         Ok(Self {
+            station: Station::new(NodeId::BOARD, params, snapshot),
+            reference: None,
             params: params.clone(),
             limits: Limits::from_params(params),
             calls: Calls::new(),
@@ -83,11 +103,7 @@ impl Board {
     /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
-        let taken = self.ticker.takes_calls() && self.calls.enqueue(*call).is_ok();
-        if taken {
-            self.ticker.program_begins();
-        }
-        taken
+        offer(&mut self.ticker, &mut self.calls, call)
     }
 
     /// One piece of background work. False where there is none that can be done now.
@@ -140,7 +156,9 @@ impl Board {
 
     /// The oldest event not yet read.
     pub fn event(&mut self) -> Option<Event> {
-        self.events.dequeue()
+        let event = self.events.dequeue()?;
+        self.station.note(&event);
+        Some(event)
     }
 
     /// True while anything handed over has not been carried out.

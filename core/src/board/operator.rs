@@ -1,6 +1,7 @@
 //! What the operator has set, and what he asks for next.
 
 use super::event::Command;
+use crate::alarm::Code;
 use crate::motion::Rate;
 use crate::signals::Signals;
 
@@ -26,8 +27,8 @@ pub(super) enum Wish {
     Resume,
     /// Reset.
     Reset,
-    /// Emergency stop.
-    Stop,
+    /// Emergency stop, or a stop with an alarm of its own.
+    Stop(Code),
 }
 
 impl Operator {
@@ -55,11 +56,12 @@ impl Operator {
                 }
             }
             Command::Resume if self.wish.is_none() => self.wish = Some(Wish::Resume),
-            Command::Reset if !matches!(self.wish, Some(Wish::Stop)) => {
+            Command::Reset if !matches!(self.wish, Some(Wish::Stop(_))) => {
                 self.wish = Some(Wish::Reset);
             }
             Command::Resume | Command::Reset => {}
-            Command::Stop => self.wish = Some(Wish::Stop),
+            Command::Stop => self.wish = Some(Wish::Stop(Code::EmergencyStop)),
+            Command::Halt(code) => self.wish = Some(Wish::Stop(code)),
             Command::SingleBlock(on) => self.single_block = on,
             Command::FeedOverride(percent) => self.feed = clamp(percent, 0, 150),
             Command::RapidOverride(percent) => self.rapid = clamp(percent, 0, 100),
@@ -81,6 +83,18 @@ impl Operator {
     #[must_use]
     pub const fn rapid(&self) -> Rate {
         Rate::percent(self.rapid)
+    }
+
+    /// Feed override in percent.
+    #[must_use]
+    pub const fn feed_percent(&self) -> u8 {
+        self.feed
+    }
+
+    /// Rapid override in percent.
+    #[must_use]
+    pub const fn rapid_percent(&self) -> u8 {
+        self.rapid
     }
 
     /// Spindle override in percent.

@@ -29,7 +29,7 @@ use crate::params::Params;
 use crate::program::Position;
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
-use crate::units::{Axis, Rpm, Ticks};
+use crate::units::{Axis, Rpm, Ticks, Turns};
 
 /// Frames a board sends in one period at most: SYNC, and for each of four drives a start, an RPDO1 and an RPDO2.
 pub const FRAMES: usize = 16;
@@ -267,6 +267,13 @@ impl Ticker {
         self.source == Source::Program
     }
 
+    /// The spindle's angle when the setpoint of the tick before takes effect, on X or on Z.
+    #[must_use]
+    pub fn effective_angle(&self, on_x: bool) -> Turns {
+        let ahead = if on_x { self.ahead_x } else { self.ahead_z };
+        self.observer.predict(ahead.less_one())
+    }
+
     /// Commanded spindle speed, override included.
     #[must_use]
     pub fn spindle_command(&self) -> Rpm {
@@ -415,8 +422,8 @@ impl Ticker {
     fn obey(&mut self, ends: &mut Ends<'_, '_>) {
         match self.operator.wish() {
             None => {}
-            Some(Wish::Stop) => {
-                self.raise(Alarm::new(Code::EmergencyStop, Span::default()), ends);
+            Some(Wish::Stop(code)) => {
+                self.raise(Alarm::new(code, Span::default()), ends);
             }
             Some(Wish::Resume) => {
                 self.operator.hold = false;

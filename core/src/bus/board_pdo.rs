@@ -25,6 +25,9 @@
 //! and the sender repeats the frame until it reads its own count there. Two senders that count alike do not take
 //! each other's orders for repetitions, as long as they want different things; and wanting the same is no conflict.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
 use super::frame::{CobId, Frame, NodeId, Service};
 use super::mapping::Mapped;
 use super::pdo::MilliRpm;
@@ -199,7 +202,7 @@ impl OrderGate {
 }
 
 /// What the machine is doing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 #[repr(u8)]
 pub enum BoardState {
     /// The drives are being enabled.
@@ -233,6 +236,21 @@ impl BoardState {
         Self::Stopping,
         Self::Alarm,
     ];
+
+    /// The word for it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Idle => "idle",
+            Self::Run => "run",
+            Self::Hold => "hold",
+            Self::Dwell => "dwell",
+            Self::Wait => "wait",
+            Self::Stopping => "stopping",
+            Self::Alarm => "alarm",
+        }
+    }
 
     fn from_raw(raw: u8) -> Option<Self> {
         Self::ALL.get(usize::from(raw)).copied()

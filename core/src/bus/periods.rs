@@ -31,7 +31,8 @@ impl Periods {
     }
 
     /// This and `more`; stays at the greatest.
-    pub(super) const fn plus(self, more: Self) -> Self {
+    #[must_use]
+    pub const fn plus(self, more: Self) -> Self {
         Self(self.0.saturating_add(more.0))
     }
 

@@ -24,7 +24,7 @@ pub use batch::{
 };
 pub use event::{EventReader, Logged, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
-pub use status::{Activity, Status};
+pub use status::Status;
 pub use version::{VERSION, Version};
 
 /// A message that is none, or one that has no room in its bytes.

@@ -5,60 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{LinkError, Version};
 use crate::alarm::Alarm;
+use crate::bus::BoardState;
 use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate, Turns};
-
-/// What the machine is doing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
-#[repr(u8)]
-pub enum Activity {
-    /// The drives are being enabled.
-    #[default]
-    Starting,
-    /// Nothing.
-    Idle,
-    /// Moving, or changing from one move to the next.
-    Run,
-    /// In feed hold or single block.
-    Hold,
-    /// In a dwell.
-    Dwell,
-    /// Waiting for the spindle, or for the next segment.
-    Wait,
-    /// Coming to rest after a reset.
-    Stopping,
-    /// Stopping or stopped on an alarm.
-    Alarm,
-}
-
-impl Activity {
-    /// All of them; each at the place of its number.
-    pub const ALL: [Self; 8] = [
-        Self::Starting,
-        Self::Idle,
-        Self::Run,
-        Self::Hold,
-        Self::Dwell,
-        Self::Wait,
-        Self::Stopping,
-        Self::Alarm,
-    ];
-
-    /// The word for it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Starting => "starting",
-            Self::Idle => "idle",
-            Self::Run => "run",
-            Self::Hold => "hold",
-            Self::Dwell => "dwell",
-            Self::Wait => "wait",
-            Self::Stopping => "stopping",
-            Self::Alarm => "alarm",
-        }
-    }
-}
 
 /// The status record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -68,7 +17,7 @@ pub struct Status {
     /// Ticks since power-up.
     pub tick: u64,
     /// What the machine is doing.
-    pub activity: Activity,
+    pub state: BoardState,
     /// The alarm it stands on.
     pub alarm: Option<Alarm>,
     /// A program is under way.

@@ -7,6 +7,7 @@ use super::bounds::Beyond;
 use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::board::Event;
+use crate::bus::BoardState;
 use crate::params::Params;
 use crate::program::{
     Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice, Infeed,
@@ -373,7 +374,7 @@ fn events_and_status_come_back_equal() {
     let status = Status {
         version: VERSION,
         tick: u64::MAX,
-        activity: Activity::Alarm,
+        state: BoardState::Alarm,
         alarm: Some(alarm),
         in_program: true,
         line: u32::MAX,

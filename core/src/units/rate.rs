@@ -89,6 +89,12 @@ impl Ticks {
         }
     }
 
+    /// A tick less than this, but not less than nothing.
+    #[must_use]
+    pub const fn less_one(self) -> Self {
+        Self(self.0.saturating_sub(Self::ONE.0))
+    }
+
     /// The span in 2⁻¹⁶ ticks.
     #[must_use]
     pub const fn raw(self) -> u32 {

@@ -1,0 +1,86 @@
+//! What the tick looks like from outside, at one instant: made between two ticks, never in one.
+
+use super::operator::Operator;
+use super::ticker::{Outcome, Output, State, Ticker};
+use crate::alarm::Alarm;
+use crate::bus::BoardState;
+use crate::motion::{Motion, Setpoint};
+use crate::units::{Rpm, TurnRate, Turns};
+
+/// The tick side of a board between two ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Where the machine is.
+    pub state: State,
+    /// The last setpoint.
+    pub setpoint: Setpoint,
+    /// A program is under way.
+    pub in_program: bool,
+    /// Angle of the spindle at the last SYNC.
+    pub spindle: Turns,
+    /// Its measured speed.
+    pub speed: TurnRate,
+    /// Its commanded speed, override included.
+    pub command: Rpm,
+    /// What the operator has set.
+    pub operator: Operator,
+}
+
+impl Snapshot {
+    /// As it is after the tick that gave `output`.
+    #[must_use]
+    pub fn new(ticker: &Ticker, output: &Output) -> Self {
+        Self {
+            state: ticker.state(),
+            setpoint: output.setpoint,
+            in_program: ticker.in_program(),
+            spindle: ticker.observer().angle(),
+            speed: ticker.observer().speed(),
+            command: ticker.spindle_command(),
+            operator: *ticker.operator(),
+        }
+    }
+
+    /// What the machine is doing, in one word.
+    #[must_use]
+    pub const fn board_state(&self) -> BoardState {
+        match (self.state, self.setpoint.motion) {
+            (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => BoardState::Alarm,
+            (State::Starting, _) => BoardState::Starting,
+            (State::Stopping(Outcome::Reset), _) => BoardState::Stopping,
+            (_, Motion::Hold) | (State::Held, _) => BoardState::Hold,
+            (_, Motion::Dwell) => BoardState::Dwell,
+            (_, Motion::Wait) => BoardState::Wait,
+            (_, Motion::Run) => BoardState::Run,
+            // The next segment is not there yet.
+            (State::Running, Motion::Idle) => BoardState::Wait,
+            (State::Idle, Motion::Idle) if self.in_program => BoardState::Wait,
+            (State::Idle, Motion::Idle) => BoardState::Idle,
+        }
+    }
+
+    /// The alarm it stops or stands on.
+    #[must_use]
+    pub const fn alarm(&self) -> Option<Alarm> {
+        match self.state {
+            State::Alarm(alarm) | State::Stopping(Outcome::Alarm(alarm)) => Some(alarm),
+            _ => None,
+        }
+    }
+
+    /// Nothing moves, and nothing is about to: parameters may change.
+    #[must_use]
+    pub const fn is_at_rest(&self) -> bool {
+        match self.state {
+            State::Starting | State::Alarm(_) => true,
+            State::Idle => !self.in_program,
+            State::Running | State::Held | State::Stopping(_) => false,
+        }
+    }
+
+    /// The machine takes calls.
+    #[must_use]
+    pub const fn takes_calls(&self) -> bool {
+        matches!(self.state, State::Idle | State::Running | State::Held)
+    }
+}

@@ -1,0 +1,460 @@
+//! The board as a CANopen node: objects, process data, heartbeats, emergencies. Sans-IO, and in the background: the tick
+//! knows nothing of it.
+//!
+//! ```text
+//!              frames                    calls (as there is room)
+//! gateway ◄──────────────► Station ───────────────────────────────► Background
+//!                            │  ▲
+//!                   commands ▼  │ snapshot, events
+//!                            Ticker
+//! ```
+//!
+//! - What an operator wants (RPDO1, 5000h) becomes [`Command`]s at once: it never waits behind a transfer.
+//! - A program comes in small batches (5020h) and waits, encoded, in [`PROGRAM_BYTES`]; `run` lets its calls go to the
+//!   planner one by one [D98]. How many bytes fit is told in TPDO1, so a program of any size goes through [D99].
+//! - Parameters (2000h, 5010h) are staged, checked as a set, and come into force all or none, with a restart of the
+//!   application [D101].
+//!
+//! Whoever owns a station gives it every frame that is not a drive's, every event, and a snapshot of the tick side as
+//! often as he can, and takes commands, a changed parameter set and frames from it. [`Board`](super::Board) does all of
+//! that for owners with one thread.
+//!
+//! It must not know motion, drives or what a call means.
+
+pub mod dictionary;
+mod inbox;
+mod log;
+mod ring;
+mod shelf;
+mod table;
+
+pub use inbox::PROGRAM_BYTES;
+pub use table::{GROUPS, Group, HISTORY, PRODUCT};
+
+use heapless::Deque;
+
+use self::shelf::{Served, Shelf};
+use super::event::{Command, Event};
+use super::snapshot::Snapshot;
+use crate::alarm::{Alarm, Code, Span};
+use crate::bus::{
+    BlockSize, BoardCommand, CobId, Cycle, Emcy, Frame, HeartbeatEvent, NmtEvent, NmtSlave,
+    NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
+};
+use crate::params::Params;
+use crate::program::Call;
+use crate::signals::Signals;
+use crate::units::Length;
+
+/// Frames that wait to be sent: statuses, heartbeats, emergencies.
+const URGENT: usize = 12;
+/// Answers of the SDO server that wait to be sent.
+const ANSWERS: usize = 16;
+/// For so long a client may be silent in a transfer.
+const PATIENCE_MS: u32 = 1000;
+/// Drives that get a setpoint in every tick: X, Z, C and one spindle.
+const DRIVES: u32 = 4;
+/// Emergency code "heartbeat error" of CiA 301.
+const HEARTBEAT_ERROR: u16 = 0x8130;
+
+/// What a running program does when the gateway is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Loss {
+    Hold,
+    Stop,
+    CarryOn,
+}
+
+impl Loss {
+    const fn of(params: &Params) -> Self {
+        match params.gateway_loss() {
+            0 => Self::Hold,
+            1 => Self::Stop,
+            _ => Self::CarryOn,
+        }
+    }
+}
+
+/// A board's side of the bus, but for its drives.
+#[derive(Debug)]
+pub struct Station {
+    shelf: Shelf,
+    nmt: NmtSlave,
+    sdo: SdoServer,
+    patience: Periods,
+    gate: OrderGate,
+    /// Since the last of TPDO1–3.
+    since: [Periods; 3],
+    urgent: Deque<Frame, URGENT>,
+    answers: Deque<Frame, ANSWERS>,
+    /// The alarm that has been told.
+    told: Option<Alarm>,
+    /// A restart of the application is asked for; it waits until the machine stands.
+    restarts: bool,
+}
+
+impl Station {
+    /// A node that has not joined a network: it hears nothing and says nothing.
+    #[must_use]
+    pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
+        let patience = Periods::from_ms(PATIENCE_MS, params.tick_us()).unwrap_or_default();
+        Self {
+            shelf: Shelf::new(node, params, snapshot),
+            nmt: NmtSlave::new(node),
+            sdo: SdoServer::new(node, patience, BlockSize::MAX),
+            patience,
+            gate: OrderGate::new(),
+            since: [Periods::new(0); 3],
+            urgent: Deque::new(),
+            answers: Deque::new(),
+            told: None,
+            restarts: false,
+        }
+    }
+
+    /// Takes another number. Only before it joins.
+    pub fn set_node(&mut self, node: NodeId) {
+        if self.has_joined() {
+            return;
+        }
+        self.nmt = NmtSlave::new(node);
+        self.sdo = SdoServer::new(node, self.patience, BlockSize::MAX);
+        self.shelf.set_node(node);
+    }
+
+    /// Joins the network: says so, and waits to be started.
+    ///
+    /// # Errors
+    /// [`Code::BusOverload`] where the cycle leaves no room on the bus.
+    pub fn join(&mut self, params: &Params) -> Result<(), Alarm> {
+        let cycle = Cycle {
+            tick_us: params.tick_us(),
+            kbit: params.bus_kbit(),
+            drives: DRIVES,
+            drive_syncs: params.drive_status_syncs(),
+            status_ms: params.status_period_ms(),
+        };
+        cycle.check()?;
+        let boot_up = self.nmt.boot();
+        self.say(boot_up);
+        Ok(())
+    }
+
+    /// True once it has joined.
+    #[must_use]
+    pub fn has_joined(&self) -> bool {
+        self.nmt.state() != NmtState::BootUp
+    }
+
+    /// The number others reach it by.
+    #[must_use]
+    pub const fn node(&self) -> NodeId {
+        self.nmt.node()
+    }
+
+    /// Its NMT state.
+    #[must_use]
+    pub const fn state(&self) -> NmtState {
+        self.nmt.state()
+    }
+
+    /// Sets the serial number of 1018h.
+    pub const fn set_serial(&mut self, serial: u32) {
+        self.shelf.serial = serial;
+    }
+
+    /// Takes a frame. False for one that is not for a board: a drive's, or of a service it does not have.
+    pub fn receive(&mut self, frame: &Frame, params: &Params) -> bool {
+        if !self.has_joined() {
+            return false;
+        }
+        if frame.id() == CobId::NMT {
+            if let Some(event) = self.nmt.receive(frame) {
+                self.obey(event, params);
+            }
+            return true;
+        }
+        let Some((service, node)) = frame.id().service() else {
+            return false;
+        };
+        if let Some((_, event)) = self.shelf.watch.receive(frame) {
+            if event == HeartbeatEvent::Restarted {
+                // Whoever fed the program has forgotten it.
+                self.lose(params);
+            }
+            return true;
+        }
+        if node != self.node() {
+            return false;
+        }
+        match service {
+            Service::SdoRequest if self.nmt.state().allows_sdo() => {
+                let mut served = Served {
+                    shelf: &mut self.shelf,
+                    params,
+                };
+                if let Some(answer) = self.sdo.receive(frame, &mut served) {
+                    self.answer(answer);
+                }
+            }
+            Service::Rpdo1 if self.nmt.state().allows_pdo() => self.command_of(frame),
+            // Only a node of this number sends these, and that is this one.
+            Service::Tpdo1 | Service::Heartbeat | Service::SdoReply | Service::Emcy => {
+                self.shelf.command(Command::Halt(Code::NodeTwice));
+            }
+            _ => {}
+        }
+        true
+    }
+
+    /// Takes what has happened in the tick: every event, in order.
+    pub fn note(&mut self, event: &Event) {
+        self.shelf.log.push(self.shelf.tick, *event);
+        if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
+            self.shelf.inbox.close();
+        }
+    }
+
+    /// Says how far the axis that is held to the spindle was from where it should have been; `None`: none is held.
+    pub const fn set_sync_error(&mut self, error: Option<Length>) {
+        self.shelf.sync_error = error;
+    }
+
+    /// Says how many setpoints have come late for their SYNC since power-up.
+    pub const fn set_late(&mut self, late: u32) {
+        self.shelf.late = late;
+    }
+
+    /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
+    /// one. True where a call went.
+    pub fn poll(
+        &mut self,
+        elapsed: Periods,
+        snapshot: Snapshot,
+        params: &Params,
+        offer: &mut impl FnMut(&Call) -> bool,
+    ) -> bool {
+        self.shelf.tick = self.shelf.tick.saturating_add(elapsed.get().into());
+        self.shelf.snapshot = snapshot;
+        if !snapshot.takes_calls() {
+            self.shelf.inbox.close();
+        }
+        let worked = self.shelf.inbox.hand_over(offer);
+        if self.restarts && snapshot.is_at_rest() {
+            self.restart(params);
+        }
+        if !self.has_joined() {
+            return worked;
+        }
+        self.tell_alarms(snapshot.alarm());
+        self.transfer(elapsed, params);
+        self.beat(elapsed, params);
+        self.tell_status(elapsed, params);
+        worked
+    }
+
+    /// True where the program is running and the rest of it has not come: in lock-step, time waits for it.
+    #[must_use]
+    pub const fn awaits_program(&self) -> bool {
+        self.shelf.inbox.awaits_more()
+    }
+
+    /// The next command for the tick. Read all of them after every [`receive`](Self::receive) and [`poll`](Self::poll).
+    pub fn command(&mut self) -> Option<Command> {
+        self.shelf.commands.pop_front()
+    }
+
+    /// The inputs, where they have been set over the bus.
+    pub const fn signals(&mut self) -> Option<Signals> {
+        self.shelf.signals.take()
+    }
+
+    /// A parameter set that is to come into force: the owner restarts the application with it. The machine stands.
+    pub const fn take_params(&mut self) -> Option<Params> {
+        self.shelf.staged.take()
+    }
+
+    /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        self.urgent.pop_front().or_else(|| self.answers.pop_front())
+    }
+
+    fn say(&mut self, frame: Frame) {
+        // A bus that takes nothing: what is newer counts.
+        if self.urgent.is_full() {
+            self.urgent.pop_front();
+        }
+        let _ = self.urgent.push_back(frame);
+    }
+
+    fn answer(&mut self, frame: Frame) {
+        // One client waits for one answer; only blocks are longer, and they ask for room first.
+        let _ = self.answers.push_back(frame);
+    }
+
+    fn obey(&mut self, event: NmtEvent, params: &Params) {
+        match event {
+            NmtEvent::Entered(NmtState::Stopped) => {
+                self.halt();
+                self.end_transfer(params);
+            }
+            NmtEvent::Entered(_) => {}
+            NmtEvent::ResetNode => {
+                self.halt();
+                self.end_transfer(params);
+                self.restarts = true;
+            }
+            NmtEvent::ResetCommunication => {
+                self.end_transfer(params);
+                self.shelf.reset_communication(params);
+                let boot_up = self.nmt.boot();
+                self.say(boot_up);
+            }
+        }
+    }
+
+    /// A controlled stop, if anything moves or is about to.
+    fn halt(&mut self) {
+        self.shelf.inbox.close();
+        if !self.shelf.snapshot.is_at_rest() {
+            self.shelf.command(Command::Halt(Code::NetworkStop));
+        }
+    }
+
+    fn end_transfer(&mut self, params: &Params) {
+        let mut served = Served {
+            shelf: &mut self.shelf,
+            params,
+        };
+        self.sdo.reset(&mut served);
+        self.answers.clear();
+    }
+
+    /// The application begins anew, with the set in force if there is no other.
+    fn restart(&mut self, params: &Params) {
+        self.restarts = false;
+        self.shelf.reset_communication(params);
+        if self.shelf.staged.is_none() {
+            self.shelf.staged = Some(params.clone());
+        }
+        let boot_up = self.nmt.boot();
+        self.say(boot_up);
+    }
+
+    fn command_of(&mut self, frame: &Frame) {
+        if !self.shelf.pdos.command.is_valid() {
+            return;
+        }
+        let Some((_, command)) = BoardCommand::decode(frame) else {
+            return;
+        };
+        let shelf = &mut self.shelf;
+        shelf.switches(command.single_block, command.dry_run);
+        let overrides = [
+            command.feed.map(Command::FeedOverride),
+            command.rapid.map(Command::RapidOverride),
+            command.spindle.map(Command::SpindleOverride),
+        ];
+        for wanted in overrides.into_iter().flatten() {
+            shelf.command(wanted);
+        }
+        if let Some(order) = self.gate.take(&command) {
+            shelf.order(order);
+        }
+        shelf.count = self.gate.count();
+    }
+
+    /// The gateway is not there any more.
+    fn lose(&mut self, params: &Params) {
+        if !self.shelf.snapshot.in_program {
+            return;
+        }
+        let loss = Loss::of(params);
+        if loss == Loss::Stop {
+            // Its alarm makes an emergency message of its own.
+            self.shelf.command(Command::Halt(Code::GatewayLost));
+            return;
+        }
+        if loss == Loss::Hold {
+            self.shelf.command(Command::Hold);
+        }
+        let alarm = Alarm::new(Code::GatewayLost, Span::default());
+        self.shelf.log.push(self.shelf.tick, Event::Warning(alarm));
+        self.shelf.emcy.raise(Emcy {
+            code: HEARTBEAT_ERROR,
+            ..Emcy::of_alarm(alarm.number())
+        });
+    }
+
+    fn tell_alarms(&mut self, alarm: Option<Alarm>) {
+        if self.told == alarm {
+            return;
+        }
+        self.told = alarm;
+        match alarm {
+            Some(alarm) => {
+                let mut emcy = Emcy::of_alarm(alarm.number());
+                if alarm.code == Code::GatewayLost {
+                    emcy.code = HEARTBEAT_ERROR;
+                }
+                self.shelf.emcy.raise(emcy);
+            }
+            None => self.shelf.emcy.clear(),
+        }
+    }
+
+    fn transfer(&mut self, elapsed: Periods, params: &Params) {
+        let mut served = Served {
+            shelf: &mut self.shelf,
+            params,
+        };
+        if let Some(abort) = self.sdo.elapse(elapsed, &mut served) {
+            let _ = self.answers.push_back(abort);
+        }
+        while !self.answers.is_full()
+            && let Some(segment) = self.sdo.poll(&mut served)
+        {
+            let _ = self.answers.push_back(segment);
+        }
+    }
+
+    fn beat(&mut self, elapsed: Periods, params: &Params) {
+        if self.shelf.heartbeat.elapse(elapsed) {
+            let heartbeat = self.nmt.heartbeat();
+            self.say(heartbeat);
+        }
+        if !self.shelf.watch.elapse(elapsed).is_empty() {
+            self.lose(params);
+        }
+        self.shelf.emcy.elapse(elapsed);
+        if self.nmt.state().allows_emcy()
+            && let Some(frame) = self.shelf.emcy.poll()
+        {
+            self.say(frame);
+        }
+    }
+
+    fn tell_status(&mut self, elapsed: Periods, params: &Params) {
+        if !self.nmt.state().allows_pdo() {
+            return;
+        }
+        let (shelf, node) = (&self.shelf, self.nmt.node());
+        let pdos = [
+            (&shelf.pdos.status, shelf.status().frame(node)),
+            (&shelf.pdos.place, shelf.place().frame(node)),
+            (&shelf.pdos.spindle, shelf.spindle().frame(node)),
+        ];
+        let mut due = [None; 3];
+        for (((pdo, frame), since), due) in pdos.into_iter().zip(&mut self.since).zip(&mut due) {
+            *since = since.plus(elapsed);
+            let period = Periods::from_ms(pdo.event_ms().into(), params.tick_us());
+            if pdo.is_valid() && pdo.event_ms() != 0 && period.is_some_and(|p| *since >= p) {
+                *since = Periods::new(0);
+                *due = Some(frame);
+            }
+        }
+        for frame in due.into_iter().flatten() {
+            self.say(frame);
+        }
+    }
+}

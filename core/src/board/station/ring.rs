@@ -1,0 +1,115 @@
+//! Bytes in the order they came, in a fixed room.
+
+/// A ring of at most `N` bytes.
+#[derive(Clone, Debug)]
+pub struct Ring<const N: usize> {
+    bytes: [u8; N],
+    /// Place of the oldest byte.
+    front: usize,
+    /// Bytes in it.
+    used: usize,
+}
+
+impl<const N: usize> Ring<N> {
+    pub const fn new() -> Self {
+        Self {
+            bytes: [0; N],
+            front: 0,
+            used: 0,
+        }
+    }
+
+    pub const fn used(&self) -> usize {
+        self.used
+    }
+
+    pub const fn free(&self) -> usize {
+        N.saturating_sub(self.used)
+    }
+
+    pub const fn clear(&mut self) {
+        self.front = 0;
+        self.used = 0;
+    }
+
+    /// The place `ahead` bytes behind the oldest.
+    const fn place(&self, ahead: usize) -> usize {
+        let place = self.front.saturating_add(ahead);
+        if place >= N {
+            place.saturating_sub(N)
+        } else {
+            place
+        }
+    }
+
+    /// Takes all of `bytes`, or none where they have no room.
+    pub fn push(&mut self, bytes: &[u8]) -> bool {
+        if bytes.len() > self.free() {
+            return false;
+        }
+        for &byte in bytes {
+            let end = self.place(self.used);
+            if let Some(place) = self.bytes.get_mut(end) {
+                *place = byte;
+            }
+            self.used = self.used.saturating_add(1);
+        }
+        true
+    }
+
+    /// Copies bytes from `ahead` of the oldest on; how many there are comes back.
+    pub fn copy(&self, ahead: usize, into: &mut [u8]) -> usize {
+        let count = self.used.saturating_sub(ahead).min(into.len());
+        for (byte, ahead) in into.iter_mut().zip(ahead..).take(count) {
+            *byte = self.bytes.get(self.place(ahead)).copied().unwrap_or(0);
+        }
+        count
+    }
+
+    /// Forgets the oldest `count` bytes.
+    pub const fn drop_front(&mut self, count: usize) {
+        let count = if count < self.used { count } else { self.used };
+        self.front = self.place(count);
+        self.used = self.used.saturating_sub(count);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::collections::VecDeque;
+    use std::vec::Vec;
+
+    use super::*;
+
+    #[test]
+    fn bytes_come_out_as_they_went_in_however_often_it_goes_round() {
+        let mut ring = Ring::<13>::new();
+        let mut model = VecDeque::new();
+        let mut next = 0_u8;
+        for step in 0..1000_usize {
+            let bytes: Vec<u8> = (0..step % 6)
+                .map(|_| {
+                    next = next.wrapping_add(1);
+                    next
+                })
+                .collect();
+            let fits = bytes.len() <= 13 - model.len();
+            assert_eq!(ring.push(&bytes), fits);
+            if fits {
+                model.extend(&bytes);
+            }
+            let mut read = [0; 13];
+            let ahead = step % 4;
+            let count = ring.copy(ahead, &mut read);
+            let expected: Vec<u8> = model.iter().skip(ahead).copied().collect();
+            assert_eq!(read[..count], expected);
+            let gone = step % 5;
+            ring.drop_front(gone);
+            model.drain(..gone.min(model.len()));
+            assert_eq!((ring.used(), ring.free()), (model.len(), 13 - model.len()));
+        }
+        ring.clear();
+        assert_eq!(ring.used(), 0);
+    }
+}

@@ -1,0 +1,281 @@
+//! The objects of a board that are no parameters, in one list.
+
+use super::dictionary::{Access, Initial, Item, Kind};
+use crate::board::station::inbox::PROGRAM_BYTES;
+use crate::bus::{
+    BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, PdoCommunication, Service,
+    SyncProducer,
+};
+use crate::link::{BATCH_BYTES, VERSION};
+use crate::params::TABLE_KEY;
+use crate::signals::Signals;
+
+use Access::{Both, Const, Read, Write};
+use Kind::{Domain, I16, I32, Text, U8, U16, U32, U64};
+
+/// Entries of 1003h.
+pub const HISTORY: u8 = 8;
+
+/// Product code in 1018h: `LSCW`.
+pub const PRODUCT: u32 = 0x4C53_4357;
+
+/// A record or array of the table: index, name, and whether its sub-indices are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Group {
+    /// Index.
+    pub index: u16,
+    /// What it is, in English.
+    pub name: &'static str,
+    /// All sub-indices but 0 are alike: an ARRAY, else a RECORD.
+    pub array: bool,
+}
+
+const fn group(index: u16, name: &'static str) -> Group {
+    Group {
+        index,
+        name,
+        array: false,
+    }
+}
+
+const fn array(index: u16, name: &'static str) -> Group {
+    Group {
+        index,
+        name,
+        array: true,
+    }
+}
+
+/// The objects that have sub-indices.
+pub static GROUPS: &[Group] = &[
+    array(0x1003, "Error history"),
+    array(0x1010, "Store parameters"),
+    array(0x1011, "Restore default parameters"),
+    array(0x1016, "Consumer heartbeat time"),
+    group(0x1018, "Identity"),
+    group(0x1020, "Identity of the parameter set"),
+    group(0x1200, "SDO server"),
+    group(0x1400, "RPDO1 communication"),
+    group(0x1600, "RPDO1 mapping"),
+    group(0x1800, "TPDO1 communication"),
+    group(0x1801, "TPDO2 communication"),
+    group(0x1802, "TPDO3 communication"),
+    group(0x1A00, "TPDO1 mapping"),
+    group(0x1A01, "TPDO2 mapping"),
+    group(0x1A02, "TPDO3 mapping"),
+    group(0x5000, "Command"),
+    group(0x5001, "Status"),
+    group(0x5010, "Parameter set"),
+    group(0x5020, "Program"),
+    group(0x5030, "Tap journal"),
+    group(0x5040, "Event log"),
+];
+
+const fn item(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Item {
+    Item {
+        object: Object::new(index, sub),
+        name,
+        kind,
+        access,
+        range: None,
+        initial: Initial::Unknown,
+        mappable: false,
+        entry: None,
+    }
+}
+
+const fn fixed(index: u16, sub: u8, name: &'static str, kind: Kind, value: i64) -> Item {
+    Item {
+        initial: Initial::Number(value),
+        ..item(index, sub, name, kind, Const)
+    }
+}
+
+const fn of_node(index: u16, sub: u8, name: &'static str, access: Access, base: u32) -> Item {
+    Item {
+        initial: Initial::OfNode(base),
+        ..item(index, sub, name, U32, access)
+    }
+}
+
+const fn mapped(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Item {
+    Item {
+        mappable: true,
+        ..item(index, sub, name, kind, access)
+    }
+}
+
+const fn within(item: Item, low: i64, high: i64) -> Item {
+    Item {
+        range: Some((low, high)),
+        ..item
+    }
+}
+
+const fn highest(index: u16, sub: u8) -> Item {
+    fixed(index, 0, "highest sub-index", U8, sub as i64)
+}
+
+const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Item {
+    let mut rest = mapping;
+    let mut at = 1;
+    while let [first, behind @ ..] = rest {
+        if at == sub {
+            return fixed(index, sub, "mapped object", U32, first.raw() as i64);
+        }
+        at = at.saturating_add(1);
+        rest = behind;
+    }
+    // Not reached, and a test says so: 0 is no object.
+    fixed(index, sub, "mapped object", U32, 0)
+}
+
+const fn cob_id(index: u16, service: Service) -> Item {
+    let rtr = match service {
+        Service::Rpdo1 => 0,
+        _ => 1 << 30,
+    };
+    of_node(index, 1, "COB-ID", Both, rtr | service as u32)
+}
+
+const fn transmission(index: u16) -> Item {
+    Item {
+        initial: Initial::Number(PdoCommunication::EVENT as i64),
+        ..item(index, 2, "transmission type", U8, Both)
+    }
+}
+
+const fn event_timer(index: u16) -> Item {
+    within(item(index, 5, "event timer", U16, Both), 0, 0xFFFF)
+}
+
+const fn text(index: u16, name: &'static str, value: &'static str) -> Item {
+    Item {
+        initial: Initial::Text(value),
+        ..item(index, 0, name, Text, Const)
+    }
+}
+
+/// The list, by index and sub-index.
+pub static ITEMS: &[Item] = &[
+    fixed(0x1000, 0, "Device type", U32, 0),
+    mapped(0x1001, 0, "Error register", U8, Read),
+    within(item(0x1003, 0, "number of errors", U8, Both), 0, 0),
+    item(0x1003, 1, "error", U32, Read),
+    item(0x1003, 2, "error", U32, Read),
+    item(0x1003, 3, "error", U32, Read),
+    item(0x1003, 4, "error", U32, Read),
+    item(0x1003, 5, "error", U32, Read),
+    item(0x1003, 6, "error", U32, Read),
+    item(0x1003, 7, "error", U32, Read),
+    item(0x1003, 8, "error", U32, Read),
+    // Bit 30: the board is the one that sends it.
+    fixed(0x1005, 0, "COB-ID of SYNC", U32, 0x4000_0080),
+    item(0x1006, 0, "Communication cycle period", U32, Read),
+    text(0x1008, "Device name", "Leadscrew board"),
+    text(0x100A, "Software version", env!("CARGO_PKG_VERSION")),
+    highest(0x1010, 1),
+    item(0x1010, 1, "store all parameters", U32, Both),
+    highest(0x1011, 1),
+    item(0x1011, 1, "restore all parameters", U32, Both),
+    of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80),
+    highest(0x1016, 1),
+    item(0x1016, 1, "gateway", U32, Both),
+    item(0x1017, 0, "Producer heartbeat time", U16, Both),
+    highest(0x1018, 4),
+    fixed(0x1018, 1, "vendor", U32, 0),
+    fixed(0x1018, 2, "product code", U32, PRODUCT as i64),
+    fixed(0x1018, 3, "revision", U32, (VERSION.number as i64) << 16),
+    item(0x1018, 4, "serial number", U32, Read),
+    fixed(
+        0x1019,
+        0,
+        "Synchronous counter overflow",
+        U8,
+        SyncProducer::LAST as i64,
+    ),
+    highest(0x1020, 2),
+    item(0x1020, 1, "checksum of the set", U32, Read),
+    fixed(0x1020, 2, "key of the table", U32, TABLE_KEY as i64),
+    highest(0x1200, 2),
+    of_node(0x1200, 1, "COB-ID client to server", Const, 0x600),
+    of_node(0x1200, 2, "COB-ID server to client", Const, 0x580),
+    highest(0x1400, 2),
+    cob_id(0x1400, Service::Rpdo1),
+    transmission(0x1400),
+    highest(0x1600, 6),
+    map(0x1600, 1, &BoardCommand::MAPPING),
+    map(0x1600, 2, &BoardCommand::MAPPING),
+    map(0x1600, 3, &BoardCommand::MAPPING),
+    map(0x1600, 4, &BoardCommand::MAPPING),
+    map(0x1600, 5, &BoardCommand::MAPPING),
+    map(0x1600, 6, &BoardCommand::MAPPING),
+    highest(0x1800, 5),
+    cob_id(0x1800, Service::Tpdo1),
+    transmission(0x1800),
+    event_timer(0x1800),
+    highest(0x1801, 5),
+    cob_id(0x1801, Service::Tpdo2),
+    transmission(0x1801),
+    event_timer(0x1801),
+    highest(0x1802, 5),
+    cob_id(0x1802, Service::Tpdo3),
+    transmission(0x1802),
+    event_timer(0x1802),
+    highest(0x1A00, 6),
+    map(0x1A00, 1, &BoardStatus::MAPPING),
+    map(0x1A00, 2, &BoardStatus::MAPPING),
+    map(0x1A00, 3, &BoardStatus::MAPPING),
+    map(0x1A00, 4, &BoardStatus::MAPPING),
+    map(0x1A00, 5, &BoardStatus::MAPPING),
+    map(0x1A00, 6, &BoardStatus::MAPPING),
+    highest(0x1A01, 2),
+    map(0x1A01, 1, &BoardPlace::MAPPING),
+    map(0x1A01, 2, &BoardPlace::MAPPING),
+    highest(0x1A02, 3),
+    map(0x1A02, 1, &BoardSpindle::MAPPING),
+    map(0x1A02, 2, &BoardSpindle::MAPPING),
+    map(0x1A02, 3, &BoardSpindle::MAPPING),
+    highest(0x5000, 6),
+    mapped(0x5000, 1, "count", U8, Both),
+    within(mapped(0x5000, 2, "order", U8, Both), 0, 5),
+    mapped(0x5000, 3, "switches", U8, Both),
+    mapped(0x5000, 4, "feed override", U8, Both),
+    mapped(0x5000, 5, "rapid override", U8, Both),
+    mapped(0x5000, 6, "spindle override", U8, Both),
+    highest(0x5001, 12),
+    item(0x5001, 1, "record", Domain, Read),
+    mapped(0x5001, 2, "state", U8, Read),
+    mapped(0x5001, 3, "flags", U8, Read),
+    mapped(0x5001, 4, "alarm", U16, Read),
+    mapped(0x5001, 5, "count of the last order", U8, Read),
+    mapped(0x5001, 6, "late setpoints", U8, Read),
+    mapped(0x5001, 7, "program credit", U16, Read),
+    mapped(0x5001, 8, "line", U32, Read),
+    mapped(0x5001, 9, "move", U32, Read),
+    mapped(0x5001, 10, "spindle angle", U16, Read),
+    mapped(0x5001, 11, "spindle speed", I32, Read),
+    mapped(0x5001, 12, "synchronism error", I16, Read),
+    highest(0x5010, 1),
+    item(0x5010, 1, "image", Domain, Both),
+    highest(0x5020, 6),
+    item(0x5020, 1, "batch of calls", Domain, Write),
+    fixed(0x5020, 2, "version of the link", U64, VERSION.raw() as i64),
+    item(0x5020, 3, "program", U32, Read),
+    item(0x5020, 4, "next call", U32, Read),
+    item(0x5020, 5, "credit", U16, Read),
+    fixed(0x5020, 6, "longest batch", U16, BATCH_BYTES as i64),
+    highest(0x5030, 1),
+    item(0x5030, 1, "record", Domain, Read),
+    highest(0x5040, 3),
+    item(0x5040, 1, "newest", U32, Read),
+    item(0x5040, 2, "read from", U32, Both),
+    item(0x5040, 3, "entries", Domain, Read),
+    within(
+        item(0x5060, 0, "Signals", U16, Both),
+        0,
+        Signals::BITS as i64,
+    ),
+];
+
+const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

@@ -1,0 +1,143 @@
+//! How much of the bus the cycle takes, with every frame stuffed as badly as can be.
+//!
+//! | sent | frame |
+//! |---|---|
+//! | every tick | SYNC with its counter, RPDO1 of each drive |
+//! | every n-th SYNC | TPDO1 of each drive |
+//! | every status period | TPDO1–3 of the board |
+
+use crate::alarm::{Alarm, Arg, Code, Span};
+
+/// What the cycle consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cycle {
+    /// Time from SYNC to SYNC in microseconds, above zero.
+    pub tick_us: u32,
+    /// Bit rate in kbit/s.
+    pub kbit: u32,
+    /// Drives that get a setpoint in every tick.
+    pub drives: u32,
+    /// Each drive answers at every so many SYNCs.
+    pub drive_syncs: u32,
+    /// Time from status to status of the board in milliseconds.
+    pub status_ms: u32,
+}
+
+/// Bits of a classical frame with `bytes` of data, intermission included, stuffed as badly as can be.
+#[must_use]
+pub const fn frame_bits(bytes: u32) -> u32 {
+    let data = bytes.saturating_mul(8);
+    // 34 bits before the data are stuffed with them, one in four after the first; 13 are not.
+    let stuffed = data.saturating_add(34);
+    stuffed
+        .saturating_add(13)
+        .saturating_add(stuffed.saturating_sub(1) / 4)
+}
+
+impl Cycle {
+    /// What may be taken, in tenths of a percent: the rest is for transfers and commands.
+    pub const MOST: u32 = 900;
+
+    /// The load in tenths of a percent.
+    #[must_use]
+    pub fn load(&self) -> u32 {
+        let bits = |bytes, every_us: u64| {
+            // Thousandths of a percent would be kbit · µs / 10⁸; tenths of a percent are bits · 10⁶ / (kbit · µs).
+            let time = every_us.saturating_mul(self.kbit.into());
+            u64::from(frame_bits(bytes))
+                .saturating_mul(100_000_000)
+                .checked_div(time)
+                .unwrap_or(u64::from(u32::MAX))
+        };
+        let tick = u64::from(self.tick_us);
+        let answer = tick.saturating_mul(self.drive_syncs.into());
+        let status = u64::from(self.status_ms).saturating_mul(1000);
+        let drive = bits(6, tick).saturating_add(bits(6, answer));
+        let thousandths = bits(1, tick)
+            .saturating_add(drive.saturating_mul(self.drives.into()))
+            .saturating_add(bits(8, status).saturating_mul(3));
+        u32::try_from(thousandths.saturating_add(50) / 100).unwrap_or(u32::MAX)
+    }
+
+    /// Refuses a cycle that leaves no room.
+    ///
+    /// # Errors
+    /// [`Code::BusOverload`] with the arithmetic.
+    pub fn check(&self) -> Result<(), Alarm> {
+        let load = self.load();
+        if load <= Self::MOST {
+            return Ok(());
+        }
+        let percent = load.saturating_add(5) / 10;
+        let args = [
+            Arg::Percent(i32::try_from(percent).unwrap_or(i32::MAX)),
+            Arg::Int(self.tick_us.into()),
+            Arg::Int(self.drives.into()),
+            Arg::Int(self.kbit.into()),
+        ];
+        Err(Alarm::new(Code::BusOverload, Span::default()).with(args))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cycle(drives: u32, drive_syncs: u32) -> Cycle {
+        Cycle {
+            tick_us: 1000,
+            kbit: 1000,
+            drives,
+            drive_syncs,
+            status_ms: 10,
+        }
+    }
+
+    #[test]
+    fn a_frame_of_each_length() {
+        assert_eq!([1, 6, 8].map(frame_bits), [65, 115, 135]);
+    }
+
+    #[test]
+    fn the_table_of_the_bus() {
+        // SYNC 6.5, RPDO 11.5, TPDO/4 2.9, status 4.05.
+        for (drives, every, load) in [
+            (2, 4, 393),
+            (3, 4, 537),
+            (4, 4, 681),
+            (2, 1, 566),
+            (3, 1, 796),
+            (4, 1, 1026),
+        ] {
+            assert_eq!(cycle(drives, every).load(), load);
+        }
+        let slow = Cycle {
+            kbit: 500,
+            tick_us: 2000,
+            status_ms: 20,
+            ..cycle(2, 4)
+        };
+        assert_eq!(slow.load(), 393);
+    }
+
+    #[test]
+    fn what_leaves_no_room_is_refused_with_the_arithmetic() {
+        assert_eq!(cycle(4, 4).check(), Ok(()));
+        let alarm = cycle(4, 1).check().unwrap_err();
+        assert_eq!(alarm.code, Code::BusOverload);
+        assert_eq!(
+            alarm.args,
+            [
+                Arg::Percent(103),
+                Arg::Int(1000),
+                Arg::Int(4),
+                Arg::Int(1000)
+            ]
+        );
+        let stopped = Cycle {
+            kbit: 0,
+            ..cycle(1, 4)
+        };
+        assert!(stopped.check().is_err());
+    }
+}
