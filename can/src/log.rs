@@ -90,6 +90,14 @@ impl<W: Write> LogWriter<W> {
         self.to.write_all(&self.line)
     }
 
+    /// Brings what there is so far to where it is written.
+    ///
+    /// # Errors
+    /// What it is written to does not take it.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
+    }
+
     /// Writes what is left.
     ///
     /// # Errors

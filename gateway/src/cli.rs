@@ -200,12 +200,9 @@ pub enum Command {
         #[arg(long)]
         discard: bool,
     },
-    /// Capture the bus (not available yet)
-    Record {
-        /// Where to: a candump log or a CSV file
-        #[arg(short, long, value_name = "FILE.{log,csv}")]
-        output: PathBuf,
-    },
+    /// Capture the bus into a file, until Ctrl-C
+    #[command(after_help = RECORD_EXAMPLES)]
+    Record(Record),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew"
@@ -315,6 +312,23 @@ pub struct Plot {
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,
+}
+
+const RECORD_EXAMPLES: &str = "\
+Examples:
+  leadscrew record --bus can0 -o bus.log           what candump writes and canplayer, Wireshark and python-can read
+  leadscrew record --bus can0 -o setpoints.csv     setpoints, actual positions and events
+  leadscrew record --bus slcan:/dev/ttyACM0 -o bus.log --count 1000";
+
+/// `record`.
+#[derive(Args, Debug)]
+pub struct Record {
+    /// Where to: `.log` a candump log, `.csv` a table of setpoints and events
+    #[arg(short, long, value_name = "FILE.{log,csv}")]
+    pub output: PathBuf,
+    /// End after this many packets
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub count: Option<u64>,
 }
 
 const RUN_EXAMPLES: &str = "\

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use leadscrew_can::CanError;
 use leadscrew_core::alarm::Lang;
 
 use crate::words::{Both, both, pick};
@@ -21,6 +22,8 @@ pub enum Failure {
     WrongBecause(Both),
     /// The command line asks for what cannot be: exit 2.
     Usage(Both),
+    /// No bus, no board, or the link was lost: exit 3.
+    Bus(Both),
     /// The machine stopped on an alarm while running; the alarm has been reported.
     Machine,
     /// The user interrupted; the machine has been stopped.
@@ -44,6 +47,12 @@ impl Failure {
         ))
     }
 
+    /// A bus that cannot be used, or no longer.
+    #[must_use]
+    pub fn bus(error: CanError) -> Self {
+        Self::Bus(both!("{error}", "总线不可用：{error}"))
+    }
+
     /// Standard output that could not be written.
     pub fn stdout(error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
@@ -65,6 +74,7 @@ impl Failure {
             Self::Wrong => (1, None),
             Self::WrongBecause(text) => (1, Some(text.get(lang))),
             Self::Usage(text) => (2, Some(text.get(lang))),
+            Self::Bus(text) => (3, Some(text.get(lang))),
             Self::Machine => (4, None),
             Self::Interrupted => (
                 130,

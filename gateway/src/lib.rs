@@ -10,7 +10,6 @@
 //! picture. What the simulated board keeps between commands is in
 //! [`state`]. Knows nothing of how motion is made.
 
-pub mod candump;
 pub mod checking;
 pub mod cli;
 pub mod commands;
@@ -26,6 +25,7 @@ pub mod number;
 pub mod params;
 pub mod plot;
 pub mod program;
+pub mod recording;
 pub mod setup;
 pub mod source;
 pub mod state;

@@ -5,10 +5,13 @@ mod completions;
 mod expand;
 mod params;
 mod plot;
+mod record;
 mod run;
 mod simulate;
 mod status;
 mod unavailable;
+
+use leadscrew_can::Address;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Outcome;
@@ -31,6 +34,9 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         }
         Command::Run(args) => run::run(&Setup::with_drive(&cli.global, &args.drive)?, args),
         Command::Status => status::run(&cli.global),
+        Command::Record(args) if cli.global.bus != Address::Sim => {
+            record::run(&Setup::new(&cli.global)?, args)
+        }
         _ => unavailable::command(cli),
     }
 }

@@ -1,15 +1,15 @@
 //! `run`: check all of a program, upload it, run it, tell the result.
 
 use std::fs::File;
-use std::io::{BufWriter, IsTerminal as _, Write as _};
+use std::io::{self, BufWriter, IsTerminal as _, Write as _};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_board_sim::Direction;
+use leadscrew_can::{LogWriter, Packet, Stamp};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::Frame;
 
-use crate::candump::Log;
 use crate::cli::Run;
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
@@ -33,7 +33,7 @@ pub fn run(setup: &Setup, args: &Run) -> Outcome {
         Some(path) => {
             let file = File::create(path)
                 .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
-            Some(Log::new(BufWriter::new(file), tick_us))
+            Some(LogWriter::new(BufWriter::new(file), "sim"))
         }
         None => None,
     };
@@ -42,13 +42,16 @@ pub fn run(setup: &Setup, args: &Run) -> Outcome {
         lang: setup.lang,
         summary: Summary::new(tick_us),
         log,
+        unwritten: None,
         bar: bar(execution.report.moves, setup.global.json, setup.lang),
     };
     let ran = execution.run(&args.drive, &mut watcher);
     watcher.bar.finish_and_clear();
     ran?;
     if let (Some(log), Some(path)) = (watcher.log, &args.record) {
-        log.finish()
+        watcher
+            .unwritten
+            .map_or_else(|| log.finish().map(drop), Err)
             .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
     }
     let verdict = execution.conclude(&watcher.summary, args.tolerance);
@@ -99,7 +102,9 @@ struct Watcher {
     tick_us: u32,
     lang: Lang,
     summary: Summary,
-    log: Option<Log<BufWriter<File>>>,
+    log: Option<LogWriter<BufWriter<File>>>,
+    /// The first write to it that failed; told at the end.
+    unwritten: Option<io::Error>,
     bar: ProgressBar,
 }
 
@@ -122,7 +127,10 @@ impl Observer for Watcher {
 
     fn frame(&mut self, tick: u64, _: Direction, frame: &Frame) {
         if let Some(log) = &mut self.log {
-            log.push(tick, frame);
+            let time = Stamp::from_micros(tick.saturating_mul(u64::from(self.tick_us)));
+            if let Err(error) = log.push(time, &Packet::Frame(*frame)) {
+                self.unwritten.get_or_insert(error);
+            }
         }
     }
 }

@@ -50,6 +50,7 @@ const fn touches_a_board(command: &Command) -> bool {
         Command::Check(_)
             | Command::Expand(_)
             | Command::Params { .. }
+            | Command::Record(_)
             | Command::Completions { .. }
     )
 }
@@ -72,7 +73,7 @@ const fn name(command: &Command) -> &'static str {
         Command::Override { .. } => "override",
         Command::Signal { .. } => "signal",
         Command::Retract { .. } => "retract",
-        Command::Record { .. } => "record",
+        Command::Record(_) => "record",
         Command::Completions { .. } => "completions",
     }
 }
@@ -95,7 +96,7 @@ fn needs_a_board(name: &str, command: &Command) -> Both {
             "; `--signal NAME=0|1` sets an input from the start of `simulate` and `run`",
             "；`--signal NAME=0|1` 可在 `simulate` 和 `run` 开始时设置输入"
         ),
-        Command::Record { .. } => both!(
+        Command::Record(_) => both!(
             "; `run --record FILE` writes the frames of the simulated bus",
             "；`run --record FILE` 可写出模拟总线上的报文"
         ),

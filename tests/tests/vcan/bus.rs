@@ -66,6 +66,20 @@ pub fn tool(program: &str, args: &[&str]) -> Output {
     output
 }
 
+/// A program of this project, built beside the tests.
+pub fn ours(name: &str) -> PathBuf {
+    let mut path = std::env::current_exe().unwrap();
+    path.pop();
+    path.pop();
+    path.push(name);
+    assert!(
+        path.is_file(),
+        "{} is not built; `cargo xtask vcan` builds it",
+        path.display()
+    );
+    path
+}
+
 /// A program that runs until it is dropped.
 pub struct Running(pub Child);
 
@@ -108,7 +122,7 @@ pub fn scratch(name: &str) -> PathBuf {
     dir.join(name)
 }
 
-/// A number of this process in a file of the kernel, after a label.
+/// How many sockets hear everything on an interface.
 pub fn sockets_on(interface: &str) -> usize {
     // One line for each raw socket that listens for everything on this interface.
     std::fs::read_to_string("/proc/net/can/rcvlist_all")

@@ -5,4 +5,5 @@
 
 mod bus;
 mod other;
+mod record;
 mod socket;

@@ -1,0 +1,142 @@
+//! `record`: what is on a bus, into a file, until Ctrl-C.
+
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::time::Duration;
+
+use leadscrew_can::{BitRate, CanError, Health, Received, Suspicion};
+
+use crate::cli::Record;
+use crate::failure::{Doing, Failure, Outcome};
+use crate::interrupt;
+use crate::json::Json;
+use crate::recording::{Format, Recording};
+use crate::setup::Setup;
+use crate::words::both;
+
+/// How long to listen before the file is brought up to date.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// Records until the user ends it, the wanted number has come, or the bus is gone.
+pub fn run(setup: &Setup, args: &Record) -> Outcome {
+    let path = &args.output;
+    let format = Format::of(path).ok_or_else(|| {
+        Failure::Usage(both!(
+            "`{path}`: the ending says what is written: `.log` a candump log, `.csv` a table of setpoints and events",
+            "`{path}`：扩展名决定格式：`.log` 为 candump 记录，`.csv` 为设定点与事件表",
+            path = path.display()
+        ))
+    })?;
+    interrupt::watch();
+    let mut bus = leadscrew_can::open(&setup.global.bus, BitRate::M1).map_err(Failure::bus)?;
+    let unwritable = |error: &io::Error| Failure::file(Doing::Write, path.display(), error);
+    let file = File::create(path).map_err(|error| unwritable(&error))?;
+    let mut recording = Recording::new(format, file, bus.name(), &setup.params)
+        .map_err(|error| unwritable(&error))?;
+
+    let mut watch = Watch::default();
+    let mut heard: Vec<Received> = Vec::new();
+    let mut left = args.count.unwrap_or(u64::MAX);
+    let mut end = Ok(());
+    while left > 0 && !interrupt::requested() {
+        heard.clear();
+        let count = match bus.receive(&mut heard, PATIENCE) {
+            Ok(count) => count,
+            Err(error) => {
+                end = Err(error);
+                break;
+            }
+        };
+        // What the kernel hands over at once may be more than was asked for.
+        heard.truncate(usize::try_from(left).unwrap_or(usize::MAX));
+        left -= heard.len() as u64;
+        recording.push(&heard).map_err(|error| unwritable(&error))?;
+        for received in &heard {
+            watch.health.note(&received.packet);
+        }
+        watch.tell();
+        if count == 0 {
+            recording.flush().map_err(|error| unwritable(&error))?;
+        }
+    }
+    recording.flush().map_err(|error| unwritable(&error))?;
+    let dropped = bus.dropped().unwrap_or(0);
+    watch.conclude(setup, &path.display().to_string(), dropped)?;
+    end.map_err(|error: CanError| Failure::bus(error))
+}
+
+/// What was heard so far, and what of it has been told.
+#[derive(Default)]
+struct Watch {
+    health: Health,
+    told: Option<Suspicion>,
+    fd_told: bool,
+}
+
+impl Watch {
+    /// Says at once what is wrong with the bus, and once.
+    fn tell(&mut self) {
+        let suspicion = self.health.suspicion();
+        let same = match (suspicion, self.told) {
+            // The counters alone are no news.
+            (Some(Suspicion::Passive(_)), Some(Suspicion::Passive(_))) => true,
+            (new, old) => new == old,
+        };
+        self.told = suspicion;
+        if let Some(suspicion) = suspicion
+            && !same
+        {
+            // A closed standard error leaves nobody to tell.
+            let _ = writeln!(io::stderr(), "warning: {suspicion}");
+        }
+        if self.health.fd_frames > 0 && !self.fd_told {
+            self.fd_told = true;
+            let _ = writeln!(
+                io::stderr(),
+                "warning: there are CAN FD frames on this bus; they are recorded, and nothing here reads them"
+            );
+        }
+    }
+
+    fn conclude(&self, setup: &Setup, path: &str, dropped: u64) -> Outcome {
+        let health = &self.health;
+        if setup.global.json {
+            let mut json = Json::new();
+            json.object(|o| {
+                o.flag("ok", dropped == 0);
+                for (key, count) in [
+                    ("packets", health.frames),
+                    ("fd_frames", health.fd_frames),
+                    ("error_frames", health.errors),
+                    ("dropped", dropped),
+                ] {
+                    o.integer(key, i64::try_from(count).unwrap_or(i64::MAX));
+                }
+            });
+            let mut bytes = json.into_bytes();
+            bytes.push(b'\n');
+            return io::stdout()
+                .write_all(&bytes)
+                .map_err(|error| Failure::stdout(&error));
+        }
+        let lost = if dropped > 0 {
+            both!(
+                ", {dropped} lost because the receive buffer was full",
+                "，{dropped} 帧因接收缓冲区已满而丢失"
+            )
+        } else {
+            both!(", none lost", "，没有丢失")
+        };
+        let text = both!(
+            "{path}: {frames} frames, {errors} error frames{en}\n",
+            "{path}：{frames} 帧，错误帧 {errors}{zh}\n",
+            frames = health.frames,
+            errors = health.errors,
+            en = lost.en,
+            zh = lost.zh
+        );
+        // Words for people; the data is in the file.
+        let _ = io::stderr().write_all(text.get(setup.lang).as_bytes());
+        Ok(())
+    }
+}

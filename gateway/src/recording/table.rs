@@ -1,0 +1,291 @@
+//! The frames of a bus as a table: a row for every SYNC with the setpoints the drives latch at it and the positions they
+//! told last, and a row for every event.
+//!
+//! | column | meaning |
+//! |---|---|
+//! | `t_us` | when it was received, from the first packet |
+//! | `sync` | the counter of the SYNC; empty in an event |
+//! | `x_nm z_nm c_udeg` | what the axis drives latch: machine coordinates, X on the radius |
+//! | `s1_urev` | the angle that spindle 1 is to have, while it is in position mode |
+//! | `s1_rpm` | the speed that it is to have, in speed mode |
+//! | `x_actual_nm z_actual_nm c_actual_udeg s1_actual_urev` | what each drive told last |
+//! | `event` | what happened, in words |
+//!
+//! A value that no frame has told yet is empty.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use leadscrew_can::{Packet, Stamp};
+use leadscrew_core::bus::{
+    DriveCommand, DriveStatus, Emcy, Frame, Increments, Mode, NmtCommand, NmtState, NodeId, Scale,
+    SpindleCommand, State, is_sync,
+};
+use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
+
+use crate::number;
+
+/// The first line.
+pub const HEADER: &str = "t_us,sync,x_nm,z_nm,c_udeg,s1_urev,s1_rpm,\
+                          x_actual_nm,z_actual_nm,c_actual_udeg,s1_actual_urev,event";
+
+/// The drives in the order of the columns.
+const DRIVES: [NodeId; 4] = [
+    NodeId::DRIVE_X,
+    NodeId::DRIVE_Z,
+    NodeId::DRIVE_C,
+    NodeId::SPINDLE_1,
+];
+
+/// What is known of a drive.
+#[derive(Clone, Copy, Debug, Default)]
+struct Drive {
+    /// From increments to nanometres or millionths of a degree; a spindle has none.
+    scale: Option<Scale>,
+    target: Option<Increments>,
+    actual: Option<Increments>,
+    state: Option<State>,
+    nmt: Option<NmtState>,
+}
+
+/// A table being written.
+#[derive(Debug)]
+pub struct Table<W: Write> {
+    pub(super) to: W,
+    drives: [Drive; 4],
+    /// Increments of the spindle's drive to a turn.
+    per_turn: i64,
+    spindle: Option<SpindleCommand>,
+    first: Option<Stamp>,
+    line: Vec<u8>,
+}
+
+impl<W: Write> Table<W> {
+    /// A table with its header.
+    ///
+    /// # Errors
+    /// What it is written to does not take it.
+    pub fn new(mut to: W, params: &Params) -> io::Result<Self> {
+        writeln!(to, "{HEADER}")?;
+        let axis = |axis| Drive {
+            scale: Scale::new(params.drive_numerator(axis), params.drive_denominator(axis)),
+            ..Drive::default()
+        };
+        Ok(Self {
+            to,
+            drives: [
+                axis(Axis::X),
+                axis(Axis::Z),
+                axis(Axis::C),
+                Drive::default(),
+            ],
+            per_turn: i64::from(params.spindle_increments().max(1)),
+            spindle: None,
+            first: None,
+            line: Vec::new(),
+        })
+    }
+
+    /// Takes a packet.
+    ///
+    /// # Errors
+    /// What it is written to does not take it.
+    pub fn push(&mut self, time: Stamp, packet: &Packet) -> io::Result<()> {
+        let first = *self.first.get_or_insert(time);
+        let us = u64::try_from(time.since(first).as_micros()).unwrap_or(u64::MAX);
+        match packet {
+            Packet::Frame(frame) => self.frame(us, frame),
+            Packet::Error(error) => self.event(us, &format!("bus: {error}")),
+            Packet::Fd(_) | Packet::Extended(..) | Packet::Remote(..) => {
+                self.event(us, &format!("{}: not decoded", super::kind(packet)))
+            }
+        }
+    }
+
+    fn frame(&mut self, us: u64, frame: &Frame) -> io::Result<()> {
+        if is_sync(frame) {
+            let counter = frame.payload().first().copied();
+            return self.row(us, counter);
+        }
+        if let Some((command, node)) = NmtCommand::decode(frame) {
+            let whom = node.map_or("all nodes".into(), |node| format!("node {}", node.get()));
+            return self.event(us, &format!("NMT to {whom}: {command:?}"));
+        }
+        if let Some((node, command)) = DriveCommand::decode(frame)
+            && let Some(drive) = self.drive(node)
+        {
+            drive.target = Some(command.target);
+        } else if let Some((node, command)) = SpindleCommand::decode(frame)
+            && node == NodeId::SPINDLE_1
+        {
+            self.spindle = Some(command);
+        } else if let Some((node, status)) = DriveStatus::decode(frame)
+            && let Some(drive) = self.drive(node)
+        {
+            drive.actual = Some(status.actual);
+            let state = status.status.state();
+            if state != drive.state {
+                drive.state = state;
+                let word = status.status.raw();
+                let name = state.map_or("no state of CiA 402", State::name);
+                return self.event(
+                    us,
+                    &format!("node {}: {name} (statusword {word:04X}h)", node.get()),
+                );
+            }
+        } else if let Some((node, emergency)) = Emcy::decode(frame) {
+            let detail: String = emergency.detail.iter().fold(String::new(), |mut text, b| {
+                // Writing to a string cannot fail.
+                let _ = write!(text, " {b:02X}");
+                text
+            });
+            return self.event(
+                us,
+                &format!(
+                    "node {}: emergency {:04X}h; error register {:02X}h; detail{detail}",
+                    node.get(),
+                    emergency.code,
+                    emergency.register
+                ),
+            );
+        } else if let Some((node, state)) = NmtState::decode(frame) {
+            let known = self.drive(node).map(|drive| drive.nmt.replace(state));
+            // A heartbeat that says what the last one said is no event.
+            if known != Some(Some(state)) {
+                return self.event(us, &format!("node {}: {state:?}", node.get()));
+            }
+        }
+        Ok(())
+    }
+
+    fn drive(&mut self, node: NodeId) -> Option<&mut Drive> {
+        let place = DRIVES.iter().position(|drive| *drive == node)?;
+        self.drives.get_mut(place)
+    }
+
+    /// A row with nothing but an event in it.
+    fn event(&mut self, us: u64, text: &str) -> io::Result<()> {
+        // A comma or a quotation mark would end the field.
+        let text = text.replace('"', "'").replace(',', ";");
+        writeln!(self.to, "{us},,,,,,,,,,,{text}")
+    }
+
+    /// A row of a SYNC with this counter, which it need not have.
+    fn row(&mut self, us: u64, counter: Option<u8>) -> io::Result<()> {
+        let [x, z, c, s] = self.drives;
+        let per_turn = i128::from(self.per_turn);
+        let position = |drive: Drive, at: Option<Increments>| Some(drive.scale?.position(at?));
+        let turns = |at: Option<Increments>| {
+            i64::try_from(i128::from(at?.get()) * 1_000_000 / per_turn).ok()
+        };
+        let mode = self.spindle.map(|command| command.mode);
+        let speed = self
+            .spindle
+            .filter(|command| command.mode == Mode::Velocity)
+            .map(|command| i64::from(command.velocity.get()));
+
+        let line = &mut self.line;
+        line.clear();
+        number::integer(line, us);
+        line.push(b',');
+        number::integer(line, u64::from(counter.unwrap_or(0)));
+        for drive in [x, z, c] {
+            field(line, position(drive, drive.target));
+        }
+        field(
+            line,
+            turns(s.target.filter(|_| mode == Some(Mode::Position))),
+        );
+        line.push(b',');
+        if let Some(speed) = speed {
+            number::decimal::<3>(line, speed);
+        }
+        for drive in [x, z, c] {
+            field(line, position(drive, drive.actual));
+        }
+        field(line, turns(s.actual));
+        line.extend_from_slice(b",\n");
+        self.to.write_all(line)
+    }
+}
+
+fn field(line: &mut Vec<u8>, value: Option<i64>) {
+    line.push(b',');
+    if let Some(value) = value {
+        number::signed(line, value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_can::ErrorFrame;
+    use leadscrew_core::bus::{Controlword, MilliRpm, Statusword, SyncProducer};
+
+    use super::*;
+
+    #[test]
+    fn setpoints_stand_at_the_sync_that_latches_them_and_events_where_they_happen() {
+        let params = Params::slant_bed();
+        let mut table = Table::new(Vec::new(), &params).unwrap();
+        let mut sync = SyncProducer::new();
+        let mut us = 5_000_000;
+        let mut push = |packet: Packet| {
+            table.push(Stamp::from_micros(us), &packet).unwrap();
+            us += 10;
+        };
+        let status = |raw, actual| DriveStatus {
+            status: Statusword::from_raw(raw),
+            actual: Increments::new(actual),
+        };
+        let target = |target| DriveCommand {
+            control: Controlword::ENABLE_OPERATION,
+            target: Increments::new(target),
+        };
+        for frame in [
+            NmtState::BootUp.frame(NodeId::DRIVE_X),
+            NmtCommand::Start.frame(Some(NodeId::DRIVE_X)),
+            sync.next(),
+            target(-12_345).frame(NodeId::DRIVE_X),
+            SpindleCommand {
+                mode: Mode::Velocity,
+                velocity: MilliRpm::new(-300_500),
+            }
+            .frame(NodeId::SPINDLE_1),
+            sync.next(),
+            status(0x0237, 1_000).frame(NodeId::DRIVE_Z),
+            status(0x0237, 1_001).frame(NodeId::DRIVE_Z),
+            sync.next(),
+            Emcy {
+                code: 0x8611,
+                register: 0x21,
+                detail: [1, 0, 0, 0, 255],
+            }
+            .frame(NodeId::DRIVE_X),
+        ] {
+            push(Packet::Frame(frame));
+        }
+        push(Packet::Error(ErrorFrame {
+            class: 0x40,
+            data: [0; 8],
+        }));
+        // Drive increments of the built-in machine are 100 nm.
+        let expected = [
+            HEADER,
+            "0,,,,,,,,,,,node 16: BootUp",
+            "10,,,,,,,,,,,NMT to node 16: Start",
+            "20,1,,,,,,,,,,",
+            "50,2,-1234500,,,,-300.5,,,,,",
+            "60,,,,,,,,,,,node 17: operation enabled (statusword 0237h)",
+            "80,3,-1234500,,,,-300.5,,100100,,,",
+            "90,,,,,,,,,,,node 16: emergency 8611h; error register 21h; detail 01 00 00 00 FF",
+            "100,,,,,,,,,,,bus: bus-off",
+            "",
+        ];
+        let text = String::from_utf8(table.to).unwrap();
+        assert_eq!(text, expected.join("\n"));
+        for line in text.lines() {
+            assert_eq!(line.split(',').count(), 12, "{line}");
+        }
+    }
+}
