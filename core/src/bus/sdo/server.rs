@@ -207,9 +207,9 @@ impl SdoServer {
             }
             Request::BlockUpload {
                 object,
-                crc,
                 block,
                 threshold,
+                ..
             } => {
                 self.open(object, objects);
                 let block = BlockSize::new(block).ok_or(Abort::BlockSize)?;
@@ -217,7 +217,7 @@ impl SdoServer {
                 if threshold > 0 && size <= u32::from(threshold) {
                     return self.upload(size, objects).map(Some);
                 }
-                self.state = State::BlockUpload(BlockUpload::new(size, block, crc));
+                self.state = State::BlockUpload(BlockUpload::new(size, block));
                 Ok(Some(Response::BlockUpload {
                     object,
                     crc: true,

@@ -27,8 +27,7 @@ pub struct BlockUpload {
     /// Segments of the block that are out.
     sent: u8,
     block: BlockSize,
-    /// The client checks a CRC.
-    crc: bool,
+    /// Made whether the client wants it or not: some check it all the same.
     checksum: Checksum,
     /// How far the checksum goes: segments that are sent again are not summed again.
     summed: u32,
@@ -36,14 +35,13 @@ pub struct BlockUpload {
 
 impl BlockUpload {
     /// `size` bytes in blocks of `block` segments.
-    pub const fn new(size: u32, block: BlockSize, crc: bool) -> Self {
+    pub const fn new(size: u32, block: BlockSize) -> Self {
         Self {
             size,
             phase: Phase::Offered,
             offset: 0,
             sent: 0,
             block,
-            crc,
             checksum: Checksum::new(),
             summed: 0,
         }
@@ -78,9 +76,7 @@ impl BlockUpload {
         let piece = read(object, offset, self.size, objects)?;
         if offset == self.summed {
             self.summed = self.summed.saturating_add(u32::from(piece.len()));
-            if self.crc {
-                self.checksum = self.checksum.with(piece.as_slice());
-            }
+            self.checksum = self.checksum.with(piece.as_slice());
         }
         self.sent = self.sent.saturating_add(1);
         let last = offset.saturating_add(u32::from(piece.len())) >= self.size;

@@ -1,0 +1,100 @@
+//! The board's CANopen services against a master that other people wrote: the Python package `canopen`, in a virtual
+//! environment below the build folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::run;
+use crate::setup::{self, Tool};
+
+/// Brings `venv` along on Debian, where a bare Python has none.
+const PYTHON: Tool = Tool {
+    program: "python3",
+    package: "python3-venv",
+};
+
+/// The interpreter with the pinned packages; installs them where they are missing or others.
+pub fn python() -> Result<PathBuf> {
+    let dir = run::root().join("target").join("python");
+    let python = dir.join("bin").join("python");
+    let wanted = tests().join("requirements.txt");
+    let list = fs::read_to_string(&wanted)
+        .with_context(|| format!("cannot read {}", wanted.display()))?;
+    let installed = dir.join("installed.txt");
+    if python.is_file() && fs::read_to_string(&installed).is_ok_and(|have| have == list) {
+        return Ok(python);
+    }
+    setup::tools(&[PYTHON])?;
+    println!("installing the Python package canopen below target/");
+    let make = || {
+        let dir = dir.to_string_lossy();
+        let args = ["-m", "venv", "--clear", &dir];
+        run::read(run::command(&run::root(), "python3", &args))
+    };
+    if make().is_err() {
+        // There is a Python, and it has no `venv`.
+        setup::install(&[PYTHON.package])?;
+        make()?;
+    }
+    let wanted = wanted.to_string_lossy();
+    let args = [
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--requirement",
+        &wanted,
+    ];
+    run::read(run::command(&run::root(), &python.to_string_lossy(), &args))
+        .context("the Python packages did not install; see that the package index is reachable")?;
+    fs::write(&installed, list)
+        .with_context(|| format!("cannot write {}", installed.display()))?;
+    Ok(python)
+}
+
+/// Runs the tests. Gives how many passed.
+pub fn check() -> Result<u64> {
+    let python = python()?;
+    let root = run::root();
+    run::show(run::cargo(
+        &root,
+        &[
+            "build",
+            "--quiet",
+            "--package",
+            "leadscrew-tests",
+            "--example",
+            "canopen_node",
+        ],
+    ))?;
+    let node = root.join("target/debug/examples/canopen_node");
+    let mut unittest = run::command(
+        &tests(),
+        &python.to_string_lossy(),
+        &["-B", "-m", "unittest"],
+    );
+    unittest.env("CANOPEN_NODE", node);
+    let output = unittest.output().context("cannot start Python")?;
+    // It reports on standard error: `Ran 7 tests in 3.142s`, then `OK`.
+    let report = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        bail!("the Python package canopen finds fault with the board:\n{report}");
+    }
+    let passed = report
+        .lines()
+        .find_map(|line| line.strip_prefix("Ran ")?.split(' ').next()?.parse().ok())
+        .unwrap_or(0);
+    if passed == 0 {
+        bail!("Python found no tests in {}:\n{report}", tests().display());
+    }
+    println!("{passed} tests of the Python package canopen against the board's services passed");
+    Ok(passed)
+}
+
+fn tests() -> PathBuf {
+    let tests: &Path = &run::root().join("tests");
+    tests.join("python")
+}
