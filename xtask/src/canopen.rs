@@ -2,7 +2,7 @@
 //! environment below the build folder.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 
@@ -20,8 +20,8 @@ pub fn python() -> Result<PathBuf> {
     let dir = run::root().join("target").join("python");
     let python = dir.join("bin").join("python");
     let wanted = tests().join("requirements.txt");
-    let list = fs::read_to_string(&wanted)
-        .with_context(|| format!("cannot read {}", wanted.display()))?;
+    let list =
+        fs::read_to_string(&wanted).with_context(|| format!("cannot read {}", wanted.display()))?;
     let installed = dir.join("installed.txt");
     if python.is_file() && fs::read_to_string(&installed).is_ok_and(|have| have == list) {
         return Ok(python);
@@ -50,8 +50,7 @@ pub fn python() -> Result<PathBuf> {
     ];
     run::read(run::command(&run::root(), &python.to_string_lossy(), &args))
         .context("the Python packages did not install; see that the package index is reachable")?;
-    fs::write(&installed, list)
-        .with_context(|| format!("cannot write {}", installed.display()))?;
+    fs::write(&installed, list).with_context(|| format!("cannot write {}", installed.display()))?;
     Ok(python)
 }
 
@@ -95,6 +94,5 @@ pub fn check() -> Result<u64> {
 }
 
 fn tests() -> PathBuf {
-    let tests: &Path = &run::root().join("tests");
-    tests.join("python")
+    run::root().join("tests").join("python")
 }

@@ -6,6 +6,7 @@
 mod audit;
 mod bench;
 mod callgraph;
+mod canopen;
 mod demo;
 mod docs;
 mod emulator;
@@ -23,9 +24,10 @@ const HELP: &str = "\
 usage: cargo xtask COMMAND
 
   demo       checks, runs and draws examples/shaft.nc on the simulated machine
-  setup      what the other commands need: Debian packages, the ARM target
+  setup      what the other commands need: Debian packages, a few Python packages, the ARM target
   test       everything a change must pass; installs what it needs first
   vcan       the tests on a CAN bus alone (vcan NAME: those with this in their name)
+  canopen    the board's CANopen services against the Python package canopen
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   audit      the link test: no panic is reachable from what runs on the board
@@ -47,6 +49,7 @@ fn main() -> ExitCode {
         ["ci"] => test::ci(),
         ["vcan"] => test::vcan(""),
         ["vcan", filter] => test::vcan(filter),
+        ["canopen"] => canopen::check().map(drop),
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),

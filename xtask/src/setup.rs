@@ -4,12 +4,12 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{run, target};
+use crate::{canopen, run, target};
 
 /// A program and the Debian package it comes in.
 pub struct Tool {
-    program: &'static str,
-    package: &'static str,
+    pub program: &'static str,
+    pub package: &'static str,
 }
 
 /// Runs the Cortex-M4F images.
@@ -52,6 +52,7 @@ pub const CAN: &[Tool] = &[
 pub fn everything() -> Result<()> {
     tools(&[EMULATOR, VALGRIND])?;
     tools(CAN)?;
+    canopen::python()?;
     target::ensure()
 }
 
@@ -68,6 +69,17 @@ pub fn tools(wanted: &[Tool]) -> Result<()> {
     if packages.is_empty() {
         return Ok(());
     }
+    install(&packages)?;
+    let still = missing();
+    if still.is_empty() {
+        Ok(())
+    } else {
+        bail!("installed, and still not on the path: {}", still.join(", "))
+    }
+}
+
+/// Installs packages; without the right to, says what to type.
+pub fn install(packages: &[&str]) -> Result<()> {
     let line = format!(
         "apt-get update && apt-get install -y --no-install-recommends {}",
         packages.join(" ")
@@ -90,10 +102,5 @@ pub fn tools(wanted: &[Tool]) -> Result<()> {
     run::read(install).with_context(|| {
         format!("the packages did not install; see that the package mirror is reachable, then type: {line}")
     })?;
-    let still = missing();
-    if still.is_empty() {
-        Ok(())
-    } else {
-        bail!("installed, and still not on the path: {}", still.join(", "))
-    }
+    Ok(())
 }

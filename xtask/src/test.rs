@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 
-use crate::{audit, docs, emulator, licences, rules, run, setup, target, vcan as bus};
+use crate::{audit, canopen, docs, emulator, licences, rules, run, setup, target, vcan as bus};
 
 /// The whole test, as the README names it.
 pub fn test() -> Result<()> {
@@ -50,6 +50,10 @@ pub fn test() -> Result<()> {
     })?;
     clock.step("tests with overflow checks", || tests(&mut counts, &[]))?;
     clock.step("tests on a CAN bus", || on_a_bus(&mut counts, &[], ""))?;
+    clock.step("another CANopen master", || {
+        counts.passed += canopen::check()?;
+        Ok(())
+    })?;
     clock.step("core for the microcontroller", || {
         run::show(run::cargo(
             &root,
