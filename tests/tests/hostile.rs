@@ -35,3 +35,23 @@ fn machine_and_operator() {
 fn parameter_files() {
     replay("parameters", hostile::parameters);
 }
+
+#[test]
+fn frames_of_sdo() {
+    replay("sdo", hostile::sdo);
+}
+
+#[test]
+fn messages_of_the_link() {
+    replay("link", hostile::link);
+}
+
+#[test]
+fn lines_of_an_adapter() {
+    replay("slcan", hostile::slcan);
+}
+
+#[test]
+fn what_is_found_in_flash() {
+    replay("stored", hostile::stored);
+}

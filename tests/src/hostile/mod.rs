@@ -1,10 +1,18 @@
 //! Input from anywhere: what must hold whatever comes in. One file a door; each takes bytes and panics where something
 //! that must hold does not. The fuzzers in `fuzz/` call these, and the ordinary tests replay their corpora through them.
 
+mod link;
 mod machine;
 mod parameters;
 mod program;
+mod sdo;
+mod slcan;
+mod stored;
 
+pub use link::link;
 pub use machine::machine;
 pub use parameters::parameters;
 pub use program::program;
+pub use sdo::sdo;
+pub use slcan::slcan;
+pub use stored::stored;

@@ -1,0 +1,79 @@
+//! Messages between gateway and board of any content: refused, or understood and bounded.
+
+use leadscrew_core::cycle::{Context, expand};
+use leadscrew_core::link::{
+    self, Batch, EventReader, ImageReader, ImageWriter, Status, bounds, encode_call, encode_event,
+};
+use leadscrew_core::params::Params;
+
+/// The first byte chooses the message.
+///
+/// # Panics
+/// Where something is understood that does not come out the same again, or is not bounded.
+pub fn link(data: &[u8]) {
+    let Some((choice, message)) = data.split_first() else {
+        return;
+    };
+    match choice % 4 {
+        0 => calls(message),
+        1 => {
+            if let Ok(Ok(status)) = Status::decode(message) {
+                let mut again = [0; 512];
+                let again = status.encode(&mut again).expect("as long as it was");
+                assert_eq!(Status::decode(again), Ok(Ok(status)));
+            }
+        }
+        2 => {
+            for entry in EventReader::new(message).map_while(Result::ok) {
+                let mut again = [0; 512];
+                let used = encode_event(&entry, &mut again).expect("as long as it was");
+                let mut reader = EventReader::new(&again[..used]);
+                assert_eq!(reader.next(), Some(Ok(entry)));
+            }
+        }
+        _ => image(message),
+    }
+}
+
+/// With a right head in front, so that the calls are reached.
+fn calls(message: &[u8]) {
+    let mut bytes = link::BatchWriter::new(1, 0).bytes().to_vec();
+    bytes.extend_from_slice(message);
+    let batch = Batch::new(&bytes).expect("a right head");
+    for (call, taken) in batch.map_while(Result::ok) {
+        assert_eq!(bounds::call(&call), Ok(()));
+        let again = encode_call(&call).expect("a bounded call is short");
+        assert!(again.len() <= taken.len(), "{call:?}");
+        if let Ok(moves) = expand(&call, &Context::default()) {
+            for next in moves.take(200) {
+                for nm in [next.to.x.nm(), next.to.z.nm(), next.to.c.udeg()] {
+                    assert!(nm.abs() < 1 << 44, "{call:?}: {next:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A right image with some bytes changed: only an unchanged one is taken.
+fn image(message: &[u8]) {
+    let params = Params::slant_bed();
+    let mut bytes = vec![0; ImageWriter::BYTES as usize];
+    assert_eq!(ImageWriter::new(&params).read(0, &mut bytes), bytes.len());
+    let right = bytes.clone();
+    for change in message.chunks_exact(3) {
+        let at = usize::from(u16::from_le_bytes([change[0], change[1]])) % bytes.len();
+        bytes[at] ^= change[2];
+    }
+    let mut staged = params.clone();
+    let mut reader = ImageReader::new();
+    let size = message.len() % 61 + 1;
+    let taken = bytes
+        .chunks(size)
+        .try_for_each(|piece| reader.take(piece, &mut staged))
+        .and_then(|()| reader.finish(&staged));
+    // 32 bits of checksum find any change of up to three bytes in a row; this many others are not found by chance.
+    assert!(
+        taken.is_err() || bytes == right || message.len() > 9,
+        "a changed image is taken"
+    );
+}
