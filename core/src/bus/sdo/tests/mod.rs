@@ -7,6 +7,7 @@ extern crate std;
 mod aborts;
 mod channel;
 mod frames;
+mod noise;
 
 use core::time::Duration;
 use std::collections::BTreeMap;
