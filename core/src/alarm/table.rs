@@ -431,6 +431,13 @@ codes! {
     /// Two selection signals at once; {0} and {1} the spindles.
     TapSpindlesSelected = 4263, "the signals select spindle {0} and spindle {1} at once", "leave one of SWS1 to SWS4 on (5200.7 = 1: RGTSP1 to RGTSP4), or write E",
         "信号同时选择了 {0} 号和 {1} 号主轴", "请只接通 SWS1 至 SWS4（5200.7 = 1 时为 RGTSP1 至 RGTSP4）中的一个，或写 E";
+    /// The spindle of an ordinary tap runs on; its speed.
+    FloatSpindleRuns = 4270, "the spindle does not stop at the end of a stroke: it still turns at {0}",
+        "check the spindle drive and parameter 9004; the holder had to give way",
+        "行程结束时主轴没有停止：转速仍为 {0}", "请检查主轴驱动器和参数 9004；浮动夹头已被压缩";
+    /// An ordinary tap by another spindle; {0} its number.
+    FloatSpindleWithoutEncoder = 4271, "spindle {0} has no encoder here: an ordinary tap follows spindle 1 only", "write E1 or M24, or tap in rigid mode",
+        "{0} 号主轴没有编码器：普通攻丝只能跟随 1 号主轴", "请写 E1 或 M24，或使用刚性攻丝";
     /// No index within two turns and a second.
     NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
         "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";
@@ -645,6 +652,13 @@ codes! {
     TapSpeedNotReached = 4945, "S {0} is not reached in the depth: the tap turns at {1} at most, in phase",
         "nothing needs to be done; a smaller S, or shorter ramps (5261), would be reached",
         "在孔深范围内达不到 S {0}：最高 {1}，仍保持同步", "无需处理；减小 S 或缩短 5261 的时间即可达到";
+    /// An ordinary tap whose spindle could not be stopped in time; {0} S, {1} what is reached.
+    FloatSpeedNotReached = 4956, "S {0} is not reached: the spindle goes in at {1} at most, so that it can be stopped in the hole",
+        "nothing needs to be done; a smaller S, a deeper Q or a shorter spindle ramp (9004) would be reached",
+        "达不到 S {0}：为使主轴能在孔内停止，最高转速为 {1}", "无需处理；减小 S、增大 Q 或缩短主轴加减速时间（9004）即可达到";
+    /// Getting onto the lead takes much of the depth; {0} the way, {1} what the holder takes.
+    FloatJoinLong = 4957, "R should lie {0} or more before the material: nearer to it the holder has to take up to {1}",
+        "write an R further out, or a smaller S", "R 平面应距工件至少 {0}，否则浮动夹头需补偿至多 {1}", "请加大 R 平面距离或减小 S";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

@@ -131,7 +131,7 @@ impl Ease {
     }
 
     /// The ease with half length `half` and rising part `rise` ≤ `half`, whole nanometres.
-    fn of(half: u64, rise: u64) -> Self {
+    pub fn of(half: u64, rise: u64) -> Self {
         // Gains in 2⁻¹⁶ nm; H ≤ 2⁴² leaves room for the shifts.
         let whole = half.saturating_mul(2).saturating_sub(rise);
         let rise_gain = mul_div(rise << 16, rise, whole.saturating_mul(6));

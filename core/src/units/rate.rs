@@ -95,6 +95,12 @@ impl Ticks {
         Self(self.0.saturating_sub(Self::ONE.0))
     }
 
+    /// As long as both, 65 535 ticks and a fraction at most.
+    #[must_use]
+    pub const fn and(self, more: Self) -> Self {
+        Self(self.0.saturating_add(more.0))
+    }
+
     /// The span in 2⁻¹⁶ ticks.
     #[must_use]
     pub const fn raw(self) -> u32 {

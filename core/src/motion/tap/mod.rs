@@ -1,6 +1,7 @@
-//! Taps: one master drives the tap axis and the spindle.
+//! Taps: one master drives the tap axis and the spindle (rigid), or the axis follows the spindle's encoder (ordinary,
+//! [`FloatPlan`]).
 //!
-//! The master is time: a stroke is a straight piece of the tap axis with the jerk-limited [`Profile`](super::Profile),
+//! In rigid mode the master is time: a stroke is a straight piece of the tap axis with the jerk-limited [`Profile`](super::Profile),
 //! bounded by what the axis bears and by what the spindle bears times the lead. The commanded spindle angle is a function
 //! of the axis setpoint of the same tick and of nothing else ([`Gear`]), so there is no skew between them, and whatever
 //! stops the axis (feed hold, override, abort) stops the spindle in phase.
@@ -12,10 +13,12 @@
 //!
 //! Knows strokes, limits and ticks; knows nothing of cycles' words, drives or operators.
 
+mod float;
 mod gear;
 mod plan;
 mod run;
 
+pub use float::{FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};
 pub use gear::{Gear, TapLine};
 pub use plan::{Stroke, TAP_STEPS, Tap, TapStep, dwell_ticks, stroke};
 pub(super) use run::TapRun;

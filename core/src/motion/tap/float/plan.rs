@@ -1,0 +1,263 @@
+//! An ordinary tap planned: every figure the tick needs, from the call, the axis' limits and the spindle's ramp.
+//! Background work.
+
+use super::course::Course;
+use super::law::Law;
+use super::turner::Turner;
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::cycle::TapMove;
+use crate::motion::ease::{Bounds, Ease};
+use crate::motion::tap::dwell_ticks;
+use crate::motion::wide::mul_div_up;
+use crate::params::Params;
+use crate::program::{TapAxis, TapCall, TapCycle};
+use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, TurnRatio, mul_div};
+
+/// The part of the axis' acceleration that the spindle's ramps may take: one in so many.
+const RAMP_SHARE: u64 = 8;
+
+/// The rounding before the bottom, in nanometres: as short as the jerk allows, within these.
+const SHORTEST_BRAKE: u64 = 5_000;
+const LONGEST_BRAKE: u64 = 50_000;
+
+/// A whole hole of an ordinary tap, ready for [`FloatRun`](super::FloatRun).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FloatPlan {
+    pub(super) span: Span,
+    pub(super) law: Law,
+    pub(super) course: Course,
+    pub(super) turner: Turner,
+    /// The speed at which the spindle goes in, 2⁻³² turns per tick: S, or what it can be stopped from at the first depth.
+    pub(super) entry: i64,
+    pub(super) entry_rate: TurnRate,
+    /// How far the spindle turns on behind a turning point at which the axis has to be at rest, 2⁻³² turns.
+    pub(super) beyond: i64,
+    /// From R to where the axis is at rest there, outwards, 2⁻³² turns.
+    pub(super) out: i64,
+    /// The spindle may not turn faster (magnitude).
+    pub(super) speed_limit: TurnRate,
+    /// Slower than this it counts as standing.
+    pub(super) standing: TurnRate,
+    /// 5275.
+    pub(super) lag: Ticks,
+    /// What the axis may have left of its speed at the rounding before the bottom, squared, and twice its acceleration per
+    /// nanometre: both in (nm/16 per tick)².
+    pub(super) corner: i64,
+    pub(super) room: i64,
+    /// The axis brakes by so much a tick where the spindle does not, 2⁻¹⁶ nm per tick².
+    pub(super) brake: i64,
+}
+
+impl FloatPlan {
+    /// Plans the holes of an ordinary tapping call, which are alike.
+    ///
+    /// # Errors
+    /// The spindle stands ([`Code::TapSpindleStands`]); a lead that cannot be ([`Code::TapFeed`]); a hole too shallow to get
+    /// onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
+    pub fn new(call: &TapCall, span: Span, params: &Params) -> Result<Self, Alarm> {
+        if call.speed.get() <= 0 {
+            return Err(standing(call, span, params));
+        }
+        let lead = call.lead.value;
+        let axis = axis_of(call.axis);
+        let limits = Bounds {
+            acceleration: params.acceleration(axis).nm_per_s2().unsigned_abs(),
+            jerk: params.jerk(axis).nm_per_s3().unsigned_abs(),
+        };
+        let turner = turner(call.axis, lead, call.speed, params);
+        let total = (call.bottom.value - call.level.value).abs();
+        let tick_us = u64::from(params.tick_us());
+        let per_tick2 =
+            |value: u64| mul_div(value, tick_us.saturating_mul(tick_us), 1_000_000_000_000);
+
+        // In a hole as shallow as this the spindle gets no faster, in or out.
+        let angle = turns_of(total, lead);
+        let fastest = turner.stopping(angle.saturating_mul(2)).min(turner.top());
+        let margin = u64::from(params.spindle_variation_percent()).saturating_add(100);
+        let nominal = mul_div_up(turner.rate(fastest).raw().unsigned_abs(), margin, 100);
+        let speed_limit = mul_div_up(turner.rate(turner.top()).raw().unsigned_abs(), margin, 100);
+        let speed = travel(lead, nominal);
+        let share = limits.acceleration / RAMP_SHARE;
+        let joining = Bounds {
+            acceleration: limits.acceleration.saturating_sub(share),
+            ..limits
+        };
+        let join = Ease::new(speed, speed, joining);
+        let round = rounding(&turner, lead, limits.jerk, tick_us);
+        let brake = Ease::of(round, round >> 1);
+        if join.half().saturating_add(brake.half()) > fine(total) {
+            let letter = match call.axis {
+                TapAxis::X => b'X',
+                TapAxis::Z => b'Z',
+            };
+            let alarm = Alarm::new(Code::StrokeTooShortForSpeed, span).word(letter);
+            return Err(alarm.with([
+                Arg::Length(total),
+                Arg::Length(Length::from_nm(join.half_nm())),
+                Arg::Length(Length::from_nm(brake.half_nm())),
+                Arg::Rpm(TurnRate::from_raw(i64::try_from(nominal).unwrap_or(i64::MAX)).rpm()),
+            ]));
+        }
+        let law = Law::new(
+            call.axis,
+            call.level.value,
+            call.bottom.value,
+            lead,
+            call.hand,
+            join,
+            brake,
+        )
+        .ok_or_else(|| Alarm::new(Code::TapFeed, call.lead.span).word(b'F'))?;
+
+        // A quarter more than the rounding, so that the axis is at rest at the bottom, and little more for the holder.
+        let round = Length::from_nm(brake.half_nm());
+        let beyond = turns_of(round, lead).saturating_add(turns_of(round, lead) >> 2);
+        let course = Course::new(total, &call.form, dwell_ticks(call.dwell, params.tick_us()));
+        let first = course.first();
+        let mut way = law.turns_to(first.depth).saturating_add(law.join_turns());
+        if course.is_bottom(&first) {
+            way = way.saturating_add(beyond);
+        }
+        let entry = turner.stopping(way).min(turner.top());
+        // ¾ of the axis' acceleration.
+        let braking = limits.acceleration.saturating_sub(limits.acceleration >> 2);
+        let square = |value: u64| i64::try_from(value.saturating_mul(256)).unwrap_or(i64::MAX);
+        Ok(Self {
+            span,
+            law,
+            course,
+            turner,
+            entry,
+            entry_rate: turner.rate(entry),
+            beyond,
+            out: law.join_turns().saturating_add(beyond),
+            speed_limit: TurnRate::from_raw(i64::try_from(speed_limit).unwrap_or(i64::MAX)),
+            standing: standing_rate(params),
+            lag: Ticks::whole(u16::try_from(params.tap_lag_cycles()).unwrap_or(u16::MAX)),
+            corner: square(mul_div(
+                per_tick2(braking),
+                brake.half_nm().unsigned_abs(),
+                1,
+            )),
+            room: square(per_tick2(braking).saturating_mul(2)),
+            brake: i64::try_from(per_tick2(braking) << 16)
+                .unwrap_or(i64::MAX)
+                .max(1),
+        })
+    }
+
+    /// From R to where the axis is on the lead: where the material may begin, for a thread without a fault and a holder
+    /// without work.
+    #[must_use]
+    pub fn lead_in(&self) -> Length {
+        let (join, _) = self.law.halves();
+        Length::from_nm(join >> 16)
+    }
+
+    /// How far the axis is ahead of the lead while it joins and leaves it, at most: at R.
+    #[must_use]
+    pub fn ahead(&self) -> Length {
+        let (way, _) = self.law.at(0);
+        Length::from_nm(way.wrapping_add(1 << 15) >> 16)
+    }
+
+    /// How far the spindle turns on at the bottom while the axis stands there, as a length that the holder takes.
+    #[must_use]
+    pub fn past_bottom(&self) -> Length {
+        let (_, round) = self.law.halves();
+        Length::from_nm(round.wrapping_add(round >> 2) >> 16)
+    }
+
+    /// The speed at which the spindle goes in: S, or less where it could not be stopped at the first depth from S.
+    #[must_use]
+    pub fn entry_speed(&self) -> CentiRpm {
+        self.turner.centi_rpm(self.entry)
+    }
+
+    /// The greatest speed of a stroke over `travel`, from rest to rest.
+    #[must_use]
+    pub fn peak(&self, travel: Length) -> CentiRpm {
+        let way = self.law.turns_to(travel);
+        self.turner.centi_rpm(self.turner.peak(way))
+    }
+}
+
+/// About how many ticks a stroke of an ordinary tap takes: at the ramps the spindle is planned with.
+#[must_use]
+pub fn float_ticks(tap: &TapMove, travel: Length, params: &Params) -> u64 {
+    let speed = CentiRpm::new(tap.speed.get().saturating_abs());
+    if speed.get() == 0 {
+        return 0;
+    }
+    let turner = turner(tap.axis, tap.lead, speed, params);
+    turner.ticks(turns_of(travel.abs(), tap.lead), !tap.opens, !tap.closes)
+}
+
+fn turner(axis: TapAxis, lead: Lead, speed: CentiRpm, params: &Params) -> Turner {
+    let limit = params
+        .acceleration(axis_of(axis))
+        .nm_per_s2()
+        .unsigned_abs();
+    Turner::new(speed, lead, limit / RAMP_SHARE, params)
+}
+
+const fn axis_of(axis: TapAxis) -> Axis {
+    match axis {
+        TapAxis::X => Axis::X,
+        TapAxis::Z => Axis::Z,
+    }
+}
+
+fn standing(call: &TapCall, span: Span, params: &Params) -> Alarm {
+    let code = match params.tap_m_code() {
+        0 => 29,
+        code => i64::from(code),
+    };
+    // In tenths.
+    let name = match call.cycle {
+        TapCycle::G84 => 840,
+        TapCycle::G88 => 880,
+    };
+    let args = [Arg::GCode(name), Arg::Int(code), Arg::None, Arg::None];
+    Alarm::new(Code::TapSpindleStands, span).with(args)
+}
+
+/// 5276 in tenths of a turn a minute; 0 is a quarter of a turn a minute, below which nothing is told from standing.
+fn standing_rate(params: &Params) -> TurnRate {
+    const SLOWEST: u64 = (1 << 32) / 240;
+    let rate = mul_div(u64::from(params.tap_reversal_speed()), 1 << 32, 600).max(SLOWEST);
+    TurnRate::from_raw(i64::try_from(rate).unwrap_or(i64::MAX))
+}
+
+/// Half of the rounding before the bottom in nanometres: the spindle's last way at its planned ramp, in which the axis
+/// rounds off within its jerk.
+fn rounding(turner: &Turner, lead: Lead, jerk: u64, tick_us: u64) -> u64 {
+    // β = ramp · lead, in nm/s²; (4β)³ / j².
+    let square = tick_us.saturating_mul(tick_us);
+    let per_second2 = mul_div(turner.gentle().unsigned_abs(), 1_000_000_000_000, square);
+    let ramp = travel(lead, per_second2).saturating_mul(4);
+    let by_jerk = mul_div(ramp, ramp, jerk.max(1));
+    mul_div(by_jerk, ramp, jerk.max(1)).clamp(SHORTEST_BRAKE, LONGEST_BRAKE)
+}
+
+const fn fine(length: Length) -> i64 {
+    length.nm().wrapping_shl(16)
+}
+
+/// The angle of a length, 2⁻³² turns.
+fn turns_of(length: Length, lead: Lead) -> i64 {
+    let ratio = TurnRatio::of_travel(length, lead);
+    let raw = mul_div_up(
+        ratio.numerator().unsigned_abs(),
+        1 << 32,
+        ratio.denominator().unsigned_abs(),
+    );
+    i64::try_from(raw).unwrap_or(i64::MAX).min(1 << 61)
+}
+
+/// Nanometres per second (or per second²) at 2⁻³² turns per second (second²), rounded up.
+fn travel(lead: Lead, rate: u64) -> u64 {
+    let nm = lead.numerator().unsigned_abs();
+    let turns = lead.denominator().unsigned_abs();
+    mul_div_up(mul_div_up(nm, 1 << 16, turns), rate, 1 << 48)
+}

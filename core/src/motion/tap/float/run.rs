@@ -1,0 +1,447 @@
+//! An ordinary tap in the tick: the spindle's angle in, a setpoint and the spindle's next command out. No division, no
+//! loop; one root of 64 bits.
+
+use super::course::{Leg, Place};
+use super::law::Region;
+use super::plan::FloatPlan;
+use crate::alarm::{Alarm, Arg, Code};
+use crate::motion::ease::Fine;
+use crate::motion::executor::{Arrival, Motion};
+use crate::motion::tap::TapLine;
+use crate::program::Position;
+use crate::spindle::Observer;
+use crate::units::{Length, Ticks, TurnRate, Turns};
+
+/// Ticks for which the axis stands at R before the next segment begins [D52].
+const SETTLING: u8 = 2;
+
+/// What one tick of an ordinary tap depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct FloatTick<'a> {
+    /// Where the spindle is.
+    pub observer: &'a Observer,
+    /// How far ahead of the sample the axis' setpoint takes effect.
+    pub ahead: Ticks,
+    /// Feed hold is asked for.
+    pub hold: bool,
+    /// It acts at once, in the hole too (5200.6).
+    pub inside: bool,
+    /// How the spindle must be before a hole begins.
+    pub arrival: &'a Arrival,
+}
+
+/// What one tick of an ordinary tap says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FloatPoint {
+    /// The setpoint.
+    pub position: Position,
+    /// What the axis is doing.
+    pub motion: Motion,
+    /// The axis is held to the helix.
+    pub locked: bool,
+    /// Moves of the hole done before the one of this tick.
+    pub offset: u32,
+    /// Nothing is left to do.
+    pub done: bool,
+    /// What the spindle does not do as it must. The axis is being brought to rest, or stands.
+    pub alarm: Option<Alarm>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// At R, until the spindle turns as it must: ticks it has not had the speed, or the index.
+    Arriving { speed: u32, index: u32 },
+    /// The axis follows, the spindle is on its way to the next turning point.
+    Turning,
+    /// At R between two pecks, in a feed hold.
+    Resting,
+    /// At the bottom, so many ticks to go.
+    Dwelling(u32),
+    /// The axis brakes by time: its speed in 2⁻¹⁶ nm per tick.
+    Forced(Fine),
+    /// Over, for so many ticks.
+    Settling(u8),
+}
+
+/// An ordinary tap under way. Its plan is handed in, the same one every time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FloatRun {
+    stage: Stage,
+    place: Place,
+    /// The turning point ahead: angle from R, inwards, 2⁻³² turns.
+    target: i64,
+    /// The spindle brakes for it.
+    braking: bool,
+    /// Commanded speed, inwards, 2⁻³² turns per tick.
+    speed: i64,
+    /// The spindle's angle, inwards, at which the helix is at R.
+    base: Turns,
+    /// How far below R the axis is, and how far it went in the last tick.
+    way: Fine,
+    step: Fine,
+    /// Moves done.
+    done: u32,
+    position: Position,
+    aborted: bool,
+    /// Ticks for which the spindle has not done as it must, and for which it has been stopping.
+    astray: u32,
+    stopping: u32,
+}
+
+impl FloatRun {
+    /// A tap that begins where the machine stands: at R.
+    #[must_use]
+    pub fn new(plan: &FloatPlan, position: Position) -> Self {
+        Self {
+            stage: Stage::Arriving { speed: 0, index: 0 },
+            place: plan.course.first(),
+            target: 0,
+            braking: false,
+            speed: plan.entry,
+            base: Turns::ZERO,
+            way: 0,
+            step: 0,
+            done: 0,
+            position,
+            aborted: false,
+            astray: 0,
+            stopping: 0,
+        }
+    }
+
+    /// The speed that the spindle is to be told, signed as M03 and M04.
+    #[must_use]
+    pub fn command(&self, plan: &FloatPlan) -> TurnRate {
+        let inwards = Turns::from_raw(plan.turner.rate(self.speed).raw());
+        TurnRate::from_raw(plan.law.inward(inwards).raw())
+    }
+
+    /// The line on which axis and measured spindle are in the locked part; `None` while the tap has not begun.
+    #[must_use]
+    pub fn line(&self, plan: &FloatPlan) -> Option<TapLine> {
+        if let Stage::Arriving { .. } = self.stage {
+            return None;
+        }
+        Some(TapLine {
+            gear: *plan.law.gear(),
+            origin: plan.law.inward(self.base),
+        })
+    }
+
+    /// Gives up what is left: the spindle is stopped, and the axis goes with it until it stands. True where nothing moves and
+    /// it is over at once.
+    #[must_use]
+    pub fn stop(&mut self) -> bool {
+        self.aborted = true;
+        matches!(self.stage, Stage::Arriving { .. } | Stage::Settling(_))
+    }
+
+    /// One tick.
+    pub fn tick(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> FloatPoint {
+        let mut point = FloatPoint {
+            position: self.position,
+            motion: Motion::Run,
+            locked: false,
+            offset: self.done,
+            done: false,
+            alarm: None,
+        };
+        match self.stage {
+            Stage::Arriving { speed, index } => {
+                point.motion = if now.hold {
+                    self.stage = Stage::Arriving { speed: 0, index: 0 };
+                    Motion::Hold
+                } else {
+                    point.alarm = self.arrive(plan, now, speed, index);
+                    point.done = point.alarm.is_some();
+                    Motion::Wait
+                };
+                return point;
+            }
+            Stage::Settling(ticks) => {
+                self.stage = Stage::Settling(ticks.saturating_add(1));
+                point.done = ticks.saturating_add(1) > SETTLING;
+                return point;
+            }
+            Stage::Forced(speed) => {
+                self.speed = plan.turner.towards(self.speed, 0);
+                point.done = self.brake(plan, speed);
+            }
+            Stage::Turning | Stage::Resting | Stage::Dwelling(_) => {
+                let angle = now.observer.predict(now.ahead.and(plan.lag));
+                let helix = plan.law.travel(plan.law.inward(angle) - self.base);
+                let (way, region) = plan.law.at(helix);
+                let step = way.wrapping_sub(self.way);
+                if runs_on(plan, way, step, region) {
+                    point.alarm = Some(self.runs(plan, now));
+                    self.force(plan, step);
+                } else {
+                    (self.way, self.step) = (way, step);
+                    point.locked = region == Region::Locked;
+                    (point.motion, point.alarm) = self.turn(plan, now, region);
+                    point.done = self.aborted && self.stands(plan, now);
+                }
+            }
+        }
+        self.position = plan.law.position(self.position, self.way);
+        point.position = self.position;
+        point
+    }
+
+    /// The spindle's speed inwards.
+    fn measured(plan: &FloatPlan, now: &FloatTick<'_>) -> TurnRate {
+        let speed = Turns::from_raw(now.observer.speed().raw());
+        TurnRate::from_raw(plan.law.inward(speed).raw())
+    }
+
+    /// The spindle is told to stand, and does.
+    fn stands(&self, plan: &FloatPlan, now: &FloatTick<'_>) -> bool {
+        self.speed == 0 && now.observer.speed().abs() <= plan.standing
+    }
+
+    /// Waits for speed and index; then the tap begins with the axis leaving R.
+    fn arrive(
+        &mut self,
+        plan: &FloatPlan,
+        now: &FloatTick<'_>,
+        speed: u32,
+        index: u32,
+    ) -> Option<Alarm> {
+        let measured = Self::measured(plan, now);
+        let wanted = plan.entry_rate.raw();
+        let below = (wanted / 100).wrapping_mul(i64::from(now.arrival.tolerance_percent));
+        let (least, most) = (wanted.wrapping_sub(below), wanted.wrapping_add(wanted >> 4));
+        if measured.raw() < least || measured.raw() > most {
+            self.stage = Stage::Arriving {
+                speed: speed.saturating_add(1),
+                index,
+            };
+            let args = [
+                Arg::Rpm(now.observer.speed().rpm()),
+                Arg::Rpm(self.command(plan).rpm()),
+                Arg::None,
+                Arg::None,
+            ];
+            let alarm = Alarm::new(Code::SpindleNotArrived, plan.span).with(args);
+            return (speed > now.arrival.speed_ticks).then_some(alarm);
+        }
+        if !now.observer.indexed() {
+            self.stage = Stage::Arriving {
+                speed,
+                index: index.saturating_add(1),
+            };
+            // Two turns and a second.
+            let per_minute = now.arrival.ticks_per_minute;
+            let rpm = plan.entry_rate.rpm().abs();
+            let turn = per_minute.checked_div(rpm).unwrap_or(per_minute);
+            let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
+            return (index > patience).then(|| Alarm::new(Code::NoIndex, plan.span));
+        }
+        let angle = now.observer.predict(now.ahead.and(plan.lag));
+        let before = Turns::from_raw(plan.law.join_turns());
+        self.base = plan.law.inward(angle) + before;
+        self.stage = Stage::Turning;
+        self.aim(plan);
+        None
+    }
+
+    /// Sets the turning point of the leg that begins.
+    fn aim(&mut self, plan: &FloatPlan) {
+        self.braking = false;
+        self.astray = 0;
+        self.stopping = 0;
+        let place = &self.place;
+        self.target = if place.depth == Length::ZERO {
+            plan.out.wrapping_neg()
+        } else {
+            let beyond = if plan.course.is_bottom(place) {
+                plan.beyond
+            } else {
+                0
+            };
+            plan.law.turns_to(place.depth).saturating_add(beyond)
+        };
+    }
+
+    /// Turns the spindle, from leg to leg.
+    fn turn(
+        &mut self,
+        plan: &FloatPlan,
+        now: &FloatTick<'_>,
+        region: Region,
+    ) -> (Motion, Option<Alarm>) {
+        let held = now.hold && now.inside;
+        if held || self.aborted {
+            self.speed = plan.turner.towards(self.speed, 0);
+            self.braking = false;
+            self.astray = 0;
+            let standing = self.stands(plan, now);
+            if !standing {
+                return (Motion::Run, self.overdue(plan, now));
+            }
+            return (Motion::Hold, None);
+        }
+        match self.stage {
+            Stage::Dwelling(left) => {
+                let left = left.saturating_sub(1);
+                self.stage = Stage::Dwelling(left);
+                if left == 0 {
+                    self.next(plan, now);
+                }
+                return (Motion::Dwell, None);
+            }
+            Stage::Resting if now.hold => return (Motion::Hold, None),
+            Stage::Resting => {
+                self.stage = Stage::Turning;
+                self.aim(plan);
+            }
+            _ => {}
+        }
+        if self.place.leg == Leg::Extract && region == Region::Out {
+            self.done = self.done.saturating_add(1);
+            self.stage = Stage::Settling(0);
+            return (Motion::Run, None);
+        }
+        self.lead(plan, now);
+        if self.braking {
+            if now.observer.speed().abs() <= plan.standing {
+                self.speed = 0;
+                self.next(plan, now);
+                return (Motion::Run, None);
+            }
+            return (Motion::Run, self.overdue(plan, now));
+        }
+        (Motion::Run, self.astray(plan, now))
+    }
+
+    /// The next command on the way to the turning point.
+    fn lead(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) {
+        let turner = &plan.turner;
+        let outwards = matches!(self.place.leg, Leg::Back | Leg::Extract);
+        // Where the spindle is when the command reaches it.
+        let angle = (plan.law.inward(now.observer.predict(Ticks::ONE)) - self.base).raw();
+        let left = self.target.wrapping_sub(angle);
+        let left = if outwards { left.wrapping_neg() } else { left };
+        let most = if self.place.leg == Leg::Extract {
+            turner.top()
+        } else {
+            let stopping = turner.stopping(left);
+            self.braking |= stopping <= self.speed.saturating_abs().wrapping_add(turner.gentle());
+            stopping.min(turner.top())
+        };
+        let wanted = if outwards { most.wrapping_neg() } else { most };
+        self.speed = turner.towards(self.speed, wanted);
+    }
+
+    /// The leg is over: the next one begins, or rests at R in a feed hold.
+    fn next(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) {
+        self.done = self.done.saturating_add(1);
+        let Some(place) = plan.course.after(&self.place) else {
+            self.stage = Stage::Settling(0);
+            return;
+        };
+        let at_r = self.place.depth == Length::ZERO;
+        self.place = place;
+        self.stage = match place.leg {
+            Leg::Dwell => Stage::Dwelling(plan.course.dwell()),
+            _ if at_r && now.hold => Stage::Resting,
+            _ => Stage::Turning,
+        };
+        self.aim(plan);
+    }
+
+    /// A spindle that takes longer to stop than it may.
+    fn overdue(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Alarm> {
+        self.stopping = self.stopping.saturating_add(1);
+        if self.stopping <= now.arrival.speed_ticks {
+            return None;
+        }
+        self.stopping = 0;
+        let alarm = self.runs(plan, now);
+        self.force(plan, self.step);
+        Some(alarm)
+    }
+
+    fn runs(&self, plan: &FloatPlan, now: &FloatTick<'_>) -> Alarm {
+        let args = [
+            Arg::Rpm(now.observer.speed().rpm()),
+            Arg::None,
+            Arg::None,
+            Arg::None,
+        ];
+        Alarm::new(Code::FloatSpindleRuns, plan.span).with(args)
+    }
+
+    /// A spindle that does not turn as it is told [D67].
+    fn astray(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Alarm> {
+        let measured = Self::measured(plan, now);
+        let turning = measured.abs() > plan.standing;
+        let told = plan.turner.rate(self.speed).abs() > plan.standing;
+        let backwards = turning && measured.is_negative() != (self.speed < 0);
+        let too_fast = measured.abs() > plan.speed_limit;
+        if !told || (turning && !backwards && !too_fast) {
+            self.astray = 0;
+            return None;
+        }
+        let per_second = now.arrival.ticks_per_minute / 60;
+        let patience = if too_fast {
+            per_second / 100
+        } else if backwards {
+            per_second / 10
+        } else {
+            per_second
+        };
+        self.astray = self.astray.saturating_add(1);
+        if self.astray <= patience {
+            return None;
+        }
+        self.astray = 0;
+        Some(if too_fast {
+            let args = [
+                Arg::Rpm(now.observer.speed().rpm()),
+                Arg::Rpm(plan.speed_limit.rpm()),
+                Arg::None,
+                Arg::None,
+            ];
+            Alarm::new(Code::SpindleTooFast, plan.span).with(args)
+        } else {
+            Alarm::new(Code::SpindleStopped, plan.span)
+        })
+    }
+
+    /// From here on the axis brakes by time.
+    fn force(&mut self, plan: &FloatPlan, step: Fine) {
+        self.aborted = true;
+        self.stage = Stage::Forced(step);
+        self.brake(plan, step);
+    }
+
+    /// One tick of it; true once the axis stands.
+    fn brake(&mut self, plan: &FloatPlan, speed: Fine) -> bool {
+        let slower = speed.saturating_abs().wrapping_sub(plan.brake).max(0);
+        let step = slower.wrapping_mul(speed.signum());
+        self.step = step;
+        // R and the bottom hold whatever happens.
+        self.way = self.way.wrapping_add(step).max(0).min(plan.law.length());
+        self.stage = Stage::Forced(step);
+        step == 0
+    }
+}
+
+/// True where the axis is too fast to come to rest at the bottom unless it brakes now, and the spindle has not braked.
+fn runs_on(plan: &FloatPlan, way: Fine, step: Fine, region: Region) -> bool {
+    if step <= 0 || region == Region::Bottom {
+        return false;
+    }
+    let (_, round) = plan.law.halves();
+    let left = plan
+        .law
+        .length()
+        .wrapping_sub(round)
+        .wrapping_sub(way)
+        .wrapping_sub(step);
+    let room = plan.room.saturating_mul((left >> 16).max(0));
+    // nm/16 per tick.
+    let speed = step >> 12;
+    speed.saturating_mul(speed) > plan.corner.saturating_add(room)
+}

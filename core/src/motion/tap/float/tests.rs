@@ -1,0 +1,271 @@
+//! The law, the legs and the spindle's ramps by themselves.
+
+extern crate std;
+
+use super::course::{Course, Leg};
+use super::law::Region;
+use super::plan::{FloatPlan, float_ticks};
+use super::turner::Turner;
+use crate::alarm::{At, Code, Span};
+use crate::cycle::{MoveKind, TapMoves};
+use crate::params::Params;
+use crate::program::{
+    Call, CallKind, Events, Hand, Options, Position, TapAxis, TapCall, TapForm, TapMode, TapPeck,
+};
+use crate::units::{CentiRpm, Lead, Length, Rpm, Turns};
+use std::vec::Vec;
+
+fn nm(nm: i64) -> Length {
+    Length::from_nm(nm)
+}
+
+/// The tap of a program.
+fn tap(text: &str) -> TapCall {
+    let params = Params::slant_bed();
+    let call = |event| match event {
+        Ok(crate::program::Event::Call(Call {
+            kind: CallKind::Tap(call),
+            ..
+        })) => Some(call),
+        _ => None,
+    };
+    Events::new(text.as_bytes(), &params, Options::default())
+        .find_map(call)
+        .expect("a tap")
+}
+
+fn m8() -> TapCall {
+    tap("M3 S500\nG99 G84 Z-20 R-5 F1.25\n")
+}
+
+fn plan(call: &TapCall) -> FloatPlan {
+    FloatPlan::new(call, Span::default(), &Params::slant_bed()).expect("a plan")
+}
+
+fn turns(turns: f64) -> Turns {
+    Turns::from_raw((turns * 4_294_967_296.0) as i64)
+}
+
+#[test]
+fn the_law_is_rest_helix_and_rest() {
+    let plan = plan(&m8());
+    let law = &plan.law;
+    let at = |angle: f64| {
+        let (way, region) = law.at(law.travel(turns(angle)));
+        (way as f64 / 65536.0, region)
+    };
+    let lead_in = plan.lead_in().nm() as f64 / 1_250_000.0;
+    assert_eq!(at(-30.0), (0.0, Region::Out));
+    assert_eq!(at(-lead_in - 0.001), (0.0, Region::Out));
+    assert_eq!(at(0.0).1, Region::Joining);
+    assert!((at(0.0).0 - plan.ahead().nm() as f64).abs() < 1.0);
+    for angle in [lead_in + 0.001, 1.0, 7.25, 11.99] {
+        let (way, region) = at(angle);
+        assert_eq!(region, Region::Locked, "{angle}");
+        assert!((way - angle * 1_250_000.0).abs() < 0.001, "{angle}: {way}");
+    }
+    // 15 mm: never beyond, and there from the rounding on.
+    for angle in [12.0_f64, 12.001, 12.005, 12.01, 13.0, 1e6] {
+        let (way, region) = at(angle);
+        assert_eq!(region, Region::Bottom, "{angle}");
+        assert!(way <= 15_000_000.0, "{angle}: {way}");
+    }
+    let past = plan.past_bottom().nm() as f64 / 1_250_000.0;
+    assert_eq!(at(12.0 + past).0, 15_000_000.0);
+    assert_eq!(
+        law.position(Position::ZERO, 15_000_000 << 16).z,
+        m8().bottom.value
+    );
+    assert_eq!(law.position(Position::ZERO, 0).z, m8().level.value);
+}
+
+#[test]
+fn the_way_grows_with_the_angle_and_its_slope_with_it() {
+    let plan = plan(&m8());
+    let law = &plan.law;
+    let step = Turns::from_raw(1 << 22);
+    let mut angle = turns(-2.0);
+    let (mut before, mut slope) = (0_i64, 0_i64);
+    let tallest = 1_250_000 * 64;
+    while angle < turns(13.0) {
+        let (way, region) = law.at(law.travel(angle));
+        let next = way - before;
+        assert!((-1..=tallest + 1_000).contains(&next), "{angle:?}: {next}");
+        if angle > turns(-1.9) && region != Region::Bottom {
+            // Smooth: a thousandth of a turn changes the slope by little.
+            assert!((next - slope).abs() < tallest / 50, "{angle:?}");
+        }
+        (before, slope) = (way, next);
+        angle += step;
+    }
+}
+
+#[test]
+fn a_left_hand_tap_is_the_mirror_image() {
+    let right = plan(&m8());
+    let left = plan(&TapCall {
+        hand: Hand::Left,
+        ..m8()
+    });
+    for angle in [-1.0, 0.3, 5.0, 12.0] {
+        let way = |plan: &FloatPlan, angle: f64| {
+            plan.law.at(plan.law.travel(plan.law.inward(turns(angle))))
+        };
+        assert_eq!(way(&right, angle), way(&left, -angle));
+    }
+    assert_eq!(left.law.turns_to(nm(5_000_000)), 4 << 32);
+}
+
+/// The legs end where the moves of the cycle end, one for one.
+#[test]
+fn the_legs_are_the_moves_of_the_cycle() {
+    let forms = |q: i64, d: i64| {
+        let at = |value| At::new(nm(value), Span::default());
+        let peck = TapPeck {
+            infeed: at(q),
+            back: at(d),
+        };
+        [
+            TapForm::Standard,
+            TapForm::HighSpeed(peck),
+            TapForm::Deep(peck),
+        ]
+    };
+    for (q, d) in [
+        (4_000_000, 1_000_000),
+        (4_000_000, 0),
+        (4_000_000, 4_000_000),
+        (15_000_000, 1),
+        (7_500_000, 7_499_999),
+        (99_000_000, 3),
+    ] {
+        for form in forms(q, d) {
+            for dwell in [0, 250] {
+                let call = TapCall {
+                    form,
+                    dwell: crate::units::Millis::new(dwell),
+                    ..m8()
+                };
+                let moves = TapMoves::new(&call, Span::default()).unwrap();
+                let inside: Vec<i64> = moves
+                    .filter(|m| matches!(m.kind, MoveKind::Tap(_) | MoveKind::Dwell(_)))
+                    .map(|m| (call.level.value - m.to.z).nm())
+                    .collect();
+                let course = Course::new(nm(15_000_000), &form, dwell);
+                let mut place = Some(course.first());
+                let mut legs = Vec::new();
+                while let Some(leg) = place {
+                    legs.push(leg.depth.nm());
+                    place = course.after(&leg);
+                }
+                assert_eq!(legs, inside, "{form:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_last_leg_is_the_extraction() {
+    let course = Course::new(nm(5), &TapForm::Standard, 1);
+    let infeed = course.first();
+    let dwell = course.after(&infeed).unwrap();
+    let extract = course.after(&dwell).unwrap();
+    assert_eq!(
+        [infeed.leg, dwell.leg, extract.leg],
+        [Leg::Infeed, Leg::Dwell, Leg::Extract]
+    );
+    assert_eq!(course.after(&extract), None);
+}
+
+fn turner(rpm: i32) -> Turner {
+    let lead = Lead::new(1_250_000, 1).unwrap();
+    let speed = CentiRpm::of_rpm(Rpm::new(rpm));
+    Turner::new(speed, lead, 375_000_000, &Params::slant_bed())
+}
+
+#[test]
+fn a_spindle_that_follows_stops_at_its_turning_point() {
+    for rpm in [1, 30, 500, 3000] {
+        let turner = turner(rpm);
+        for way in [1_i64 << 20, 1 << 30, 1 << 33, 20 << 32] {
+            let (mut at, mut speed, mut before) = (0_i64, 0_i64, 0_i64);
+            let mut ticks = 0_u64;
+            while ticks < 4_000_000 {
+                speed = turner.towards(speed, turner.stopping(way - at).min(turner.top()));
+                assert!((speed - before).abs() <= turner.gentle() * 8 / 7 + 1);
+                assert!((0..=turner.top()).contains(&speed));
+                if speed == 0 {
+                    break;
+                }
+                at += speed;
+                before = speed;
+                ticks += 1;
+            }
+            // Within what the last tick's ramp is worth.
+            assert!((way - at).abs() <= turner.gentle(), "{rpm} {way}: {at}");
+            let planned = turner.ticks(way, true, true);
+            assert!(
+                planned.abs_diff(ticks) <= ticks / 10 + 30,
+                "{rpm} {way}: {planned} {ticks}"
+            );
+        }
+    }
+}
+
+#[test]
+fn commands_are_s_itself_or_what_was_asked() {
+    let turner = turner(500);
+    assert_eq!(turner.rate(turner.top()).rpm(), Rpm::new(500));
+    assert_eq!(turner.rate(-turner.top()).rpm(), Rpm::new(-500));
+    assert_eq!(turner.centi_rpm(turner.top()), CentiRpm::new(50_000));
+    assert_eq!(turner.rate(turner.top() / 2).rpm(), Rpm::new(250));
+    assert_eq!(turner.stopping(-5), 0);
+    assert_eq!(turner.towards(0, 1), 1);
+}
+
+#[test]
+fn what_cannot_be_planned_is_an_alarm() {
+    let code = |call: &TapCall| {
+        FloatPlan::new(call, Span::default(), &Params::slant_bed())
+            .unwrap_err()
+            .code
+    };
+    let standing = TapCall {
+        speed: CentiRpm::default(),
+        ..m8()
+    };
+    assert_eq!(code(&standing), Code::TapSpindleStands);
+    let shallow = TapCall {
+        bottom: At::new(m8().level.value - nm(20_000), Span::default()),
+        ..m8()
+    };
+    assert_eq!(code(&shallow), Code::StrokeTooShortForSpeed);
+}
+
+/// 3000 rpm cannot be stopped within the first 2 mm: the spindle goes in slower.
+#[test]
+fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
+    let fast = tap("M3 S3000\nG99 G84 Z-20 R-5 Q2 F1.25\n");
+    let plan = plan(&fast);
+    let entry = plan.entry_speed().get();
+    assert!((40_000..120_000).contains(&entry), "{entry}");
+    assert_eq!(
+        super::super::FloatPlan::new(&m8(), Span::default(), &Params::slant_bed())
+            .map(|plan| plan.entry_speed()),
+        Ok(CentiRpm::new(50_000))
+    );
+    assert_eq!((fast.mode, fast.axis), (TapMode::Floating, TapAxis::Z));
+    // A standing spindle takes no time that could be told.
+    let moves = TapMoves::new(&m8(), Span::default()).unwrap();
+    let stroke = moves
+        .filter_map(|m| match m.kind {
+            MoveKind::Tap(tap) => Some(tap),
+            _ => None,
+        })
+        .next()
+        .unwrap();
+    let params = Params::slant_bed();
+    let ticks = float_ticks(&stroke, nm(-15_000_000), &params);
+    // 12 turns at 500 rpm, and half of the stop.
+    assert!((1_440..1_600).contains(&ticks), "{ticks}");
+}

@@ -1,0 +1,128 @@
+//! How the spindle is commanded from one turning point to the next: speeds that it can follow, and from which it stops
+//! where it should. Speeds in 2⁻³² turns per tick, inwards positive; angles in 2⁻³² turns.
+
+use crate::motion::wide::mul_div_up;
+use crate::params::Params;
+use crate::units::{CentiRpm, Lead, TurnRate, mul_div};
+
+/// The spindle's speed and ramps in a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Turner {
+    /// S.
+    top: i64,
+    top_rate: TurnRate,
+    /// The ramp that is planned with, in 2⁻³² turns per tick².
+    gentle: u64,
+    /// The quickest ramp.
+    full: u64,
+    /// 2⁻¹⁶.
+    ticks_per_second: i64,
+}
+
+impl Turner {
+    /// A spindle at `speed` that is never accelerated by more than 9004 allows, nor by more than makes `axis` (nm/s²) of the
+    /// axis at this lead. An eighth of that is kept for what the spindle does not do as commanded.
+    pub(super) fn new(speed: CentiRpm, lead: Lead, axis: u64, params: &Params) -> Self {
+        let tick_us = u64::from(params.tick_us());
+        let ticks_per_second = mul_div(1_000_000, 1 << 16, tick_us);
+        let top_rate = mul_div(u64::from(speed.get().unsigned_abs()), 1 << 32, 6_000);
+        // 1000/60 turns a second in so many milliseconds.
+        let ramp = mul_div(
+            1 << 32,
+            1_000_000,
+            u64::from(params.spindle_ramp_ms()).wrapping_mul(60),
+        );
+        let (nm, turns) = (lead.numerator(), lead.denominator());
+        let by_axis = mul_div(
+            axis.saturating_mul(turns.unsigned_abs()),
+            1 << 32,
+            nm.unsigned_abs(),
+        );
+        let per_second2 = ramp.min(by_axis);
+        let per_tick = mul_div(
+            per_second2,
+            tick_us.saturating_mul(tick_us),
+            1_000_000_000_000,
+        );
+        // More would be a tenth of a turn a tick in ten ticks.
+        let full = per_tick.min(1 << 32).max(8);
+        Self {
+            top: mul_div(top_rate, tick_us, 1_000_000) as i64,
+            top_rate: TurnRate::from_raw(i64::try_from(top_rate).unwrap_or(i64::MAX)),
+            gentle: full.wrapping_sub(full >> 3),
+            full,
+            ticks_per_second: i64::try_from(ticks_per_second).unwrap_or(i64::MAX),
+        }
+    }
+
+    /// S.
+    pub(super) const fn top(&self) -> i64 {
+        self.top
+    }
+
+    /// The planned ramp in 2⁻³² turns per tick².
+    pub(super) const fn gentle(&self) -> i64 {
+        self.gentle as i64
+    }
+
+    /// The greatest speed from which the spindle stops within an angle; 0 behind it.
+    pub(super) fn stopping(&self, left: i64) -> i64 {
+        if left <= 0 {
+            return 0;
+        }
+        // v² / 2g, the last step of a tick counted as it is: (v + g/2)² = 2·g·left + (g/2)².
+        let half = self.gentle >> 1;
+        let square = (self.gentle << 1)
+            .saturating_mul(left.unsigned_abs())
+            .saturating_add(half.wrapping_mul(half));
+        (square.isqrt() as i64).wrapping_sub(half as i64).max(0)
+    }
+
+    /// The greatest speed in a stroke over an angle from rest to rest.
+    pub(super) fn peak(&self, way: i64) -> i64 {
+        self.stopping(way >> 1).min(self.top)
+    }
+
+    /// The next command: from `speed` towards `wanted`, no faster than the ramps.
+    pub(super) fn towards(&self, speed: i64, wanted: i64) -> i64 {
+        let faster = wanted.saturating_abs() > speed.saturating_abs();
+        let step = if faster { self.gentle } else { self.full } as i64;
+        let change = wanted.wrapping_sub(speed);
+        speed.wrapping_add(change.max(step.wrapping_neg()).min(step))
+    }
+
+    /// A command as a speed.
+    pub(super) fn rate(&self, speed: i64) -> TurnRate {
+        let magnitude = if speed.saturating_abs() >= self.top {
+            // As it was written, not as it was rounded.
+            self.top_rate.raw()
+        } else {
+            speed.saturating_abs().wrapping_mul(self.ticks_per_second) >> 16
+        };
+        TurnRate::from_raw(magnitude.wrapping_mul(speed.signum()))
+    }
+
+    /// A speed that is `speed` in hundredths of a turn a minute, to the nearest.
+    pub(super) fn centi_rpm(&self, speed: i64) -> CentiRpm {
+        let rate = self.rate(speed).raw().unsigned_abs();
+        let centi = mul_div(rate.saturating_add(1), 6_000, 1 << 32);
+        CentiRpm::new(i32::try_from(centi).unwrap_or(i32::MAX))
+    }
+
+    /// Ticks for an angle at most at `top`: `starts`/`stops`: from rest, to rest. Background work.
+    pub(super) fn ticks(&self, way: i64, starts: bool, stops: bool) -> u64 {
+        let way = way.max(0).unsigned_abs();
+        let ends = u64::from(starts).wrapping_add(u64::from(stops));
+        let rest = match (starts, stops) {
+            (true, true) => way >> 1,
+            _ => way,
+        };
+        let peak = self
+            .stopping(i64::try_from(rest).unwrap_or(i64::MAX))
+            .min(self.top)
+            .max(1)
+            .unsigned_abs();
+        let ramps = mul_div_up(peak, ends, self.gentle.saturating_mul(2));
+        mul_div_up(way, 1, peak).saturating_add(ramps)
+    }
+}
