@@ -190,8 +190,8 @@ impl Checker<'_> {
             Ok(report) => report,
             Err(alarm) => return self.tell(&alarm, inch),
         };
-        if let Some(warning) = &report.warning {
-            self.tell(warning, inch);
+        for warning in report.warnings() {
+            self.tell(&warning, inch);
         }
         self.report.cycles.push(CycleReport {
             line: span.line,

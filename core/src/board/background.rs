@@ -195,7 +195,8 @@ impl Background {
                 }
             }
             CallKind::Tap(tap) => {
-                warning = feasible::tap(tap, signals, call.span, settings.params)?.warning;
+                let report = feasible::tap(tap, signals, call.span, settings.params)?;
+                warning = report.warnings().next();
             }
             _ => feasible::tap_spindle(call, signals, settings.params)?,
         }

@@ -4,6 +4,7 @@
 //! machine. The command line prints the reports; the board asks the same functions before it starts a block, and plans
 //! with the same planner, so both see the same numbers. Knows nothing of the bus or the board.
 
+mod float;
 mod limits;
 mod pass;
 mod tap;
@@ -13,6 +14,6 @@ mod thread;
 mod time;
 
 pub use limits::within_limits;
-pub use tap::{TapReport, tap, tap_spindle};
+pub use tap::{TapJoin, TapReport, tap, tap_spindle};
 pub use thread::{FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
 pub use time::time;

@@ -1,6 +1,7 @@
 //! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth
 //! (cycles.md section 8).
 
+use super::float::floating;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind, Stage, TapMoves};
 use crate::motion::{Limits, PathRate, Stroke, stroke};
@@ -9,7 +10,7 @@ use crate::program::{
     Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
-use crate::units::{Axis, CentiRpm, Feed, Lead, Rpm, mul_div};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div};
 
 /// What a tapping cycle does on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,15 +19,39 @@ pub struct TapReport {
     pub infeeds: u32,
     /// The fastest the spindle turns on the way in.
     pub fastest: CentiRpm,
-    /// S is not reached in any infeed: the profile is triangular.
+    /// Ordinary tapping: how the axis gets onto the lead.
+    pub join: Option<TapJoin>,
+    /// S is not reached in any infeed.
     pub warning: Option<Alarm>,
+}
+
+/// How the axis of an ordinary tap gets onto the lead, and leaves it: R has to lie `lead_in` before the material, or the
+/// holder has to take what the axis is ahead [D93].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapJoin {
+    /// From R to where the axis is on the lead.
+    pub lead_in: Length,
+    /// How far the axis is ahead of the lead before, at most.
+    pub ahead: Length,
+    /// Getting onto the lead takes more than a quarter of the depth.
+    pub warning: Option<Alarm>,
+}
+
+impl TapReport {
+    /// All there is to warn of.
+    pub fn warnings(&self) -> impl Iterator<Item = Alarm> {
+        let join = self.join.and_then(|join| join.warning);
+        self.warning.into_iter().chain(join)
+    }
 }
 
 /// Checks a tapping cycle whose G word stands at `span`, with these signals.
 ///
 /// # Errors
-/// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with ([`Code::TapSpindleNotAvailable`]);
-/// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`] refuses.
+/// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with ([`Code::TapSpindleNotAvailable`]), or
+/// follow ([`Code::FloatSpindleWithoutEncoder`]);
+/// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`], or for ordinary tapping
+/// [`FloatPlan::new`](crate::motion::FloatPlan::new), refuses.
 pub fn tap(
     call: &TapCall,
     signals: Signals,
@@ -34,18 +59,18 @@ pub fn tap(
     params: &Params,
 ) -> Result<TapReport, Alarm> {
     let moves = TapMoves::new(call, signals, span)?;
-    if call.mode == TapMode::Floating {
-        let args = [Arg::None, Arg::None, Arg::None, Arg::None];
-        return Err(Alarm::new(Code::TapSpindleStands, span).with(args));
-    }
     taps_with(moves.spindle(), span, params)?;
     feed(call, call.speed, span, params)?;
     feed(call, call.extract, span, params)?;
+    if call.mode == TapMode::Floating {
+        return floating(call, moves, signals.hand(call.hand), span, params);
+    }
 
     let limits = Limits::from_params(params);
     let mut report = TapReport {
         infeeds: 0,
         fastest: CentiRpm::new(0),
+        join: None,
         warning: None,
     };
     let mut reached = false;
@@ -162,6 +187,6 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
 }
 
 /// Whole turns a minute, halves upwards.
-fn whole(speed: CentiRpm) -> Rpm {
+pub(super) fn whole(speed: CentiRpm) -> Rpm {
     Rpm::new(speed.get().saturating_add(50).div_euclid(100))
 }

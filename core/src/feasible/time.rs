@@ -5,9 +5,9 @@ use core::time::Duration;
 use super::pass::Gather;
 use crate::alarm::Alarm;
 use crate::cycle::{Move, MoveKind};
-use crate::motion::{Limits, ThreadPlan, plan, stroke};
+use crate::motion::{Limits, ThreadPlan, float_ticks, plan, stroke};
 use crate::params::Params;
-use crate::program::Position;
+use crate::program::{Position, TapMode};
 use crate::units::{TurnRate, mul_div};
 
 /// Ticks in which nothing moves: a pass that is over stands for two, and one that waits has waited for one at least.
@@ -18,7 +18,8 @@ const HALF_TURN: u64 = 1 << 31;
 
 /// The time of `moves`, the first of which begins at `from`, at full override: exact for moves that time drives; a thread
 /// counts its turns at the commanded speed and the wait for its start angle, which is half a turn for the first pass and
-/// follows from the pass before for the others; a change of spindle speed and machine functions count nothing.
+/// follows from the pass before for the others; an ordinary tap counts the ramps its spindle is planned with; a change of
+/// spindle speed and machine functions count nothing.
 ///
 /// # Errors
 /// What the planner refuses.
@@ -65,9 +66,13 @@ pub fn time(
             },
             MoveKind::Tap(tap) => {
                 let travel = tap.axis.of(next.to) - tap.axis.of(at);
-                stroke(&tap, travel, params, &limits, next.span)?
-                    .duration_ticks()
-                    .saturating_mul(tick)
+                let ticks = match tap.mode {
+                    TapMode::Rigid => {
+                        stroke(&tap, travel, params, &limits, next.span)?.duration_ticks()
+                    }
+                    TapMode::Floating => float_ticks(&tap, travel, params),
+                };
+                ticks.saturating_mul(tick)
             }
             MoveKind::Dwell(dwell) => u64::from(dwell.get()).saturating_mul(1000),
             _ => plan::timed(at, &next, &limits)?

@@ -10,7 +10,7 @@ use crate::motion::ease::{Bounds, Ease};
 use crate::motion::tap::dwell_ticks;
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::program::{TapAxis, TapCall, TapCycle};
+use crate::program::{Hand, TapAxis, TapCall, TapCycle};
 use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, TurnRatio, mul_div};
 
 /// The part of the axis' acceleration that the spindle's ramps may take: one in so many.
@@ -49,12 +49,17 @@ pub struct FloatPlan {
 }
 
 impl FloatPlan {
-    /// Plans the holes of an ordinary tapping call, which are alike.
+    /// Plans the holes of an ordinary tapping call, which are alike, for a tap of this hand.
     ///
     /// # Errors
     /// The spindle stands ([`Code::TapSpindleStands`]); a lead that cannot be ([`Code::TapFeed`]); a hole too shallow to get
     /// onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
-    pub fn new(call: &TapCall, span: Span, params: &Params) -> Result<Self, Alarm> {
+    pub fn new(
+        call: &TapCall,
+        hand: Hand,
+        span: Span,
+        params: &Params,
+    ) -> Result<Self, Alarm> {
         if call.speed.get() <= 0 {
             return Err(standing(call, span, params));
         }
@@ -103,7 +108,7 @@ impl FloatPlan {
             call.level.value,
             call.bottom.value,
             lead,
-            call.hand,
+            hand,
             join,
             brake,
         )

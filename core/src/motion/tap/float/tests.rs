@@ -10,8 +10,9 @@ use crate::alarm::{At, Code, Span};
 use crate::cycle::{MoveKind, TapMoves};
 use crate::params::Params;
 use crate::program::{
-    Call, CallKind, Events, Hand, Options, Position, TapAxis, TapCall, TapForm, TapMode, TapPeck,
+    Call, CallKind, Events, Hand, HandChoice, Options, Position, TapAxis, TapCall, TapForm, TapMode, TapPeck,
 };
+use crate::signals::Signals;
 use crate::units::{CentiRpm, Lead, Length, Rpm, Turns};
 use std::vec::Vec;
 
@@ -39,7 +40,7 @@ fn m8() -> TapCall {
 }
 
 fn plan(call: &TapCall) -> FloatPlan {
-    FloatPlan::new(call, Span::default(), &Params::slant_bed()).expect("a plan")
+    FloatPlan::new(call, Signals::default().hand(call.hand), Span::default(), &Params::slant_bed()).expect("a plan")
 }
 
 fn turns(turns: f64) -> Turns {
@@ -104,7 +105,7 @@ fn the_way_grows_with_the_angle_and_its_slope_with_it() {
 fn a_left_hand_tap_is_the_mirror_image() {
     let right = plan(&m8());
     let left = plan(&TapCall {
-        hand: Hand::Left,
+        hand: HandChoice::Written(Hand::Left),
         ..m8()
     });
     for angle in [-1.0, 0.3, 5.0, 12.0] {
@@ -146,7 +147,7 @@ fn the_legs_are_the_moves_of_the_cycle() {
                     dwell: crate::units::Millis::new(dwell),
                     ..m8()
                 };
-                let moves = TapMoves::new(&call, Span::default()).unwrap();
+                let moves = TapMoves::new(&call, Signals::default(), Span::default()).unwrap();
                 let inside: Vec<i64> = moves
                     .filter(|m| matches!(m.kind, MoveKind::Tap(_) | MoveKind::Dwell(_)))
                     .map(|m| (call.level.value - m.to.z).nm())
@@ -226,7 +227,7 @@ fn commands_are_s_itself_or_what_was_asked() {
 #[test]
 fn what_cannot_be_planned_is_an_alarm() {
     let code = |call: &TapCall| {
-        FloatPlan::new(call, Span::default(), &Params::slant_bed())
+        FloatPlan::new(call, Signals::default().hand(call.hand), Span::default(), &Params::slant_bed())
             .unwrap_err()
             .code
     };
@@ -250,13 +251,13 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
     let entry = plan.entry_speed().get();
     assert!((40_000..120_000).contains(&entry), "{entry}");
     assert_eq!(
-        super::super::FloatPlan::new(&m8(), Span::default(), &Params::slant_bed())
+        super::super::FloatPlan::new(&m8(), Hand::Right, Span::default(), &Params::slant_bed())
             .map(|plan| plan.entry_speed()),
         Ok(CentiRpm::new(50_000))
     );
     assert_eq!((fast.mode, fast.axis), (TapMode::Floating, TapAxis::Z));
     // A standing spindle takes no time that could be told.
-    let moves = TapMoves::new(&m8(), Span::default()).unwrap();
+    let moves = TapMoves::new(&m8(), Signals::default(), Span::default()).unwrap();
     let stroke = moves
         .filter_map(|m| match m.kind {
             MoveKind::Tap(tap) => Some(tap),
