@@ -350,8 +350,8 @@ impl Sim {
     /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
     fn law(&mut self, locked: bool) -> Law {
         let executor = self.board.ticker().executor();
-        if let Some(line) = executor.tap() {
-            self.line = Some(*line);
+        if let Some(line) = executor.tap().copied().or(self.board.float_line()) {
+            self.line = Some(line);
         }
         match (self.board.helix(), self.line) {
             (Some(helix), _) => Law::Thread(helix, locked),

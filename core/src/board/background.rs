@@ -13,11 +13,11 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Context, Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
 use crate::motion::{
-    Action, Epoch, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, WaysOut,
+    Action, Epoch, FloatPlan, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, WaysOut,
     dwell_ticks, plan, stroke,
 };
 use crate::params::Params;
-use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, ThreadCall};
+use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, TapMode, ThreadCall};
 use crate::signals::Signals;
 use crate::units::{Length, Rpm, TurnRate};
 
@@ -67,6 +67,9 @@ pub struct Background {
     pass_number: u32,
     /// The tap being collected: from R until it is back there.
     tap: Option<Collecting>,
+    /// The plan of an ordinary tapping call, and the number of the first stroke of the hole being collected.
+    float: Option<FloatPlan>,
+    float_number: Option<u32>,
     /// The move being taken is the last of its hole.
     hole_ends: bool,
     /// Planned and not queued yet; a pass waits here for its retract.
@@ -96,6 +99,8 @@ impl Background {
             pass_start: position,
             pass_number: 0,
             tap: None,
+            float: None,
+            float_number: None,
             hole_ends: false,
             planned: Deque::new(),
             complete: false,
@@ -197,6 +202,12 @@ impl Background {
             CallKind::Tap(tap) => {
                 let report = feasible::tap(tap, signals, call.span, settings.params)?;
                 warning = report.warnings().next();
+                self.float = match tap.mode {
+                    TapMode::Rigid => None,
+                    TapMode::Floating => {
+                        Some(FloatPlan::new(tap, call.span, settings.params)?)
+                    }
+                };
             }
             _ => feasible::tap_spindle(call, signals, settings.params)?,
         }
@@ -234,6 +245,7 @@ impl Background {
         self.ending = None;
         self.pass.clear();
         self.tap = None;
+        self.float_number = None;
         self.planned.clear();
         self.queue(alarm.span, Stops::default(), Action::Alarm(alarm));
     }
@@ -289,6 +301,9 @@ impl Background {
             }
             return Ok(());
         }
+        if self.take_float(next, settings) {
+            return Ok(());
+        }
         if let MoveKind::Tap(tap) = &next.kind {
             return self.take_stroke(next, tap, settings);
         }
@@ -322,6 +337,28 @@ impl Background {
         };
         self.queue(next.span, stops, action);
         Ok(())
+    }
+
+    /// True for a stroke of an ordinary tap, and for the dwell between two: the whole hole is one segment, planned when its
+    /// call was opened. It goes to the queue with its last stroke.
+    fn take_float(&mut self, next: &Move, settings: &Settings<'_>) -> bool {
+        let closes = match &next.kind {
+            MoveKind::Tap(tap) if tap.mode == TapMode::Floating => tap.closes,
+            MoveKind::Dwell(_) if self.float_number.is_some() => false,
+            _ => return false,
+        };
+        let number = *self.float_number.get_or_insert(self.number);
+        self.position = next.to;
+        if closes && let Some(plan) = self.float {
+            self.float_number = None;
+            let stops = Stops {
+                hold_not_inside: !settings.params.tap_hold_allowed(),
+                ..self.tap_stops(settings.params)
+            };
+            self.put(number, next.span, stops, Action::Float(plan));
+            self.complete = true;
+        }
+        true
     }
 
     /// A stroke of a tap. Back at R the way through the hole is complete and goes to the queue as one segment.

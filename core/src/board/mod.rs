@@ -41,7 +41,7 @@ pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{Frame, NodeId};
-use crate::motion::{Helix, Limits};
+use crate::motion::{Helix, Limits, TapLine};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
@@ -180,6 +180,12 @@ impl Board {
     #[must_use]
     pub fn helix(&self) -> Option<Helix> {
         self.ticker.helix(self.segments.peek())
+    }
+
+    /// The line on which the axis of an ordinary tap under way follows the measured spindle; `None` outside.
+    #[must_use]
+    pub fn float_line(&self) -> Option<TapLine> {
+        self.ticker.float_line(self.segments.peek())
     }
 
     /// The limits in force.

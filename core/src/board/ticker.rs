@@ -9,6 +9,7 @@
 //! stroke have files of their own.
 
 mod away;
+mod float;
 mod rigid;
 mod stopping;
 
@@ -21,7 +22,7 @@ use super::event::{Command, Event};
 use super::operator::{Operator, Wish};
 use super::queue::{EventIn, SegmentOut, has_second, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::bus::{Frame, MilliRpm};
+use crate::bus::Frame;
 use crate::motion::{
     Action, Arrival, Conditions, Epoch, Executor, Helix, Motion, Segment, Setpoint, Stops, WaysOut,
 };
@@ -389,13 +390,12 @@ impl Ticker {
         let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) else {
             return;
         };
-        // The pulse is right, the counts are not: the next one begins a new count.
-        self.observer.forget_index();
+        self.begin_new_count();
         let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
         let alarm = Alarm::new(Code::IndexSlipped, Span::default()).with(args);
         let in_cycle = self.executor.stops().frozen.is_some()
             && matches!(self.state, State::Running | State::Held);
-        if in_cycle || self.executor.thread().is_some() {
+        if in_cycle || self.executor.thread().is_some() || self.executor.is_floating() {
             self.raise(alarm, ends);
         } else {
             emit(ends.events, Event::Warning(alarm));
@@ -499,7 +499,11 @@ impl Ticker {
                 self.raise(alarm, ends);
                 return None;
             }
-            Action::Timed(_) | Action::Thread(_) | Action::Tap(_) | Action::Dwell(_) => {
+            Action::Timed(_)
+            | Action::Thread(_)
+            | Action::Tap(_)
+            | Action::Float(_)
+            | Action::Dwell(_) => {
                 if let Some(pass) = segment.pass() {
                     self.pass = Some(LastPass {
                         number,
@@ -634,7 +638,7 @@ impl Ticker {
             State::Starting | State::Idle | State::Alarm(_) => None,
         }
         .unwrap_or(self.operator.spindle_percent());
-        let velocity = MilliRpm::of(self.commanded, u16::from(self.spindle_percent));
+        let velocity = self.velocity();
         self.leave_rigid();
         let spindle = match self.executor.spindle() {
             Some(angle) => Spindle::Angle(angle),

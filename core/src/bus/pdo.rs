@@ -12,7 +12,7 @@
 use super::cia402::{Controlword, Statusword};
 use super::frame::{CobId, Frame, NodeId, Service};
 use super::increments::Increments;
-use crate::units::Rpm;
+use crate::units::{Rpm, TurnRate};
 
 /// RPDO1 of a drive: what it is to do and where it is to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,6 +155,21 @@ impl MilliRpm {
     #[must_use]
     pub const fn get(self) -> i32 {
         self.0
+    }
+
+    /// The nearest to `rate`; saturates beyond 2.1 million rpm.
+    #[must_use]
+    pub const fn of_rate(rate: TurnRate) -> Self {
+        // Thousandths of a turn per minute are 60 000 to a turn per second.
+        let scaled = (rate.raw() >> 8).saturating_mul(60_000);
+        let rounded = scaled.saturating_add(1 << 23) >> 24;
+        Self(if rounded > i32::MAX as i64 {
+            i32::MAX
+        } else if rounded < i32::MIN as i64 {
+            i32::MIN
+        } else {
+            rounded as i32
+        })
     }
 
     /// `rpm` at an override of `percent` (100: as programmed). Exact; saturates beyond 2.1 million rpm.

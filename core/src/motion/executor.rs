@@ -6,13 +6,14 @@
 //! A planned segment is large. It stays where it is (at the head of its queue) until it is done, and whoever drives the
 //! executor hands it in, the same one every time; the executor keeps what changes alone [D104].
 
+mod float;
 mod pass;
 
 use super::plan::Timed;
 use super::rate::Rate;
 use super::run::Run;
 use super::segment::{Action, Segment, Stops};
-use super::tap::{Tap, TapLine, TapRun};
+use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
 use crate::alarm::{Alarm, Span};
 use crate::program::{FeedRate, Position};
@@ -91,6 +92,7 @@ enum Active {
     Waiting(Waited),
     Thread(ThreadRun),
     Tap(TapRun),
+    Float(FloatRun),
     Dwell(u32),
 }
 
@@ -120,6 +122,8 @@ pub struct Executor {
     position: Position,
     /// Commanded spindle angle, in position mode.
     spindle: Option<Turns>,
+    /// Commanded speed of a spindle in speed mode, where what is under way turns it.
+    spindle_speed: Option<TurnRate>,
     number: u32,
     span: Span,
     stops: Stops,
@@ -146,6 +150,7 @@ impl Executor {
             active: Active::Free,
             position: ZERO,
             spindle: None,
+            spindle_speed: None,
             number: 0,
             span: Span {
                 line: 0,
@@ -245,6 +250,7 @@ impl Executor {
                     self.active = Active::Tap(TapRun::new(tap, self.position, angle));
                 }
             }
+            Action::Float(plan) => self.active = Active::Float(FloatRun::new(plan, self.position)),
             Action::Dwell(ticks) => self.active = Active::Dwell(*ticks),
             _ => {}
         }
@@ -268,6 +274,11 @@ impl Executor {
             (Active::Tap(tap), _) => {
                 if tap.stop(&mut self.run) {
                     self.active = Active::Free;
+                }
+            }
+            (Active::Float(run), _) => {
+                if run.stop() {
+                    self.end_float();
                 }
             }
             (Active::Waiting(_) | Active::Dwell(_) | Active::Thread(_), _) => {
@@ -303,6 +314,7 @@ impl Executor {
         let number = self.number;
         let done = match (&mut self.active, current.map(|segment| &segment.action)) {
             (Active::Tap(_), Some(Action::Tap(tap))) => self.tap_on(now, tap),
+            (Active::Float(_), Some(Action::Float(plan))) => self.float_on(now, plan)?,
             (Active::Timed, Some(Action::Timed(timed))) => self.move_on(now, timed),
             (Active::Dwell(left), _) => {
                 if now.hold {

@@ -1,7 +1,7 @@
 //! What the background hands to the tick: a planned piece of work.
 
 use super::plan::Timed;
-use super::tap::Tap;
+use super::tap::{FloatPlan, Tap};
 use super::thread::ThreadPlan;
 use crate::alarm::{Alarm, Span};
 use crate::program::{Aux, Position};
@@ -55,6 +55,8 @@ pub enum Action {
     Thread(Pass),
     /// Driven by time, the spindle geared to it: a whole way from R into a hole and back.
     Tap(Tap),
+    /// Driven by the measured spindle angle, and turning the spindle: a whole hole of ordinary tapping.
+    Float(FloatPlan),
     /// Stand still for so many ticks.
     Dwell(u32),
     /// Command a spindle speed.

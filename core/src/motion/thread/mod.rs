@@ -32,5 +32,6 @@ mod run;
 mod shape;
 
 pub use path::Helix;
+pub(super) use path::HelixTravel;
 pub use plan::ThreadPlan;
 pub use run::{Phase, Retract, ThreadPoint, ThreadRun};

@@ -47,7 +47,7 @@ impl Helix {
 
 /// What turns an angle into a travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct HelixTravel {
+pub(in crate::motion) struct HelixTravel {
     /// Angles below and above count as these: a turn around the pass.
     pub low: Turns,
     pub high: Turns,

@@ -2,6 +2,7 @@
 
 use crate::motion::ease::{Ease, Fine};
 use crate::motion::tap::Gear;
+use crate::motion::thread::HelixTravel;
 use crate::motion::wide::mul_div_up;
 use crate::program::{Hand, Position, TapAxis};
 use crate::units::{Lead, Length, Turns, mul_div};
@@ -27,14 +28,11 @@ pub(super) struct Law {
     backward: bool,
     /// A left-hand tap: the way in is a falling angle.
     reverse: bool,
-    /// Travel per turn: whole nanometres, and the rest in 2⁻³² nm.
-    lead: (u64, u64),
+    travel: HelixTravel,
     /// From R to the bottom.
     length: Fine,
     join: Ease,
     brake: Ease,
-    /// The angles between which a travel counts.
-    range: (i64, i64),
 }
 
 impl Law {
@@ -57,43 +55,27 @@ impl Law {
         let whole = mul_div(nm, 1, turns);
         let below = nm.wrapping_sub(whole.wrapping_mul(turns));
         let length = (bottom - level).abs().nm().wrapping_shl(16);
-        let mut law = Self {
+        let before = turns_of(lead, join.half()).saturating_add(1 << 32);
+        let behind = turns_of(lead, length.saturating_add(brake.half())).saturating_add(1 << 32);
+        Some(Self {
             gear,
             backward: inward < 0,
             reverse: hand == Hand::Left,
-            lead: (whole, mul_div(below, 1 << 32, turns)),
+            travel: HelixTravel {
+                low: Turns::from_raw(before.saturating_neg()),
+                high: Turns::from_raw(behind),
+                lead: (whole, mul_div(below, 1 << 32, turns)),
+            },
             length,
             join,
             brake,
-            range: (0, 0),
-        };
-        let before = law.turns_of(lead, join.half());
-        let behind = law.turns_of(lead, length.saturating_add(brake.half()));
-        law.range = (
-            before.saturating_add(1 << 32).saturating_neg(),
-            behind.saturating_add(1 << 32),
-        );
-        Some(law)
-    }
-
-    /// The angle of a travel, rounded up: background work.
-    fn turns_of(&self, lead: Lead, travel: Fine) -> i64 {
-        let (nm, turns) = (
-            lead.numerator().unsigned_abs(),
-            lead.denominator().unsigned_abs(),
-        );
-        let scaled = mul_div_up(
-            travel.max(0).unsigned_abs(),
-            turns.saturating_mul(1 << 16),
-            nm,
-        );
-        i64::try_from(scaled).unwrap_or(i64::MAX).min(1 << 61)
+        })
     }
 
     /// The angle, inwards, of the ease at R: from R's own angle to where the axis is on the helix. Rounded up.
     pub(super) fn join_turns(&self) -> i64 {
-        // One turn more is in the range.
-        self.range.0.saturating_neg().wrapping_sub(1 << 32)
+        // One turn more counts.
+        self.travel.low.raw().saturating_neg().wrapping_sub(1 << 32)
     }
 
     /// H, and how far before and behind the bottom its rounding reaches.
@@ -128,20 +110,7 @@ impl Law {
 
     /// The helix' travel for an angle since it was at R, limited to a turn around the hole.
     pub(super) fn travel(&self, angle: Turns) -> Fine {
-        let (low, high) = self.range;
-        // Not `clamp`, which panics where the limits cross.
-        let angle = angle.raw().max(low).min(high);
-        let turns = angle >> 32;
-        let part = (angle as u64) & 0xffff_ffff;
-        let (lead, rest) = self.lead;
-        // turns + part·2⁻³², times lead + rest·2⁻³², in 2⁻¹⁶.
-        let whole_turns = turns
-            .wrapping_mul(lead as i64)
-            .wrapping_shl(16)
-            .wrapping_add(turns.wrapping_mul(rest as i64) >> 16);
-        let within =
-            ((part >> 2).wrapping_mul(lead) >> 14).wrapping_add(part.wrapping_mul(rest) >> 48);
-        whole_turns.wrapping_add(within as i64)
+        self.travel.at(angle)
     }
 
     /// How far below R the axis stands where the helix has travelled `travel`.
@@ -173,4 +142,18 @@ impl Law {
         };
         self.gear.axis().with(place, at)
     }
+}
+
+/// The angle of a travel, rounded up: background work.
+fn turns_of(lead: Lead, travel: Fine) -> i64 {
+    let (nm, turns) = (
+        lead.numerator().unsigned_abs(),
+        lead.denominator().unsigned_abs(),
+    );
+    let scaled = mul_div_up(
+        travel.max(0).unsigned_abs(),
+        turns.saturating_mul(1 << 16),
+        nm,
+    );
+    i64::try_from(scaled).unwrap_or(i64::MAX).min(1 << 61)
 }

@@ -151,6 +151,12 @@ impl FloatPlan {
         })
     }
 
+    /// The axis that travels.
+    #[must_use]
+    pub const fn axis(&self) -> TapAxis {
+        self.law.gear().axis()
+    }
+
     /// From R to where the axis is on the lead: where the material may begin, for a thread without a fault and a holder
     /// without work.
     #[must_use]

@@ -1,0 +1,30 @@
+//! An ordinary tap on the board: who turns the spindle, and what a lost count does.
+
+use super::Ticker;
+use crate::bus::MilliRpm;
+use crate::motion::{Segment, TapLine};
+
+impl Ticker {
+    /// What the spindle is told in speed mode: by an ordinary tap while one is under way, else the program's speed with its
+    /// override.
+    pub(super) fn velocity(&self) -> MilliRpm {
+        match self.executor.spindle_speed() {
+            Some(rate) => MilliRpm::of_rate(rate),
+            None => MilliRpm::of(self.commanded, u16::from(self.spindle_percent)),
+        }
+    }
+
+    /// Counts were lost or gained: the pulse is right, the counts are not, and the next pulse begins a new count. That moves
+    /// the angle by up to half a turn, so not while an axis follows it as it stands.
+    pub(super) const fn begin_new_count(&mut self) {
+        if !self.executor.is_floating() {
+            self.observer.forget_index();
+        }
+    }
+
+    /// The line that an ordinary tap under way follows; `head` is the head of the program's queue.
+    #[must_use]
+    pub fn float_line(&self, head: Option<&Segment>) -> Option<TapLine> {
+        self.executor.float_line(head.filter(|_| self.has_begun()))
+    }
+}

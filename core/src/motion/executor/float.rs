@@ -1,0 +1,75 @@
+//! An ordinary tap in the executor: the axis follows the spindle, and the tap turns it.
+
+use super::{Active, Conditions, Done, Executor, Motion};
+use crate::alarm::Alarm;
+use crate::motion::segment::{Action, Segment};
+use crate::motion::tap::{FloatPlan, FloatTick, TapLine};
+use crate::program::TapAxis;
+use crate::units::TurnRate;
+
+impl Executor {
+    /// True while an ordinary tap is under way.
+    #[must_use]
+    pub const fn is_floating(&self) -> bool {
+        matches!(self.active, Active::Float(_))
+    }
+
+    /// The speed an ordinary tap tells the spindle, while one is under way; it takes the place of what M03 and the override
+    /// say.
+    #[must_use]
+    pub const fn spindle_speed(&self) -> Option<TurnRate> {
+        self.spindle_speed
+    }
+
+    /// The line that an ordinary tap under way (`current`) follows; `None` outside.
+    #[must_use]
+    pub fn float_line(&self, current: Option<&Segment>) -> Option<TapLine> {
+        match (&self.active, current.map(|segment| &segment.action)) {
+            (Active::Float(run), Some(Action::Float(plan))) => run.line(plan),
+            _ => None,
+        }
+    }
+
+    /// The spindle is the program's again.
+    pub(super) const fn end_float(&mut self) {
+        self.active = Active::Free;
+        self.spindle_speed = None;
+    }
+
+    /// A tick of an ordinary tap.
+    pub(super) fn float_on(
+        &mut self,
+        now: &Conditions<'_>,
+        plan: &FloatPlan,
+    ) -> Result<Done, Alarm> {
+        let Active::Float(run) = &mut self.active else {
+            return Ok(Done::of(Motion::Idle));
+        };
+        let point = run.tick(
+            plan,
+            &FloatTick {
+                observer: now.observer,
+                ahead: match plan.axis() {
+                    TapAxis::X => now.ahead_x,
+                    TapAxis::Z => now.ahead_z,
+                },
+                hold: now.hold,
+                inside: !self.stops.hold_not_inside,
+                arrival: &self.arrival,
+            },
+        );
+        self.position = point.position;
+        self.spindle_speed = Some(run.command(plan));
+        if point.done {
+            self.end_float();
+        }
+        match point.alarm {
+            Some(alarm) => Err(alarm),
+            None => Ok(Done {
+                motion: point.motion,
+                locked: point.locked,
+                offset: point.offset,
+            }),
+        }
+    }
+}
