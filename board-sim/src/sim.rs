@@ -18,7 +18,7 @@ use leadscrew_core::units::{Axis, Length, Rpm, Turns};
 use crate::plant::{FineTurns, Plant, PlantError, PlantOptions};
 
 /// The longest latency of a drive, in ticks, that a row can wait for.
-const LATENCY_TICKS: usize = 128;
+const LATENCY_TICKS: usize = 128 + 64;
 
 /// Truths kept: one for every SYNC that a row waits for, and the one before an instant between two of them.
 const TRUTHS: usize = LATENCY_TICKS + 2;
@@ -90,10 +90,20 @@ pub struct Row {
 pub struct TapPoint {
     /// Setpoint of the tap axis below R; negative above it.
     pub depth: Length,
-    /// Turns of the spindle since R: commanded ones in position mode, else true ones.
+    /// Turns of the spindle since R: commanded ones in position mode, else true ones, of the instant the setpoint is for.
     pub turned: Turns,
     /// Setpoint of the tap axis minus where it should be at that angle.
     pub skew: Length,
+}
+
+impl TapPoint {
+    fn new(line: &TapLine, position: Position, angle: Turns) -> Self {
+        Self {
+            depth: line.gear.depth(position),
+            turned: angle - line.origin,
+            skew: line.error(position, angle),
+        }
+    }
 }
 
 /// On the wire from here on.
@@ -127,8 +137,10 @@ enum Law {
     Free,
     /// The helix of a pass; true while the long axis is held to it.
     Thread(Helix, bool),
-    /// The line of a tap.
+    /// The line of a rigid tap.
     Tap(TapLine),
+    /// The line of an ordinary tap, whose setpoint is that of 5275 cycles later.
+    Float(TapLine),
 }
 
 impl Law {
@@ -137,7 +149,7 @@ impl Law {
         match self {
             Self::Free => false,
             Self::Thread(helix, _) => helix.long_x(),
-            Self::Tap(line) => line.gear.axis() == TapAxis::X,
+            Self::Tap(line) | Self::Float(line) => line.gear.axis() == TapAxis::X,
         }
     }
 }
@@ -149,13 +161,15 @@ pub struct Sim {
     tick_us: u32,
     /// From the SYNC that takes a setpoint to its effect, on X and on Z.
     delays: [Delay; 2],
+    /// 5275: rows of ordinary taps are judged by the angle so many ticks later.
+    lag: usize,
     ticks: u64,
     sample: EncoderSample,
     /// On their way to the board.
     answers: Vec<Frame, ANSWERS>,
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The line of the last tap.
-    line: Option<TapLine>,
+    line: Option<Law>,
     /// The spindle's angle at the last SYNCs, oldest first, as many as rows wait for.
     truths: Deque<FineTurns, TRUTHS>,
 }
@@ -199,6 +213,7 @@ impl Sim {
             plant,
             tick_us,
             delays: [Axis::X, Axis::Z].map(|axis| Delay::of(params, axis)),
+            lag: params.tap_lag_cycles() as usize,
             ticks: 0,
             sample: EncoderSample::default(),
             answers: Vec::new(),
@@ -350,12 +365,14 @@ impl Sim {
     /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
     fn law(&mut self, locked: bool) -> Law {
         let executor = self.board.ticker().executor();
-        if let Some(line) = executor.tap().copied().or(self.board.float_line()) {
-            self.line = Some(line);
+        if let Some(line) = executor.tap() {
+            self.line = Some(Law::Tap(*line));
+        } else if let Some(line) = self.board.float_line() {
+            self.line = Some(Law::Float(line));
         }
         match (self.board.helix(), self.line) {
             (Some(helix), _) => Law::Thread(helix, locked),
-            (None, Some(line)) if locked => Law::Tap(line),
+            (None, Some(line)) if locked => line,
             _ => Law::Free,
         }
     }
@@ -363,7 +380,7 @@ impl Sim {
     /// SYNCs that every row waits for: those of the slower drive.
     fn wait(&self) -> usize {
         let [x, z] = self.delays.map(Delay::wait);
-        x.max(z)
+        x.max(z).saturating_add(self.lag)
     }
 
     /// The row whose setpoint takes effect now, completed by the truth.
@@ -379,7 +396,8 @@ impl Sim {
         let Pending { mut row, law } = self.pending.pop_front()?;
         let [x, z] = self.delays;
         // Where an axis is held to the spindle, the instant that counts is that axis'.
-        row.spindle = self.truth(if law.on_x() { x } else { z });
+        let delay = if law.on_x() { x } else { z };
+        row.spindle = self.truth(delay);
         row.error = match law {
             Law::Free | Law::Thread(_, false) => None,
             Law::Thread(helix, true) => {
@@ -393,12 +411,17 @@ impl Sim {
             }
             Law::Tap(line) => {
                 let angle = row.spindle_set.unwrap_or(row.spindle.turns());
-                row.tap = Some(TapPoint {
-                    depth: line.gear.depth(row.position),
-                    turned: angle - line.origin,
-                    skew: line.error(row.position, angle),
-                });
+                row.tap = Some(TapPoint::new(&line, row.position, angle));
                 Some(line.error(row.position, row.spindle.turns()))
+            }
+            Law::Float(line) => {
+                let meant = Delay {
+                    whole: delay.whole.saturating_add(self.lag),
+                    ..delay
+                };
+                let point = TapPoint::new(&line, row.position, self.truth(meant).turns());
+                row.tap = Some(point);
+                Some(point.skew)
             }
         };
         Some(row)

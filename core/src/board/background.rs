@@ -13,8 +13,8 @@ use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Context, Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
 use crate::motion::{
-    Action, Epoch, FloatPlan, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan, WaysOut,
-    dwell_ticks, plan, stroke,
+    Action, Epoch, FloatPlan, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan,
+    WaysOut, dwell_ticks, plan, stroke,
 };
 use crate::params::Params;
 use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, TapMode, ThreadCall};
@@ -204,9 +204,7 @@ impl Background {
                 warning = report.warnings().next();
                 self.float = match tap.mode {
                     TapMode::Rigid => None,
-                    TapMode::Floating => {
-                        Some(FloatPlan::new(tap, call.span, settings.params)?)
-                    }
+                    TapMode::Floating => Some(FloatPlan::new(tap, call.span, settings.params)?),
                 };
             }
             _ => feasible::tap_spindle(call, signals, settings.params)?,

@@ -82,6 +82,8 @@ pub struct FloatRun {
     /// Moves done.
     done: u32,
     position: Position,
+    /// At rest with the spindle in a feed hold or after a stop.
+    rested: bool,
     aborted: bool,
     /// Ticks for which the spindle has not done as it must, and for which it has been stopping.
     astray: u32,
@@ -103,6 +105,7 @@ impl FloatRun {
             step: 0,
             done: 0,
             position,
+            rested: false,
             aborted: false,
             astray: 0,
             stopping: 0,
@@ -179,7 +182,7 @@ impl FloatRun {
                     (self.way, self.step) = (way, step);
                     point.locked = region == Region::Locked;
                     (point.motion, point.alarm) = self.turn(plan, now, region);
-                    point.done = self.aborted && self.stands(plan, now);
+                    point.done = self.aborted && self.rested;
                 }
             }
         }
@@ -250,7 +253,14 @@ impl FloatRun {
         self.braking = false;
         self.astray = 0;
         self.stopping = 0;
-        let place = &self.place;
+        let mut place = &self.place;
+        // A re-entry goes on into the infeed without a stop.
+        let behind = plan.course.after(place);
+        if place.leg == Leg::Reenter
+            && let Some(infeed) = &behind
+        {
+            place = infeed;
+        }
         self.target = if place.depth == Length::ZERO {
             plan.out.wrapping_neg()
         } else {
@@ -275,12 +285,14 @@ impl FloatRun {
             self.speed = plan.turner.towards(self.speed, 0);
             self.braking = false;
             self.astray = 0;
-            let standing = self.stands(plan, now);
-            if !standing {
+            // Once it has come to rest, the sample noise of a standing spindle does not count.
+            self.rested |= self.stands(plan, now);
+            if !self.rested {
                 return (Motion::Run, self.overdue(plan, now));
             }
             return (Motion::Hold, None);
         }
+        self.rested = false;
         match self.stage {
             Stage::Dwelling(left) => {
                 let left = left.saturating_sub(1);
@@ -303,6 +315,10 @@ impl FloatRun {
             return (Motion::Run, None);
         }
         self.lead(plan, now);
+        if self.place.leg == Leg::Reenter && self.way >= self.place.depth.nm().wrapping_shl(16) {
+            self.next(plan, now);
+            return (Motion::Run, None);
+        }
         if self.braking {
             if now.observer.speed().abs() <= plan.standing {
                 self.speed = 0;
@@ -385,7 +401,8 @@ impl FloatRun {
         }
         let per_second = now.arrival.ticks_per_minute / 60;
         let patience = if too_fast {
-            per_second / 100
+            // Longer than the observer overshoots behind a quick ramp.
+            per_second / 20
         } else if backwards {
             per_second / 10
         } else {
