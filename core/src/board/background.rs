@@ -204,7 +204,10 @@ impl Background {
                 warning = report.warnings().next();
                 self.float = match tap.mode {
                     TapMode::Rigid => None,
-                    TapMode::Floating => Some(FloatPlan::new(tap, call.span, settings.params)?),
+                    TapMode::Floating => {
+                        let hand = signals.hand(tap.hand);
+                        Some(FloatPlan::new(tap, hand, call.span, settings.params)?)
+                    }
                 };
             }
             _ => feasible::tap_spindle(call, signals, settings.params)?,

@@ -3,6 +3,7 @@
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::feasible;
 use leadscrew_core::program::CallKind;
+use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::machine::{calls, run};
 use leadscrew_tests::random::Random;
@@ -47,7 +48,9 @@ fn random_holes() {
         let feasible = calls(&hole.program(), &params)
             .iter()
             .all(|call| match &call.kind {
-                CallKind::Tap(tap) => feasible::tap(tap, call.span, &params).is_ok(),
+                CallKind::Tap(tap) => {
+                    feasible::tap(tap, Signals::default(), call.span, &params).is_ok()
+                }
                 _ => true,
             });
         if !feasible {

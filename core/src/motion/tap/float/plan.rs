@@ -54,12 +54,7 @@ impl FloatPlan {
     /// # Errors
     /// The spindle stands ([`Code::TapSpindleStands`]); a lead that cannot be ([`Code::TapFeed`]); a hole too shallow to get
     /// onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
-    pub fn new(
-        call: &TapCall,
-        hand: Hand,
-        span: Span,
-        params: &Params,
-    ) -> Result<Self, Alarm> {
+    pub fn new(call: &TapCall, hand: Hand, span: Span, params: &Params) -> Result<Self, Alarm> {
         if call.speed.get() <= 0 {
             return Err(standing(call, span, params));
         }

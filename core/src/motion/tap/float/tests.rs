@@ -10,7 +10,8 @@ use crate::alarm::{At, Code, Span};
 use crate::cycle::{MoveKind, TapMoves};
 use crate::params::Params;
 use crate::program::{
-    Call, CallKind, Events, Hand, HandChoice, Options, Position, TapAxis, TapCall, TapForm, TapMode, TapPeck,
+    Call, CallKind, Events, Hand, HandChoice, Options, Position, TapAxis, TapCall, TapForm,
+    TapMode, TapPeck,
 };
 use crate::signals::Signals;
 use crate::units::{CentiRpm, Lead, Length, Rpm, Turns};
@@ -40,7 +41,13 @@ fn m8() -> TapCall {
 }
 
 fn plan(call: &TapCall) -> FloatPlan {
-    FloatPlan::new(call, Signals::default().hand(call.hand), Span::default(), &Params::slant_bed()).expect("a plan")
+    FloatPlan::new(
+        call,
+        Signals::default().hand(call.hand),
+        Span::default(),
+        &Params::slant_bed(),
+    )
+    .expect("a plan")
 }
 
 fn turns(turns: f64) -> Turns {
@@ -227,9 +234,14 @@ fn commands_are_s_itself_or_what_was_asked() {
 #[test]
 fn what_cannot_be_planned_is_an_alarm() {
     let code = |call: &TapCall| {
-        FloatPlan::new(call, Signals::default().hand(call.hand), Span::default(), &Params::slant_bed())
-            .unwrap_err()
-            .code
+        FloatPlan::new(
+            call,
+            Signals::default().hand(call.hand),
+            Span::default(),
+            &Params::slant_bed(),
+        )
+        .unwrap_err()
+        .code
     };
     let standing = TapCall {
         speed: CentiRpm::default(),
@@ -237,7 +249,7 @@ fn what_cannot_be_planned_is_an_alarm() {
     };
     assert_eq!(code(&standing), Code::TapSpindleStands);
     let shallow = TapCall {
-        bottom: At::new(m8().level.value - nm(20_000), Span::default()),
+        bottom: At::new(m8().level.value - nm(5_000), Span::default()),
         ..m8()
     };
     assert_eq!(code(&shallow), Code::StrokeTooShortForSpeed);

@@ -45,7 +45,7 @@ impl Turner {
             1_000_000_000_000,
         );
         // More would be a tenth of a turn a tick in ten ticks.
-        let full = per_tick.min(1 << 32).max(8);
+        let full = per_tick.clamp(8, 1 << 32);
         Self {
             top: mul_div(top_rate, tick_us, 1_000_000) as i64,
             top_rate: TurnRate::from_raw(i64::try_from(top_rate).unwrap_or(i64::MAX)),
