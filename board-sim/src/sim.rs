@@ -4,11 +4,13 @@
 //! the calls, the parameters and the options. The simulation sees the truth and judges the board by it; the board sees
 //! frames and encoder samples alone.
 
+mod network;
+
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
-use leadscrew_core::bus::Frame;
-use leadscrew_core::motion::{Helix, Motion, TapLine};
+use leadscrew_core::bus::{Frame, Periods};
+use leadscrew_core::motion::{Helix, Motion, Setpoint, TapLine};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position, TapAxis};
 use leadscrew_core::signals::Signals;
@@ -167,6 +169,8 @@ pub struct Sim {
     sample: EncoderSample,
     /// On their way to the board.
     answers: Vec<Frame, ANSWERS>,
+    /// The last one.
+    setpoint: Setpoint,
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The line of the last tap.
     line: Option<Law>,
@@ -217,6 +221,7 @@ impl Sim {
             ticks: 0,
             sample: EncoderSample::default(),
             answers: Vec::new(),
+            setpoint: Setpoint::default(),
             pending: Deque::new(),
             line: None,
             truths: Deque::new(),
@@ -331,6 +336,7 @@ impl Sim {
         let mut output = Output::default();
         self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;
+        self.setpoint = setpoint;
         let law = self.law(setpoint.locked);
         let doing = match (self.board.ticker().state(), setpoint.motion) {
             (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => Doing::Alarm,
@@ -357,6 +363,9 @@ impl Sim {
         };
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
+        if self.board.station().has_joined() {
+            self.serve(Periods::new(1));
+        }
         // Released above as soon as it is due: there is always room.
         let _ = self.pending.push_back(Pending { row, law });
         ready

@@ -41,7 +41,7 @@ pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{Frame, NodeId};
-use crate::motion::{Helix, Limits, TapLine};
+use crate::motion::{Helix, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
@@ -84,7 +84,7 @@ impl Board {
         let Some(ticker) = Ticker::new(params, remembered) else {
             return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
         };
-        let snapshot = Snapshot::new(&ticker, &Output::default());
+        let snapshot = Snapshot::new(&ticker, &Setpoint::default());
         Ok(Self {
             station: Station::new(NodeId::BOARD, params, snapshot),
             reference: None,

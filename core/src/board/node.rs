@@ -8,11 +8,10 @@
 //! ```
 
 use super::queue::{Calls, Segments};
-use super::ticker::Output;
 use super::{Background, Board, Snapshot, State, Ticker};
 use crate::alarm::Alarm;
 use crate::bus::{Frame, NodeId, Periods};
-use crate::motion::{Helix, Limits};
+use crate::motion::{Helix, Limits, Setpoint};
 use crate::params::Params;
 use crate::program::Position;
 use crate::units::Length;
@@ -55,10 +54,10 @@ impl Board {
         !taken
     }
 
-    /// Lets the station go on: `elapsed` periods after the last call, behind the tick that gave `output`. True where a
+    /// Lets the station go on: `elapsed` periods after the last call, behind the tick that gave `setpoint`. True where a
     /// call went to the planner.
-    pub fn serve(&mut self, elapsed: Periods, output: &Output) -> bool {
-        let snapshot = Snapshot::new(&self.ticker, output);
+    pub fn serve(&mut self, elapsed: Periods, setpoint: &Setpoint) -> bool {
+        let snapshot = Snapshot::new(&self.ticker, setpoint);
         self.judge(elapsed, &snapshot);
         let (ticker, calls) = (&mut self.ticker, &mut self.calls);
         let mut offer = |call: &_| super::offer(ticker, calls, call);

@@ -1,7 +1,7 @@
 //! What the tick looks like from outside, at one instant: made between two ticks, never in one.
 
 use super::operator::Operator;
-use super::ticker::{Outcome, Output, State, Ticker};
+use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::Alarm;
 use crate::bus::BoardState;
 use crate::motion::{Motion, Setpoint};
@@ -27,12 +27,12 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// As it is after the tick that gave `output`.
+    /// As it is after the tick that gave `setpoint`.
     #[must_use]
-    pub fn new(ticker: &Ticker, output: &Output) -> Self {
+    pub fn new(ticker: &Ticker, setpoint: &Setpoint) -> Self {
         Self {
             state: ticker.state(),
-            setpoint: output.setpoint,
+            setpoint: *setpoint,
             in_program: ticker.in_program(),
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),

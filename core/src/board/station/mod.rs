@@ -80,6 +80,8 @@ impl Loss {
 pub struct Station {
     shelf: Shelf,
     nmt: NmtSlave,
+    /// It is on a network, starting again or not.
+    joined: bool,
     sdo: SdoServer,
     patience: Periods,
     gate: OrderGate,
@@ -101,6 +103,7 @@ impl Station {
         Self {
             shelf: Shelf::new(node, params, snapshot),
             nmt: NmtSlave::new(node),
+            joined: false,
             sdo: SdoServer::new(node, patience, BlockSize::MAX),
             patience,
             gate: OrderGate::new(),
@@ -135,6 +138,7 @@ impl Station {
             status_ms: params.status_period_ms(),
         };
         cycle.check()?;
+        self.joined = true;
         let boot_up = self.nmt.boot();
         self.say(boot_up);
         Ok(())
@@ -142,8 +146,8 @@ impl Station {
 
     /// True once it has joined.
     #[must_use]
-    pub fn has_joined(&self) -> bool {
-        self.nmt.state() != NmtState::BootUp
+    pub const fn has_joined(&self) -> bool {
+        self.joined
     }
 
     /// The number others reach it by.
@@ -178,9 +182,11 @@ impl Station {
             return false;
         };
         if let Some((_, event)) = self.shelf.watch.receive(frame) {
-            if event == HeartbeatEvent::Restarted {
+            match event {
                 // Whoever fed the program has forgotten it.
-                self.lose(params);
+                HeartbeatEvent::Restarted => self.lose(params),
+                HeartbeatEvent::Found(_) if self.told.is_none() => self.shelf.emcy.clear(),
+                HeartbeatEvent::Found(_) | HeartbeatEvent::Entered(_) => {}
             }
             return true;
         }

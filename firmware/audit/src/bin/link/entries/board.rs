@@ -1,14 +1,24 @@
 //! The whole board, both contexts, and the operator.
 
 use audit::any::{any, sink};
+use leadscrew_core::board::station::dictionary;
 use leadscrew_core::board::{Board, Output, overridden};
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{Frame, Object};
 use leadscrew_core::params::Params;
 
 /// All of this room.
 pub fn all() {
     board();
     sink(overridden(any(), any()));
+    objects();
+}
+
+#[inline(never)]
+fn objects() {
+    for item in dictionary::items() {
+        sink((item.object, item.kind.code(), item.access));
+    }
+    sink(dictionary::find(Object::new(any(), any())));
 }
 
 #[inline(never)]
@@ -18,7 +28,12 @@ fn board() {
         return;
     };
     let mut output = Output::default();
+    sink(board.join(any()));
     while any() {
+        sink(board.receive(&any()));
+        sink(board.serve(any(), &output.setpoint));
+        sink((board.transmit(), board.awaits_program()));
+        board.set_late(any());
         sink(board.offer(&any()));
         sink(board.background());
         let frames: [Frame; 8] = any();

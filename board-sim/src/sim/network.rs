@@ -1,0 +1,51 @@
+//! The machine with a network: whoever else is on the bus with it.
+
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::bus::{Frame, NodeId, Periods};
+
+use super::Sim;
+
+impl Sim {
+    /// The board joins a network as `node`; from now on every tick lets its station go on.
+    ///
+    /// # Errors
+    /// As [`Board::join`](leadscrew_core::board::Board::join).
+    pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
+        self.board.join(node)
+    }
+
+    /// Somebody else's frame reaches the board.
+    pub fn receive(&mut self, frame: &Frame) {
+        if self.board.receive(frame) {
+            // With the drives' own there is room for a few; a bus that is flooded loses frames too.
+            let _ = self.answers.push(*frame);
+        }
+    }
+
+    /// The next frame of the board as a node, on its way to the others.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        self.board.transmit()
+    }
+
+    /// Everything the background can do is done, and no time goes by.
+    pub fn settle(&mut self) {
+        self.serve(Periods::new(0));
+    }
+
+    /// True where a tick would come too early in lock-step: the program runs, and its next call has not come.
+    #[must_use]
+    pub fn awaits_program(&self) -> bool {
+        self.board.awaits_program()
+    }
+
+    pub(super) fn serve(&mut self, elapsed: Periods) {
+        let mut worked = self.board.serve(elapsed, &self.setpoint);
+        while worked {
+            worked = false;
+            while self.board.background() {
+                worked = true;
+            }
+            worked |= self.board.serve(Periods::new(0), &self.setpoint);
+        }
+    }
+}

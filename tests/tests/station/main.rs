@@ -1,0 +1,6 @@
+//! The board as a node on a simulated wire: what a gateway, or anybody's CANopen tool, sees and can do.
+
+mod network;
+mod objects;
+mod parameters;
+mod programs;

@@ -1,0 +1,242 @@
+//! Faults and orders of the network: NMT, heartbeats, a second board, a bus that is too slow.
+
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::{Doing, Sim};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::{Board, Event};
+use leadscrew_core::bus::{
+    BoardState, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoProtocol,
+};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_tests::gateway::{Gateway, NODE, Upload};
+use leadscrew_tests::machine::{calls, machine};
+
+/// A long way at a slow feed.
+const PROGRAM: &str = "G98 F500\nG01 X40 Z-100\nG01 X20 Z0\nM30\n";
+
+fn with(values: &[(&str, i64)]) -> Params {
+    let mut params = Params::slant_bed();
+    for (key, raw) in values {
+        let entry = Entry::find_text(key).expect("a parameter");
+        params.set(entry, *raw).expect("in its range");
+    }
+    params
+}
+
+fn heartbeat() -> Frame {
+    NmtState::Operational.frame(NodeId::GATEWAY)
+}
+
+fn steps(sim: &mut Sim, gateway: &mut Gateway, ticks: usize) -> Vec<Event> {
+    let mut events = Vec::new();
+    for _ in 0..ticks {
+        sim.step();
+        events.extend(std::iter::from_fn(|| sim.event()));
+        gateway.listen(sim);
+    }
+    events
+}
+
+fn running(params: &Params) -> (Sim, Gateway) {
+    let mut sim = machine(params, &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    Upload::new(1, &calls(PROGRAM, params)).feed(&mut gateway, &mut sim);
+    sim.receive(&heartbeat());
+    gateway.order(&mut sim, Order::Run);
+    steps(&mut sim, &mut gateway, 100);
+    assert_eq!(gateway.status.state, BoardState::Run);
+    (sim, gateway)
+}
+
+#[test]
+fn a_board_says_that_it_is_there_and_lives() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    sim.join(NODE).unwrap();
+    let mut gateway = Gateway::default();
+    gateway.listen(&mut sim);
+    assert_eq!(gateway.heartbeats, [NmtState::BootUp]);
+    // Pre-operational: heartbeats and transfers, no process data.
+    steps(&mut sim, &mut gateway, 500);
+    assert_eq!(
+        gateway.heartbeats,
+        [NmtState::BootUp, NmtState::PreOperational]
+    );
+    assert_eq!(gateway.heard.len(), 2);
+    assert_eq!(gateway.number(&mut sim, 0x1017, 0), Ok(500));
+    gateway.order(&mut sim, Order::Hold);
+    sim.step();
+    assert!(!sim.board().ticker().operator().hold);
+    sim.receive(&NmtCommand::Start.frame(None));
+    gateway.heard.clear();
+    steps(&mut sim, &mut gateway, 1000);
+    let sent = |id| gateway.heard.iter().filter(|f| f.id().get() == id).count();
+    assert_eq!([0x181, 0x281, 0x381].map(sent), [100, 100, 100]);
+    assert_eq!(sent(0x701), 2);
+    // Slower, and one of them not at all.
+    for (index, sub, value) in [(0x1800, 5, 100_u32), (0x1801, 1, 0xC000_0281)] {
+        let bytes = value.to_le_bytes();
+        let length = if sub == 5 { 2 } else { 4 };
+        gateway
+            .write(
+                &mut sim,
+                Object::new(index, sub),
+                &bytes[..length],
+                SdoProtocol::Short,
+            )
+            .unwrap();
+    }
+    gateway.heard.clear();
+    steps(&mut sim, &mut gateway, 1000);
+    let sent = |id| gateway.heard.iter().filter(|f| f.id().get() == id).count();
+    assert_eq!([0x181, 0x281, 0x381].map(sent), [10, 0, 100]);
+}
+
+#[test]
+fn a_stopped_node_stops_the_machine_and_answers_nothing() {
+    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    sim.receive(&NmtCommand::Stop.frame(Some(NODE)));
+    let events = steps(&mut sim, &mut gateway, 1000);
+    let Some(Event::Alarm(alarm)) = events.iter().find(|e| matches!(e, Event::Alarm(_))) else {
+        panic!("{events:?}");
+    };
+    assert_eq!(alarm.code, Code::NetworkStop);
+    assert!(gateway.number(&mut sim, 0x1000, 0).is_err());
+    gateway.heard.clear();
+    steps(&mut sim, &mut gateway, 500);
+    assert_eq!(gateway.heard.len(), 1, "the heartbeat: {:?}", gateway.heard);
+    // The emergency is told as soon as it may be.
+    sim.receive(&NmtCommand::Start.frame(Some(NODE)));
+    steps(&mut sim, &mut gateway, 10);
+    let [low, high] = Code::NetworkStop.number().to_le_bytes();
+    assert_eq!(gateway.emergencies[0].detail, [low, high, 0, 0, 0]);
+    gateway.order(&mut sim, Order::Reset);
+    steps(&mut sim, &mut gateway, 1000);
+    assert_eq!(gateway.status.state, BoardState::Idle);
+}
+
+#[test]
+fn a_node_that_is_reset_stops_first_and_begins_anew() {
+    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    sim.receive(&NmtCommand::ResetNode.frame(Some(NODE)));
+    let events = steps(&mut sim, &mut gateway, 1500);
+    let at = |wanted: fn(&Event) -> bool| {
+        events
+            .iter()
+            .position(wanted)
+            .unwrap_or_else(|| panic!("{events:?}"))
+    };
+    let stopped = at(|e| matches!(e, Event::Alarm(a) if a.code == Code::NetworkStop));
+    let ready = at(|e| *e == Event::Ready);
+    assert!(stopped < ready);
+    assert!(gateway.heartbeats.contains(&NmtState::BootUp));
+    sim.receive(&NmtCommand::Start.frame(None));
+    steps(&mut sim, &mut gateway, 20);
+    assert_eq!(gateway.status.state, BoardState::Idle);
+    assert_eq!(gateway.number(&mut sim, 0x5001, 4), Ok(0));
+    // The communication alone does not touch the machine.
+    sim.receive(&NmtCommand::ResetCommunication.frame(None));
+    assert_eq!(steps(&mut sim, &mut gateway, 100), []);
+    assert_eq!(gateway.heartbeats.last(), Some(&NmtState::BootUp));
+}
+
+#[test]
+fn a_lost_gateway_holds_stops_or_is_carried_on_without() {
+    for (reaction, state) in [
+        (0, BoardState::Hold),
+        (1, BoardState::Alarm),
+        (2, BoardState::Run),
+    ] {
+        let params = with(&[("9025", reaction), ("9024", 200)]);
+        let (mut sim, mut gateway) = running(&params);
+        // Kept alive, nothing happens.
+        for _ in 0..10 {
+            sim.receive(&heartbeat());
+            steps(&mut sim, &mut gateway, 150);
+        }
+        assert_eq!(gateway.status.state, BoardState::Run);
+        assert_eq!(gateway.emergencies, []);
+        let events = steps(&mut sim, &mut gateway, 600);
+        assert_eq!(gateway.status.state, state, "reaction {reaction}");
+        let [emcy] = gateway.emergencies[..] else {
+            panic!("{reaction}: {:?}", gateway.emergencies);
+        };
+        assert_eq!(emcy.code, 0x8130);
+        if reaction == 1 {
+            assert_eq!(gateway.status.alarm, Some(Code::GatewayLost.number()));
+            assert!(events.iter().any(|e| matches!(e, Event::Alarm(_))));
+        } else {
+            assert_eq!(gateway.status.alarm, None);
+        }
+        // It is back, and goes on.
+        if reaction == 0 {
+            sim.receive(&heartbeat());
+            gateway.order(&mut sim, Order::Resume);
+            steps(&mut sim, &mut gateway, 100);
+            assert_eq!(gateway.status.state, BoardState::Run);
+            assert_eq!(
+                gateway.number(&mut sim, 0x1001, 0),
+                Ok(0),
+                "the error is gone"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_gateway_that_leaves_an_idle_machine_or_was_never_there_is_not_missed() {
+    let params = with(&[("9024", 200)]);
+    let mut sim = machine(&params, &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    sim.receive(&heartbeat());
+    let events = steps(&mut sim, &mut gateway, 600);
+    assert_eq!(events, []);
+    assert_eq!(gateway.emergencies, []);
+    assert!(!sim.board().ticker().operator().hold);
+    // A program that somebody runs who never said that he lives.
+    Upload::new(1, &calls(PROGRAM, &params)).feed(&mut gateway, &mut sim);
+    gateway.order(&mut sim, Order::Run);
+    steps(&mut sim, &mut gateway, 600);
+    assert_eq!(gateway.status.state, BoardState::Run);
+}
+
+#[test]
+fn a_second_board_with_the_same_number_is_an_alarm() {
+    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    sim.receive(&NmtState::Operational.frame(NODE));
+    let events = steps(&mut sim, &mut gateway, 500);
+    assert!(
+        events
+            .iter()
+            .any(|e| matches!(e, Event::Alarm(a) if a.code == Code::NodeTwice)),
+        "{events:?}"
+    );
+}
+
+#[test]
+fn a_cycle_that_leaves_no_room_is_refused_when_the_board_joins() {
+    for (values, load) in [
+        (&[("9021", 1)][..], Some("103 %")),
+        (&[("9020", 500)][..], Some("136 %")),
+        (&[("9020", 500), ("9000", 2000)][..], None),
+    ] {
+        let params = with(values);
+        let mut board = Board::new(&params, None).unwrap();
+        match (board.join(NODE), load) {
+            (Ok(()), None) => {}
+            (Err(alarm), Some(_)) => assert_eq!(alarm.code, Code::BusOverload),
+            (got, _) => panic!("{values:?}: {got:?}"),
+        }
+    }
+}
+
+#[test]
+fn without_a_network_nothing_is_said() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    sim.receive(&NmtCommand::Start.frame(None));
+    sim.settle();
+    for _ in 0..1000 {
+        let row = sim.step();
+        assert!(row.is_none_or(|row| row.doing == Doing::Idle));
+    }
+    assert_eq!(sim.transmit(), None);
+}

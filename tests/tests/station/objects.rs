@@ -1,0 +1,182 @@
+//! The object dictionary as any CANopen tool finds it.
+
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_core::board::station::dictionary::{Access, Initial, Kind, items};
+use leadscrew_core::bus::{
+    Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, SdoError,
+    SdoProtocol,
+};
+use leadscrew_core::params::Params;
+use leadscrew_tests::gateway::Gateway;
+use leadscrew_tests::machine::machine;
+
+fn refused(abort: Abort) -> SdoError {
+    SdoError::Refused(abort.code())
+}
+
+#[test]
+fn every_object_answers_as_the_dictionary_says() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut last = None;
+    let mut count = 0;
+    for item in items() {
+        assert!(Some(item.object) > last, "{item:?}: in order, each once");
+        last = Some(item.object);
+        count += 1;
+        for protocol in [SdoProtocol::Short, SdoProtocol::Block] {
+            let read = gateway.read(&mut sim, item.object, protocol);
+            match (item.access, item.object.index) {
+                (Access::Write, _) => assert_eq!(read, Err(refused(Abort::WriteOnly))),
+                // The history of a machine without errors, and what has not been yet.
+                (_, 0x1003) if item.object.sub > 0 => {
+                    assert_eq!(read, Err(refused(Abort::NoData)));
+                }
+                (_, 0x5030) if item.object.sub > 0 => {
+                    assert_eq!(read, Err(refused(Abort::NoData)));
+                }
+                _ => {
+                    let bytes = read.unwrap_or_else(|e| panic!("{item:?}: {e:?}"));
+                    if let Some(length) = item.kind.bytes() {
+                        assert_eq!(bytes.len(), length, "{item:?}");
+                    }
+                    if let (Initial::Number(number), Some(length)) =
+                        (item.initial, item.kind.bytes())
+                    {
+                        assert_eq!(bytes, number.to_le_bytes()[..length], "{item:?}");
+                    }
+                    if let Initial::Text(text) = item.initial {
+                        assert_eq!(bytes, text.as_bytes());
+                    }
+                }
+            }
+        }
+        if matches!(item.access, Access::Const | Access::Read) {
+            let length = item.kind.bytes().unwrap_or(4);
+            let zeros = [0; 8];
+            let written =
+                gateway.write(&mut sim, item.object, &zeros[..length], SdoProtocol::Short);
+            assert_eq!(written, Err(refused(Abort::ReadOnly)), "{item:?}");
+        }
+        if item.access == Access::Both && item.kind != Kind::Domain {
+            let length = item.kind.bytes().unwrap();
+            let zeros = [0; 9];
+            let long = gateway.write(
+                &mut sim,
+                item.object,
+                &zeros[..=length],
+                SdoProtocol::Segmented,
+            );
+            assert_eq!(long, Err(refused(Abort::TooLong)), "{item:?}");
+            if length > 1 {
+                let short = gateway.write(
+                    &mut sim,
+                    item.object,
+                    &zeros[..length - 1],
+                    SdoProtocol::Short,
+                );
+                assert_eq!(short, Err(refused(Abort::TooShort)), "{item:?}");
+            }
+        }
+    }
+    assert!(count > 300, "{count}");
+    for (object, abort) in [
+        (Object::new(0x1002, 0), Abort::NoObject),
+        (Object::new(0x1018, 5), Abort::NoSubIndex),
+        (Object::new(0x2000, 0), Abort::NoObject),
+        (Object::new(0x2000 + 1420, 4), Abort::NoSubIndex),
+        (Object::new(0x2000 + 9007, 1), Abort::NoSubIndex),
+        (Object::new(0x6041, 0), Abort::NoObject),
+    ] {
+        assert_eq!(
+            gateway.read(&mut sim, object, SdoProtocol::Short),
+            Err(refused(abort)),
+            "{object:?}"
+        );
+        assert_eq!(
+            gateway.write(&mut sim, object, &[0], SdoProtocol::Short),
+            Err(refused(abort)),
+            "{object:?}"
+        );
+    }
+}
+
+#[test]
+fn mappings_are_those_of_the_frames() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut same = |index, mapping: &[Mapped]| {
+        assert_eq!(gateway.number(&mut sim, index, 0), Ok(mapping.len() as u64));
+        for (sub, mapped) in (1..).zip(mapping) {
+            let raw = u64::from(mapped.raw());
+            assert_eq!(gateway.number(&mut sim, index, sub), Ok(raw));
+            let item = items()
+                .find(|item| item.object == mapped.object)
+                .expect("the mapped object");
+            assert!(item.mappable);
+            assert_eq!(item.kind.bytes(), Some(usize::from(mapped.bits / 8)));
+        }
+    };
+    same(0x1600, &BoardCommand::MAPPING);
+    same(0x1A00, &BoardStatus::MAPPING);
+    same(0x1A01, &BoardPlace::MAPPING);
+    same(0x1A02, &BoardSpindle::MAPPING);
+}
+
+#[test]
+fn the_facts_of_5001h_are_those_of_the_process_data() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    for _ in 0..30 {
+        sim.step();
+        gateway.listen(&mut sim);
+    }
+    assert_eq!(gateway.number(&mut sim, 0x5001, 0), Ok(12));
+    let state = gateway.status.state as u64;
+    assert_eq!(gateway.number(&mut sim, 0x5001, 2), Ok(state));
+    let credit = u64::from(gateway.status.credit);
+    assert!(credit > 0);
+    assert_eq!(gateway.number(&mut sim, 0x5001, 7), Ok(credit));
+    // Nothing is synchronised.
+    assert_eq!(gateway.number(&mut sim, 0x5001, 12), Ok(0x8000));
+}
+
+#[test]
+fn the_operator_works_by_sdo_too() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut write = |sim: &mut _, sub, value: u8| {
+        gateway.write(sim, Object::new(0x5000, sub), &[value], SdoProtocol::Short)
+    };
+    assert_eq!(write(&mut sim, 4, 50), Ok(()));
+    assert_eq!(write(&mut sim, 3, 0x11), Ok(()));
+    assert_eq!(write(&mut sim, 2, 2), Ok(()));
+    assert_eq!(write(&mut sim, 2, 6), Err(refused(Abort::TooHigh)));
+    sim.step();
+    let operator = *sim.board().ticker().operator();
+    assert!(operator.hold && operator.single_block);
+    assert_eq!(operator.feed_percent(), 50);
+    // 255 leaves it.
+    assert_eq!(write(&mut sim, 4, 255), Ok(()));
+    sim.step();
+    assert_eq!(gateway.number(&mut sim, 0x5000, 4), Ok(50));
+    assert_eq!(gateway.number(&mut sim, 0x5000, 3), Ok(1));
+}
+
+#[test]
+fn signals_are_inputs_and_undefined_bits_are_refused() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let object = Object::new(0x5060, 0);
+    let mut write = |sim: &mut _, value: u16| {
+        gateway.write(sim, object, &value.to_le_bytes(), SdoProtocol::Short)
+    };
+    assert_eq!(write(&mut sim, 0x0021), Ok(()));
+    assert_eq!(write(&mut sim, 0x0008), Err(refused(Abort::Value)));
+    assert_eq!(write(&mut sim, 0x1000), Err(refused(Abort::TooHigh)));
+    sim.step();
+    let signals = sim.board().ticker().operator().signals;
+    assert!(signals.g61_2);
+    assert_eq!(signals.sws, 2);
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x21));
+}

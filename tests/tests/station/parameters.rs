@@ -1,0 +1,213 @@
+//! Parameters over the bus: one by one with their ranges, or a whole set, all or nothing.
+
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError, SdoProtocol};
+use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_tests::gateway::{Gateway, Upload};
+use leadscrew_tests::machine::{calls, machine};
+
+const IMAGE: Object = Object::new(0x5010, 1);
+
+fn parameter(no: u16, sub: u8) -> Object {
+    Object::new(0x2000 + no, sub)
+}
+
+fn write(
+    gateway: &mut Gateway,
+    sim: &mut Sim,
+    object: Object,
+    value: i64,
+    length: usize,
+) -> Result<(), SdoError> {
+    let bytes = value.to_le_bytes();
+    let written = gateway.write(sim, object, &bytes[..length], SdoProtocol::Short);
+    written.map_err(|error| match error {
+        SdoError::Refused(_) => error,
+        other => panic!("{other:?}"),
+    })
+}
+
+fn refused(abort: Abort) -> Result<(), SdoError> {
+    Err(SdoError::Refused(abort.code()))
+}
+
+/// Lets the drives come up again.
+fn rest(gateway: &mut Gateway, sim: &mut Sim) {
+    for _ in 0..2000 {
+        sim.step();
+        while sim.event().is_some() {}
+        gateway.listen(sim);
+        if gateway.status.state == BoardState::Idle {
+            return;
+        }
+    }
+    panic!("the drives did not come up: {:?}", gateway.status);
+}
+
+#[test]
+fn a_value_is_taken_in_its_range_and_comes_into_force() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    // 9007: 1…50 %.
+    let tolerance = parameter(9007, 0);
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 9007, 0), Ok(15));
+    let before = gateway.number(&mut sim, 0x1020, 1).unwrap();
+    for (value, expected) in [
+        (51, refused(Abort::TooHigh)),
+        (0, refused(Abort::TooLow)),
+        (10, Ok(())),
+    ] {
+        assert_eq!(write(&mut gateway, &mut sim, tolerance, value, 1), expected);
+    }
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 9007, 0), Ok(10));
+    assert_ne!(gateway.number(&mut sim, 0x1020, 1), Ok(before));
+    rest(&mut gateway, &mut sim);
+    // An axis is a sub-index, and the second number of a record is the same parameter.
+    let rapid = parameter(1420, 2);
+    let slow = 1_000_000_000;
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 1420, 0), Ok(3));
+    let length = gateway
+        .read(&mut sim, rapid, SdoProtocol::Short)
+        .unwrap()
+        .len();
+    assert_eq!(
+        write(&mut gateway, &mut sim, rapid, slow, length),
+        refused(Abort::Incompatible),
+        "slower than the cutting feed"
+    );
+    assert_eq!(
+        gateway.number(&mut sim, 0x2000 + 19, 0),
+        gateway.number(&mut sim, 0x2000 + 5130, 0)
+    );
+}
+
+#[test]
+fn bits_are_one_byte_and_no_limit_is_a_value() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let switch = parameter(9008, 0);
+    assert_eq!(write(&mut gateway, &mut sim, switch, 1, 1), Ok(()));
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 9008, 0), Ok(1));
+    assert_eq!(
+        write(&mut gateway, &mut sim, switch, 2, 1),
+        refused(Abort::TooHigh)
+    );
+    let limit = parameter(1320, 3);
+    assert_eq!(write(&mut gateway, &mut sim, limit, i64::MAX, 8), Ok(()));
+    assert_eq!(
+        write(&mut gateway, &mut sim, limit, i64::MAX - 1, 8),
+        refused(Abort::TooHigh)
+    );
+}
+
+#[test]
+fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
+    let params = Params::slant_bed();
+    let mut sim = machine(&params, &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let program = calls("G98 F500\nG01 X20\nM30\n", &params);
+    Upload::new(1, &program).feed(&mut gateway, &mut sim);
+    gateway.order(&mut sim, Order::Run);
+    for _ in 0..100 {
+        sim.step();
+    }
+    let tolerance = parameter(9007, 0);
+    let mut image = vec![0; ImageWriter::BYTES as usize];
+    ImageWriter::new(&params).read(0, &mut image);
+    assert_eq!(
+        write(&mut gateway, &mut sim, tolerance, 10, 1),
+        refused(Abort::State)
+    );
+    assert_eq!(
+        gateway.write(&mut sim, IMAGE, &image, SdoProtocol::Block),
+        refused(Abort::State)
+    );
+    gateway.order(&mut sim, Order::Reset);
+    rest(&mut gateway, &mut sim);
+
+    let enable = parameter(9026, 0);
+    assert_eq!(write(&mut gateway, &mut sim, enable, 0, 1), Ok(()));
+    assert_eq!(
+        write(&mut gateway, &mut sim, tolerance, 10, 1),
+        refused(Abort::LocalControl)
+    );
+    assert_eq!(
+        gateway.write(&mut sim, IMAGE, &image, SdoProtocol::Block),
+        refused(Abort::LocalControl)
+    );
+    assert_eq!(write(&mut gateway, &mut sim, enable, 1, 1), Ok(()));
+    assert_eq!(write(&mut gateway, &mut sim, tolerance, 10, 1), Ok(()));
+}
+
+#[test]
+fn an_image_is_read_written_and_taken_whole_or_not_at_all() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut wanted = Params::slant_bed();
+    for (key, raw) in [("9007", 12), ("9009", 2_000_000), ("1221.Z", 5_000_000)] {
+        wanted.set(Entry::find_text(key).unwrap(), raw).unwrap();
+    }
+    let mut image = vec![0; ImageWriter::BYTES as usize];
+    ImageWriter::new(&wanted).read(0, &mut image);
+    let identity_of = |gateway: &mut Gateway, sim: &mut Sim| {
+        gateway.number(sim, 0x1020, 1).expect("the identity") as u32
+    };
+
+    // Damaged, short, of another table, and one that cannot work.
+    let mut damaged = image.clone();
+    damaged[100] ^= 1;
+    let mut foreign = image.clone();
+    foreign[0] ^= 1;
+    let mut impossible = wanted.clone();
+    let rapid = Entry::find_text("1420.X").unwrap();
+    impossible.set(rapid, rapid.min).unwrap();
+    let mut useless = image.clone();
+    ImageWriter::new(&impossible).read(0, &mut useless);
+    for (bytes, abort) in [
+        (&damaged[..], Abort::Crc),
+        (&image[..image.len() - 1], Abort::Length),
+        (&foreign[..], Abort::Incompatible),
+        (&useless[..], Abort::Incompatible),
+    ] {
+        for protocol in [SdoProtocol::Block, SdoProtocol::Segmented] {
+            assert_eq!(
+                gateway.write(&mut sim, IMAGE, bytes, protocol),
+                refused(abort),
+                "{abort:?}"
+            );
+            assert_eq!(
+                identity_of(&mut gateway, &mut sim),
+                identity(&Params::slant_bed())
+            );
+        }
+    }
+    gateway
+        .write(&mut sim, IMAGE, &image, SdoProtocol::Block)
+        .unwrap();
+    assert_eq!(identity_of(&mut gateway, &mut sim), identity(&wanted));
+    for protocol in [SdoProtocol::Block, SdoProtocol::Short] {
+        assert_eq!(gateway.read(&mut sim, IMAGE, protocol), Ok(image.clone()));
+    }
+    // The drives come up, and the machine works with it.
+    rest(&mut gateway, &mut sim);
+    let before = sim.board().ticker().executor().position();
+    assert_eq!(before, Default::default());
+}
+
+#[test]
+fn storing_is_refused_as_what_it_is() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    assert_eq!(gateway.number(&mut sim, 0x1010, 1), Ok(0));
+    assert_eq!(
+        gateway.write(
+            &mut sim,
+            Object::new(0x1010, 1),
+            b"save",
+            SdoProtocol::Short
+        ),
+        refused(Abort::NotStored)
+    );
+}
