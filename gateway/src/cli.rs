@@ -396,7 +396,7 @@ pub enum ParamsCommand {
     Validate,
     /// Print the manual of all parameters as Markdown
     Docs {
-        /// The electronic data sheet for CANopen tools (not available yet)
+        /// The board's electronic data sheet (EDS) for CANopen tools
         #[arg(long)]
         eds: bool,
     },

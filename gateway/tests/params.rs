@@ -154,7 +154,6 @@ fn what_the_command_line_gets_wrong_is_a_usage_error() {
             &["params", "validate", "--params", "nowhere.toml"],
             "there is no such file",
         ),
-        (&["params", "docs", "--eds"], "not available yet"),
         (
             &["params", "set", "182.7=1"],
             "`params set` is not available yet",

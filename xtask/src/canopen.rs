@@ -58,29 +58,30 @@ pub fn python() -> Result<PathBuf> {
 pub fn check() -> Result<u64> {
     let python = python()?;
     let root = run::root();
-    run::show(run::cargo(
-        &root,
-        &[
-            "build",
-            "--quiet",
-            "--package",
-            "leadscrew-tests",
-            "--example",
-            "canopen_node",
-        ],
-    ))?;
-    let node = root.join("target/debug/examples/canopen_node");
+    let build = |what: &[&str]| {
+        let args = [&["build", "--quiet"], what].concat();
+        run::show(run::cargo(&root, &args))
+    };
+    build(&["--package", "leadscrew-tests", "--example", "canopen_node"])?;
+    build(&["--package", "leadscrew"])?;
+    let built = root.join("target").join("debug");
+    let node = built.join("examples").join("canopen_node");
+    let leadscrew = built.join("leadscrew");
+    let args = ["params", "docs", "--eds"];
+    let sheet = run::read(run::command(&root, &leadscrew.to_string_lossy(), &args))?;
+    let eds = run::scratch("canopen")?.join("leadscrew.eds");
+    fs::write(&eds, sheet).with_context(|| format!("cannot write {}", eds.display()))?;
     let mut unittest = run::command(
         &tests(),
         &python.to_string_lossy(),
         &["-B", "-m", "unittest"],
     );
-    unittest.env("CANOPEN_NODE", node);
+    unittest.env("CANOPEN_NODE", node).env("CANOPEN_EDS", eds);
     let output = unittest.output().context("cannot start Python")?;
     // It reports on standard error: `Ran 7 tests in 3.142s`, then `OK`.
     let report = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        bail!("the Python package canopen finds fault with the board:\n{report}");
+        bail!("the Python package canopen finds fault:\n{report}");
     }
     let passed = report
         .lines()
@@ -89,7 +90,9 @@ pub fn check() -> Result<u64> {
     if passed == 0 {
         bail!("Python found no tests in {}:\n{report}", tests().display());
     }
-    println!("{passed} tests of the Python package canopen against the board's services passed");
+    println!(
+        "{passed} tests of the Python package canopen against the board's services and data sheet passed"
+    );
     Ok(passed)
 }
 

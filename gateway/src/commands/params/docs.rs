@@ -7,17 +7,13 @@ use leadscrew_core::params::{Entry, Params};
 
 use super::{json_list, meaning, name, print, unit_text, value_text};
 use crate::cli::Global;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::setup;
-use crate::words::both;
 
 /// Prints the manual.
 pub fn run(global: &Global, eds: bool) -> Outcome {
     if eds {
-        return Err(Failure::Usage(both!(
-            "`params docs --eds` is not available yet",
-            "`params docs --eds` 尚未提供"
-        )));
+        return print(super::eds::sheet().as_bytes());
     }
     if global.json {
         let loaded = setup::load(global)?;

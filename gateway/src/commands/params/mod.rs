@@ -1,6 +1,7 @@
 //! `params`: one file a verb, and what they share: a value as text and as JSON.
 
 mod docs;
+mod eds;
 mod get;
 mod list;
 mod validate;
