@@ -190,7 +190,7 @@ pub fn tests(profile: &[&str], filter: &str, seen: impl FnMut(&str)) -> Result<b
         "-p",
         "leadscrew",
         "-p",
-        "leadscrew-board-sim",
+        "leadscrew-board-sim-host",
     ];
     run::show(run::cargo(&root, &[&programs[..], profile].concat()))?;
     let build = [

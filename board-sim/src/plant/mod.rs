@@ -61,6 +61,8 @@ pub struct PlantOptions {
     pub ripple: Option<Ripple>,
     /// The drives, all alike.
     pub drives: DriveOptions,
+    /// Axes whose drives are elsewhere on the bus, in the order of [`Axis::ALL`]: nothing here answers for them.
+    pub away: [bool; 3],
 }
 
 /// A plant that cannot be.
@@ -99,6 +101,7 @@ pub struct Plant {
     x: Drive,
     z: Drive,
     c: Drive,
+    away: [bool; 3],
     spindle_drive: Drive,
     /// Increments of the spindle's drive to a turn.
     per_turn: u32,
@@ -119,7 +122,6 @@ impl Plant {
             options.counter,
         )
         .ok_or(PlantError::Encoder)?;
-        let at = options.at;
         let zero = Increments::new(0);
         // A spindle drive reports its encoder; this follower never moves.
         let still = Follower::new(zero, 0, 1, 0).ok_or(PlantError::Encoder)?;
@@ -135,9 +137,10 @@ impl Plant {
             started: false,
             spindle,
             encoder,
-            x: axis_drive(params, options, Axis::X, NodeId::DRIVE_X, at.x.nm())?,
-            z: axis_drive(params, options, Axis::Z, NodeId::DRIVE_Z, at.z.nm())?,
-            c: axis_drive(params, options, Axis::C, NodeId::DRIVE_C, at.c.udeg())?,
+            x: axis_drive(params, options, Axis::X)?,
+            z: axis_drive(params, options, Axis::Z)?,
+            c: axis_drive(params, options, Axis::C)?,
+            away: options.away,
             spindle_drive: Drive::new(NodeId::SPINDLE_1, staggered(options, 3), still),
             per_turn: params.spindle_increments(),
             position,
@@ -201,21 +204,26 @@ impl Plant {
             let angle = self.spindle.angle().increments(self.per_turn);
             let measured = Increments::new(angle as i32);
             self.spindle_drive.turns(!self.spindle.stands());
-            self.x.sync(None, &mut *to_board);
-            self.z.sync(None, &mut *to_board);
-            self.c.sync(None, &mut *to_board);
+            for drive in self.axes_here() {
+                drive.sync(None, &mut *to_board);
+            }
             self.spindle_drive.sync(Some(measured), &mut *to_board);
             self.spindle.command(self.spindle_drive.velocity());
         } else {
-            for drive in [
-                &mut self.x,
-                &mut self.z,
-                &mut self.c,
-                &mut self.spindle_drive,
-            ] {
+            for drive in self.axes_here() {
                 drive.receive(frame);
             }
+            self.spindle_drive.receive(frame);
         }
+    }
+
+    fn axes_here(&mut self) -> impl Iterator<Item = &mut Drive> {
+        let drives = [&mut self.x, &mut self.z, &mut self.c];
+        let away = self.away;
+        drives
+            .into_iter()
+            .zip(away)
+            .filter_map(|(drive, away)| (!away).then_some(drive))
     }
 
     /// The true state of things now.
@@ -261,13 +269,20 @@ fn staggered(options: &PlantOptions, place: u8) -> DriveOptions {
     }
 }
 
-fn axis_drive(
+/// The drive of an axis, just switched on.
+///
+/// # Errors
+/// The parameters or the position make no drive.
+pub fn axis_drive(
     params: &Params,
     options: &PlantOptions,
     axis: Axis,
-    node: NodeId,
-    position: i64,
 ) -> Result<Drive, PlantError> {
+    let (node, position) = match axis {
+        Axis::X => (NodeId::DRIVE_X, options.at.x.nm()),
+        Axis::Z => (NodeId::DRIVE_Z, options.at.z.nm()),
+        Axis::C => (NodeId::DRIVE_C, options.at.c.udeg()),
+    };
     let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))
         .ok_or(PlantError::Scale(axis))?;
     let at = scale

@@ -3,6 +3,7 @@
 //! Nothing here is skipped. Without an interface every test fails and says how to get one; `cargo xtask vcan` finds or
 //! makes one. Counts, order and contents are asserted, never time.
 
+mod board;
 mod bus;
 mod other;
 mod record;

@@ -1,0 +1,256 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand};
+use leadscrew::failure::{Failure, Outcome};
+use leadscrew::params;
+use leadscrew::setup;
+use leadscrew::values::{At, Ripple, SetSignal};
+use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions};
+use leadscrew_can::Address;
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Position;
+use leadscrew_core::units::{Angle, Axis, Length};
+
+use crate::when::{Disturbance, Loss, Slip, Trouble};
+
+const EXAMPLES: &str = "\
+Examples:
+  board-sim --bus vcan0                                     a lathe in real time, until Ctrl-C
+  board-sim --bus vcan0 --lockstep                          the same in virtual time, for tests
+  board-sim --bus vcan0 --drives elsewhere                  with the axis drives in another process:
+  board-sim drives --bus vcan0
+  board-sim --bus vcan0 --trouble X=fault:7305@4000         a drive that fails four seconds after the start
+  board-sim --bus vcan0 --lockstep --program part.nc        runs a program by itself, then ends
+
+A virtual bus: ip link add dev vcan0 type vcan && ip link set vcan0 mtu 72 up";
+
+/// A simulated board with its drives, spindle and encoder, on a real CAN bus.
+#[derive(Debug, Parser)]
+#[command(
+    name = "board-sim",
+    version,
+    after_help = EXAMPLES,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    max_term_width = 110
+)]
+pub struct Cli {
+    /// Something else than a board.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The board.
+    #[command(flatten)]
+    pub board: Board,
+}
+
+/// What else there is.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// The drives of the axes alone, for a board in another process
+    Drives(Drives),
+}
+
+/// The machine and the bus.
+#[derive(Args, Debug)]
+pub struct Common {
+    /// The bus: an interface (`vcan0`, `socketcan:can0`) or `slcan:…`
+    #[arg(long, value_name = "BUS", required = true)]
+    pub bus: Option<Address>,
+    /// Parameter file of the machine (repeatable; later files win)
+    #[arg(long, value_name = "FILE")]
+    pub params: Vec<PathBuf>,
+    /// One parameter, after all files (repeatable)
+    #[arg(long, value_name = "NO[.BIT|.AXIS]=VALUE")]
+    pub set: Vec<String>,
+    /// Where the machine powers up, in machine coordinates, X a diameter: `X=100,Z=50`
+    #[arg(long, value_name = "X=…,Z=…", allow_hyphen_values = true)]
+    pub at: Option<At>,
+    /// Drives answer every N-th SYNC
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=240))]
+    pub transmission: u8,
+    /// SYNC periods that each change of a drive's power state takes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub settling: u16,
+    /// Time constant of the drives' following lag, in SYNC periods
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub lag: u16,
+}
+
+/// A board.
+#[derive(Args, Debug)]
+pub struct Board {
+    /// The machine and the bus.
+    #[command(flatten)]
+    pub common: Common,
+    /// CANopen node of the board, 1 to 127
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=127))]
+    pub node: u8,
+    /// Virtual time: a tick waits for the drives' answers and for the program, and for no clock
+    #[arg(long)]
+    pub lockstep: bool,
+    /// Where the axis drives are: `here`, `elsewhere` on the bus, or the axes whose drives are here (`X,Z`)
+    #[arg(long, value_name = "here|elsewhere|AXES", default_value = "here")]
+    pub drives: Here,
+    /// Speed ripple of the spindle: a sine of PERCENT of the commanded speed, as `10@5`
+    #[arg(long, value_name = "PERCENT@HZ")]
+    pub spindle_ripple: Option<Ripple>,
+    /// An input from the start (repeatable)
+    #[arg(long, value_name = "NAME=0|1")]
+    pub signal: Vec<SetSignal>,
+    /// Trouble of a drive from a tick on (repeatable): silent, stuck, torque-off, fault:CODE, none
+    #[arg(long, value_name = "X|Z|C|S=WHAT@TICK")]
+    pub trouble: Vec<Trouble>,
+    /// The encoder loses or gains counts at a tick (repeatable)
+    #[arg(long, value_name = "COUNTS@TICK", allow_hyphen_values = true)]
+    pub slip: Vec<Slip>,
+    /// The encoder's index stays out from this tick on
+    #[arg(long, value_name = "TICK")]
+    pub lost_index: Option<u64>,
+    /// The spindle is dragged to so many percent of its speed from a tick on (repeatable; negative: backwards)
+    #[arg(long, value_name = "PERCENT@TICK", allow_hyphen_values = true)]
+    pub drag: Vec<Disturbance>,
+    /// Frames to the board that are lost on the way, in thousandths
+    #[arg(long, value_name = "PER_MILLE", default_value = "0")]
+    pub lose: Loss,
+    /// Seed of every noise source
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Runs this program by itself once the drives are up, then ends
+    #[arg(long, value_name = "PROG")]
+    pub program: Option<PathBuf>,
+    /// Ends after so many ticks
+    #[arg(long, value_name = "N")]
+    pub ticks: Option<u64>,
+}
+
+/// Drives alone.
+#[derive(Args, Debug)]
+pub struct Drives {
+    /// The machine and the bus.
+    #[command(flatten)]
+    pub common: Common,
+    /// Which axes
+    #[arg(long, value_name = "AXES", default_value = "X,Z,C")]
+    pub axes: Here,
+}
+
+/// The axes whose drives are here, in the order of [`Axis::ALL`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Here(pub [bool; 3]);
+
+impl FromStr for Here {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "here" => return Ok(Self([true; 3])),
+            "elsewhere" => return Ok(Self([false; 3])),
+            _ => {}
+        }
+        let mut here = [false; 3];
+        for name in text.split(',') {
+            let axis = Axis::ALL.into_iter().position(|axis| {
+                name.trim()
+                    .eq_ignore_ascii_case(&char::from(axis.letter()).to_string())
+            });
+            match axis.and_then(|axis| here.get_mut(axis)) {
+                Some(place) => *place = true,
+                None => {
+                    return Err(format!(
+                        "`{name}`: expected `here`, `elsewhere`, or axes as `X,Z`"
+                    ));
+                }
+            }
+        }
+        Ok(Self(here))
+    }
+}
+
+impl Common {
+    /// The bus; the command line has one.
+    pub fn address(&self) -> &Address {
+        self.bus.as_ref().unwrap_or(&Address::Sim)
+    }
+
+    /// The parameters, with everything that is wrong with them told.
+    pub fn load(&self) -> Outcome<Params> {
+        let loaded = params::load(&self.params, &self.set, Lang::En)?;
+        loaded.tell(setup::colour());
+        if loaded.is_good() {
+            Ok(loaded.params)
+        } else {
+            Err(Failure::Wrong)
+        }
+    }
+
+    /// The plant, but for the spindle.
+    pub fn plant(&self) -> PlantOptions {
+        let at = self.at.unwrap_or_default();
+        PlantOptions {
+            at: Position {
+                x: Length::from_nm(at.x_nm),
+                z: Length::from_nm(at.z_nm),
+                c: Angle::from_udeg(at.c_udeg),
+            },
+            drives: DriveOptions {
+                transmission: self.transmission,
+                start: 0,
+                settling: self.settling,
+                lag: self.lag,
+            },
+            ..PlantOptions::default()
+        }
+    }
+}
+
+impl Board {
+    /// The plant.
+    pub fn plant(&self) -> Option<PlantOptions> {
+        let ripple = match self.spindle_ripple {
+            None => None,
+            Some(ripple) => Some(plant::Ripple::new(ripple.milli_percent, ripple.milli_hz)?),
+        };
+        let Here(here) = self.drives;
+        Some(PlantOptions {
+            ripple,
+            away: here.map(|here| !here),
+            ..self.common.plant()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_fit_together() {
+        use clap::CommandFactory as _;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn drives_are_here_or_not() {
+        assert_eq!("here".parse(), Ok(Here([true; 3])));
+        assert_eq!("elsewhere".parse(), Ok(Here([false; 3])));
+        assert_eq!("x,C".parse(), Ok(Here([true, false, true])));
+        assert!("Y".parse::<Here>().is_err());
+    }
+
+    #[test]
+    fn a_board_wants_a_bus_and_so_do_drives() {
+        assert!(Cli::try_parse_from(["board-sim"]).is_err());
+        assert!(Cli::try_parse_from(["board-sim", "drives"]).is_err());
+        let cli = Cli::try_parse_from(["board-sim", "--bus", "vcan0", "--lockstep"]).unwrap();
+        assert_eq!(
+            cli.board.common.address(),
+            &Address::SocketCan("vcan0".into())
+        );
+        let cli = Cli::try_parse_from(["board-sim", "drives", "--bus", "can1"]).unwrap();
+        assert!(cli.command.is_some());
+    }
+}

@@ -1,0 +1,50 @@
+//! `board-sim`: a simulated board with its drives, spindle and encoder, on a real CAN bus.
+//!
+//! ```text
+//! board-sim --bus vcan0 --node 1              in real time, until Ctrl-C
+//! board-sim --bus vcan0 --lockstep            in virtual time: nothing depends on how fast the bus is
+//! board-sim drives --bus vcan0                the drives of the axes alone, for a board that is elsewhere
+//! ```
+//!
+//! Every setpoint and every answer goes over the wire, also where board and drives live in one process. What a board is
+//! stands in `leadscrew_core`, what is around it in `leadscrew_board_sim`; here are clocks, sockets and options.
+
+mod cli;
+mod drives;
+mod lockstep;
+mod machine;
+mod program;
+mod real_time;
+mod when;
+mod wire;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use leadscrew::failure::Outcome;
+use leadscrew::interrupt;
+use leadscrew_core::alarm::Lang;
+
+use crate::cli::{Cli, Command};
+use crate::machine::Machine;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    interrupt::watch();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(Lang::En),
+    }
+}
+
+fn run(cli: &Cli) -> Outcome {
+    if let Some(Command::Drives(args)) = &cli.command {
+        return drives::run(args);
+    }
+    let machine = Machine::new(&cli.board)?;
+    if cli.board.lockstep {
+        lockstep::run(machine)
+    } else {
+        real_time::run(machine)
+    }
+}

@@ -1,0 +1,88 @@
+//! A program that the board carries out by itself, handed over as there is room.
+
+use std::path::Path;
+
+use leadscrew::failure::{Doing, Failure, Outcome};
+use leadscrew::program::Program;
+use leadscrew::source::SourceFile;
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::Board;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{Call, Event, Options, Position};
+
+/// A program on its way into a board.
+pub struct Feeder {
+    source: SourceFile,
+    program: Program<'static>,
+    next: Option<Call>,
+    over: bool,
+}
+
+impl Feeder {
+    /// Opens a program for a tool that stands here.
+    pub fn open(path: &Path, params: &Params, position: Position) -> Outcome<Self> {
+        let source = SourceFile::new(path);
+        // One for the life of the process.
+        let params: &'static Params = Box::leak(Box::new(params.clone()));
+        let options = Options {
+            position,
+            ..Options::default()
+        };
+        let program = Program::open(&source, params, options)
+            .map_err(|error| Failure::file(Doing::Read, path.display(), &error))?;
+        Ok(Self {
+            source,
+            program,
+            next: None,
+            over: false,
+        })
+    }
+
+    /// The text.
+    pub const fn source(&self) -> &SourceFile {
+        &self.source
+    }
+
+    /// Hands over what there is room for; true where that was anything.
+    ///
+    /// # Errors
+    /// The text is wrong from here on.
+    pub fn feed(&mut self, board: &mut Board) -> Result<bool, Alarm> {
+        let mut fed = false;
+        loop {
+            if self.next.is_none() && !self.over {
+                self.next = self.read()?;
+            }
+            match &self.next {
+                Some(call) if board.offer(call) => {
+                    self.next = None;
+                    fed = true;
+                }
+                _ => return Ok(fed),
+            }
+        }
+    }
+
+    fn read(&mut self) -> Result<Option<Call>, Alarm> {
+        loop {
+            match self.program.next_event() {
+                Ok(Some(Ok(Event::Call(call)))) => return Ok(Some(call)),
+                Ok(Some(Ok(Event::Warning(_)))) => {}
+                Ok(Some(Err(alarm))) => {
+                    self.over = true;
+                    return Err(alarm);
+                }
+                // A file that cannot be read any further ends there.
+                Ok(None) | Err(_) => {
+                    self.over = true;
+                    return Ok(None);
+                }
+            }
+        }
+    }
+
+    /// True where all of it has been handed over.
+    pub const fn is_over(&self) -> bool {
+        self.over && self.next.is_none()
+    }
+}

@@ -1,0 +1,186 @@
+//! What goes wrong with the plant, and at which tick: counted, as in `simulate`, from the tick at which the machine is up.
+
+use std::str::FromStr;
+
+use leadscrew_board_sim::plant::{self, Plant};
+use leadscrew_core::units::Axis;
+
+/// Splits `WHAT@TICK`.
+fn at(text: &str) -> Result<(&str, u64), String> {
+    text.rsplit_once('@')
+        .and_then(|(what, tick)| Some((what, tick.parse().ok()?)))
+        .ok_or_else(|| format!("`{text}`: expected a tick at the end, as `…@4000`"))
+}
+
+/// Trouble of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Trouble {
+    /// `None`: the spindle's.
+    axis: Option<Axis>,
+    what: plant::Trouble,
+    tick: u64,
+}
+
+impl FromStr for Trouble {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (which, tick) = at(text)?;
+        let (name, what) = which
+            .split_once('=')
+            .ok_or_else(|| format!("`{text}`: expected `X=silent@4000`"))?;
+        let axis = match name.to_ascii_uppercase().as_str() {
+            "X" => Some(Axis::X),
+            "Z" => Some(Axis::Z),
+            "C" => Some(Axis::C),
+            "S" => None,
+            _ => return Err(format!("there is no drive `{name}`: X, Z, C and S are")),
+        };
+        let what = match what {
+            "none" => plant::Trouble::None,
+            "silent" => plant::Trouble::Silent,
+            "stuck" => plant::Trouble::Stuck,
+            "torque-off" => plant::Trouble::TorqueOff,
+            _ => match what
+                .strip_prefix("fault:")
+                .map(|code| u16::from_str_radix(code, 16))
+            {
+                Some(Ok(code)) => plant::Trouble::Fault(code),
+                _ => {
+                    return Err(format!(
+                        "`{what}`: expected silent, stuck, torque-off, none, or fault: and an emergency code, as \
+                         `fault:7305`"
+                    ));
+                }
+            },
+        };
+        Ok(Self { axis, what, tick })
+    }
+}
+
+/// Counts that the encoder loses or gains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slip {
+    counts: i32,
+    tick: u64,
+}
+
+impl FromStr for Slip {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (counts, tick) = at(text)?;
+        let counts = counts
+            .parse()
+            .map_err(|_| format!("`{counts}` is no number of counts"))?;
+        Ok(Self { counts, tick })
+    }
+}
+
+/// The spindle is dragged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Disturbance {
+    percent: i16,
+    tick: u64,
+}
+
+impl FromStr for Disturbance {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (percent, tick) = at(text)?;
+        let percent = percent
+            .trim_end_matches('%')
+            .parse()
+            .map_err(|_| format!("`{percent}` is no whole percentage"))?;
+        Ok(Self { percent, tick })
+    }
+}
+
+/// Frames lost, in thousandths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Loss(pub u16);
+
+impl FromStr for Loss {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(per_mille @ 0..=1000) => Ok(Self(per_mille)),
+            _ => Err("expected a whole number of thousandths, 0 to 1000".into()),
+        }
+    }
+}
+
+/// All that goes wrong.
+#[derive(Clone, Debug, Default)]
+pub struct Script {
+    /// Of drives.
+    pub troubles: Vec<Trouble>,
+    /// Of the encoder.
+    pub slips: Vec<Slip>,
+    /// Of its index.
+    pub lost_index: Option<u64>,
+    /// Of the spindle.
+    pub drags: Vec<Disturbance>,
+}
+
+impl Script {
+    /// Lets happen what happens at this tick.
+    pub fn act(&self, tick: u64, plant: &mut Plant) {
+        for trouble in self.troubles.iter().filter(|one| one.tick == tick) {
+            match trouble.axis {
+                Some(axis) => plant.drive(axis).trouble(trouble.what),
+                None => plant.spindle_drive().trouble(trouble.what),
+            }
+        }
+        for slip in self.slips.iter().filter(|one| one.tick == tick) {
+            plant.encoder().slip(slip.counts);
+        }
+        for drag in self.drags.iter().filter(|one| one.tick == tick) {
+            plant.spindle().disturb(drag.percent);
+        }
+        if self.lost_index == Some(tick) {
+            plant.encoder().break_index(true);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn troubles_name_drive_kind_and_tick() {
+        assert_eq!(
+            "x=fault:7305@4000".parse(),
+            Ok(Trouble {
+                axis: Some(Axis::X),
+                what: plant::Trouble::Fault(0x7305),
+                tick: 4000
+            })
+        );
+        assert_eq!(
+            "S=silent@0".parse::<Trouble>().map(|trouble| trouble.axis),
+            Ok(None)
+        );
+        for wrong in ["X=silent", "Y=silent@1", "X=broken@1", "X=fault:@1", "X@1"] {
+            assert!(wrong.parse::<Trouble>().is_err(), "{wrong}");
+        }
+        assert_eq!(
+            "-4@10".parse(),
+            Ok(Slip {
+                counts: -4,
+                tick: 10
+            })
+        );
+        assert_eq!(
+            "-20%@10".parse(),
+            Ok(Disturbance {
+                percent: -20,
+                tick: 10
+            })
+        );
+        assert!("1001".parse::<Loss>().is_err());
+    }
+}

@@ -1,0 +1,276 @@
+//! `board-sim` on the bus: what it puts on the wire is what the machine inside one process would have.
+
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use leadscrew_can::{Can as _, Entry, LogReader, Packet, SocketCan};
+use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
+
+use crate::bus::{Running, eventually, frame, open, ours, scratch, sockets_on, tool};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../examples")
+        .join(name)
+}
+
+fn board_sim(args: &[&str]) -> Child {
+    Command::new(ours("board-sim"))
+        .args(args)
+        .stdin(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Its exit code and words.
+fn end(mut child: Child) -> (Option<i32>, String) {
+    let mut said = String::new();
+    let code = child.wait().unwrap().code();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut said)
+        .unwrap();
+    (code, said)
+}
+
+/// What belongs to drives: SYNC, NMT to drives, setpoints, statuses, emergencies.
+fn is_motion(frame: &Frame) -> bool {
+    let drives = [16, 17, 18, 32];
+    match frame.id().service() {
+        Some((_, node)) => drives.contains(&node.get()),
+        None => {
+            frame.id() == CobId::SYNC || frame.payload().get(1).is_some_and(|n| drives.contains(n))
+        }
+    }
+}
+
+fn motion(text: &str) -> Vec<Frame> {
+    LogReader::new(text.as_bytes())
+        .map(|entry| entry.unwrap_or_else(|wrong| panic!("{wrong}")))
+        .filter_map(|Entry { packet, .. }| packet.frame().copied())
+        .filter(is_motion)
+        .collect()
+}
+
+/// What the machine inside one process puts on its bus.
+fn inside(program: &str, more: &[&str]) -> Vec<Frame> {
+    let log = scratch(&format!("{program}.inside.log"));
+    tool(
+        ours("leadscrew").to_str().unwrap(),
+        &[
+            &[
+                "run",
+                example(program).to_str().unwrap(),
+                "--record",
+                log.to_str().unwrap(),
+            ],
+            more,
+        ]
+        .concat(),
+    );
+    motion(&std::fs::read_to_string(log).unwrap())
+}
+
+/// What a board puts on the wire that carries the program out by itself, in virtual time.
+fn on_the_wire(program: &str, more: &[&str]) -> Vec<Frame> {
+    let mut to = open();
+    let before = sockets_on("vcan0");
+    let path = example(program);
+    let mut board = board_sim(
+        &[
+            &[
+                "--bus",
+                "vcan0",
+                "--lockstep",
+                "--program",
+                path.to_str().unwrap(),
+            ],
+            more,
+        ]
+        .concat(),
+    );
+    let mut heard = Vec::new();
+    let mut over = false;
+    while !over {
+        over = board.try_wait().unwrap().is_some();
+        while to
+            .receive(&mut heard, std::time::Duration::from_millis(50))
+            .unwrap()
+            > 0
+        {}
+    }
+    let (code, words) = end(board);
+    assert_eq!(code, Some(0), "{words}");
+    assert_eq!(to.dropped().unwrap(), 0);
+    assert!(sockets_on("vcan0") <= before);
+    heard
+        .iter()
+        .filter_map(|received| received.packet.frame().copied())
+        .filter(is_motion)
+        .collect()
+}
+
+/// All of `part` stands in `whole` as it is, and nothing but the start-up before it.
+fn stands_in(whole: &[Frame], part: &[Frame]) {
+    assert!(part.len() > 1000, "{} frames are no program", part.len());
+    // The start-up is short: the program's first frames are found near the front.
+    let begin = (0..whole.len().saturating_sub(part.len()) + 1)
+        .take(2000)
+        .find(|begin| whole[*begin..].starts_with(&part[..40]))
+        .expect("the first frames of the program are nowhere on the wire");
+    for (n, (wire, inside)) in whole[begin..].iter().zip(part).enumerate() {
+        assert_eq!(wire, inside, "frame {n} of {}", part.len());
+    }
+    assert!(whole.len() - begin >= part.len(), "the wire ends early");
+}
+
+#[test]
+fn the_stream_on_the_wire_is_that_inside_one_process_frame_for_frame() {
+    for program in ["shaft.nc", "o0008-g75-grooves.nc"] {
+        stands_in(&on_the_wire(program, &[]), &inside(program, &[]));
+    }
+}
+
+#[test]
+fn so_it_is_with_a_spindle_that_ripples() {
+    let ripple = ["--spindle-ripple", "10@5"];
+    stands_in(
+        &on_the_wire("o0013-g76-m68x6.nc", &ripple),
+        &inside("o0013-g76-m68x6.nc", &ripple),
+    );
+}
+
+/// The drives in a process of their own: the setpoints go over the wire and nowhere else.
+#[test]
+fn drives_elsewhere_make_no_difference_to_the_setpoints() {
+    let before = sockets_on("vcan0");
+    let drives = Running(board_sim(&["drives", "--bus", "vcan0"]));
+    eventually("the drives listen", || sockets_on("vcan0") > before);
+    let setpoints = |frames: &[Frame]| -> Vec<Frame> {
+        frames
+            .iter()
+            .filter(|frame| {
+                matches!(
+                    frame.id().service(),
+                    Some((Service::Rpdo1 | Service::Rpdo2, _))
+                )
+            })
+            .filter(|frame| frame.payload().first() == Some(&0x0F))
+            .copied()
+            .collect()
+    };
+    let there = setpoints(&on_the_wire("shaft.nc", &["--drives", "elsewhere"]));
+    drop(drives);
+    let here = setpoints(&inside("shaft.nc", &[]));
+    // While they come up, drives elsewhere are held a little longer: the end is what is compared.
+    let tail = there
+        .len()
+        .checked_sub(here.len())
+        .expect("all of it was told");
+    assert!(there[tail..] == here[..] || stands(&there, &here));
+}
+
+fn stands(whole: &[Frame], part: &[Frame]) -> bool {
+    (0..=whole.len().saturating_sub(part.len())).any(|begin| whole[begin..].starts_with(part))
+}
+
+/// Reads one expedited object of node 1.
+fn read(can: &mut SocketCan, index: u16, sub: u8) -> [u8; 4] {
+    let [low, high] = index.to_le_bytes();
+    can.send(&[frame(0x601, &[0x40, low, high, sub, 0, 0, 0, 0])])
+        .unwrap();
+    let mut heard = Vec::new();
+    for _ in 0..200 {
+        heard.clear();
+        can.receive(&mut heard, crate::bus::PATIENCE).unwrap();
+        let answer = heard.iter().find_map(|received| match received.packet {
+            Packet::Frame(frame) if frame.id() == CobId::of(Service::SdoReply, NodeId::BOARD) => {
+                frame.exactly::<8>()
+            }
+            _ => None,
+        });
+        if let Some([command, a, b, c, data @ ..]) = answer {
+            assert_eq!((a, b, c), (low, high, sub));
+            assert_eq!(command & 0xE0, 0x40, "refused: {data:02X?}");
+            return data;
+        }
+    }
+    panic!("the board does not answer");
+}
+
+#[test]
+fn a_board_in_real_time_answers_and_ends_by_itself() {
+    // A long tick: a kernel booted as a program is slow.
+    let board = board_sim(&["--bus", "vcan0", "--ticks", "300", "--set", "9000=10000"]);
+    let mut can = open();
+    let mut heard = Vec::new();
+    // SYNC is there, with a counter that counts.
+    let mut counters = Vec::new();
+    while counters.len() < 50 {
+        heard.clear();
+        assert!(can.receive(&mut heard, crate::bus::PATIENCE).unwrap() > 0);
+        counters.extend(
+            heard
+                .iter()
+                .filter_map(|received| received.packet.frame())
+                .filter(|frame| frame.id() == CobId::SYNC)
+                .map(|frame| frame.payload()[0]),
+        );
+    }
+    assert!(counters.windows(2).all(|pair| pair[1] == pair[0] % 240 + 1));
+    // Device type, and the identity: any CANopen tool can read them.
+    assert_ne!(read(&mut can, 0x1018, 0), [0; 4]);
+    read(&mut can, 0x1000, 0);
+    let (code, words) = end(board);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(
+        words.contains("ready") && words.contains("300 ticks"),
+        "{words}"
+    );
+}
+
+#[test]
+fn trouble_of_a_drive_stops_the_machine_and_is_told() {
+    let path = example("shaft.nc");
+    let board = board_sim(&[
+        "--bus",
+        "vcan0",
+        "--lockstep",
+        "--program",
+        path.to_str().unwrap(),
+        "--trouble",
+        "X=fault:7305@3000",
+    ]);
+    let mut can = open();
+    let mut heard = Vec::new();
+    let mut emergency = None;
+    while emergency.is_none() {
+        heard.clear();
+        assert!(can.receive(&mut heard, crate::bus::PATIENCE).unwrap() > 0);
+        emergency = heard
+            .iter()
+            .filter_map(|received| received.packet.frame())
+            .find(|frame| frame.id().get() == 0x090)
+            .copied();
+    }
+    assert_eq!(emergency.unwrap().payload()[..2], [0x05, 0x73]);
+    let (code, words) = end(board);
+    assert_eq!(code, Some(4), "{words}");
+    assert!(words.contains("alarm") && words.contains('X'), "{words}");
+}
+
+#[test]
+fn a_board_without_a_bus_says_so() {
+    for (args, code, said) in [
+        (["--bus", "vcan7"], 3, "there is no interface `vcan7`"),
+        (["--bus", "sim"], 3, "give a real bus"),
+    ] {
+        let (got, words) = end(board_sim(&args));
+        assert_eq!(got, Some(code), "{words}");
+        assert!(words.contains(said), "{words}");
+    }
+}
