@@ -139,8 +139,10 @@ impl Machine {
     }
 
     /// A setpoint came late for its SYNC.
-    pub const fn note_late(&mut self) {
+    pub fn note_late(&mut self) {
         self.late += 1;
+        self.board
+            .set_late(u32::try_from(self.late).unwrap_or(u32::MAX));
     }
 
     /// Takes what is on the wire, waiting for it at most so long; true where there was anything. Requests are answered at
@@ -172,7 +174,7 @@ impl Machine {
     fn serve(&mut self, elapsed: u32) -> Outcome {
         let mut elapsed = Periods::new(elapsed);
         loop {
-            let mut worked = self.board.serve(elapsed, &self.output);
+            let mut worked = self.board.serve(elapsed, &self.output.setpoint);
             elapsed = Periods::new(0);
             worked |= self.feed()?;
             while self.board.background() {
