@@ -7,6 +7,7 @@ mod alarm;
 mod board;
 mod bus;
 mod cycle;
+mod float;
 mod journal;
 mod link;
 mod motion;
@@ -25,6 +26,7 @@ pub fn all() {
     journal::all();
     link::all();
     motion::all();
+    float::all();
     spindle::all();
     bus::all();
     services::all();
