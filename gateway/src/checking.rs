@@ -44,6 +44,8 @@ pub struct CycleReport {
     pub passes: u32,
     /// The fastest a tap turns on the way in, in hundredths of a turn per minute.
     pub tap_speed: Option<i64>,
+    /// How far before the material R of an ordinary tap has to lie, nanometres.
+    pub tap_lead_in_nm: Option<i64>,
     /// Figures of a thread.
     pub thread: Option<ThreadFigures>,
     /// About how long it takes, in microseconds.
@@ -164,6 +166,7 @@ impl Checker<'_> {
             cycle,
             passes: tags.map(|tag| tag.pass).max().unwrap_or(0),
             tap_speed: None,
+            tap_lead_in_nm: None,
             thread: None,
             time_us,
         });
@@ -204,6 +207,7 @@ impl Checker<'_> {
                 TapRepeat::Stay => 1,
             },
             tap_speed: Some(i64::from(report.fastest.get())),
+            tap_lead_in_nm: report.join.map(|join| join.lead_in.nm()),
             thread: None,
             time_us,
         });
@@ -233,6 +237,7 @@ impl Checker<'_> {
             },
             passes: report.passes,
             tap_speed: None,
+            tap_lead_in_nm: None,
             thread: Some(ThreadFigures {
                 z_shift_max_nm: report.z_shift_max.nm(),
                 lead_in_nm: report.lead_in.nm(),
@@ -274,6 +279,9 @@ impl CycleReport {
         json.text("cycle", self.cycle);
         json.integer("passes", i64::from(self.passes));
         if let Some(speed) = self.tap_speed {
+            if let Some(lead_in) = self.tap_lead_in_nm {
+                json.decimal::<6>("lead_in_mm", lead_in);
+            }
             json.integer("rpm_max", speed / 100);
         }
         if let Some(thread) = &self.thread {
@@ -289,8 +297,12 @@ impl CycleReport {
     pub fn text(&self) -> String {
         let time = number::rounded::<6>(self.time_us, 1);
         if let Some(speed) = self.tap_speed {
+            let join = self.tap_lead_in_nm.map_or(String::new(), |lead_in| {
+                let lead_in = number::rounded::<6>(lead_in, 3);
+                format!("R at least {lead_in} mm before the material; ")
+            });
             return format!(
-                "line {}: {}, {}, {time} s; up to {} rpm",
+                "line {}: {}, {}, {time} s; {join}up to {} rpm",
                 self.line,
                 self.cycle,
                 plural(self.passes, "hole"),

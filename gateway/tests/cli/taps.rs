@@ -94,3 +94,25 @@ fn pictures_show_depth_and_spindle_angle() {
     let svg = std::fs::read_to_string(&thread).unwrap();
     assert!(!svg.contains("line depth") && !svg.contains("line tap"));
 }
+
+/// The axis follows the measured spindle: no commanded angle, and the error is that of the locked part.
+#[test]
+fn an_ordinary_tap_is_judged_by_the_measured_spindle() {
+    let result = simulated(&["examples/g84-floating.nc", "--spindle-ripple", "5@5"]);
+    let error = result["sync_error_um"]["max"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 1.0, "{error}");
+    let taps = &result["tap"];
+    let deep = taps["turns_deep"].as_f64().unwrap();
+    assert!((19.9..20.0).contains(&deep), "{deep}");
+    let output = leadscrew(&["check", "--json", "examples/g84-floating.nc"]);
+    let checked: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let cycle = &checked["files"][0]["cycles"][0];
+    assert_eq!(
+        (&cycle["cycle"], &cycle["rpm_max"]),
+        (&"G84".into(), &400.into())
+    );
+    let lead_in = cycle["lead_in_mm"].as_f64().unwrap();
+    assert!((0.01..1.0).contains(&lead_in), "{lead_in}");
+    let output = leadscrew(&["check", "examples/g84-floating.nc"]);
+    assert!(stdout(&output).contains("mm before the material; up to 400 rpm"));
+}

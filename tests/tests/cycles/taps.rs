@@ -469,3 +469,45 @@ fn what_cannot_be_tapped() {
         assert_eq!(refused(&call), (4131, None, 1));
     }
 }
+
+/// Ordinary tapping makes the moves of rigid tapping, out at S; the spindle's own command comes before, and none after G80.
+#[test]
+fn an_ordinary_tap_makes_the_same_moves() {
+    let text = "G98 M4 S400\nG0 X50 Z5\nG84 Z-10 R-4 Q6 D1 P200 F500 M10\nG80\nM30";
+    let list = program(&[("5200.4", "1"), ("5211", "150")], text);
+    assert!(matches!(list[0].kind, MoveKind::Spindle(_)));
+    let cycle: Vec<Move> = list.iter().filter(|m| m.tag.is_some()).copied().collect();
+    let expected = [
+        (Stage::Clamp, -4_000),
+        (Stage::RPlane, 0),
+        (Stage::Tap, 6_000),
+        (Stage::Retract, 5_000),
+        (Stage::Tap, 11_000),
+        (Stage::Dwell, 11_000),
+        (Stage::Extract, 0),
+        (Stage::Return, -4_000),
+        (Stage::Unclamp, -4_000),
+    ];
+    assert_eq!(depths(&cycle), expected);
+    // M04: left hand, minus on the way in; 1.25 mm a turn, out at S whatever the override says.
+    let strokes: Vec<_> = cycle
+        .iter()
+        .filter_map(tap_of)
+        .map(|tap| (tap.turns.micro(), tap.speed.get(), tap.opens, tap.closes))
+        .collect();
+    assert_eq!(
+        strokes,
+        [
+            (-4_800_000, -40_000, true, false),
+            (800_000, 40_000, false, false),
+            (-4_800_000, -40_000, false, false),
+            (8_800_000, 40_000, false, true),
+        ]
+    );
+    // Behind the hole: M30 alone.
+    assert!(matches!(
+        list.last().map(|m| m.kind),
+        Some(MoveKind::Aux(Aux::M(30)))
+    ));
+    assert_eq!(list.len(), cycle.len() + 3);
+}
