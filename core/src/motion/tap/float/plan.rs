@@ -14,7 +14,7 @@ use crate::program::{Hand, TapAxis, TapCall, TapCycle};
 use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, TurnRatio, mul_div};
 
 /// The part of the axis' acceleration that the spindle's ramps may take: one in so many.
-const RAMP_SHARE: u64 = 8;
+const RAMP_SHARE: u64 = 16;
 
 /// The rounding before the bottom, in nanometres: as short as the jerk allows, within these.
 const SHORTEST_BRAKE: u64 = 5_000;
