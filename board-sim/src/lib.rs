@@ -8,4 +8,4 @@
 pub mod plant;
 mod sim;
 
-pub use sim::{Direction, Doing, Row, Sim, SimError, TapPoint};
+pub use sim::{Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};

@@ -12,7 +12,7 @@ use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
 use leadscrew_core::bus::{Frame, Periods};
 use leadscrew_core::motion::{Helix, Motion, Setpoint, TapLine};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Position, TapAxis};
+use leadscrew_core::program::{Call, Position, TapAxis, TapSpindle};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Rpm, Turns};
@@ -26,7 +26,7 @@ const LATENCY_TICKS: usize = 128 + 64;
 const TRUTHS: usize = LATENCY_TICKS + 2;
 
 /// Frames the drives send in one period at most.
-const ANSWERS: usize = 16;
+const ANSWERS: usize = 24;
 
 /// What the machine is doing in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,6 +74,8 @@ pub struct Row {
     pub spindle: FineTurns,
     /// The spindle's commanded angle, while it is in position mode.
     pub spindle_set: Option<Turns>,
+    /// Spindles 2 to 4.
+    pub tappers: [SpindleAngle; 3],
     /// Source line of what executes; 0 for nothing.
     pub line: u32,
     /// Its move; 0 for nothing.
@@ -85,6 +87,51 @@ pub struct Row {
     pub error: Option<Length>,
     /// Where a tap is, while axis and spindle are held to its master.
     pub tap: Option<TapPoint>,
+}
+
+impl Row {
+    /// A spindle's angles; the true one for a drive with the delay that the row is about.
+    #[must_use]
+    pub const fn angle(&self, spindle: TapSpindle) -> SpindleAngle {
+        let [second, third, fourth] = self.tappers;
+        match spindle {
+            TapSpindle::First => SpindleAngle {
+                truth: self.spindle,
+                set: self.spindle_set,
+            },
+            TapSpindle::Second => second,
+            TapSpindle::Third => third,
+            TapSpindle::Fourth => fourth,
+        }
+    }
+
+    /// A spindle is in position mode.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        TapSpindle::ALL
+            .iter()
+            .any(|spindle| self.angle(*spindle).set.is_some())
+    }
+
+    fn set_angle(&mut self, spindle: TapSpindle, set: Option<Turns>) {
+        let [second, third, fourth] = &mut self.tappers;
+        let place = match spindle {
+            TapSpindle::First => &mut self.spindle_set,
+            TapSpindle::Second => &mut second.set,
+            TapSpindle::Third => &mut third.set,
+            TapSpindle::Fourth => &mut fourth.set,
+        };
+        *place = set;
+    }
+}
+
+/// A spindle at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SpindleAngle {
+    /// Its true angle when the setpoint takes effect.
+    pub truth: FineTurns,
+    /// Its commanded angle, while it is in position mode.
+    pub set: Option<Turns>,
 }
 
 /// A tap at an instant.
@@ -139,8 +186,8 @@ enum Law {
     Free,
     /// The helix of a pass; true while the long axis is held to it.
     Thread(Helix, bool),
-    /// The line of a rigid tap.
-    Tap(TapLine),
+    /// The line of a tap, and the spindle that turns it.
+    Tap(TapLine, TapSpindle),
     /// The line of an ordinary tap, whose setpoint is that of 5275 cycles later.
     Float(TapLine),
 }
@@ -151,7 +198,7 @@ impl Law {
         match self {
             Self::Free => false,
             Self::Thread(helix, _) => helix.long_x(),
-            Self::Tap(line) | Self::Float(line) => line.gear.axis() == TapAxis::X,
+            Self::Tap(line, _) | Self::Float(line) => line.gear.axis() == TapAxis::X,
         }
     }
 }
@@ -174,8 +221,8 @@ pub struct Sim {
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The line of the last tap.
     line: Option<Law>,
-    /// The spindle's angle at the last SYNCs, oldest first, as many as rows wait for.
-    truths: Deque<FineTurns, TRUTHS>,
+    /// The spindles' angles at the last SYNCs, oldest first, as many as rows wait for.
+    truths: Deque<[FineTurns; 4], TRUTHS>,
 }
 
 /// Whole ticks, and the rest in µs.
@@ -259,7 +306,9 @@ impl Sim {
             self.truths.pop_front();
         }
         // There is room now.
-        let _ = self.truths.push_back(self.plant.truth().angle);
+        let truth = self.plant.truth();
+        let [second, third, fourth] = truth.tappers;
+        let _ = self.truths.push_back([truth.angle, second, third, fourth]);
     }
 
     /// What the board sends reaches the drives, and they answer.
@@ -271,7 +320,7 @@ impl Sim {
         let answers = &mut self.answers;
         self.plant.exchange(frames, |frame| {
             wire(Direction::ToBoard, &frame);
-            // Four drives with a status, a boot-up and an emergency each: that many fit.
+            // Seven drives with a status, a boot-up and an emergency each: that many fit.
             let _ = answers.push(frame);
         });
     }
@@ -349,18 +398,20 @@ impl Sim {
             (_, Motion::Idle) if self.board.ticker().in_program() => Doing::Wait,
             _ => Doing::Idle,
         };
-        let row = Row {
+        let mut row = Row {
             tick: self.ticks,
             t_us: self.ticks.wrapping_mul(u64::from(self.tick_us)),
             position: setpoint.position,
             spindle: FineTurns::default(),
-            spindle_set: setpoint.spindle,
+            spindle_set: None,
+            tappers: Default::default(),
             line: setpoint.line,
             number: setpoint.number,
             doing,
             error: None,
             tap: None,
         };
+        row.set_angle(self.board.ticker().tap_spindle(), setpoint.spindle);
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
         if self.board.station().has_joined() {
@@ -375,7 +426,7 @@ impl Sim {
     fn law(&mut self, locked: bool) -> Law {
         let executor = self.board.ticker().executor();
         if let Some(line) = executor.tap() {
-            self.line = Some(Law::Tap(*line));
+            self.line = Some(Law::Tap(*line, self.board.ticker().tap_spindle()));
         } else if let Some(line) = self.board.float_line() {
             self.line = Some(Law::Float(line));
         }
@@ -406,7 +457,11 @@ impl Sim {
         let [x, z] = self.delays;
         // Where an axis is held to the spindle, the instant that counts is that axis'.
         let delay = if law.on_x() { x } else { z };
-        row.spindle = self.truth(delay);
+        let [first, second, third, fourth] = self.truth(delay);
+        row.spindle = first;
+        for (tapper, truth) in row.tappers.iter_mut().zip([second, third, fourth]) {
+            tapper.truth = truth;
+        }
         row.error = match law {
             Law::Free | Law::Thread(_, false) => None,
             Law::Thread(helix, true) => {
@@ -418,17 +473,19 @@ impl Sim {
                 };
                 Some(actual - exact)
             }
-            Law::Tap(line) => {
-                let angle = row.spindle_set.unwrap_or(row.spindle.turns());
+            Law::Tap(line, spindle) => {
+                let turned = row.angle(spindle);
+                let truth = turned.truth.turns();
+                let angle = turned.set.unwrap_or(truth);
                 row.tap = Some(TapPoint::new(&line, row.position, angle));
-                Some(line.error(row.position, row.spindle.turns()))
+                Some(line.error(row.position, truth))
             }
             Law::Float(line) => {
                 let meant = Delay {
                     whole: delay.whole.saturating_add(self.lag),
                     ..delay
                 };
-                let point = TapPoint::new(&line, row.position, self.truth(meant).turns());
+                let point = TapPoint::new(&line, row.position, self.truth(meant)[0].turns());
                 row.tap = Some(point);
                 Some(point.skew)
             }
@@ -436,17 +493,19 @@ impl Sim {
         Some(row)
     }
 
-    /// The true angle when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
-    fn truth(&self, delay: Delay) -> FineTurns {
+    /// The true angles when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
+    fn truth(&self, delay: Delay) -> [FineTurns; 4] {
         // Counted back from the newest.
         let ago = self.wait().saturating_sub(delay.wait());
         let at = |ago| self.truths.iter().rev().nth(ago).copied();
-        let later = at(ago).unwrap_or_default();
-        if delay.rest_us == 0 {
-            return later;
+        let mut angles = at(ago).unwrap_or_default();
+        if delay.rest_us != 0 {
+            let earlier = at(ago.saturating_add(1)).unwrap_or_default();
+            for (later, earlier) in angles.iter_mut().zip(earlier) {
+                *later = earlier.towards(*later, delay.rest_us, self.tick_us);
+            }
         }
-        let earlier = at(ago.saturating_add(1)).unwrap_or_default();
-        earlier.towards(later, delay.rest_us, self.tick_us)
+        angles
     }
 
     /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
@@ -464,9 +523,10 @@ impl Sim {
         }
     }
 
-    /// The true spindle angle at the last SYNC.
+    /// The true angle of spindle 1 at the last SYNC.
     #[must_use]
     pub fn spindle_angle(&self) -> Turns {
-        self.truths.back().copied().unwrap_or_default().turns()
+        let [first, ..] = self.truths.back().copied().unwrap_or_default();
+        first.turns()
     }
 }

@@ -2,9 +2,10 @@
 //! before anything moves.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::cycle::Moves;
+use leadscrew_core::cycle::{Move, MoveKind, Moves};
 use leadscrew_core::program::{
-    Call, CallKind, Event, Position, TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle,
+    Call, CallKind, Event, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall, TapCycle,
+    TapRepeat, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::units::Length;
 use leadscrew_core::{cycle, feasible};
@@ -29,6 +30,8 @@ pub struct Report {
     pub cycles: Vec<CycleReport>,
     /// Moves, as far as they could be made.
     pub moves: u64,
+    /// Which of the spindles 2 to 4 tap.
+    pub tappers: [bool; 3],
     /// A lead-in is longer than what lies before the material.
     pub lead_in_too_short: bool,
 }
@@ -154,6 +157,9 @@ impl Checker<'_> {
         }
         for step in moves {
             self.report.moves += 1;
+            if let Some(used) = tapper(&step).and_then(|n| self.report.tappers.get_mut(n)) {
+                *used = true;
+            }
             self.at = step.to;
         }
     }
@@ -325,6 +331,19 @@ impl CycleReport {
             thread.rpm_max,
         )
     }
+}
+
+/// The place among spindles 2 to 4 of the one that a move taps with.
+fn tapper(step: &Move) -> Option<usize> {
+    let spindle = match step.kind {
+        MoveKind::Tap(tap) => tap.spindle,
+        MoveKind::Spindle(SpindleCall {
+            mode: SpindleMode::Rigid(SpindleChoice::Written(spindle)),
+            ..
+        }) => spindle,
+        _ => return None,
+    };
+    usize::from(spindle.number()).checked_sub(2)
 }
 
 /// `1 pass`, `2 passes`.

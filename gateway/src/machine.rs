@@ -6,6 +6,7 @@ use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::program::{Call, CallKind, Event as ProgramEvent, Position};
+use leadscrew_core::units::Turns;
 
 use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
@@ -14,7 +15,7 @@ use crate::interrupt;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::trace::{Setpoint, TapPlace};
+use crate::trace::{Setpoint, SpindlePoint, TapPlace};
 use crate::words::{Both, both};
 
 /// How a run ended.
@@ -247,6 +248,10 @@ impl<'a> Feeder<'a> {
     }
 }
 
+fn micro_turns(angle: Turns) -> i64 {
+    FineTurns::from_turns(angle).micro_turns()
+}
+
 fn setpoint(row: &Row) -> Setpoint {
     Setpoint {
         tick: row.tick,
@@ -254,16 +259,18 @@ fn setpoint(row: &Row) -> Setpoint {
         z_nm: row.position.z.nm(),
         c_udeg: row.position.c.udeg(),
         s1_urev: row.spindle.micro_turns(),
-        s1_set_urev: row
-            .spindle_set
-            .map(|angle| FineTurns::from_turns(angle).micro_turns()),
+        s1_set_urev: row.spindle_set.map(micro_turns),
+        tappers: row.tappers.map(|spindle| SpindlePoint {
+            urev: spindle.truth.micro_turns(),
+            set_urev: spindle.set.map(micro_turns),
+        }),
         line: row.line,
         step: u64::from(row.number),
         state: row.doing,
         error_nm: row.error.map(|error| error.nm()),
         tap: row.tap.map(|tap| TapPlace {
             depth_nm: tap.depth.nm(),
-            turned_urev: FineTurns::from_turns(tap.turned).micro_turns(),
+            turned_urev: micro_turns(tap.turned),
             skew_nm: tap.skew.nm(),
         }),
     }

@@ -15,7 +15,7 @@ fn at(row: &Row, axis: Axis) -> i64 {
 
 /// The spindle leads in this row.
 fn leads(row: &Row) -> bool {
-    row.error.is_some() && row.spindle_set.is_none()
+    row.error.is_some() && !row.is_rigid()
 }
 
 /// The first setpoint that exceeds the speed, the acceleration or the jerk of its axis, in words. Rounding to nanometres

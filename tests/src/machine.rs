@@ -68,9 +68,16 @@ pub fn run_calls(
     calls: Vec<Call>,
     params: &Params,
     options: &PlantOptions,
-    mut operate: impl FnMut(&mut Sim, u64),
+    operate: impl FnMut(&mut Sim, u64),
 ) -> Ran {
-    let mut sim = machine(params, options);
+    run_calls_on(machine(params, options), calls, operate)
+}
+
+/// As [`run_calls`], on a machine that something has been done to.
+///
+/// # Panics
+/// Where the machine does not come to an end.
+pub fn run_calls_on(mut sim: Sim, calls: Vec<Call>, mut operate: impl FnMut(&mut Sim, u64)) -> Ran {
     let mut waiting = calls.into_iter().peekable();
     let mut ran = Ran::default();
     let mut ticks = 0;

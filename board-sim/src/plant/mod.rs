@@ -12,7 +12,8 @@
 //!
 //! The spindle turns as its drive (RPDO2) tells it, and its encoder is wired to the board, not to the bus. In position mode
 //! the drive goes evenly through the time up to a SYNC and is where the target latched there says; its increments are zero
-//! at the index, and its latency is that of Z's drive. The truth is for whoever judges the board; the board itself must not
+//! at the index, and its latency is that of Z's drive. Spindles 2 to 4 only tap ([`Tapper`]); parameter 9014 says how many
+//! there are. The truth is for whoever judges the board; the board itself must not
 //! see it.
 
 #![deny(
@@ -32,6 +33,7 @@ mod follower;
 mod power;
 mod sine;
 mod spindle;
+mod tapper;
 #[cfg(test)]
 mod tests;
 
@@ -41,6 +43,7 @@ pub use flash::{Flash, FlashError, ImageError, Tear};
 pub use follower::Follower;
 pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
+pub use tapper::Tapper;
 
 use leadscrew_core::bus::{Frame, Increments, MilliRpm, NodeId, Scale, is_sync};
 use leadscrew_core::params::Params;
@@ -89,6 +92,8 @@ pub struct Truth {
     pub speed: MilliRpm,
     /// Where the drives stand, in the order of [`Axis::ALL`].
     pub positions: [Increments; 3],
+    /// Angles of spindles 2 to 4.
+    pub tappers: [FineTurns; 3],
 }
 
 /// Everything around the board.
@@ -107,6 +112,9 @@ pub struct Plant {
     per_turn: u32,
     /// The spindle in position mode.
     position: Follower,
+    /// Spindles 2 to 4, and how many of them there are.
+    tappers: [Tapper; 3],
+    present: usize,
     positioning: bool,
 }
 
@@ -132,7 +140,17 @@ impl Plant {
             options.drives.lag,
         )
         .ok_or(PlantError::Latency(Axis::Z))?;
+        let tapper = |node, place| {
+            let per_turn = params.spindle_increments();
+            Tapper::new(node, staggered(options, place), position, still, per_turn)
+        };
         Ok(Self {
+            tappers: [
+                tapper(NodeId::SPINDLE_2, 4),
+                tapper(NodeId::SPINDLE_3, 5),
+                tapper(NodeId::SPINDLE_4, 6),
+            ],
+            present: usize::from(params.tap_spindles()).saturating_sub(1),
             tick_ns: u64::from(params.tick_us()).wrapping_mul(1000),
             started: false,
             spindle,
@@ -163,6 +181,9 @@ impl Plant {
                         .advance(self.tick_ns, |piece| encoder.turn(piece));
                 }
             }
+        }
+        for tapper in self.tappers.iter_mut().take(self.present) {
+            tapper.advance();
         }
         self.started = true;
         self.encoder.sample()
@@ -209,11 +230,17 @@ impl Plant {
             }
             self.spindle_drive.sync(Some(measured), &mut *to_board);
             self.spindle.command(self.spindle_drive.velocity());
+            for tapper in self.tappers.iter_mut().take(self.present) {
+                tapper.sync(&mut *to_board);
+            }
         } else {
             for drive in self.axes_here() {
                 drive.receive(frame);
             }
             self.spindle_drive.receive(frame);
+            for tapper in self.tappers.iter_mut().take(self.present) {
+                tapper.drive().receive(frame);
+            }
         }
     }
 
@@ -233,6 +260,7 @@ impl Plant {
             angle: self.spindle.angle(),
             speed: self.spindle.speed(),
             positions: [self.x.actual(), self.z.actual(), self.c.actual()],
+            tappers: self.tappers.map(|tapper| tapper.angle()),
         }
     }
 
@@ -244,6 +272,11 @@ impl Plant {
     /// The spindle's encoder, to make trouble.
     pub const fn encoder(&mut self) -> &mut Encoder {
         &mut self.encoder
+    }
+
+    /// Spindles 2 to 4, to make trouble; those there are.
+    pub fn tappers(&mut self) -> impl Iterator<Item = &mut Tapper> {
+        self.tappers.iter_mut().take(self.present)
     }
 
     /// The drive of an axis, to make trouble.
@@ -261,7 +294,8 @@ impl Plant {
     }
 }
 
-/// The options of the drive with this place in the order of answers: one answers a SYNC where there are four.
+/// The options of the drive with this place in the order of answers: one answers a SYNC where there are four, two where
+/// there are up to eight.
 fn staggered(options: &PlantOptions, place: u8) -> DriveOptions {
     DriveOptions {
         start: options.drives.start.wrapping_add(place),

@@ -428,6 +428,9 @@ codes! {
     /// A spindle that this machine does not have; {0} its number, {1} how many there are.
     TapSpindleNotAvailable = 4262, "there is no spindle {0} to tap with: the machine has {1} (parameter 9014)", "write another E or another of M24 to M27, or check the selection signals",
         "没有 {0} 号攻丝主轴：机床有 {1} 个（参数 9014）", "请改写 E 或 M24 至 M27，或检查主轴选择信号";
+    /// The X drive and the spindle's act at different times; {0} and {1} the latencies in µs.
+    TapDrivesApart = 4264, "a tap along X would leave its line: the X drive acts after {0} µs, the spindle's and Z's after {1} µs (9003)", "set up both drives alike, with 9003.X equal to 9003.Z, or tap along Z",
+        "沿 X 轴攻丝将偏离同步：X 轴驱动延迟 {0} µs，主轴与 Z 轴驱动延迟 {1} µs（9003）", "请使两个驱动器相同（9003.X 等于 9003.Z），或沿 Z 轴攻丝";
     /// Two selection signals at once; {0} and {1} the spindles.
     TapSpindlesSelected = 4263, "the signals select spindle {0} and spindle {1} at once", "leave one of SWS1 to SWS4 on (5200.7 = 1: RGTSP1 to RGTSP4), or write E",
         "信号同时选择了 {0} 号和 {1} 号主轴", "请只接通 SWS1 至 SWS4（5200.7 = 1 时为 RGTSP1 至 RGTSP4）中的一个，或写 E";
@@ -459,6 +462,9 @@ codes! {
     /// The spindle does not reach its commanded speed.
     SpindleNotArrived = 4303, "the spindle turns at {0} instead of {1}", "check the spindle drive, its load and parameters 9004 and 9007",
         "主轴转速为 {0}，而不是 {1}", "请检查主轴驱动器、负载以及参数 9004 和 9007";
+    /// RGTAP stays 1 where rigid mode ends.
+    RigidNotReleased = 4306, "rigid tapping does not end: signal RGTAP has been 1 for a second", "take RGTAP away when the mode ends, or set 5200.2 to 0",
+        "刚性攻丝方式无法解除：信号 RGTAP 持续为 1 已达 1 秒", "解除方式时请使 RGTAP 变为 0，或将 5200.2 设为 0";
     /// The spindle does not come to a stand for tapping.
     SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";

@@ -17,7 +17,10 @@ use crate::motion::{
     WaysOut, dwell_ticks, plan, stroke,
 };
 use crate::params::Params;
-use crate::program::{Call, CallKind, Position, SpindleCall, SpindleMode, TapMode, ThreadCall};
+use crate::program::{
+    Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapMode,
+    ThreadCall,
+};
 use crate::signals::Signals;
 use crate::units::{Length, Rpm, TurnRate};
 
@@ -163,12 +166,9 @@ impl Background {
             self.queue(span, Stops::default(), Action::End);
             return (true, None);
         }
-        // The override of a thread cycle is that of its beginning: it is planned when nothing else waits any more, and
-        // the last move before it is under way.
         if calls
             .peek()
-            .is_some_and(|call| matches!(call.kind, CallKind::Thread(_)))
-            && filled(segments) > usize::from(settings.begun)
+            .is_some_and(|call| filled(segments) > before(call, settings))
         {
             return (false, None);
         }
@@ -329,9 +329,9 @@ impl Background {
                 ticks => Action::Dwell(ticks),
             },
             MoveKind::Spindle(SpindleCall {
-                mode: SpindleMode::Rigid(_),
+                mode: SpindleMode::Rigid(choice),
                 ..
-            }) => Action::Rigid,
+            }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
             MoveKind::Aux(aux) => Action::Aux(aux),
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
@@ -379,7 +379,7 @@ impl Background {
                 let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
                     .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
                 let feed_override = settings.params.tap_feed_override();
-                let mut collected = Tap::new(gear, self.position, feed_override);
+                let mut collected = Tap::new(tap.spindle, gear, self.position, feed_override);
                 let taken = collected.push(step);
                 self.tap = Some(Collecting {
                     number: self.number,
@@ -490,6 +490,27 @@ impl Background {
         }
         Ok(())
     }
+}
+
+/// How many segments may be left in the queue when a call is taken up. The override of a thread cycle is that of its
+/// beginning: only the move before it may be, and that under way. The signals of a hole are those of its beginning, too:
+/// nothing may be left.
+fn before(call: &Call, settings: &Settings<'_>) -> usize {
+    const fn by_signal(spindle: SpindleChoice) -> bool {
+        matches!(spindle, SpindleChoice::Signals { .. })
+    }
+    let heeds_signals = match &call.kind {
+        CallKind::Thread(_) => return usize::from(settings.begun),
+        CallKind::Tap(tap) => {
+            !tap.continues && (matches!(tap.hand, HandChoice::Signal) || by_signal(tap.spindle))
+        }
+        CallKind::Spindle(SpindleCall {
+            mode: SpindleMode::Rigid(spindle),
+            ..
+        }) => by_signal(*spindle),
+        _ => false,
+    };
+    if heeds_signals { 0 } else { usize::MAX }
 }
 
 /// A spindle speed at an override, ties away from zero.

@@ -4,11 +4,12 @@
 
 use heapless::Vec;
 
+use super::spindles::Spindles;
 use super::ticker::FRAMES;
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId, Periods, Scale,
-    SpindleDemand, SpindleMaster, SyncProducer,
+    SyncProducer,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -17,14 +18,12 @@ use crate::units::{Angle, Axis, Length, Turns};
 /// A status comes every fourth SYNC; three of them missing is silence.
 const SILENCE: Periods = Periods::new(12);
 
-/// X, Z, C and spindle 1.
+/// X, Z, C and the spindles.
 #[derive(Debug)]
 pub(super) struct Drives {
     axes: [DriveMaster; 3],
     scales: [Scale; 3],
-    spindle: SpindleMaster,
-    /// Increments of the spindle's drive to a turn.
-    per_turn: u32,
+    spindles: Spindles,
     sync: SyncProducer,
 }
 
@@ -69,27 +68,30 @@ impl Drives {
                 axis(Axis::C, NodeId::DRIVE_C, scale_c),
             ],
             scales,
-            spindle: SpindleMaster::new(config(b'S', NodeId::SPINDLE_1, scale_c, None)),
-            per_turn: params.spindle_increments(),
+            spindles: Spindles::new(
+                config(b'S', NodeId::SPINDLE_1, scale_c, None),
+                params.tap_spindles(),
+                params.spindle_increments(),
+            ),
             sync: SyncProducer::new(),
         })
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut DriveMaster> {
-        self.axes.iter_mut().chain([self.spindle.drive_mut()])
+        self.axes.iter_mut().chain(self.spindles.drives_mut())
     }
 
     /// A frame from the bus.
     pub(super) fn hear(&mut self, frame: &Frame) {
         // Whose it could be shows in seven bits; the drive itself looks closer.
         let node = frame.id().get() & 0x7F;
-        let [x, z, c] = &mut self.axes;
-        for drive in [x, z, c, self.spindle.drive_mut()] {
+        for drive in &mut self.axes {
             if u16::from(drive.config().node.get()) == node {
                 drive.receive(frame);
                 return;
             }
         }
+        self.spindles.hear(node, frame);
     }
 
     /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by
@@ -106,8 +108,8 @@ impl Drives {
     pub(super) fn failure(&self) -> Option<Alarm> {
         self.axes
             .iter()
-            .chain([self.spindle.drive()])
             .find_map(DriveMaster::alarm)
+            .or_else(|| self.spindles.failure())
     }
 
     /// Forgets failures and resets faults; the drives have to be enabled again.
@@ -133,30 +135,9 @@ impl Drives {
         }
     }
 
-    /// Takes the spindle up where it stands, for position mode: its angle. The drive counts in 32 bits; of all angles it
-    /// can mean the one nearest to `observed` is taken. `None` while the drive is not enabled or has not come to rest.
-    pub(super) fn engage_spindle(&mut self, observed: Turns) -> Option<Turns> {
-        let told = self.spindle.engage()?;
-        let near = self.spindle_increments(observed);
-        let off = told.get().wrapping_sub(near as i32);
-        let count = i128::from(near.wrapping_add(i64::from(off)));
-        let per_turn = i128::from(self.per_turn);
-        let half = per_turn >> 1;
-        let raw = (count << 32)
-            .wrapping_add(half)
-            .checked_div_euclid(per_turn)?;
-        i64::try_from(raw).ok().map(Turns::from_raw)
-    }
-
-    /// True while the spindle's drive is enabled.
-    pub(super) const fn has_spindle(&self) -> bool {
-        self.spindle.drive().is_enabled()
-    }
-
-    /// The increment nearest to a spindle angle, not wrapped.
-    fn spindle_increments(&self, angle: Turns) -> i64 {
-        let product = i128::from(angle.raw()).wrapping_mul(i128::from(self.per_turn));
-        (product.wrapping_add(1 << 31) >> 32) as i64
+    /// The spindles.
+    pub(super) const fn spindles(&mut self) -> &mut Spindles {
+        &mut self.spindles
     }
 
     fn demands(&self, position: Position) -> [Option<Increments>; 3] {
@@ -176,7 +157,7 @@ impl Drives {
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
-        // FRAMES is more than one SYNC and three frames for each of four drives.
+        // FRAMES is more than one SYNC, two frames for each of three axes and three for each of two spindles.
         let mut put = |frame: Option<Frame>| frame.is_some_and(|frame| frames.push(frame).is_ok());
         put(Some(self.sync.next()));
         let mut beyond = None;
@@ -189,18 +170,12 @@ impl Drives {
             put(output.network);
             put(output.command);
         }
-        let demand = match spindle {
-            Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
-            Spindle::Angle(angle) => {
-                let count = self.spindle_increments(angle);
-                SpindleDemand::Position(Increments::new(count as i32))
-            }
-        };
-        let output = self.spindle.tick(demand);
-        let drive = output.drive;
-        put(output.speed);
-        put(drive.network);
-        put(drive.command);
+        for output in self.spindles.tick(spindle) {
+            let drive = output.drive;
+            put(output.speed);
+            put(drive.network);
+            put(drive.command);
+        }
         beyond
     }
 }

@@ -26,6 +26,7 @@ mod node;
 mod operator;
 mod queue;
 mod snapshot;
+mod spindles;
 pub mod station;
 mod store;
 mod ticker;

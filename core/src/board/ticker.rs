@@ -27,12 +27,13 @@ use crate::motion::{
     Action, Arrival, Conditions, Epoch, Executor, Helix, Motion, Segment, Setpoint, Stops, WaysOut,
 };
 use crate::params::Params;
-use crate::program::Position;
+use crate::program::{Position, TapSpindle};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::units::{Axis, Rpm, Ticks, Turns};
 
-/// Frames a board sends in one period at most: SYNC, and for each of four drives a start, an RPDO1 and an RPDO2.
+/// Frames a board sends in one period at most: SYNC, for each of three axes a start and an RPDO1, and for each of two
+/// spindles those and an RPDO2.
 pub const FRAMES: usize = 16;
 
 /// Where the machine is.
@@ -154,6 +155,14 @@ pub struct Ticker {
     spindle_percent: u8,
     /// Position mode.
     rigid: Rigid,
+    /// The spindle that is in it, or on the way.
+    taps_with: TapSpindle,
+    /// Leaving it waits for RGTAP = 0 (5200.2).
+    waits_for_rgtap: bool,
+    /// Ticks it has waited.
+    waited: u32,
+    /// Ticks of a second.
+    second: u32,
     /// Ticks the spindle may take to come to a stand.
     stop_ticks: u32,
     /// Single block has stopped between two segments.
@@ -215,6 +224,10 @@ impl Ticker {
             commanded: Rpm::STOPPED,
             spindle_percent: 100,
             rigid: Rigid::Off,
+            taps_with: TapSpindle::First,
+            waits_for_rgtap: params.tap_wait_rgtap(),
+            waited: 0,
+            second: ticks_per_minute / 60,
             stop_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
             paused: false,
             pauses_unless_hole: false,
@@ -273,6 +286,12 @@ impl Ticker {
     pub fn effective_angle(&self, on_x: bool) -> Turns {
         let ahead = if on_x { self.ahead_x } else { self.ahead_z };
         self.observer.predict(ahead.less_one())
+    }
+
+    /// The spindle whose angle a setpoint has.
+    #[must_use]
+    pub const fn tap_spindle(&self) -> TapSpindle {
+        self.taps_with
     }
 
     /// Commanded spindle speed, override included.
@@ -483,6 +502,12 @@ impl Ticker {
         }
         self.state = State::Running;
         self.in_program = true;
+        if self.waits_for_rgtap && self.rigid == Rigid::On {
+            let wait = self.wait_for_release(ends);
+            if wait.is_some() {
+                return wait;
+            }
+        }
         self.start(ends)
     }
 
@@ -498,6 +523,12 @@ impl Ticker {
                 take(ends.segments);
                 self.raise(alarm, ends);
                 return None;
+            }
+            Action::Tap(ref tap) if tap.spindle != self.taps_with => {
+                // E of the cycle: it changes over at standstill, and the hole begins then.
+                let spindle = tap.spindle;
+                self.enter_with(spindle, number, line);
+                return Some((number, line, Motion::Wait));
             }
             Action::Timed(_)
             | Action::Thread(_)
@@ -526,16 +557,14 @@ impl Ticker {
                 };
                 Event::Spindle(rpm)
             }
-            Action::Rigid => {
+            Action::Rigid(spindle) => {
                 self.commanded = Rpm::STOPPED;
-                self.rigid = match self.rigid {
-                    Rigid::On | Rigid::Leaving => Rigid::On,
-                    Rigid::Off | Rigid::Entering { .. } => Rigid::Entering {
-                        number,
-                        line,
-                        ticks: 0,
-                    },
-                };
+                match self.rigid {
+                    Rigid::On | Rigid::Leaving if spindle == self.taps_with => {
+                        self.rigid = Rigid::On;
+                    }
+                    _ => self.enter_with(spindle, number, line),
+                }
                 Event::Rigid
             }
             Action::Aux(aux) => Event::Aux(aux),

@@ -257,6 +257,14 @@ impl DriveMaster {
         self.waited = Periods::new(0);
     }
 
+    /// `more` further periods go by before the next [`tick`](Self::tick): its times count them, too.
+    pub fn skip(&mut self, more: Periods) {
+        self.quiet = self.quiet.plus(more);
+        if let Phase::Step(_) = self.phase {
+            self.waited = self.waited.plus(more);
+        }
+    }
+
     fn hear(&mut self, status: DriveStatus) {
         self.same = match self.status {
             Some(last) if last.actual == status.actual => self.same.saturating_add(1),

@@ -17,6 +17,12 @@ impl NodeId {
     pub const DRIVE_C: Self = Self(18);
     /// The drive of spindle 1, unless the parameters say otherwise.
     pub const SPINDLE_1: Self = Self(32);
+    /// The drive of spindle 2, likewise.
+    pub const SPINDLE_2: Self = Self(33);
+    /// The drive of spindle 3, likewise.
+    pub const SPINDLE_3: Self = Self(34);
+    /// The drive of spindle 4, likewise.
+    pub const SPINDLE_4: Self = Self(35);
     /// The gateway.
     pub const GATEWAY: Self = Self(127);
 

@@ -50,6 +50,7 @@ impl TapReport {
 /// # Errors
 /// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with ([`Code::TapSpindleNotAvailable`]), or
 /// follow ([`Code::FloatSpindleWithoutEncoder`]);
+/// a rigid tap along X whose drive does not act together with the spindle's ([`Code::TapDrivesApart`]);
 /// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`], or for ordinary tapping
 /// [`FloatPlan::new`](crate::motion::FloatPlan::new), refuses.
 pub fn tap(
@@ -60,6 +61,7 @@ pub fn tap(
 ) -> Result<TapReport, Alarm> {
     let moves = TapMoves::new(call, signals, span)?;
     taps_with(moves.spindle(), span, params)?;
+    in_step(call, span, params)?;
     feed(call, call.speed, span, params)?;
     feed(call, call.extract, span, params)?;
     if call.mode == TapMode::Floating {
@@ -114,6 +116,16 @@ pub fn tap_spindle(call: &Call, signals: Signals, params: &Params) -> Result<(),
         }) => taps_with(signals.spindle(choice, call.span)?, call.span, params),
         _ => Ok(()),
     }
+}
+
+/// Axis and spindle are on one line where their drives act at the same time, and a spindle's acts with Z's [D92].
+fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
+    let [x, z] = [Axis::X, Axis::Z].map(|axis| params.latency_us(axis));
+    if call.mode == TapMode::Floating || call.axis == TapAxis::Z || x == z {
+        return Ok(());
+    }
+    let us = |us: u32| Arg::Int(i64::from(us));
+    Err(Alarm::new(Code::TapDrivesApart, span).with([us(x), us(z), Arg::None, Arg::None]))
 }
 
 fn taps_with(spindle: TapSpindle, span: Span, params: &Params) -> Result<(), Alarm> {

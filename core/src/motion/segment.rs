@@ -4,7 +4,7 @@ use super::plan::Timed;
 use super::tap::{FloatPlan, Tap};
 use super::thread::ThreadPlan;
 use crate::alarm::{Alarm, Span};
-use crate::program::{Aux, Position};
+use crate::program::{Aux, Position, TapSpindle};
 use crate::units::{Length, Rpm};
 
 /// Counts how often a board has forgotten what was queued. What is still in a queue from before is told by it, and
@@ -61,8 +61,8 @@ pub enum Action {
     Dwell(u32),
     /// Command a spindle speed.
     Spindle(Rpm),
-    /// Bring the spindle to a stand in position mode, for tapping.
-    Rigid,
+    /// Bring spindle 1 to a stand, and this one into position mode, for tapping.
+    Rigid(TapSpindle),
     /// Switch a machine function.
     Aux(Aux),
     /// All that was planned before is done and the next call cannot be: raise this.

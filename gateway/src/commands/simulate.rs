@@ -27,7 +27,11 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
         None => Failure::stdout(&error),
     };
     let csv = match &args.output {
-        Some(path) => Some(Csv::new(File::create(path).map_err(cannot)?, tick_us)),
+        Some(path) => Some(Csv::new(
+            File::create(path).map_err(cannot)?,
+            tick_us,
+            execution.report.tappers,
+        )),
         None => None,
     };
     let mut recorder = Recorder {

@@ -5,8 +5,17 @@ use std::io::{self, Write};
 use super::Setpoint;
 use crate::number::{integer, signed};
 
-/// The contract's header.
-const HEADER: &[u8] = b"tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,line,move,state,locked\n";
+/// The contract's header, up to the further spindles and from there on.
+const HEADER: (&[u8], &[u8]) = (
+    b"tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev",
+    b",line,move,state,locked\n",
+);
+/// What each of the spindles 2 to 4 adds to it.
+const TAPPERS: [&[u8]; 3] = [
+    b",s2_urev,s2_set_urev",
+    b",s3_urev,s3_set_urev",
+    b",s4_urev,s4_set_urev",
+];
 /// Bytes collected before they are written.
 const CHUNK: usize = 1 << 16;
 
@@ -16,17 +25,25 @@ pub struct Csv<W: Write> {
     to: W,
     buffer: Vec<u8>,
     tick_us: u64,
+    tappers: [bool; 3],
 }
 
 impl<W: Write> Csv<W> {
-    /// Starts with the header. `tick_us`: microseconds from row to row.
-    pub fn new(to: W, tick_us: u32) -> Self {
+    /// Starts with the header. `tick_us`: microseconds from row to row; `tappers`: which of the spindles 2 to 4 have columns.
+    pub fn new(to: W, tick_us: u32, tappers: [bool; 3]) -> Self {
         let mut buffer = Vec::with_capacity(CHUNK + 256);
-        buffer.extend_from_slice(HEADER);
+        buffer.extend_from_slice(HEADER.0);
+        for (columns, used) in TAPPERS.into_iter().zip(tappers) {
+            if used {
+                buffer.extend_from_slice(columns);
+            }
+        }
+        buffer.extend_from_slice(HEADER.1);
         Self {
             to,
             buffer,
             tick_us: u64::from(tick_us),
+            tappers,
         }
     }
 
@@ -43,6 +60,17 @@ impl<W: Write> Csv<W> {
         out.push(b',');
         if let Some(angle) = point.s1_set_urev {
             signed(out, angle);
+        }
+        for (spindle, used) in point.tappers.iter().zip(self.tappers) {
+            if !used {
+                continue;
+            }
+            out.push(b',');
+            signed(out, spindle.urev);
+            out.push(b',');
+            if let Some(angle) = spindle.set_urev {
+                signed(out, angle);
+            }
         }
         out.push(b',');
         integer(out, u64::from(point.line));
@@ -73,11 +101,12 @@ impl<W: Write> Csv<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::SpindlePoint;
     use leadscrew_board_sim::Doing;
 
     #[test]
     fn rows_are_as_the_contract_says() {
-        let mut csv = Csv::new(Vec::new(), 1000);
+        let mut csv = Csv::new(Vec::new(), 1000, [false; 3]);
         csv.push(&Setpoint::default()).unwrap();
         csv.push(&Setpoint {
             tick: 7,
@@ -86,6 +115,7 @@ mod tests {
             c_udeg: 3,
             s1_urev: -1_000_001,
             s1_set_urev: Some(5),
+            tappers: Default::default(),
             line: 6,
             step: 9,
             state: Doing::Run,
@@ -98,6 +128,28 @@ mod tests {
             text,
             "tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,line,move,state,locked\n\
              0,0,0,0,0,0,,0,0,idle,0\n7,7000,-1,2,3,-1000001,5,6,9,run,1\n"
+        );
+    }
+
+    #[test]
+    fn further_spindles_have_columns_where_the_program_uses_them() {
+        let mut csv = Csv::new(Vec::new(), 1000, [true, false, true]);
+        let spindle = |urev, set_urev| SpindlePoint { urev, set_urev };
+        csv.push(&Setpoint {
+            s1_urev: 1,
+            tappers: [
+                spindle(2, None),
+                spindle(3, Some(33)),
+                spindle(-4, Some(-44)),
+            ],
+            ..Setpoint::default()
+        })
+        .unwrap();
+        let text = String::from_utf8(csv.finish().unwrap()).unwrap();
+        assert_eq!(
+            text,
+            "tick,t_us,x_nm,z_nm,c_udeg,s1_urev,s1_set_urev,s2_urev,s2_set_urev,s4_urev,s4_set_urev,line,move,state,locked\n\
+             0,0,0,0,0,1,,2,,-4,-44,0,0,idle,0\n"
         );
     }
 }

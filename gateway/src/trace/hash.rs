@@ -40,9 +40,10 @@ impl SetpointHash {
         let Some(running) = &mut self.running else {
             return;
         };
-        let spindle = point.s1_set_urev.unwrap_or(0);
         let mut bytes = [0; 56];
-        let values = [point.x_nm, point.z_nm, point.c_udeg, spindle, 0, 0, 0];
+        let [s2, s3, s4] = point.tappers.map(|spindle| spindle.set_urev);
+        let [s1, s2, s3, s4] = [point.s1_set_urev, s2, s3, s4].map(Option::unwrap_or_default);
+        let values = [point.x_nm, point.z_nm, point.c_udeg, s1, s2, s3, s4];
         for (slot, value) in bytes.chunks_exact_mut(8).zip(values) {
             slot.copy_from_slice(&value.to_le_bytes());
         }
@@ -61,6 +62,7 @@ impl SetpointHash {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::SpindlePoint;
 
     fn hash(states: &[(Doing, i64)]) -> String {
         let mut hash = SetpointHash::default();
@@ -102,6 +104,22 @@ mod tests {
             hash(&[(Doing::Run, -5)]),
             format!("{:016x}", CRC.checksum(&bytes))
         );
+        let mut every = SetpointHash::default();
+        let spindle = |set| SpindlePoint {
+            urev: 99,
+            set_urev: set,
+        };
+        every.push(&Setpoint {
+            x_nm: 1,
+            z_nm: 2,
+            c_udeg: 3,
+            s1_set_urev: Some(4),
+            tappers: [spindle(Some(5)), spindle(None), spindle(Some(-7))],
+            state: Doing::Run,
+            ..Setpoint::default()
+        });
+        let fields = [1i64, 2, 3, 4, 5, 0, -7].map(i64::to_le_bytes).concat();
+        assert_eq!(every.text(), format!("{:016x}", CRC.checksum(&fields)));
         // The catalogue's check value.
         assert_eq!(CRC.checksum(b"123456789"), 0x995d_c9bb_df19_39fa);
     }

@@ -30,6 +30,8 @@ pub struct Setpoint {
     pub s1_urev: i64,
     /// Commanded angle while the spindle is in position mode.
     pub s1_set_urev: Option<i64>,
+    /// Spindles 2 to 4.
+    pub tappers: [SpindlePoint; 3],
     /// Source line of what executes; 0 for nothing.
     pub line: u32,
     /// Its move number; 0 for nothing.
@@ -40,6 +42,15 @@ pub struct Setpoint {
     pub error_nm: Option<i64>,
     /// Where a tap is, while axis and spindle are held to its master.
     pub tap: Option<TapPlace>,
+}
+
+/// A spindle that only taps, at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SpindlePoint {
+    /// Its true angle in millionths of a turn.
+    pub urev: i64,
+    /// Its commanded angle while it is in position mode.
+    pub set_urev: Option<i64>,
 }
 
 /// A tap at an instant.

@@ -1,6 +1,6 @@
 //! Ramps of axis and spindle: 5261, 5271, the axis' own, and holes too shallow for S.
 
-use leadscrew_core::alarm::{At, Code, Span};
+use leadscrew_core::alarm::{Arg, At, Code, Span};
 use leadscrew_core::feasible;
 use leadscrew_core::program::{SpindleChoice, TapCall, TapSpindle};
 use leadscrew_core::signals::Signals;
@@ -136,11 +136,12 @@ fn a_spindle_without_a_drive_is_an_alarm() {
         spindle: SpindleChoice::Written(TapSpindle::Third),
         ..sheet()
     };
-    let ran = run(program(&[hole]), &machine(&[]));
-    assert_eq!(
-        ran.alarm.map(|alarm| alarm.code),
-        Some(Code::TapSpindleNotAvailable)
-    );
+    let ran = run(program(&[hole]), &machine(&[("9014", 2)]));
+    let alarm = ran.alarm.expect("there is no spindle 3");
+    assert_eq!(alarm.code, Code::TapSpindleNotAvailable);
+    assert_eq!(alarm.args[..2], [Arg::Int(3), Arg::Int(2)]);
+    let first = ran.rows[0].position;
+    assert!(ran.rows.iter().all(|row| row.position == first));
 }
 
 #[test]

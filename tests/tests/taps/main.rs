@@ -4,5 +4,7 @@ mod hole;
 mod limits;
 mod modes;
 mod operation;
+mod signals;
+mod spindles;
 mod stops;
 mod watch;

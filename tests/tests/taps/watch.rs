@@ -1,9 +1,9 @@
 //! What every tick of a tap is judged by.
 
-use leadscrew_board_sim::Row;
 use leadscrew_board_sim::plant::{FineTurns, PlantOptions};
+use leadscrew_board_sim::{Row, SpindleAngle};
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::{Call, Hand, TapCall};
+use leadscrew_core::program::{Call, Hand, TapCall, TapSpindle};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::limits::first_excess;
@@ -54,8 +54,18 @@ pub fn depth(row: &Row, hole: &TapCall) -> i64 {
     (hole.axis.of(row.position) - hole.level.value).nm() * inward(hole)
 }
 
+/// Commanded angle of the spindle in position mode.
 pub fn set(row: &Row) -> Turns {
-    row.spindle_set.expect("position mode")
+    turning(row).set.expect("position mode")
+}
+
+/// The spindle in position mode; spindle 1 where none is.
+pub fn turning(row: &Row) -> SpindleAngle {
+    TapSpindle::ALL
+        .map(|spindle| row.angle(spindle))
+        .into_iter()
+        .find(|angle| angle.set.is_some())
+        .unwrap_or(row.angle(TapSpindle::First))
 }
 
 /// Every locked row is on the line through `(R, origin)`; nothing is beyond the bottom; the true spindle is where it is
@@ -69,13 +79,13 @@ pub fn judge(ran: &Ran, hole: &TapCall, params: &Params) {
         .rows
         .iter()
         .rev()
-        .find(|row| row.tick < first.tick && row.spindle_set.is_some())
+        .find(|row| row.tick < first.tick && row.is_rigid())
         .map_or(set(first), set);
     let total = inward(hole) * (hole.bottom.value - hole.level.value).nm();
     let half_increment = (1_i128 << 63) / i128::from(params.spindle_increments()) + (1 << 32);
-    for row in ran.rows.iter().filter(|row| row.spindle_set.is_some()) {
+    for row in ran.rows.iter().filter(|row| row.is_rigid()) {
         let told = FineTurns::from_turns(set(row)).raw();
-        let off = (row.spindle.raw() - told).abs();
+        let off = (turning(row).truth.raw() - told).abs();
         assert!(
             off <= half_increment,
             "true angle at tick {}: {off}",
@@ -127,7 +137,7 @@ fn spindle_excess(ran: &Ran, hole: &TapCall, params: &Params) -> Option<String> 
     let limit = 1000.0 / 60.0 / (f64::from(ms) * 1e-3) * tick * tick;
     let turns = |row: &Row| set(row).raw() as f64 / 2f64.powi(32);
     ran.rows.windows(3).find_map(|rows| {
-        if rows.iter().any(|row| row.spindle_set.is_none()) {
+        if rows.iter().any(|row| !row.is_rigid()) {
             return None;
         }
         let [a, b, c] = [0, 1, 2].map(|i| turns(&rows[i]));

@@ -1,8 +1,9 @@
-//! Rigid mode of the spindle: into it at standstill, out of it with the next speed.
+//! Rigid mode: one spindle in position mode, into it at standstill, out of it with the next speed.
 
 use super::{Ends, Rigid, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::motion::Motion;
+use crate::motion::{Action, Motion};
+use crate::program::TapSpindle;
 
 impl Ticker {
     /// A stop: a spindle in position mode stays there, for a tap may be in its hole; one on the way there just stops.
@@ -13,7 +14,19 @@ impl Ticker {
         };
     }
 
-    /// The spindle stands, and its drive has said where: from here on it is where it is told to be.
+    /// Begins position mode of `spindle`, for a move; another one that was in it goes back to speed mode, where it stands.
+    pub(super) const fn enter_with(&mut self, spindle: TapSpindle, number: u32, line: u32) {
+        self.executor.set_spindle(None);
+        self.drives.spindles().select(TapSpindle::First);
+        self.taps_with = spindle;
+        self.rigid = Rigid::Entering {
+            number,
+            line,
+            ticks: 0,
+        };
+    }
+
+    /// Spindle 1 and the one that taps stand, and its drive has said where: from here on it is where it is told to be.
     pub(super) fn enter_rigid(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
         let Rigid::Entering {
             number,
@@ -26,8 +39,12 @@ impl Ticker {
         *ticks = ticks.saturating_add(1);
         let (number, line, ticks) = (*number, *line, *ticks);
         if !self.observer.is_turning()
-            && let Some(angle) = self.drives.engage_spindle(self.observer.angle())
+            && let Some(angle) = self
+                .drives
+                .spindles()
+                .engage(self.taps_with, self.observer.angle())
         {
+            self.drives.spindles().select(self.taps_with);
             self.executor.set_spindle(Some(angle));
             self.rigid = Rigid::On;
         } else if ticks > self.stop_ticks {
@@ -49,11 +66,39 @@ impl Ticker {
     /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
     /// lost then.
     pub(super) fn leave_rigid(&mut self) {
-        let lost = self.rigid != Rigid::Off && !self.drives.has_spindle();
-        let stands = self.rigid == Rigid::Leaving && !self.observer.is_turning();
-        if (lost || stands) && self.executor.tap().is_none() {
+        if self.rigid == Rigid::Off || self.executor.tap().is_some() {
+            return;
+        }
+        let stands = match self.taps_with {
+            TapSpindle::First => !self.observer.is_turning(),
+            other => self.drives.spindles().rests(other),
+        };
+        let lost = !self.drives.spindles().is_enabled();
+        if lost || (stands && self.rigid == Rigid::Leaving) {
             self.rigid = Rigid::Off;
             self.executor.set_spindle(None);
+            self.drives.spindles().select(TapSpindle::First);
         }
+    }
+
+    /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, a second at most [D92]. While it does, its move and
+    /// line come back.
+    pub(super) fn wait_for_release(
+        &mut self,
+        ends: &mut Ends<'_, '_>,
+    ) -> Option<(u32, u32, Motion)> {
+        let next = ends.segments.peek()?;
+        let waits =
+            matches!(next.action, Action::Spindle(_)) && self.operator.signals.rgtap == Some(true);
+        if !waits {
+            self.waited = 0;
+            return None;
+        }
+        let (number, span) = (next.number, next.span);
+        self.waited = self.waited.saturating_add(1);
+        if self.waited > self.second {
+            self.raise(Alarm::new(Code::RigidNotReleased, span), ends);
+        }
+        Some((number, span.line, Motion::Wait))
     }
 }

@@ -85,6 +85,7 @@ impl Ticker {
     /// What is queued, and what the background still plans until it has heard of this, is dropped.
     pub(super) fn restart(&mut self, position: Position) {
         self.epoch = self.epoch.next();
+        self.waited = 0;
         self.notice = Some(Notice::Restart(position, self.epoch));
     }
 

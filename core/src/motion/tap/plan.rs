@@ -11,7 +11,7 @@ use crate::motion::profile::{CAPACITY, Ramp};
 use crate::motion::rate::{PathRate, Rate};
 use crate::motion::shape;
 use crate::params::Params;
-use crate::program::{Position, TapAxis};
+use crate::program::{Position, TapAxis, TapSpindle};
 use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Millis, mul_div};
 
 /// One stroke along the tap axis, from rest to rest.
@@ -70,6 +70,8 @@ pub const TAP_STEPS: usize = 8;
 /// The way from R into a hole and back, or the part of it that a K198 leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tap {
+    /// The spindle that turns.
+    pub spindle: TapSpindle,
     /// What ties the spindle to the axis.
     pub gear: Gear,
     /// Where it starts.
@@ -86,8 +88,14 @@ pub struct Tap {
 impl Tap {
     /// Nothing to do yet.
     #[must_use]
-    pub const fn new(gear: Gear, start: Position, feed_override: bool) -> Self {
+    pub const fn new(
+        spindle: TapSpindle,
+        gear: Gear,
+        start: Position,
+        feed_override: bool,
+    ) -> Self {
         Self {
+            spindle,
             gear,
             start,
             feed_override,

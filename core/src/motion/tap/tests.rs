@@ -1,7 +1,7 @@
 extern crate std;
 
 use super::*;
-use crate::program::{Hand, Position, TapAxis};
+use crate::program::{Hand, Position, TapAxis, TapSpindle};
 use crate::units::{Lead, Length, Turns};
 
 fn z(nm: i64) -> Position {
@@ -75,7 +75,12 @@ fn leads_that_cannot_be_geared_are_none() {
 }
 
 fn tap(steps: &[i64]) -> Tap {
-    let mut tap = Tap::new(gear(2_000_000, 1, -1, Hand::Right), Position::ZERO, false);
+    let mut tap = Tap::new(
+        TapSpindle::First,
+        gear(2_000_000, 1, -1, Hand::Right),
+        Position::ZERO,
+        false,
+    );
     for nm in steps {
         let stroke = Stroke {
             travel: Length::from_nm(*nm),

@@ -1,0 +1,188 @@
+//! The drives of the spindles: spindle 1, which turns and taps, and those from 2 on, which only tap.
+//!
+//! One of them is *selected*: it is commanded in every period. The others stand in speed mode and are looked after in turn,
+//! one in a period, so that the bus and the tick carry one more drive and not three [D91]. Spindle 1 has its encoder on the
+//! board; for the others what their drive tells counts. Knows nothing of taps or programs.
+
+use super::drives::Spindle;
+use crate::alarm::Alarm;
+use crate::bus::{
+    DriveConfig, DriveMaster, Frame, Increments, MilliRpm, NodeId, Periods, SpindleDemand,
+    SpindleMaster, SpindleOutput,
+};
+use crate::program::TapSpindle;
+use crate::units::Turns;
+
+/// Periods from one turn of a spindle that is not selected to its next.
+const ROUND: u32 = 4;
+
+/// All spindles of a machine.
+#[derive(Debug)]
+pub(super) struct Spindles {
+    /// The first `present` of them count.
+    masters: [SpindleMaster; 4],
+    present: u8,
+    selected: TapSpindle,
+    /// Whose turn it is next.
+    turn: TapSpindle,
+    /// Increments of a drive to a turn.
+    per_turn: u32,
+    /// Of the spindles from 2 on: the last angle each was told, in increments that do not wrap.
+    counts: [i64; 3],
+}
+
+impl Spindles {
+    /// `present` spindles (1–4) whose drives are like `config`, node apart.
+    pub(super) fn new(config: DriveConfig, present: u8, per_turn: u32) -> Self {
+        let master = |node| SpindleMaster::new(DriveConfig { node, ..config });
+        Self {
+            masters: [
+                master(NodeId::SPINDLE_1),
+                master(NodeId::SPINDLE_2),
+                master(NodeId::SPINDLE_3),
+                master(NodeId::SPINDLE_4),
+            ],
+            present,
+            selected: TapSpindle::First,
+            turn: TapSpindle::First,
+            per_turn,
+            counts: [0; 3],
+        }
+    }
+
+    /// The drives there are.
+    pub(super) fn drives(&self) -> impl Iterator<Item = &DriveMaster> {
+        let present = usize::from(self.present);
+        self.masters.iter().take(present).map(SpindleMaster::drive)
+    }
+
+    /// The same, to enable and to reset.
+    pub(super) fn drives_mut(&mut self) -> impl Iterator<Item = &mut DriveMaster> {
+        let present = usize::from(self.present);
+        let masters = self.masters.iter_mut().take(present);
+        masters.map(SpindleMaster::drive_mut)
+    }
+
+    /// A frame from the bus that comes from this node.
+    pub(super) fn hear(&mut self, node: u16, frame: &Frame) {
+        let mine = self
+            .drives_mut()
+            .find(|drive| u16::from(drive.config().node.get()) == node);
+        if let Some(drive) = mine {
+            drive.receive(frame);
+        }
+    }
+
+    /// The first latched failure.
+    pub(super) fn failure(&self) -> Option<Alarm> {
+        self.drives().find_map(DriveMaster::alarm)
+    }
+
+    /// From here on `spindle` is commanded in every period.
+    pub(super) const fn select(&mut self, spindle: TapSpindle) {
+        self.selected = spindle;
+    }
+
+    /// True while the selected spindle's drive is enabled.
+    pub(super) const fn is_enabled(&self) -> bool {
+        pick(&self.masters, self.selected).drive().is_enabled()
+    }
+
+    /// True where the drive of a spindle has told the same position twice.
+    pub(super) const fn rests(&self, spindle: TapSpindle) -> bool {
+        pick(&self.masters, spindle).drive().has_told_the_same(2)
+    }
+
+    /// Takes a spindle up where it stands, for position mode: its angle. The drive counts in 32 bits; of all angles it can
+    /// mean the one nearest to what the board's encoder says is taken (`observed`, spindle 1), or to the last one told.
+    /// `None` while the drive is not enabled or has not come to rest.
+    pub(super) fn engage(&mut self, spindle: TapSpindle, observed: Turns) -> Option<Turns> {
+        let told = pick_mut(&mut self.masters, spindle).engage()?;
+        let near = match self.count(spindle) {
+            None => self.increments(observed),
+            Some(count) => *count,
+        };
+        let off = told.get().wrapping_sub(near as i32);
+        let count = near.wrapping_add(i64::from(off));
+        if let Some(last) = self.count(spindle) {
+            *last = count;
+        }
+        let per_turn = i128::from(self.per_turn);
+        let raw = (i128::from(count) << 32)
+            .wrapping_add(per_turn >> 1)
+            .checked_div_euclid(per_turn)?;
+        i64::try_from(raw).ok().map(Turns::from_raw)
+    }
+
+    /// The frames of a period: what the selected spindle is told, and the one whose turn it is.
+    pub(super) fn tick(&mut self, spindle: Spindle) -> [SpindleOutput; 2] {
+        let demand = match spindle {
+            Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
+            Spindle::Angle(angle) => {
+                let count = self.increments(angle);
+                if let Some(last) = self.count(self.selected) {
+                    *last = count;
+                }
+                SpindleDemand::Position(Increments::new(count as i32))
+            }
+        };
+        [
+            pick_mut(&mut self.masters, self.selected).tick(demand),
+            self.look_after_next(),
+        ]
+    }
+
+    fn look_after_next(&mut self) -> SpindleOutput {
+        let next = self.turn;
+        self.turn = match next {
+            TapSpindle::First => TapSpindle::Second,
+            TapSpindle::Second => TapSpindle::Third,
+            TapSpindle::Third => TapSpindle::Fourth,
+            TapSpindle::Fourth => TapSpindle::First,
+        };
+        if next == self.selected || next.number() > self.present {
+            return SpindleOutput::default();
+        }
+        let master = pick_mut(&mut self.masters, next);
+        let output = master.tick(SpindleDemand::Speed(MilliRpm::STOPPED));
+        master.drive_mut().skip(Periods::new(ROUND - 1));
+        output
+    }
+
+    /// The increment nearest to a spindle angle, not wrapped.
+    fn increments(&self, angle: Turns) -> i64 {
+        let product = i128::from(angle.raw()).wrapping_mul(i128::from(self.per_turn));
+        (product.wrapping_add(1 << 31) >> 32) as i64
+    }
+
+    /// The last angle told, of a spindle without an encoder on the board.
+    const fn count(&mut self, spindle: TapSpindle) -> Option<&mut i64> {
+        let [second, third, fourth] = &mut self.counts;
+        match spindle {
+            TapSpindle::First => None,
+            TapSpindle::Second => Some(second),
+            TapSpindle::Third => Some(third),
+            TapSpindle::Fourth => Some(fourth),
+        }
+    }
+}
+
+const fn pick(masters: &[SpindleMaster; 4], spindle: TapSpindle) -> &SpindleMaster {
+    let [first, second, third, fourth] = masters;
+    match spindle {
+        TapSpindle::First => first,
+        TapSpindle::Second => second,
+        TapSpindle::Third => third,
+        TapSpindle::Fourth => fourth,
+    }
+}
+
+const fn pick_mut(masters: &mut [SpindleMaster; 4], spindle: TapSpindle) -> &mut SpindleMaster {
+    let [first, second, third, fourth] = masters;
+    match spindle {
+        TapSpindle::First => first,
+        TapSpindle::Second => second,
+        TapSpindle::Third => third,
+        TapSpindle::Fourth => fourth,
+    }
+}
