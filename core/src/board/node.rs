@@ -11,27 +11,43 @@ use super::queue::{Calls, Segments};
 use super::{Background, Board, Snapshot, State, Ticker};
 use crate::alarm::Alarm;
 use crate::bus::{Frame, NodeId, Periods};
-use crate::motion::{Helix, Limits, Setpoint};
+use crate::motion::{Helix, Limits, Setpoint, TapLine};
 use crate::params::Params;
-use crate::program::Position;
+use crate::program::{Position, TapAxis};
 use crate::units::Length;
 
-/// What the next measured angle is judged by: the helix, and where the axis was told to be.
+/// What the next measured angle is judged by: the law an axis follows, and where it was told to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference {
-    helix: Helix,
+    law: Law,
     position: Position,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Law {
+    /// The helix of a pass.
+    Thread(Helix),
+    /// The line of a tap.
+    Tap(TapLine),
 }
 
 impl Reference {
     fn error(&self, ticker: &Ticker) -> Length {
-        let on_x = self.helix.long_x();
-        let at = if on_x {
-            self.position.x
-        } else {
-            self.position.z
-        };
-        at - self.helix.at(ticker.effective_angle(on_x))
+        match self.law {
+            Law::Thread(helix) => {
+                let on_x = helix.long_x();
+                let at = if on_x {
+                    self.position.x
+                } else {
+                    self.position.z
+                };
+                at - helix.at(ticker.effective_angle(on_x))
+            }
+            Law::Tap(line) => {
+                let on_x = line.gear.axis() == TapAxis::X;
+                line.error(self.position, ticker.effective_angle(on_x))
+            }
+        }
     }
 }
 
@@ -100,13 +116,21 @@ impl Board {
             self.station.set_sync_error(error);
         }
         if snapshot.setpoint.locked
-            && let Some(helix) = self.helix()
+            && let Some(law) = self.law()
         {
             self.reference = Some(Reference {
-                helix,
+                law,
                 position: snapshot.setpoint.position,
             });
         }
+    }
+
+    fn law(&self) -> Option<Law> {
+        let line = || self.ticker.executor().tap().copied();
+        self.helix().map(Law::Thread).or_else(|| {
+            let line = self.float_line().or_else(line)?;
+            Some(Law::Tap(line))
+        })
     }
 
     /// The application begins anew with another parameter set. Nothing moves; the drives are brought up again.

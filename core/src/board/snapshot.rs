@@ -5,6 +5,7 @@ use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::Alarm;
 use crate::bus::BoardState;
 use crate::motion::{Motion, Setpoint};
+use crate::program::TapSpindle;
 use crate::units::{Rpm, TurnRate, Turns};
 
 /// The tick side of a board between two ticks.
@@ -22,6 +23,8 @@ pub struct Snapshot {
     pub speed: TurnRate,
     /// Its commanded speed, override included.
     pub command: Rpm,
+    /// The spindle that is in position mode while one is.
+    pub spindle_in_use: TapSpindle,
     /// What the operator has set.
     pub operator: Operator,
 }
@@ -37,6 +40,7 @@ impl Snapshot {
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),
+            spindle_in_use: TapSpindle::First,
             operator: *ticker.operator(),
         }
     }

@@ -14,6 +14,7 @@
 
 mod batch;
 pub mod bounds;
+mod certificate;
 mod event;
 mod image;
 mod status;
@@ -22,6 +23,7 @@ mod version;
 pub use batch::{
     BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
 };
+pub use certificate::{Certificate, SetpointHash};
 pub use event::{EventReader, Logged, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;

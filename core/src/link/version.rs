@@ -6,7 +6,7 @@ use postcard_schema::Schema;
 use postcard_schema::key::Key;
 use serde::{Deserialize, Serialize};
 
-use super::{Logged, Status};
+use super::{Certificate, Logged, Status};
 use crate::alarm::Code;
 use crate::program::Call;
 
@@ -51,7 +51,7 @@ impl fmt::Display for Version {
 }
 
 const fn key() -> u32 {
-    let key = Key::for_path::<(Call, Status, Logged)>("leadscrew");
+    let key = Key::for_path::<(Call, Status, Logged, Certificate)>("leadscrew");
     let mut hash = u64::from_le_bytes(key.to_bytes());
     // An alarm travels as its number, so both sides need the same list. FNV-1a, as above.
     let mut codes: &[Code] = Code::ALL;

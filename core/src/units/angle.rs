@@ -110,6 +110,15 @@ impl Turns {
         self.0
     }
 
+    /// Millionths of a turn, rounded to the nearest.
+    #[must_use]
+    pub const fn micro(self) -> i64 {
+        ((self.0 as i128)
+            .wrapping_mul(1_000_000)
+            .wrapping_add(1 << 31)
+            >> 32) as i64
+    }
+
     /// `n` whole turns.
     #[must_use]
     pub const fn whole(n: i32) -> Self {

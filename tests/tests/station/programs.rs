@@ -8,14 +8,16 @@ use leadscrew_core::board::station::PROGRAM_BYTES;
 use leadscrew_core::bus::{
     Abort, BoardState, NodeId, Object, Order, SdoDownload, SdoError, SdoProtocol,
 };
-use leadscrew_core::link::{EventReader, Status, VERSION, Version, encode_call};
+use leadscrew_core::link::{
+    Certificate, EventReader, SetpointHash, Status, VERSION, Version, encode_call,
+};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{self, Call, CallKind, Options};
+use leadscrew_core::program::{self, Call, CallKind, Options, TapSpindle};
 use leadscrew_tests::gateway::{BATCH, Gateway, NODE, Upload};
 use leadscrew_tests::machine::{Ran, STANDING_TICKS, calls, machine, run_calls};
 
 /// Fed, started and carried out in lock-step: a tick waits for what the gateway still has to send.
-fn run_fed(calls: &[Call], protocol: SdoProtocol, most: u32) -> (Ran, Gateway) {
+fn run_fed(calls: &[Call], protocol: SdoProtocol, most: u32) -> (Ran, Gateway, Certificate) {
     let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
     let mut upload = Upload::new(7, calls);
@@ -35,7 +37,21 @@ fn run_fed(calls: &[Call], protocol: SdoProtocol, most: u32) -> (Ran, Gateway) {
         ran.rows.extend(sim.step());
     }
     sim.last_rows(|row| ran.rows.push(row));
-    (ran, gateway)
+    let bytes = gateway
+        .read(&mut sim, Object::new(0x5041, 0), SdoProtocol::Block)
+        .unwrap();
+    let certificate = Certificate::decode(&bytes).unwrap().unwrap();
+    (ran, gateway, certificate)
+}
+
+/// The hash of the contract, over the rows of a run.
+fn hash_of(rows: &[Row]) -> u64 {
+    let mut hash = SetpointHash::new();
+    for row in rows {
+        let spindle = row.spindle_set.map(|angle| (TapSpindle::First, angle));
+        hash.push(row.position, spindle, row.doing == Doing::Run);
+    }
+    hash.value()
 }
 
 fn step(sim: &mut Sim, gateway: &mut Gateway, ran: &mut Ran) {
@@ -98,13 +114,38 @@ fn every_example_gives_the_same_rows_over_the_wire() {
             &PlantOptions::default(),
             |_, _| {},
         );
-        let (over_wire, gateway) = run_fed(&calls, SdoProtocol::Block, u32::MAX);
+        let (over_wire, gateway, certificate) = run_fed(&calls, SdoProtocol::Block, u32::MAX);
         assert_eq!(
             difference(&direct.rows, &over_wire.rows),
             None,
             "{name}: first row that differs"
         );
         assert_eq!(direct.events, over_wire.events, "{name}");
+        assert_eq!(certificate.program, 7, "{name}");
+        assert_eq!(
+            certificate.setpoint_hash,
+            Some(hash_of(&direct.rows)),
+            "{name}"
+        );
+        // The board judges by what it measures; the simulation knows better, but not by much.
+        let truly: Vec<i64> = direct
+            .rows
+            .iter()
+            .filter_map(|r| r.error)
+            .map(|e| e.abs().nm())
+            .collect();
+        if direct.alarm.is_none() && (name.contains("g76") || name.contains("g84-tap")) {
+            let largest = truly.iter().max().copied().unwrap_or(0);
+            assert!(
+                certificate.measured.abs_diff(truly.len() as u64) <= 60,
+                "{name}: {certificate:?}, {}",
+                truly.len()
+            );
+            assert!(
+                certificate.largest.nm() <= largest + 2000,
+                "{name}: {certificate:?}, {largest}"
+            );
+        }
         assert_eq!(direct.alarm, over_wire.alarm, "{name}");
         if direct.alarm.is_none() {
             assert_eq!(gateway.emergencies, [], "{name}");
@@ -141,7 +182,7 @@ fn a_program_larger_than_the_memory_runs_call_by_call_or_in_batches() {
         (SdoProtocol::Segmented, 5),
         (SdoProtocol::Block, 1),
     ] {
-        let (over_wire, _) = run_fed(&calls, protocol, most);
+        let (over_wire, ..) = run_fed(&calls, protocol, most);
         assert_eq!(difference(&direct.rows, &over_wire.rows), None);
         assert_eq!(over_wire.events.last(), Some(&Event::Finished));
     }

@@ -74,11 +74,13 @@ impl Inbox {
         self.ring.clear();
     }
 
-    /// `run`: calls may go.
-    pub const fn run(&mut self) {
-        if matches!(self.phase, Phase::Loading) {
+    /// `run`: calls may go. False where no program waits for it.
+    pub const fn run(&mut self) -> bool {
+        let waits = matches!(self.phase, Phase::Loading);
+        if waits {
             self.phase = Phase::Running;
         }
+        waits
     }
 
     /// The program is running, and the rest of it is awaited.
@@ -238,7 +240,7 @@ mod tests {
         let first = batch(7, 0, &[call(1), call(2)]);
         assert_eq!(inbox.take(&first, true, true), Ok(()));
         assert_eq!(drain(&mut inbox), []);
-        inbox.run();
+        assert!(inbox.run());
         assert_eq!(drain(&mut inbox), [1, 2]);
         assert!(inbox.awaits_more());
         // The answer was lost, and the batch comes again; the next overlaps it.
@@ -296,7 +298,7 @@ mod tests {
             number += 5;
         }
         assert!(number > 200, "{number}");
-        inbox.run();
+        assert!(inbox.run());
         assert_eq!(drain(&mut inbox).len(), number as usize);
         assert_eq!(usize::from(inbox.credit()), PROGRAM_BYTES);
     }
@@ -306,7 +308,7 @@ mod tests {
         let mut inbox = Inbox::new();
         let first = batch(7, 0, &[call(1)]);
         assert_eq!(inbox.take(&first, true, true), Ok(()));
-        inbox.run();
+        assert!(inbox.run());
         inbox.close();
         assert_eq!(drain(&mut inbox), []);
         let rest = batch(7, 1, &[call(2)]);
@@ -320,7 +322,7 @@ mod tests {
         // A client that begins again before it has run.
         let again = batch(9, 0, &[call(5)]);
         assert_eq!(inbox.take(&again, true, true), Ok(()));
-        inbox.run();
+        assert!(inbox.run());
         assert_eq!(drain(&mut inbox), [5]);
         let other = batch(10, 0, &[call(9)]);
         assert_eq!(inbox.take(&other, true, true), Err(Abort::State));

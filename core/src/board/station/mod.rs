@@ -23,6 +23,7 @@
 
 pub mod dictionary;
 mod inbox;
+mod ledger;
 mod log;
 mod ring;
 mod shelf;
@@ -242,6 +243,8 @@ impl Station {
     ) -> bool {
         self.shelf.tick = self.shelf.tick.saturating_add(elapsed.get().into());
         self.shelf.snapshot = snapshot;
+        let error = self.shelf.sync_error;
+        self.shelf.ledger.take(elapsed, &snapshot, error);
         if !snapshot.takes_calls() {
             self.shelf.inbox.close();
         }

@@ -8,6 +8,7 @@ use heapless::Deque;
 
 use super::dictionary::{Access, Initial, Item, Kind, find};
 use super::inbox::Inbox;
+use super::ledger::Ledger;
 use super::log::Log;
 use super::table::HISTORY;
 use crate::board::event::Command;
@@ -39,6 +40,7 @@ pub struct Shelf {
     pub node: NodeId,
     pub inbox: Inbox,
     pub log: Log,
+    pub ledger: Ledger,
     pub snapshot: Snapshot,
     /// Ticks since power-up.
     pub tick: u64,
@@ -119,6 +121,7 @@ impl Shelf {
             node,
             inbox: Inbox::new(),
             log: Log::new(),
+            ledger: Ledger::new(0),
             snapshot,
             tick: 0,
             late: 0,
@@ -159,7 +162,9 @@ impl Shelf {
     pub fn order(&mut self, order: Order) {
         let command = match order {
             Order::Run => {
-                self.inbox.run();
+                if self.inbox.run() {
+                    self.ledger = Ledger::new(self.inbox.program());
+                }
                 return;
             }
             Order::Hold => Command::Hold,
@@ -491,6 +496,13 @@ impl Objects for Served<'_> {
             (Kind::Domain, 0x5001) => {
                 let status = shelf.record(self.params);
                 let bytes = status
+                    .encode(&mut shelf.buffer)
+                    .map_err(|_| Abort::Internal)?;
+                bytes.len()
+            }
+            (Kind::Domain, 0x5041) => {
+                let certificate = shelf.ledger.certificate(shelf.late);
+                let bytes = certificate
                     .encode(&mut shelf.buffer)
                     .map_err(|_| Abort::Internal)?;
                 bytes.len()

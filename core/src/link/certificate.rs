@@ -1,0 +1,190 @@
+//! What a run was like, told by the board itself: object 5041h.
+
+use crc::{CRC_64_XZ, Crc, Digest, Table};
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+use super::{LinkError, VERSION, Version};
+use crate::program::{Position, TapSpindle};
+use crate::units::{Length, Turns};
+
+static CRC: Crc<u64, Table<1>> = Crc::<u64, Table<1>>::new(&CRC_64_XZ);
+
+/// The certificate of a program's run, so far or to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Certificate {
+    /// The link the board speaks.
+    pub version: Version,
+    /// Which program.
+    pub program: u32,
+    /// Ticks from the first to the last in state run.
+    pub ticks: u64,
+    /// CRC-64/XZ over the setpoints of these ticks; `None` where the board could not look at every one of them.
+    pub setpoint_hash: Option<u64>,
+    /// Ticks in which the error of a synchronised axis was measured.
+    pub measured: u64,
+    /// The largest of these errors.
+    pub largest: Length,
+    /// Sum of their squares in nm².
+    pub squares: u64,
+    /// Setpoints that came late for their SYNC, since power-up.
+    pub late: u32,
+}
+
+impl Certificate {
+    /// The most bytes a certificate takes.
+    pub const BYTES: usize = 96;
+
+    /// Writes it into `bytes`; the part used comes back.
+    ///
+    /// # Errors
+    /// [`LinkError::TooLong`]; not with [`Certificate::BYTES`] of room.
+    pub fn encode<'a>(&self, bytes: &'a mut [u8]) -> Result<&'a [u8], LinkError> {
+        match postcard::to_slice(self, bytes) {
+            Ok(used) => Ok(used),
+            Err(_) => Err(LinkError::TooLong),
+        }
+    }
+
+    /// Reads one. Of one of another version of the link the version comes back.
+    ///
+    /// # Errors
+    /// [`LinkError::Malformed`].
+    pub fn decode(bytes: &[u8]) -> Result<Result<Self, Version>, LinkError> {
+        let (version, _) =
+            postcard::take_from_bytes::<Version>(bytes).map_err(|_| LinkError::Malformed)?;
+        if version != VERSION {
+            return Ok(Err(version));
+        }
+        postcard::from_bytes(bytes)
+            .map(Ok)
+            .map_err(|_| LinkError::Malformed)
+    }
+}
+
+/// CRC-64/XZ over the little-endian X and Z in nm, C in µ°, and the commanded angles of spindles 1 to 4 in millionths of a
+/// turn (0 where a spindle is not in position mode) of every tick from the first to the last in state run.
+#[derive(Clone)]
+pub struct SetpointHash {
+    running: Option<Digest<'static, u64, Table<1>>>,
+    seen: u64,
+    /// Up to the last tick in state run: what follows counts only if another comes.
+    settled: u64,
+    ticks: u64,
+}
+
+impl core::fmt::Debug for SetpointHash {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "SetpointHash({:016x})", self.settled)
+    }
+}
+
+impl Default for SetpointHash {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl SetpointHash {
+    /// Before the first tick.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            running: None,
+            seen: 0,
+            settled: CRC.digest().finalize(),
+            ticks: 0,
+        }
+    }
+
+    /// Takes in the next tick. `spindle`: the spindle in position mode and its angle; `runs`: the machine is in state run.
+    pub fn push(&mut self, position: Position, spindle: Option<(TapSpindle, Turns)>, runs: bool) {
+        if self.running.is_none() && runs {
+            self.running = Some(CRC.digest());
+        }
+        let Some(running) = &mut self.running else {
+            return;
+        };
+        for value in [position.x.nm(), position.z.nm(), position.c.udeg()] {
+            running.update(&value.to_le_bytes());
+        }
+        for number in 1..=4 {
+            let value = match spindle {
+                Some((spindle, angle)) if spindle.number() == number => angle.micro(),
+                _ => 0,
+            };
+            running.update(&value.to_le_bytes());
+        }
+        self.seen = self.seen.saturating_add(1);
+        if runs {
+            self.settled = running.clone().finalize();
+            self.ticks = self.seen;
+        }
+    }
+
+    /// The hash up to the last tick in state run.
+    #[must_use]
+    pub const fn value(&self) -> u64 {
+        self.settled
+    }
+
+    /// Ticks in it.
+    #[must_use]
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Angle;
+
+    fn at(x: i64) -> Position {
+        Position {
+            x: Length::from_nm(x),
+            z: Length::from_nm(2),
+            c: Angle::from_udeg(3),
+        }
+    }
+
+    #[test]
+    fn the_hash_is_that_of_the_bytes_from_first_to_last_run() {
+        let mut hash = SetpointHash::new();
+        assert_eq!((hash.value(), hash.ticks()), (0, 0));
+        hash.push(at(9), None, false);
+        let turns = Turns::from_raw(3 << 31);
+        hash.push(at(1), Some((TapSpindle::Second, turns)), true);
+        hash.push(at(1), None, false);
+        hash.push(at(-1), None, true);
+        hash.push(at(5), None, false);
+        let mut expected = CRC.digest();
+        for row in [
+            [1, 2, 3, 0, 1_500_000, 0, 0],
+            [1, 2, 3, 0, 0, 0, 0],
+            [-1, 2, 3, 0, 0, 0, 0_i64],
+        ] {
+            for value in row {
+                expected.update(&value.to_le_bytes());
+            }
+        }
+        assert_eq!((hash.value(), hash.ticks()), (expected.finalize(), 3));
+    }
+
+    #[test]
+    fn a_certificate_comes_back_equal() {
+        let certificate = Certificate {
+            version: VERSION,
+            program: u32::MAX,
+            ticks: u64::MAX,
+            setpoint_hash: Some(u64::MAX),
+            measured: u64::MAX,
+            largest: Length::from_nm(i64::MIN),
+            squares: u64::MAX,
+            late: u32::MAX,
+        };
+        let mut bytes = [0; Certificate::BYTES];
+        let used = certificate.encode(&mut bytes).unwrap();
+        assert_eq!(Certificate::decode(used), Ok(Ok(certificate)));
+    }
+}
