@@ -7,5 +7,7 @@
 
 pub mod plant;
 mod sim;
+mod storage;
 
 pub use sim::{Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
+pub use storage::{keep, stored_tap};

@@ -17,7 +17,8 @@ use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Rpm, Turns};
 
-use crate::plant::{FineTurns, Plant, PlantError, PlantOptions};
+use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
+use crate::storage::{keep, stored_tap};
 
 /// The longest latency of a drive, in ticks, that a row can wait for.
 const LATENCY_TICKS: usize = 128 + 64;
@@ -169,7 +170,7 @@ pub enum Direction {
 pub enum SimError {
     /// The plant cannot be.
     Plant(PlantError),
-    /// The board refuses to start.
+    /// The board refuses to start, or what is stored makes no sense.
     Board(Alarm),
 }
 
@@ -223,6 +224,8 @@ pub struct Sim {
     line: Option<Law>,
     /// The spindles' angles at the last SYNCs, oldest first, as many as rows wait for.
     truths: Deque<[FineTurns; 4], TRUTHS>,
+    /// What is kept over a loss of power; off from that on.
+    flash: Flash,
 }
 
 /// Whole ticks, and the rest in µs.
@@ -256,8 +259,23 @@ impl Sim {
     /// # Errors
     /// A plant or a board that cannot be; a drive that does not start.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, SimError> {
+        Self::with_flash(params, options, Flash::erased())
+    }
+
+    /// The same with the flash of a board that has run before: [`flash`](Self::flash) gives it back. Its power is switched
+    /// on.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Code::TapJournalDamaged`] for a flash that cannot be read.
+    pub fn with_flash(
+        params: &Params,
+        options: &PlantOptions,
+        mut flash: Flash,
+    ) -> Result<Self, SimError> {
+        flash.power(true);
+        let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
         let plant = Plant::new(params, options).map_err(SimError::Plant)?;
-        let board = Board::new(params, Some(options.at)).map_err(SimError::Board)?;
+        let board = Board::new(params, Some(options.at), tap).map_err(SimError::Board)?;
         let tick_us = params.tick_us();
         let mut sim = Self {
             board,
@@ -272,6 +290,7 @@ impl Sim {
             pending: Deque::new(),
             line: None,
             truths: Deque::new(),
+            flash,
         };
         sim.start()?;
         Ok(sim)
@@ -284,6 +303,7 @@ impl Sim {
             self.advance();
             self.board.tick(self.sample, &self.answers, &mut output);
             self.exchange(&output.frames, &mut |_, _| {});
+            self.keep();
             while let Some(event) = self.board.event() {
                 match event {
                     Event::Ready => {
@@ -325,9 +345,45 @@ impl Sim {
         });
     }
 
+    /// Carries out the writes that the board asks for. They are done before the next tick, so that nothing depends on how
+    /// long they take.
+    fn keep(&mut self) {
+        keep(&mut self.board, &mut self.flash);
+    }
+
+    /// The flash of the board.
+    #[must_use]
+    pub const fn flash(&self) -> &Flash {
+        &self.flash
+    }
+
+    /// The flash of the board, to make trouble: a write can be cut in the middle ([`Flash::cut_after`]) or refused.
+    pub const fn flash_mut(&mut self) -> &mut Flash {
+        &mut self.flash
+    }
+
+    /// The power goes: from now on nothing happens any more. What is stored is in [`flash`](Self::flash).
+    pub const fn cut_power(&mut self) {
+        self.flash.power(false);
+    }
+
+    /// True until the power goes.
+    #[must_use]
+    pub const fn has_power(&self) -> bool {
+        self.flash.is_on()
+    }
+
+    /// Drops the entry of a tap that is in its hole; see [`Board::discard_tap`].
+    pub fn discard_tap(&mut self) -> bool {
+        self.has_power() && self.board.discard_tap()
+    }
+
     /// Hands a call to the board; false where it has no room now.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
+        if !self.has_power() {
+            return false;
+        }
         let taken = self.board.offer(call);
         while self.board.background() {}
         taken
@@ -351,7 +407,7 @@ impl Sim {
     /// True while anything handed over has not been carried out.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.board.is_busy()
+        self.has_power() && self.board.is_busy()
     }
 
     /// The board, for what it can tell.
@@ -379,6 +435,9 @@ impl Sim {
 
     /// As [`step`](Self::step), showing every frame on its way.
     pub fn step_on(&mut self, wire: &mut dyn FnMut(Direction, &Frame)) -> Option<Row> {
+        if !self.has_power() {
+            return None;
+        }
         self.advance();
         let ready = self.release();
         while self.board.background() {}
@@ -414,6 +473,7 @@ impl Sim {
         row.set_angle(self.board.ticker().tap_spindle(), setpoint.spindle);
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
+        self.keep();
         if self.board.station().has_joined() {
             self.serve(Periods::new(1));
         }

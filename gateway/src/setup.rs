@@ -53,10 +53,11 @@ impl<'a> Setup<'a> {
     }
 
     /// What the moves of a call depend on for a tool at `at`.
-    pub const fn context(&self, at: Position) -> Context {
+    pub const fn context(&self, at: Position) -> Context<'_> {
         Context {
             at,
             signals: self.signals,
+            tap: None,
         }
     }
 

@@ -42,7 +42,7 @@ impl Apart {
         Self {
             params: params.clone(),
             limits: Limits::from_params(params),
-            ticker: Ticker::new(params, None).expect("the parameters work"),
+            ticker: Ticker::new(params, None, None).expect("the parameters work"),
             background: Background::new(Default::default()),
             calls: Calls::new(),
             segments: Segments::new(),
@@ -86,6 +86,7 @@ impl Apart {
             spindle_percent: self.ticker.operator().spindle_percent(),
             begun: self.ticker.has_begun(),
             signals: self.ticker.operator().signals,
+            tap: None,
         };
         let (mut program, mut calls) = self.calls.split();
         let (mut segments, _) = self.segments.split();
@@ -95,7 +96,7 @@ impl Apart {
         }
         while let Some(notice) = self.notices.pop_front() {
             self.background
-                .heed(&notice, &mut calls, &mut detours, &self.limits);
+                .heed(&notice, &mut calls, &mut detours, &self.limits, None);
         }
         while self.ticker.takes_calls()
             && let Some(call) = waiting.front()

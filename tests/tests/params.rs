@@ -43,7 +43,7 @@ fn what_passes_the_checks_is_accepted_by_board_and_machine() {
             continue;
         }
         passed += 1;
-        let board = Board::new(&params, None);
+        let board = Board::new(&params, None, None);
         assert!(board.is_ok(), "{:?} of {params:?}", board.err());
         let plant = Plant::new(&params, &PlantOptions::default());
         assert!(plant.is_ok(), "{:?} of {params:?}", plant.err());

@@ -8,7 +8,8 @@ use leadscrew::diagnostics::Diagnostic;
 use leadscrew::failure::{Failure, Outcome};
 use leadscrew::source::SourceFile;
 use leadscrew::words::Both;
-use leadscrew_board_sim::plant::Plant;
+use leadscrew_board_sim::keep;
+use leadscrew_board_sim::plant::{Flash, Plant};
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::{Board, Event, Output, State};
 use leadscrew_core::bus::{Frame, NodeId, Periods, Service};
@@ -22,6 +23,8 @@ use crate::wire::Wire;
 /// A board and what is around it.
 pub struct Machine {
     board: Board,
+    /// What it keeps, as long as this runs.
+    flash: Flash,
     plant: Plant,
     wire: Wire,
     script: Script,
@@ -58,7 +61,7 @@ impl Machine {
             ))
         })?;
         let no_board = |alarm: Alarm| unusable(words(&alarm, None));
-        let mut board = Board::new(&params, Some(options.at)).map_err(no_board)?;
+        let mut board = Board::new(&params, Some(options.at), None).map_err(no_board)?;
         let node = NodeId::new(args.node).unwrap_or(NodeId::BOARD);
         board.join(node).map_err(no_board)?;
         let mut signals = Signals::default();
@@ -95,6 +98,7 @@ impl Machine {
         ));
         Ok(Self {
             board,
+            flash: Flash::erased(),
             plant,
             wire,
             script: Script {
@@ -208,6 +212,7 @@ impl Machine {
         }
         let sample = self.plant.advance();
         self.board.tick(sample, &self.waiting, &mut self.output);
+        keep(&mut self.board, &mut self.flash);
         self.ticks += 1;
         self.waiting.clear();
         self.out.clear();

@@ -323,6 +323,21 @@ codes! {
     TapStayNotRigid = 4078, "K198 needs rigid mode: only there the tap can stay in its hole", "write M{0} S before the cycle, or leave K198 out",
         "K198 需要刚性方式：只有刚性攻丝才能停在孔内", "请在循环前写 M{0} S，或省略 K198";
 
+    // 4080–4089: the tapping return (G30 P99).
+    /// G30 P99 with 5200.0 = 1.
+    TapReturnByGCode = 4080, "the tapping return does not work with 5200.0 = 1", "set parameter 5200.0 to 0 for G30 P99",
+        "参数 5200.0 = 1 时不能执行刚性攻丝返回", "执行 G30 P99 前请将参数 5200.0 设为 0";
+    /// G20 and G21 changed since the hole; {0} the code in force, {1} that of the hole.
+    TapReturnUnit = 4081, "{0} is in force, and the hole was tapped under {1}", "write {1} before G30 P99",
+        "当前为 {0}，而攻丝时为 {1}", "请在 G30 P99 之前写 {1}";
+    /// G30 P99, and no tap is in a hole.
+    TapReturnNothing = 4082, "no tap is in a hole: the tap journal has nothing to return from", "nothing needs to be done; move the axis by hand or by program",
+        "没有丝锥在孔内：攻丝记录中没有可返回的信息", "无需处理；可手动或用程序移动该轴";
+    /// Motion behind G30 P99; {0} the line of that.
+    TapReturnNotLast = 4083, "after the tapping return in line {0} only the board knows where the tool is: nothing moves here",
+        "end the program behind G30 P99, and start another", "第 {0} 行刚性攻丝返回之后，程序不知道刀具位置，不能移动",
+        "请在 G30 P99 之后结束程序，再启动另一个程序";
+
     // -- 4100–4199 geometry of cycles: cycle/ -----------------------------------------------------------------------
 
     /// d leaves nothing to rough.
@@ -468,6 +483,16 @@ codes! {
     /// The spindle does not come to a stand for tapping.
     SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";
+
+    /// Motion, or a spindle command, while a tap is in its hole; {0} its axis, {1} the bottom.
+    TapInHole = 4310, "a tap is in its hole (axis {0}, bottom {1}): nothing but the tapping return may move", "run G30 P99; or drop the entry of the tap journal if no tap is there",
+        "丝锥仍在孔内（{0} 轴，孔底 {1}）：只能执行刚性攻丝返回", "请执行 G30 P99；若孔内没有丝锥，请删除攻丝记录";
+    /// The tap journal cannot be written before a hole.
+    TapJournalNotWritten = 4311, "the tap journal could not be written: the hole is not begun", "check the board's storage, then reset",
+        "攻丝记录写入失败：不开始攻丝", "请检查控制板的存储器，然后复位";
+    /// The tap journal cannot be read at power-up.
+    TapJournalDamaged = 4312, "the tap journal is damaged: whether a tap is in a hole is not known", "look at the machine; if no tap is in a hole, erase the board's storage",
+        "攻丝记录已损坏：不知道孔内是否有丝锥", "请查看机床；若孔内没有丝锥，请擦除控制板的存储器";
 
     // 4330–4349: the board as a node.
     /// The heartbeat of the gateway has stayed away (9025 = 1).
@@ -683,6 +708,14 @@ codes! {
     ObserverNoisy = 4963, "an observer of {0} Hz smooths little on samples {1} µs apart",
         "set 9005 to {2} Hz or less, or make the tick (9000) shorter",
         "采样间隔 {1} µs 时 {0} Hz 的观测器几乎不起平滑作用", "9005 设为 {2} Hz 以下，或缩短周期（9000）";
+    /// A write of the tap journal failed inside a hole, or behind it.
+    TapJournalStale = 4970, "the tap journal could not be written: after a loss of power it would tell of an earlier moment of this hole",
+        "finish the hole, then check the board's storage",
+        "攻丝记录写入失败：断电后其内容为本孔较早时刻的信息", "请完成该孔，然后检查控制板的存储器";
+    /// Power-up with a tap in its hole; {0} its axis, {1} the bottom.
+    TapInHoleSincePower = 4971, "the power went with a tap in its hole: {0} now counts from the bottom {1}",
+        "run G30 P99: it turns the tap further out than it may need, in phase, which is harmless; then reference {0}",
+        "断电时丝锥在孔内：{0} 轴以孔底 {1} 为当前位置", "请执行 G30 P99：丝锥同步退出的距离可能多于所需，无害；之后请重新对 {0} 轴回零";
     /// A speed beyond what a setpoint can step: axis, tick in µs.
     RapidBeyondTick = 4964, "in one tick of {1} µs {0} cannot go as far as its rapid rate (1420.{0}) asks, and moves slower",
         "make the tick (9000) shorter, or lower 1420.{0}",

@@ -7,11 +7,13 @@
 use heapless::{Deque, Vec};
 
 use super::detour::Route;
+use super::guard::Guard;
 use super::queue::{CallOut, SegmentIn, filled, put, room, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Context, Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
 use crate::feasible;
+use crate::journal::{TapHole, TapRecord};
 use crate::motion::{
     Action, Epoch, FloatPlan, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan,
     WaysOut, dwell_ticks, plan, stroke,
@@ -37,6 +39,8 @@ pub struct Settings<'a> {
     pub begun: bool,
     /// The inputs.
     pub signals: Signals,
+    /// The newest entry of the tap journal.
+    pub tap: Option<&'a TapRecord>,
 }
 
 /// A tap whose strokes are being collected.
@@ -79,6 +83,7 @@ pub struct Background {
     planned: Deque<Segment, 4>,
     complete: bool,
     failed: bool,
+    guard: Guard,
 }
 
 impl Background {
@@ -108,21 +113,25 @@ impl Background {
             planned: Deque::new(),
             complete: false,
             failed: false,
+            guard: Guard::open(),
         }
     }
 
     /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
+    /// `tap`: the newest entry of the tap journal, that of the same tick included.
     pub fn heed(
         &mut self,
         notice: &Notice,
         calls: &mut CallOut<'_>,
         detours: &mut SegmentIn<'_>,
         limits: &Limits,
+        tap: Option<&TapRecord>,
     ) {
         match notice {
             Notice::Restart(position, epoch) => {
                 while take(calls).is_some() {}
                 *self = Self::starting(*position, *epoch);
+                self.guard = Guard::of(tap);
             }
             Notice::Route(route) => plan_route(route, limits, detours),
         }
@@ -172,6 +181,14 @@ impl Background {
         {
             return (false, None);
         }
+        // Where a return begins is known when everything before it has been done.
+        if calls
+            .peek()
+            .is_some_and(|call| matches!(call.kind, CallKind::TapReturn(_)))
+            && filled(segments) > 0
+        {
+            return (false, None);
+        }
         let Some(call) = take(calls) else {
             return (false, None);
         };
@@ -215,9 +232,16 @@ impl Background {
         let context = Context {
             at: self.position,
             signals,
+            tap: settings.tap,
         };
         let moves = expand(call, &context)?;
+        if let CallKind::TapReturn(_) = call.kind
+            && let Some(MoveKind::Tap(out)) = moves.clone().next().map(|next| next.kind)
+        {
+            feasible::tap_return(&out, call.span, settings.params)?;
+        }
         let warning = moves.warning().or(warning);
+        self.guard.admit(call, &moves)?;
         // Before anything of the call moves; what has expanded once expands a second time to the same.
         feasible::within_limits(moves.clone(), self.position, settings.params)?;
         self.home = self.position;
@@ -379,7 +403,17 @@ impl Background {
                 let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
                     .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
                 let feed_override = settings.params.tap_feed_override();
-                let mut collected = Tap::new(tap.spindle, gear, self.position, feed_override);
+                let hole = TapHole {
+                    axis: tap.axis,
+                    level: tap.level,
+                    bottom: tap.bottom,
+                    lead: tap.lead,
+                    hand: tap.hand,
+                    spindle: tap.spindle,
+                    speed: tap.infeed,
+                    notes: tap.notes,
+                };
+                let mut collected = Tap::new(gear, hole, self.position, feed_override);
                 let taken = collected.push(step);
                 self.tap = Some(Collecting {
                     number: self.number,
@@ -392,6 +426,10 @@ impl Background {
         if !taken {
             // Not reached: whatever the pecks, the way in and out has seven different steps at most.
             return Err(Alarm::new(Code::TapCallRange, next.span));
+        }
+        if let Some(collecting) = &mut self.tap {
+            collecting.tap.part.closes |= tap.closes;
+            collecting.tap.part.returns |= is_return(next);
         }
         self.position = next.to;
         if tap.axis.of(next.to) == tap.level {
@@ -521,6 +559,11 @@ pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     Rpm::new(i32::try_from(rounded).unwrap_or(0))
 }
 
+/// True for the way out of a hole by itself.
+fn is_return(next: &Move) -> bool {
+    next.tag.is_some_and(|tag| tag.cycle == Cycle::G30P99)
+}
+
 /// True for the last move of a hole: never inside it, and the single block of a tapping cycle stops nowhere else.
 fn ends_hole(next: &Move, rest: &Moves) -> bool {
     let Some(tag) = next.tag.filter(is_tap) else {
@@ -531,7 +574,7 @@ fn ends_hole(next: &Move, rest: &Moves) -> bool {
 }
 
 const fn is_tap(tag: &Tag) -> bool {
-    matches!(tag.cycle, Cycle::G84 | Cycle::G88)
+    matches!(tag.cycle, Cycle::G84 | Cycle::G88 | Cycle::G30P99)
 }
 
 /// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.

@@ -23,6 +23,9 @@ const SILENCE: Periods = Periods::new(12);
 pub(super) struct Drives {
     axes: [DriveMaster; 3],
     scales: [Scale; 3],
+    /// What a drive counts more than its axis' position says, in increments: an axis whose reference was lost, and whose
+    /// place is known from elsewhere.
+    offsets: [i32; 3],
     spindles: Spindles,
     sync: SyncProducer,
 }
@@ -68,6 +71,7 @@ impl Drives {
                 axis(Axis::C, NodeId::DRIVE_C, scale_c),
             ],
             scales,
+            offsets: [0; 3],
             spindles: Spindles::new(
                 config(b'S', NodeId::SPINDLE_1, scale_c, None),
                 params.tap_spindles(),
@@ -124,10 +128,14 @@ impl Drives {
     pub(super) fn position(&self, remembered: Option<Position>) -> Position {
         let [x, z, c] = &self.axes;
         let [scale_x, scale_z, scale_c] = &self.scales;
+        let [off_x, off_z, off_c] = self.offsets;
+        let own = |drive: &DriveMaster, offset: i32| {
+            Increments::new(drive.target().get().wrapping_sub(offset))
+        };
         let read = Position {
-            x: Length::from_nm(scale_x.position(x.target())),
-            z: Length::from_nm(scale_z.position(z.target())),
-            c: Angle::from_udeg(scale_c.position(c.target())),
+            x: Length::from_nm(scale_x.position(own(x, off_x))),
+            z: Length::from_nm(scale_z.position(own(z, off_z))),
+            c: Angle::from_udeg(scale_c.position(own(c, off_c))),
         };
         match remembered {
             Some(remembered) if self.demands(remembered) == self.demands(read) => remembered,
@@ -142,11 +150,40 @@ impl Drives {
 
     fn demands(&self, position: Position) -> [Option<Increments>; 3] {
         let [x, z, c] = &self.scales;
+        let [off_x, off_z, off_c] = self.offsets;
+        let told = |own: Option<Increments>, offset: i32| {
+            own?.get().checked_add(offset).map(Increments::new)
+        };
         [
-            x.increments(position.x.nm()),
-            z.increments(position.z.nm()),
-            c.increments(position.c.udeg()),
+            told(x.increments(position.x.nm()), off_x),
+            told(z.increments(position.z.nm()), off_z),
+            told(c.increments(position.c.udeg()), off_c),
         ]
+    }
+
+    /// From now on the machine stands at `to`, and not at `from` as its drives say: the references of the axes that differ
+    /// were lost. False, and nothing changes, where a drive cannot count that far.
+    pub(super) fn place(&mut self, from: Position, to: Position) -> bool {
+        let mut offsets = self.offsets;
+        let demands = self.demands(from).into_iter().zip(self.demands(to));
+        for (offset, demands) in offsets.iter_mut().zip(demands) {
+            let (Some(there), Some(here)) = demands else {
+                return false;
+            };
+            *offset = offset.wrapping_add(there.get().wrapping_sub(here.get()));
+        }
+        self.offsets = offsets;
+        true
+    }
+
+    /// Keeps to the places that were known before.
+    pub(super) const fn take_places(&mut self, before: &Self) {
+        self.offsets = before.offsets;
+    }
+
+    /// The drives' own positions count again. True where they did not.
+    pub(super) fn forget_places(&mut self) -> bool {
+        core::mem::take(&mut self.offsets) != [0; 3]
     }
 
     /// The frames of a period: SYNC, then what each drive is told. An axis whose position its drive cannot count comes

@@ -22,6 +22,7 @@ mod background;
 mod detour;
 mod drives;
 mod event;
+mod guard;
 mod node;
 mod operator;
 mod queue;
@@ -42,6 +43,7 @@ pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{Frame, NodeId};
+use crate::journal::TapRecord;
 use crate::motion::{Helix, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::program::{Call, Position};
@@ -64,6 +66,18 @@ pub struct Board {
     station: Station,
     /// What the next measured angle is judged by.
     reference: Option<node::Reference>,
+    journal: Entries,
+}
+
+/// The tap journal on its way from the tick to the storage.
+#[derive(Debug)]
+struct Entries {
+    /// The newest entry.
+    newest: Option<TapRecord>,
+    /// It has not been asked for yet.
+    wanted: bool,
+    /// The entry that is being stored.
+    under_way: Option<u32>,
 }
 
 /// Hands a call to the background. False, and nothing changes, where that does not go.
@@ -77,12 +91,17 @@ fn offer(ticker: &mut Ticker, calls: &mut Calls, call: &Call) -> bool {
 
 impl Board {
     /// A board at power-up. `remembered`: where the machine stood, if known; it counts where the drives' positions agree
-    /// with it to their increment.
+    /// with it to their increment. `tap`: the stored entry of the tap journal. Where it says that a tap is in its hole, the
+    /// reference of the tap axis counts as lost: wherever its drive says it is, it stands at the bottom [D26].
     ///
     /// # Errors
     /// [`Code::ParametersUnusable`] for a set that does not pass its own checks.
-    pub fn new(params: &Params, remembered: Option<Position>) -> Result<Self, Alarm> {
-        let Some(ticker) = Ticker::new(params, remembered) else {
+    pub fn new(
+        params: &Params,
+        remembered: Option<Position>,
+        tap: Option<TapRecord>,
+    ) -> Result<Self, Alarm> {
+        let Some(ticker) = Ticker::new(params, remembered, tap) else {
             return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
         };
         let snapshot = Snapshot::new(&ticker, &Setpoint::default());
@@ -97,6 +116,11 @@ impl Board {
             events: Events::new(),
             background: Background::new(remembered.unwrap_or_default()),
             ticker,
+            journal: Entries {
+                newest: tap,
+                wanted: false,
+                under_way: None,
+            },
         })
     }
 
@@ -115,6 +139,7 @@ impl Board {
             spindle_percent: self.ticker.operator().spindle_percent(),
             begun: self.ticker.has_begun(),
             signals: self.ticker.operator().signals,
+            tap: self.journal.newest.as_ref(),
         };
         let (_, mut calls) = self.calls.split();
         let (mut segments, _) = self.segments.split();
@@ -138,10 +163,15 @@ impl Board {
             events: &mut events,
         };
         self.ticker.tick(sample, received, &mut ends, output);
+        if output.journal.is_some() {
+            self.journal.newest = output.journal;
+            self.journal.wanted = true;
+        }
         if let Some(notice) = &output.notice {
             let (_, mut calls) = self.calls.split();
+            let tap = self.journal.newest.as_ref();
             self.background
-                .heed(notice, &mut calls, &mut planned, &self.limits);
+                .heed(notice, &mut calls, &mut planned, &self.limits, tap);
         }
     }
 
@@ -153,6 +183,44 @@ impl Board {
     /// Sets the inputs; they act in the next tick, and on the next call that is taken up.
     pub const fn signals(&mut self, signals: Signals) {
         self.ticker.signals(signals);
+    }
+
+    /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
+    /// write has not been answered yet; of entries that come meanwhile only the newest counts.
+    pub fn store(&mut self) -> Option<StoreRequest> {
+        let record = self.journal.newest.as_ref()?;
+        if !self.journal.wanted || self.journal.under_way.is_some() {
+            return None;
+        }
+        self.journal.wanted = false;
+        self.journal.under_way = Some(record.sequence);
+        Some(StoreRequest {
+            region: Region::TapJournal,
+            bytes: record.encode(),
+        })
+    }
+
+    /// The last write that [`store`](Self::store) asked for has been done, or could not be.
+    pub fn stored(&mut self, region: Region, result: Result<(), StoreError>) {
+        match region {
+            Region::TapJournal => {
+                if let Some(sequence) = self.journal.under_way.take() {
+                    self.ticker.stored(sequence, result);
+                }
+            }
+        }
+    }
+
+    /// The newest entry of the tap journal, stored or on its way there.
+    #[must_use]
+    pub const fn tap_record(&self) -> Option<&TapRecord> {
+        self.journal.newest.as_ref()
+    }
+
+    /// Drops the entry of a tap that is in its hole: there is none, says who calls this. It acts with the next tick. False,
+    /// and nothing changes, where there is none, or while the machine moves.
+    pub fn discard_tap(&mut self) -> bool {
+        self.ticker.discard_tap()
     }
 
     /// The oldest event not yet read.
@@ -168,6 +236,8 @@ impl Board {
         self.background.is_busy()
             || !self.calls.is_empty()
             || !self.segments.is_empty()
+            || self.journal.wanted
+            || self.journal.under_way.is_some()
             || !matches!(self.ticker.state(), State::Idle | State::Alarm(_))
     }
 

@@ -139,10 +139,11 @@ impl Board {
             State::Starting => None,
             _ => Some(self.ticker.executor().position()),
         };
-        let Some(ticker) = Ticker::new(params, remembered) else {
+        let Some(mut ticker) = Ticker::new(params, remembered, None) else {
             // It has been checked before it was staged.
             return;
         };
+        ticker.succeed(&self.ticker);
         self.ticker = ticker;
         self.params.clone_from(params);
         self.limits = Limits::from_params(params);

@@ -10,11 +10,13 @@
 
 mod away;
 mod float;
+mod journal;
 mod rigid;
 mod stopping;
 
 use heapless::Vec;
 
+use self::journal::Journal;
 use super::background::overridden;
 use super::detour::{Detour, Route};
 use super::drives::{Drives, Spindle};
@@ -23,6 +25,7 @@ use super::operator::{Operator, Wish};
 use super::queue::{EventIn, SegmentOut, has_second, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Frame;
+use crate::journal::TapRecord;
 use crate::motion::{
     Action, Arrival, Conditions, Epoch, Executor, Helix, Motion, Segment, Setpoint, Stops, WaysOut,
 };
@@ -80,6 +83,8 @@ pub struct Output {
     pub setpoint: Setpoint,
     /// For the background.
     pub notice: Option<Notice>,
+    /// To be stored, instead of any entry before.
+    pub journal: Option<TapRecord>,
 }
 
 /// The queues of one tick.
@@ -185,13 +190,18 @@ pub struct Ticker {
     route_epoch: Epoch,
     edge_time: bool,
     hold_retracts: bool,
+    journal: Journal,
 }
 
 impl Ticker {
     /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
     /// pass its own checks.
     #[must_use]
-    pub fn new(params: &Params, remembered: Option<Position>) -> Option<Self> {
+    pub fn new(
+        params: &Params,
+        remembered: Option<Position>,
+        tap: Option<TapRecord>,
+    ) -> Option<Self> {
         let tick_us = params.tick_us();
         let ticks_per_minute = 60_000_000_u32.checked_div(tick_us)?;
         let ramp_ms = u64::from(params.spindle_ramp_ms())
@@ -241,6 +251,7 @@ impl Ticker {
             route_epoch: Epoch::default(),
             edge_time: params.encoder_edge_time(),
             hold_retracts: params.thread_hold_retracts(),
+            journal: Journal::new(tap, ticks_per_minute / 60),
         })
     }
 
@@ -352,6 +363,7 @@ impl Ticker {
         }
         self.release(ends);
         self.settle(&setpoint, moved, ends);
+        self.keep_journal(ends, output);
         output.setpoint = setpoint;
         output.notice = None;
         if self.notice.is_some() {
@@ -426,10 +438,14 @@ impl Ticker {
             State::Alarm(_) | State::Stopping(Outcome::Alarm(_)) => return,
             State::Starting if self.drives.enable() => {
                 let position = self.drives.position(self.remembered.take());
+                let (position, warning) = self.place_tap(position);
                 self.executor.set_position(position);
                 self.restart(position);
                 self.state = State::Idle;
                 emit(ends.events, Event::Ready);
+                if let Some(warning) = warning {
+                    emit(ends.events, Event::Warning(warning));
+                }
             }
             _ => {}
         }
@@ -508,6 +524,11 @@ impl Ticker {
                 return wait;
             }
         }
+        if self.rigid == Rigid::On
+            && let Some(waits) = self.wait_for_journal(ends)
+        {
+            return Some(waits);
+        }
         self.start(ends)
     }
 
@@ -517,16 +538,19 @@ impl Ticker {
         let events = &mut *ends.events;
         let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
         let instant = match segment.action {
-            Action::Tap(_) if self.rigid != Rigid::On => {
+            Action::Tap(ref tap) if self.rigid != Rigid::On => {
+                if self.engages_itself(tap, number, line) {
+                    return Some((number, line, Motion::Wait));
+                }
                 // No program asks for this: its rigid mode comes first.
                 let alarm = Alarm::new(Code::TapModePlace, segment.span);
                 take(ends.segments);
                 self.raise(alarm, ends);
                 return None;
             }
-            Action::Tap(ref tap) if tap.spindle != self.taps_with => {
+            Action::Tap(ref tap) if tap.hole.spindle != self.taps_with => {
                 // E of the cycle: it changes over at standstill, and the hole begins then.
-                let spindle = tap.spindle;
+                let spindle = tap.hole.spindle;
                 self.enter_with(spindle, number, line);
                 return Some((number, line, Motion::Wait));
             }
@@ -542,6 +566,9 @@ impl Ticker {
                         frozen: segment.stops.frozen,
                         ways: pass.ways,
                     });
+                }
+                if let Action::Tap(tap) = &segment.action {
+                    self.tap_begins(tap);
                 }
                 emit(events, Event::Started { number, line });
                 self.executor.begin(segment);

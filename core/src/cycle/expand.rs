@@ -1,26 +1,30 @@
 //! Any call to its moves.
 
-use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
+use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves, tap_return};
 use crate::alarm::Alarm;
+use crate::journal::TapRecord;
 use crate::program::{Aux, Call, CallKind, Position, SpindleCall, SpindleChoice, SpindleMode};
 use crate::signals::Signals;
 
 /// What the moves of a call depend on besides its words.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Context {
+pub struct Context<'a> {
     /// Where the tool stands.
     pub at: Position,
     /// The inputs when the call is taken up.
     pub signals: Signals,
+    /// The newest entry of the tap journal, if there is one.
+    pub tap: Option<&'a TapRecord>,
 }
 
-impl Context {
-    /// A tool that stands at `at`, all inputs as at power-up.
+impl Context<'_> {
+    /// A tool that stands at `at`, all inputs as at power-up, nothing in the tap journal.
     #[must_use]
     pub fn standing(at: Position) -> Self {
         Self {
             at,
             signals: Signals::default(),
+            tap: None,
         }
     }
 }
@@ -47,7 +51,7 @@ pub enum Moves {
 ///
 /// # Errors
 /// What the geometry of a cycle or the signals forbid, before any of its moves.
-pub fn expand(call: &Call, context: &Context) -> Result<Moves, Alarm> {
+pub fn expand(call: &Call, context: &Context<'_>) -> Result<Moves, Alarm> {
     let at = context.at;
     let (to, kind) = match call.kind {
         CallKind::Thread(ref thread) => {
@@ -55,6 +59,9 @@ pub fn expand(call: &Call, context: &Context) -> Result<Moves, Alarm> {
         }
         CallKind::Groove(ref groove) => {
             return Ok(Moves::Groove(GrooveMoves::new(groove, call.span)?));
+        }
+        CallKind::TapReturn(ref out) => {
+            return tap_return(out, call.span, context).map(Moves::One);
         }
         CallKind::Tap(ref tap) => {
             return Ok(Moves::Tap(TapMoves::new(tap, context.signals, call.span)?));

@@ -12,6 +12,7 @@ mod moves;
 mod shape;
 mod slope;
 mod tap;
+mod tap_return;
 mod taper;
 mod thread;
 
@@ -19,4 +20,5 @@ pub use expand::{Context, Moves, expand};
 pub use groove::GrooveMoves;
 pub use moves::*;
 pub use tap::TapMoves;
+pub use tap_return::tap_return;
 pub use thread::{ThreadMoves, ThreadSummary};

@@ -94,6 +94,8 @@ pub struct TapMove {
     /// Speed of the spindle in this stroke, signed, the extraction override in it; zero for an ordinary tap whose spindle
     /// stands.
     pub speed: CentiRpm,
+    /// S: speed of the infeeds of this hole, above zero where it is rigid.
+    pub infeed: CentiRpm,
     /// True on the way out (its acceleration may be another, 5201.2).
     pub outward: bool,
     /// True for the first stroke of a hole: it begins at R, and the angle there is the one to count from. False where the
@@ -137,6 +139,8 @@ pub enum Cycle {
     G84,
     /// Side tapping.
     G88,
+    /// The way out of a hole in which a tap was stopped.
+    G30P99,
 }
 
 /// What a move in a cycle is for (cli.md, stages).

@@ -213,6 +213,7 @@ impl TapMoves {
             bottom: self.call.bottom.value,
             turns,
             speed,
+            infeed: self.call.speed,
             outward,
             opens: self.fresh,
             closes: stage == Stage::Extract,

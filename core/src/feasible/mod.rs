@@ -14,6 +14,6 @@ mod thread;
 mod time;
 
 pub use limits::within_limits;
-pub use tap::{TapJoin, TapReport, tap, tap_spindle};
+pub use tap::{TapJoin, TapReport, tap, tap_return, tap_spindle};
 pub use thread::{FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
 pub use time::time;

@@ -3,7 +3,7 @@
 
 use super::float::floating;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{Move, MoveKind, Stage, TapMoves};
+use crate::cycle::{Move, MoveKind, Stage, TapMove, TapMoves};
 use crate::motion::{Limits, PathRate, Stroke, stroke};
 use crate::params::Params;
 use crate::program::{
@@ -62,8 +62,9 @@ pub fn tap(
     let moves = TapMoves::new(call, signals, span)?;
     taps_with(moves.spindle(), span, params)?;
     in_step(call, span, params)?;
-    feed(call, call.speed, span, params)?;
-    feed(call, call.extract, span, params)?;
+    for speed in [call.speed, call.extract] {
+        feed(call.axis, call.lead.value, speed, span, params)?;
+    }
     if call.mode == TapMode::Floating {
         return floating(call, moves, signals.hand(call.hand), span, params);
     }
@@ -128,6 +129,16 @@ fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
     Err(Alarm::new(Code::TapDrivesApart, span).with([us(x), us(z), Arg::None, Arg::None]))
 }
 
+/// Checks the move of a tapping return at `span`.
+///
+/// # Errors
+/// A spindle this machine does not have ([`Code::TapSpindleNotAvailable`]); lead times speed above the axis' feed
+/// ([`Code::LeadTooFast`]).
+pub fn tap_return(out: &TapMove, span: Span, params: &Params) -> Result<(), Alarm> {
+    taps_with(out.spindle, span, params)?;
+    feed(out.axis, out.lead, out.speed, span, params)
+}
+
 fn taps_with(spindle: TapSpindle, span: Span, params: &Params) -> Result<(), Alarm> {
     if spindle.number() <= params.tap_spindles() {
         return Ok(());
@@ -158,12 +169,17 @@ fn infeed(
     Ok(is_infeed.then_some(planned))
 }
 
-fn feed(call: &TapCall, speed: CentiRpm, span: Span, params: &Params) -> Result<(), Alarm> {
-    let (axis, letter) = match call.axis {
+fn feed(
+    axis: TapAxis,
+    lead: Lead,
+    speed: CentiRpm,
+    span: Span,
+    params: &Params,
+) -> Result<(), Alarm> {
+    let (axis, letter) = match axis {
         TapAxis::X => (Axis::X, b'X'),
         TapAxis::Z => (Axis::Z, b'Z'),
     };
-    let lead = call.lead.value;
     let most = params.max_feed(axis);
     let nm = mul_div(
         lead.numerator().unsigned_abs(),

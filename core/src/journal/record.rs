@@ -20,8 +20,9 @@
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use super::bytes::{Reader, Writer};
+use crate::alarm::Arg;
 use crate::program::{Extraction, Hand, LengthUnit, Plane, TapAxis, TapNotes, TapSpindle};
-use crate::units::{CentiRpm, Lead, Length, Turns};
+use crate::units::{CentiRpm, Diameter, Lead, Length, Turns};
 
 /// Bit by bit: an entry is written a few times in a hole, and flash is dearer than time.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -60,6 +61,24 @@ impl TapHole {
             -1
         } else {
             1
+        }
+    }
+
+    /// Letter of its axis.
+    #[must_use]
+    pub const fn letter(&self) -> u8 {
+        match self.axis {
+            TapAxis::X => b'X',
+            TapAxis::Z => b'Z',
+        }
+    }
+
+    /// A coordinate of its axis as a figure of a message: a diameter on X.
+    #[must_use]
+    pub const fn figure(&self, coordinate: Length) -> Arg {
+        match self.axis {
+            TapAxis::X => Arg::Diameter(Diameter::of_radius(coordinate)),
+            TapAxis::Z => Arg::Length(coordinate),
         }
     }
 

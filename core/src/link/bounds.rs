@@ -5,7 +5,7 @@
 use crate::alarm::{At, Span};
 use crate::program::{
     ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, TapCall, TapForm, TapMode, TapPeck,
-    ThreadCall,
+    TapReturn, ThreadCall,
 };
 use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
 
@@ -59,6 +59,7 @@ pub fn call(call: &Call) -> Result<(), Beyond> {
         CallKind::Thread(call) => thread(call),
         CallKind::Groove(call) => groove(call),
         CallKind::Tap(call) => tap(call),
+        CallKind::TapReturn(call) => tap_return(call),
     }
 }
 
@@ -122,6 +123,12 @@ fn tap(call: &TapCall) -> Result<(), Beyond> {
         TapMode::Rigid => turning(call.speed).and(turning(call.extract)),
         TapMode::Floating => turning_or_not(call.speed).and(turning_or_not(call.extract)),
     }
+}
+
+fn tap_return(call: &TapReturn) -> Result<(), Beyond> {
+    turning(call.highest)?;
+    not_negative(At::new(call.beyond, Span::default()))?;
+    call.speed.map_or(Ok(()), turning)
 }
 
 fn pecks(peck: TapPeck) -> Result<(), Beyond> {

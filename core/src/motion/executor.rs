@@ -134,6 +134,8 @@ pub struct Executor {
     astray: u32,
     /// Ticks since the pass came to rest.
     settled: u8,
+    /// A stroke of a tap has ended in this tick.
+    turned: bool,
 }
 
 impl Executor {
@@ -169,6 +171,7 @@ impl Executor {
             aborting: false,
             astray: 0,
             settled: 0,
+            turned: false,
         }
     }
 
@@ -213,6 +216,12 @@ impl Executor {
             Active::Tap(run) => Some(run.line()),
             _ => None,
         }
+    }
+
+    /// A stroke of a tap has ended in the last tick.
+    #[must_use]
+    pub const fn has_turned(&self) -> bool {
+        self.turned
     }
 
     /// Commanded spindle angle, in position mode.
@@ -312,6 +321,7 @@ impl Executor {
         current: Option<&Segment>,
     ) -> Result<Setpoint, Alarm> {
         let number = self.number;
+        self.turned = false;
         let done = match (&mut self.active, current.map(|segment| &segment.action)) {
             (Active::Tap(_), Some(Action::Tap(tap))) => self.tap_on(now, tap),
             (Active::Float(_), Some(Action::Float(plan))) => self.float_on(now, plan)?,
@@ -363,6 +373,7 @@ impl Executor {
         let point = run.tick(tap, &mut self.run, rate, hold);
         self.position = point.position;
         self.spindle = Some(point.angle);
+        self.turned = point.turned;
         if point.done {
             self.active = Active::Free;
         }

@@ -35,5 +35,5 @@ pub use rate::{PathRate, Rate, Travel};
 pub use run::{Run, Step};
 pub use segment::{Action, Epoch, Pass, Segment, Stops, WaysOut};
 pub use tap::{FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};
-pub use tap::{Gear, Stroke, TAP_STEPS, Tap, TapLine, TapStep, dwell_ticks, stroke};
+pub use tap::{Gear, Stroke, TAP_STEPS, Tap, TapLine, TapPart, TapStep, dwell_ticks, stroke};
 pub use thread::{Helix, Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};

@@ -10,7 +10,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::choice::{HandChoice, SpindleChoice};
-use super::tap_notes::TapNotes;
+use super::tap_notes::{LengthUnit, TapNotes};
 use crate::alarm::{At, Span};
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, StartAngle,
@@ -68,6 +68,8 @@ pub enum CallKind {
     Groove(GrooveCall),
     /// G84, G88.
     Tap(TapCall),
+    /// G30 P99.
+    TapReturn(TapReturn),
     /// M30, M02: the program is over. Also an [`Aux`] for the machine; no call follows.
     End(u16),
     /// The text is over without one of them: no move, and no call follows. Made by whoever feeds the board, not by the
@@ -405,6 +407,19 @@ pub enum TapMode {
     /// Ordinary: the spindle turns in speed mode, the axis follows its encoder through stop and reversal, and a floating
     /// holder takes what is left between them.
     Floating,
+}
+
+/// G30 P99: the way out of a hole in which a tap was stopped. Which hole, the tap journal says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct TapReturn {
+    /// S: speed of the spindle before the extraction override, above zero; `None`: that of the hole.
+    pub speed: Option<CentiRpm>,
+    /// The highest speed of a tap (5241, 3772).
+    pub highest: CentiRpm,
+    /// How far beyond R it goes (5382), not negative.
+    pub beyond: Length,
+    /// G20 or G21 in force: the hole must have been tapped in the same.
+    pub unit: LengthUnit,
 }
 
 /// A G84 or G88 with every word resolved: one block, one or more holes.

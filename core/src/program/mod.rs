@@ -26,6 +26,7 @@ mod state;
 mod tap;
 mod tap_mode;
 mod tap_notes;
+mod tap_return;
 mod tap_speed;
 #[cfg(test)]
 mod tests;

@@ -278,6 +278,9 @@ impl<'p> State<'p> {
         plan: &mut Plan,
     ) -> Result<(), Alarm> {
         let code = word.value.mantissa();
+        if code == 30 {
+            return self.tap_return(block, word, plan);
+        }
         if let Some(other) = motion_word {
             let harmless = match code {
                 4 => block.has_any(Letters::of(b"P")),

@@ -37,6 +37,8 @@ pub(super) struct Tapping {
     pub(super) spindle: TapSpindle,
     /// The hole that a K198 has left the tap in, and its block.
     pub(super) locked: Option<(TapCall, Span)>,
+    /// Behind this G30 P99 only the board knows where the tool is.
+    pub(super) away: Option<Span>,
 }
 
 impl Tapping {
@@ -47,10 +49,11 @@ impl Tapping {
             cycle: None,
             spindle: TapSpindle::First,
             locked: None,
+            away: None,
         }
     }
 
-    const fn is_on(&self) -> bool {
+    pub(super) const fn is_on(&self) -> bool {
         self.rigid.is_some() || self.cycle.is_some()
     }
 
@@ -58,7 +61,10 @@ impl Tapping {
     #[inline]
     pub(super) fn concerns(&self, block: &Block) -> bool {
         const CODES: u8 = MGroup::Rigid.bit() | MGroup::Clamp.bit();
-        self.is_on() || block.has_groups(Group::Canned.bit()) || block.has_m_groups(CODES)
+        self.is_on()
+            || self.away.is_some()
+            || block.has_groups(Group::Canned.bit())
+            || block.has_m_groups(CODES)
     }
 
     /// M24–M27.
@@ -121,6 +127,13 @@ impl State<'_> {
     #[inline(never)]
     pub(super) fn around_taps(&mut self, block: &Block, plan: &mut Plan) -> Result<(), Alarm> {
         let codes = Codes::of(block);
+        self.refuse_behind_return(block)?;
+        if let Some(word) = &codes.one_shot
+            && word.value.mantissa() == 30
+        {
+            self.modal(block, plan)?;
+            return self.tap_return(block, word, plan);
+        }
         self.refuse_out_of_phase(block, &codes)?;
         self.refuse_before_cycle(block, &codes)?;
         if let Some(tap) = &codes.tap
@@ -197,7 +210,7 @@ impl State<'_> {
 
     /// The cycle is over, and rigid mode with it: true where that was on. Its S is cleared ([G84/G88 sheet], note 5); S and
     /// M03 of an ordinary tap are the spindle's own and stay [D95].
-    fn end_taps(&mut self) -> bool {
+    pub(super) fn end_taps(&mut self) -> bool {
         self.tapping.armed = false;
         self.tapping.cycle = None;
         let rigid = self.tapping.rigid.take().is_some();
@@ -375,7 +388,7 @@ pub(super) fn locked(word: &Word, span: Span) -> Alarm {
 }
 
 /// An alarm with the name of the G code to blame.
-fn named(word: &Word, code: Code) -> Alarm {
+pub(super) fn named(word: &Word, code: Code) -> Alarm {
     let name = g_arg(word.value.mantissa());
     word.alarm(code)
         .with([name, Arg::None, Arg::None, Arg::None])

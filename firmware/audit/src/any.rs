@@ -6,14 +6,14 @@ use core::num::NonZeroU8;
 use core::time::Duration;
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::board::Command;
+use leadscrew_core::board::{Command, StoreError};
 use leadscrew_core::bus::{
     Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
     CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
     HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order,
     Periods, Scale, SdoProtocol, SpindleCommand, SpindleDemand, Statusword, SyncProducer,
 };
-use leadscrew_core::cycle::{Context, Move, MoveKind, TapMove, ThreadMove};
+use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::motion::{Limits, PathRate, Ramp, Rate, Travel};
 use leadscrew_core::params::{Entry, Params};
@@ -21,7 +21,7 @@ use leadscrew_core::program::{
     ArcCall, Aux, Call, CallKind, CutIn, Dialect, Extraction, FeedRate, GrooveCall, Hand,
     HandChoice, Infeed, LengthUnit, Options, Plane, Position, RunOut, Selection, SpindleCall,
     SpindleChoice, SpindleMode, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck,
-    TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
+    TapRepeat, TapReturn, TapSpindle, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -112,7 +112,6 @@ macro_rules! records {
 records! {
     Span { line column end }
     Position { x z c }
-    Context { at signals }
     Signals { g61_2 rgtap sws rgtsp }
     Call { span origin kind }
     ArcCall { end i k clockwise feed }
@@ -128,8 +127,9 @@ records! {
         cycle mode axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
         notes
     }
-    TapMove { mode axis spindle lead hand level bottom turns speed outward opens closes notes }
+    TapMove { mode axis spindle lead hand level bottom turns speed infeed outward opens closes notes }
     TapNotes { unit plane extraction }
+    TapReturn { speed highest beyond unit }
     TapHole { axis level bottom lead hand spindle speed notes }
     TapRecord { sequence in_hole hole position angle }
     ThreadMove { lead pass_angle angle_udeg long_x last rpm }
@@ -168,6 +168,7 @@ macro_rules! choices {
     )*};
 }
 choices! {
+    StoreError { StoreError::Device, StoreError::Full } or StoreError::Damaged;
     Mode { Mode::Position } or Mode::Velocity;
     SpindleDemand { SpindleDemand::Speed(any()) } or SpindleDemand::Position(any());
     NmtCommand {
@@ -207,7 +208,7 @@ choices! {
     CallKind {
         CallKind::Rapid(any()), CallKind::Line(any(), any()), CallKind::Arc(any()), CallKind::Dwell(any()),
         CallKind::Spindle(any()), CallKind::Aux(any()), CallKind::Thread(any()), CallKind::Groove(any()),
-        CallKind::Tap(any()), CallKind::Over,
+        CallKind::Tap(any()), CallKind::TapReturn(any()), CallKind::Over,
     } or CallKind::End(any());
 }
 

@@ -151,6 +151,7 @@ fn cycle_name(cycle: Cycle) -> &'static str {
         Cycle::G78 => "G78",
         Cycle::G84 => "G84",
         Cycle::G88 => "G88",
+        Cycle::G30P99 => "G30P99",
     }
 }
 

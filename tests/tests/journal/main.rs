@@ -1,3 +1,4 @@
 //! The tap journal: what survives a loss of power at any moment, and the way out of a hole it leads to.
 
 mod cuts;
+mod ways_out;

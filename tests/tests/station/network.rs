@@ -220,7 +220,7 @@ fn a_cycle_that_leaves_no_room_is_refused_when_the_board_joins() {
         (&[("9020", 500), ("9000", 2000)][..], None),
     ] {
         let params = with(values);
-        let mut board = Board::new(&params, None).unwrap();
+        let mut board = Board::new(&params, None, None).unwrap();
         match (board.join(NODE), load) {
             (Ok(()), None) => {}
             (Err(alarm), Some(_)) => assert_eq!(alarm.code, Code::BusOverload),

@@ -70,6 +70,7 @@ impl Ticker {
     }
 
     pub(super) fn finish_stop(&mut self, outcome: Outcome, events: &mut EventIn<'_>) {
+        self.note_stop();
         self.in_program = false;
         self.commanded = Rpm::STOPPED;
         self.state = match outcome {

@@ -20,7 +20,7 @@ mod run;
 
 pub use float::{FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};
 pub use gear::{Gear, TapLine};
-pub use plan::{Stroke, TAP_STEPS, Tap, TapStep, dwell_ticks, stroke};
+pub use plan::{Stroke, TAP_STEPS, Tap, TapPart, TapStep, dwell_ticks, stroke};
 pub(super) use run::TapRun;
 
 #[cfg(test)]

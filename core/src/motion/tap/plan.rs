@@ -5,13 +5,14 @@
 use super::gear::Gear;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::TapMove;
+use crate::journal::TapHole;
 use crate::motion::limits::{Limits, Pace, PathLimits};
 use crate::motion::plan::FEED_OVERRIDE_MAX;
 use crate::motion::profile::{CAPACITY, Ramp};
 use crate::motion::rate::{PathRate, Rate};
 use crate::motion::shape;
 use crate::params::Params;
-use crate::program::{Position, TapAxis, TapSpindle};
+use crate::program::{Position, TapAxis};
 use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Millis, mul_div};
 
 /// One stroke along the tap axis, from rest to rest.
@@ -67,17 +68,28 @@ pub enum TapStep {
 /// and one to spare.
 pub const TAP_STEPS: usize = 8;
 
+/// Which part of a hole a [`Tap`] is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TapPart {
+    /// The tap is out of the hole at its end.
+    pub closes: bool,
+    /// It is the way out by itself (G30 P99), which begins in the hole.
+    pub returns: bool,
+}
+
 /// The way from R into a hole and back, or the part of it that a K198 leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tap {
-    /// The spindle that turns.
-    pub spindle: TapSpindle,
     /// What ties the spindle to the axis.
     pub gear: Gear,
     /// Where it starts.
     pub start: Position,
     /// The feed override acts on the strokes (5203.4).
     pub feed_override: bool,
+    /// The hole, for the tap journal.
+    pub hole: TapHole,
+    /// Which part of the hole.
+    pub part: TapPart,
     steps: [Option<TapStep>; TAP_STEPS],
     len: u8,
     /// The pair of steps that is done again, and how often.
@@ -88,17 +100,16 @@ pub struct Tap {
 impl Tap {
     /// Nothing to do yet.
     #[must_use]
-    pub const fn new(
-        spindle: TapSpindle,
-        gear: Gear,
-        start: Position,
-        feed_override: bool,
-    ) -> Self {
+    pub const fn new(gear: Gear, hole: TapHole, start: Position, feed_override: bool) -> Self {
         Self {
-            spindle,
             gear,
             start,
             feed_override,
+            hole,
+            part: TapPart {
+                closes: false,
+                returns: false,
+            },
             steps: [None; TAP_STEPS],
             len: 0,
             pair: 0,

@@ -21,6 +21,8 @@ pub(in crate::motion) struct TapPoint {
     pub(in crate::motion) offset: u32,
     /// Nothing is left to do.
     pub(in crate::motion) done: bool,
+    /// A stroke has just ended.
+    pub(in crate::motion) turned: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +105,7 @@ impl TapRun {
             // Not reached: only a stroke moves.
             (Stage::Moving(_), _) => (Motion::Run, true),
         };
+        let turned = over && matches!(self.stage, Stage::Moving(_));
         let done = over && self.finish_step(tap);
         TapPoint {
             position: self.position,
@@ -110,6 +113,7 @@ impl TapRun {
             motion,
             offset,
             done,
+            turned,
         }
     }
 

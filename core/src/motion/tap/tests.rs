@@ -1,8 +1,9 @@
 extern crate std;
 
 use super::*;
-use crate::program::{Hand, Position, TapAxis, TapSpindle};
-use crate::units::{Lead, Length, Turns};
+use crate::journal::TapHole;
+use crate::program::{Hand, Position, TapAxis, TapNotes, TapSpindle};
+use crate::units::{CentiRpm, Lead, Length, Turns};
 
 fn z(nm: i64) -> Position {
     Position {
@@ -74,10 +75,23 @@ fn leads_that_cannot_be_geared_are_none() {
     assert!(gear(10_000_000_000, 1).is_some());
 }
 
+fn hole() -> TapHole {
+    TapHole {
+        axis: TapAxis::Z,
+        level: Length::ZERO,
+        bottom: Length::from_nm(-1),
+        lead: Lead::new(2_000_000, 1).unwrap(),
+        hand: Hand::Right,
+        spindle: TapSpindle::First,
+        speed: CentiRpm::new(1),
+        notes: TapNotes::default(),
+    }
+}
+
 fn tap(steps: &[i64]) -> Tap {
     let mut tap = Tap::new(
-        TapSpindle::First,
         gear(2_000_000, 1, -1, Hand::Right),
+        hole(),
         Position::ZERO,
         false,
     );

@@ -12,6 +12,7 @@ mod forms;
 mod ordinary_taps;
 mod parameters;
 mod random;
+mod returns;
 mod taps;
 
 use super::*;

@@ -85,7 +85,7 @@ impl Work for WholeBoard {
     fn begin(&self) -> Machine {
         let plant = Plant::new(&self.params, &PlantOptions::default());
         Machine {
-            board: Board::new(&self.params, Some(PlantOptions::default().at))
+            board: Board::new(&self.params, Some(PlantOptions::default().at), None)
                 .expect("the built-in machine"),
             plant: plant.expect("the built-in machine"),
             sample: EncoderSample::default(),
@@ -123,6 +123,10 @@ impl Work for WholeBoard {
     }
 
     fn finish(&self, machine: &mut Machine, _: &Setpoint) {
+        // The storage is done at once.
+        if let Some(request) = machine.board.store() {
+            machine.board.stored(request.region, Ok(()));
+        }
         machine.answered = 0;
         let (answers, answered) = (&mut machine.answers, &mut machine.answered);
         machine.plant.exchange(&machine.output.frames, |frame| {

@@ -24,7 +24,7 @@ fn objects() {
 #[inline(never)]
 fn board() {
     let params: Params = any();
-    let Ok(mut board) = Board::new(&params, any()) else {
+    let Ok(mut board) = Board::new(&params, any(), any()) else {
         return;
     };
     let mut output = Output::default();
@@ -47,6 +47,14 @@ fn board() {
         ));
         if any() {
             board.command(any());
+        }
+        if let Some(request) = board.store() {
+            sink(request.bytes());
+            board.stored(request.region, any());
+        }
+        sink(board.tap_record());
+        if any() {
+            sink(board.discard_tap());
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use audit::any::{any, sink};
 use leadscrew_core::cycle::{Context, GrooveMoves, TapMoves, ThreadMoves, expand};
+use leadscrew_core::journal::TapRecord;
 use leadscrew_core::program::{Call, GrooveCall, TapCall, ThreadCall};
 
 /// All of this room.
@@ -14,7 +15,13 @@ pub fn all() {
 
 #[inline(never)]
 fn any_call() {
-    if let Ok(moves) = expand(&any::<Call>(), &any::<Context>()) {
+    let record: Option<TapRecord> = any();
+    let context = Context {
+        at: any(),
+        signals: any(),
+        tap: record.as_ref(),
+    };
+    if let Ok(moves) = expand(&any::<Call>(), &context) {
         sink(moves.warning());
         moves.for_each(sink);
     }

@@ -27,7 +27,7 @@ fn tap() {
     sink((gear.turns(any()), gear.position(any())));
     let line = TapLine::through(gear, any(), any());
     sink((line.angle(any()), line.error(any(), any())));
-    let mut tap = Tap::new(any(), gear, any(), any());
+    let mut tap = Tap::new(gear, any(), any(), any());
     while any() {
         sink(tap.push(TapStep::Dwell(dwell_ticks(any(), any()))));
         if let Ok(stroke) = stroke(&any(), any(), &any(), &any(), any()) {

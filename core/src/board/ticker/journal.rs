@@ -1,0 +1,318 @@
+//! The tap journal in the tick: an entry before a hole, at every reversal, behind the hole, and at every stop in between
+//! ([G84/G88 sheet], G30 P99).
+//!
+//! Only the newest entry matters. The tick puts it into its output; the owner of the storage writes it and says so
+//! ([`Ticker::stored`]). Before a hole the tap waits for that word, inside it nothing waits: the way out must stay
+//! possible. Knows entries; knows nothing of flash.
+
+use super::super::event::Event;
+use super::super::store::StoreError;
+use super::{Ends, Output, Rigid, State, Ticker, emit};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::journal::{TapHole, TapRecord};
+use crate::motion::{Action, Motion, Segment, Tap, TapPart};
+use crate::program::Position;
+use crate::units::{Rpm, Turns};
+
+/// What the tick keeps of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Journal {
+    /// The newest entry.
+    record: Option<TapRecord>,
+    /// It has not been given out yet.
+    fresh: bool,
+    /// The entry that first named the hole, and whether it or a later one is known to be stored.
+    named: u32,
+    confirmed: bool,
+    /// The last write was refused.
+    failed: bool,
+    /// The tap has begun the hole of the entry, or is said to be in it since power-up.
+    begun: bool,
+    /// Power went while it was in the hole: where its axis stands is not known, and the bottom is taken for it [D26].
+    assumed: bool,
+    /// The tap under way.
+    part: Option<TapPart>,
+    /// A return has arrived: the spindle leaves position mode.
+    returned: bool,
+    /// Ticks for which a hole has waited.
+    waited: u32,
+    /// A hole waits at most so many.
+    patience: u32,
+}
+
+impl Journal {
+    /// The newest entry is `record`; a hole waits for a second at most.
+    pub(super) fn new(record: Option<TapRecord>, ticks_per_second: u32) -> Self {
+        let in_hole = record.is_some_and(|record| record.in_hole);
+        Self {
+            record,
+            fresh: false,
+            named: record.map_or(0, |record| record.sequence),
+            confirmed: in_hole,
+            failed: false,
+            begun: in_hole,
+            assumed: in_hole,
+            part: None,
+            returned: false,
+            waited: 0,
+            patience: ticks_per_second,
+        }
+    }
+
+    /// A hole is about to begin, or to go deeper.
+    fn name(&mut self, hole: TapHole, stand: &Stand) {
+        self.write(hole, true, stand);
+        self.named = self.record.map_or(0, |record| record.sequence);
+        self.confirmed = false;
+        self.waited = 0;
+    }
+
+    fn write(&mut self, hole: TapHole, in_hole: bool, stand: &Stand) {
+        let sequence = self.record.map_or(0, |record| record.sequence);
+        self.record = Some(TapRecord {
+            sequence: sequence.wrapping_add(1),
+            in_hole,
+            hole,
+            position: hole.axis.of(stand.position),
+            angle: stand.angle,
+        });
+        self.fresh = true;
+        self.failed = false;
+    }
+
+    /// The hole is written down as the newest entry.
+    fn knows(&self, hole: &TapHole) -> bool {
+        self.record
+            .is_some_and(|record| record.in_hole && record.hole == *hole)
+    }
+}
+
+/// Where axes and spindle stand.
+struct Stand {
+    position: Position,
+    angle: Turns,
+}
+
+impl Ticker {
+    /// The newest entry of the tap journal, stored or not.
+    #[must_use]
+    pub const fn tap_record(&self) -> Option<&TapRecord> {
+        self.journal.record.as_ref()
+    }
+
+    /// Takes over from a tick side that made way for this one, the power being on: what it knew of holes and of axes whose
+    /// reference was lost.
+    pub fn succeed(&mut self, before: &Self) {
+        self.journal = Journal {
+            patience: self.journal.patience,
+            part: None,
+            returned: false,
+            ..before.journal
+        };
+        self.drives.take_places(&before.drives);
+    }
+
+    /// The owner has stored the entry with this number, or could not.
+    pub fn stored(&mut self, sequence: u32, result: Result<(), StoreError>) {
+        match result {
+            // Not one of before: the difference wraps.
+            Ok(()) => {
+                let behind = sequence.wrapping_sub(self.journal.named);
+                self.journal.confirmed |= behind <= u32::MAX / 2;
+            }
+            Err(_) => self.journal.failed = true,
+        }
+    }
+
+    /// Drops the entry: the tap is said to be out. False, and nothing changes, where there is none or the machine moves.
+    /// A position that was taken from the entry goes with it: that of the drive counts again.
+    pub fn discard_tap(&mut self) -> bool {
+        let stands = matches!(self.state, State::Starting | State::Idle | State::Alarm(_));
+        let Some(record) = self
+            .journal
+            .record
+            .filter(|record| record.in_hole && stands)
+        else {
+            return false;
+        };
+        let stand = self.stand();
+        self.journal.write(record.hole, false, &stand);
+        self.journal.begun = false;
+        self.journal.assumed = false;
+        let moved = self.drives.forget_places();
+        match self.state {
+            State::Idle => {
+                let position = if moved {
+                    self.drives.position(None)
+                } else {
+                    self.executor.position()
+                };
+                self.executor.set_position(position);
+                self.restart(position);
+            }
+            State::Alarm(_) if moved => self.remembered = Some(self.drives.position(None)),
+            _ => {}
+        }
+        true
+    }
+
+    fn stand(&self) -> Stand {
+        Stand {
+            position: self.executor.position(),
+            angle: self
+                .executor
+                .spindle()
+                .unwrap_or_else(|| self.observer.angle()),
+        }
+    }
+
+    /// The drives have just come up: with a tap in its hole since before the power went, its axis stands at the bottom [D26].
+    /// Its warning comes back too.
+    pub(super) fn place_tap(&mut self, position: Position) -> (Position, Option<Alarm>) {
+        if !core::mem::take(&mut self.journal.assumed) {
+            return (position, None);
+        }
+        let Some(record) = &self.journal.record else {
+            return (position, None);
+        };
+        let hole = record.hole;
+        let args = [
+            Arg::Letter(hole.letter()),
+            hole.figure(hole.bottom),
+            Arg::None,
+            Arg::None,
+        ];
+        let warning = Alarm::new(Code::TapInHoleSincePower, Span::default()).with(args);
+        let placed = hole.axis.with(position, hole.bottom);
+        if !self.drives.place(position, placed) {
+            return (position, Some(warning));
+        }
+        (placed, Some(warning))
+    }
+
+    /// A hole may begin when it is known that its entry is stored. `Some`: it waits, or has failed.
+    pub(super) fn wait_for_journal(
+        &mut self,
+        ends: &mut Ends<'_, '_>,
+    ) -> Option<(u32, u32, Motion)> {
+        let segment = ends.segments.peek()?;
+        let Action::Tap(tap) = &segment.action else {
+            return None;
+        };
+        if tap.part.returns || tap.hole.spindle != self.taps_with {
+            return None;
+        }
+        let (number, span, hole) = (segment.number, segment.span, tap.hole);
+        if !self.journal.knows(&hole) {
+            let stand = self.stand();
+            self.journal.name(hole, &stand);
+        } else if self.journal.confirmed {
+            return None;
+        }
+        self.journal.waited = self.journal.waited.saturating_add(1);
+        if self.journal.failed || self.journal.waited > self.journal.patience {
+            self.raise(Alarm::new(Code::TapJournalNotWritten, span), ends);
+        }
+        Some((number, span.line, Motion::Wait))
+    }
+
+    /// A tap begins.
+    pub(super) const fn tap_begins(&mut self, tap: &Tap) {
+        self.journal.part = Some(tap.part);
+        self.journal.begun = true;
+    }
+
+    /// A way out has to be in position mode, which no program has asked for.
+    pub(super) fn engages_itself(&mut self, tap: &Tap, number: u32, line: u32) -> bool {
+        if !tap.part.returns {
+            return false;
+        }
+        self.commanded = Rpm::STOPPED;
+        if self.rigid == Rigid::Leaving && tap.hole.spindle == self.taps_with {
+            self.rigid = Rigid::On;
+        } else {
+            self.enter_with(tap.hole.spindle, number, line);
+        }
+        true
+    }
+
+    /// At the end of a tick: entries for reversals and for the end of a hole, and the one of a hole that comes next, so that
+    /// it need not wait.
+    pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_, '_>, output: &mut Output) {
+        if self.executor.has_turned() {
+            self.note();
+        }
+        if self.executor.is_free() {
+            self.between_holes(ends);
+        }
+        if self.journal.failed && self.journal.begun {
+            self.journal.failed = false;
+            let warning = Alarm::new(Code::TapJournalStale, Span::default());
+            emit(ends.events, Event::Warning(warning));
+        }
+        output.journal = None;
+        if self.journal.fresh {
+            self.journal.fresh = false;
+            output.journal = self.journal.record;
+        }
+    }
+
+    fn between_holes(&mut self, ends: &Ends<'_, '_>) {
+        if core::mem::take(&mut self.journal.returned) && self.rigid == Rigid::On {
+            self.rigid = Rigid::Leaving;
+        }
+        if !self.takes_calls() {
+            return;
+        }
+        if let Some(part) = self.journal.part.take()
+            && part.closes
+            && let Some(record) = self.journal.record
+        {
+            let stand = self.stand();
+            self.journal.write(record.hole, false, &stand);
+            self.journal.begun = false;
+            self.journal.returned = part.returns;
+        }
+        if self.rigid != Rigid::On || self.operator.hold || self.paused {
+            return;
+        }
+        let epoch = self.epoch;
+        let next = ends.segments.peek().filter(|next| next.epoch == epoch);
+        let Some(Segment {
+            action: Action::Tap(tap),
+            ..
+        }) = next
+        else {
+            return;
+        };
+        let here = tap.hole.spindle == self.taps_with;
+        if here && !tap.part.returns && !self.journal.knows(&tap.hole) {
+            let hole = tap.hole;
+            let stand = self.stand();
+            self.journal.name(hole, &stand);
+        }
+    }
+
+    /// A reversal in the hole.
+    fn note(&mut self) {
+        if let Some(record) = self.journal.record.filter(|_| self.journal.begun) {
+            let stand = self.stand();
+            self.journal.write(record.hole, true, &stand);
+        }
+    }
+
+    /// A stop: where it stands, if the hole has begun; else nothing is in it.
+    pub(super) fn note_stop(&mut self) {
+        self.journal.part = None;
+        let Some(record) = self.journal.record.filter(|record| record.in_hole) else {
+            return;
+        };
+        let stand = self.stand();
+        let begun = self.journal.begun;
+        let same =
+            record.position == record.hole.axis.of(stand.position) && record.angle == stand.angle;
+        if !begun || !same {
+            self.journal.write(record.hole, begun, &stand);
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! A tap that is stopped in its hole, at any tick and by anything, and the way out of it (G30 P99).
+
+use leadscrew_board_sim::plant::{Flash, PlantOptions, Truth};
+use leadscrew_board_sim::{Row, Sim};
+use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::board::{Command, Event, State};
+use leadscrew_core::journal::TapHole;
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Call, Hand, Position};
+use leadscrew_core::units::{Length, Turns};
+use leadscrew_tests::machine::{calls, machine};
+
+/// The built-in machine with some parameters set, as raw values.
+pub fn set(settings: &[(&str, i64)]) -> Params {
+    let mut params = Params::slant_bed();
+    for (number, value) in settings {
+        let entry = Entry::find_text(number).expect("a parameter");
+        params.set(entry, *value).expect("in its range");
+    }
+    params
+}
+
+/// Ticks a machine may take for what is asked of it here.
+const LONGEST: usize = 20_000;
+
+/// What a machine did: every row, and what it said.
+#[derive(Debug, Default)]
+pub struct Told {
+    pub rows: Vec<Row>,
+    pub events: Vec<Event>,
+}
+
+impl Told {
+    pub fn alarm(&self) -> Option<Alarm> {
+        self.events.iter().find_map(|event| match event {
+            Event::Alarm(alarm) => Some(*alarm),
+            _ => None,
+        })
+    }
+}
+
+/// Feeds calls until `end` or until nothing is left to do.
+pub fn go(sim: &mut Sim, calls: &[Call], told: &mut Told, mut operate: impl FnMut(&mut Sim, u64)) {
+    let mut waiting = calls.iter().peekable();
+    let mut ticks = 0;
+    while waiting.peek().is_some() || sim.is_busy() {
+        while waiting.peek().is_some_and(|call| sim.offer(call)) {
+            waiting.next();
+        }
+        operate(sim, ticks);
+        told.rows.extend(sim.step());
+        ticks += 1;
+        assert!(ticks < LONGEST as u64, "it does not come to an end");
+        while let Some(event) = sim.event() {
+            if matches!(event, Event::Reset | Event::Alarm(_)) {
+                waiting = [].iter().peekable();
+            }
+            told.events.push(event);
+        }
+        if !sim.has_power() {
+            break;
+        }
+    }
+}
+
+/// Reset out of an alarm, if there is one, and until the drives are up.
+pub fn ready(sim: &mut Sim, told: &mut Told) {
+    if matches!(sim.board().ticker().state(), State::Alarm(_)) {
+        sim.command(Command::Reset);
+        for _ in 0..200 {
+            told.rows.extend(sim.step());
+        }
+        while let Some(event) = sim.event() {
+            told.events.push(event);
+        }
+    }
+    assert_eq!(sim.board().ticker().state(), State::Idle);
+}
+
+fn position(sim: &Sim) -> Position {
+    sim.board().ticker().executor().position()
+}
+
+/// A program with one hole, stopped at `tick`, and what the journal then says of the hole, if the tap is in it.
+fn stopped(
+    text: &str,
+    params: &Params,
+    stop: impl Fn(&mut Sim),
+    tick: u64,
+) -> (Sim, Told, Option<TapHole>) {
+    let mut sim = machine(params, &PlantOptions::default());
+    let mut told = Told::default();
+    go(&mut sim, &calls(text, params), &mut told, |sim, ticks| {
+        if ticks == tick {
+            stop(sim);
+        }
+    });
+    let hole = sim
+        .board()
+        .tap_record()
+        .filter(|record| record.in_hole)
+        .map(|record| record.hole);
+    (sim, told, hole)
+}
+
+/// The line of a hole through a setpoint: `θ = θ₀ ± depth / lead`; how far `row` is off it, in nanometres of the axis.
+fn off_line(row: &Row, hole: &TapHole, from: (Length, Turns)) -> i64 {
+    let sign = match hole.hand {
+        Hand::Right => 1,
+        Hand::Left => -1,
+    };
+    let angle = row.spindle_set.expect("position mode");
+    let turned = i128::from((angle - from.1).raw()) * sign;
+    let way = hole.depth(hole.axis.of(row.position)) - hole.depth(from.0);
+    let lead = hole.lead;
+    let by_spindle = (turned * i128::from(lead.numerator()) / i128::from(lead.denominator())) >> 32;
+    (i128::from(way.nm()) - by_spindle) as i64
+}
+
+/// G30 P99 from where the tap stands: it ends at R and 5382 beyond, on the line all the way, and never goes deeper.
+fn returns(sim: &mut Sim, params: &Params, hole: &TapHole) {
+    let start = position(sim);
+    let begins = hole.depth(hole.axis.of(start));
+    let mut told = Told::default();
+    let written = sim.flash().written();
+    go(sim, &calls("G30 P99\nM30\n", params), &mut told, |_, _| {});
+    assert_eq!(told.alarm(), None);
+    for _ in 0..40 {
+        told.rows.extend(sim.step());
+    }
+    sim.last_rows(|row| told.rows.push(row));
+    let locked: Vec<&Row> = told.rows.iter().filter(|row| row.error.is_some()).collect();
+    let beyond = params.tap_return_extra();
+    let end = hole.level - beyond.times(hole.inward());
+    assert_eq!(hole.axis.of(position(sim)), end, "R and 5382 beyond");
+    let others = |position: Position| hole.axis.with(position, Length::ZERO);
+    assert_eq!(others(position(sim)), others(start), "the other axes");
+    assert_eq!(sim.board().tap_record().map(|tap| tap.in_hole), Some(false));
+    if locked.is_empty() {
+        assert_eq!(begins, hole.depth(end), "nothing had to be done");
+        return;
+    }
+    // The spindle stood here before it began.
+    let first = locked[0];
+    let before = told
+        .rows
+        .iter()
+        .rev()
+        .find(|row| row.tick < first.tick && row.spindle_set.is_some())
+        .expect("it stands first");
+    assert_eq!(hole.axis.of(before.position), hole.axis.of(start));
+    let from = (
+        hole.axis.of(before.position),
+        before.spindle_set.expect("position mode"),
+    );
+    let mut depth = begins;
+    for row in &locked {
+        assert!(off_line(row, hole, from).abs() <= 1, "{row:?}");
+        // The true spindle is where it is told to be, within an increment of the drive.
+        assert!(row.error.expect("locked").nm().abs() <= 100, "{row:?}");
+        let now = hole.depth(hole.axis.of(row.position));
+        assert!(now <= depth, "it goes inwards at {row:?}");
+        depth = now;
+    }
+    assert_eq!(depth, hole.depth(end));
+    // The journal was cleared, and it stands in speed mode again.
+    assert!(sim.flash().written() > written);
+    let last = told.rows.last().expect("rows");
+    assert_eq!(last.spindle_set, None);
+    assert_eq!(last.position, position(sim));
+}
+
+/// Every tick of a program: stop, return. How many of the stops left the tap in its hole.
+fn sweep(text: &str, params: &Params, stride: usize, stop: impl Fn(&mut Sim)) -> u32 {
+    let (_, calm, _) = stopped(text, params, |_| {}, u64::MAX);
+    assert_eq!(calm.alarm(), None);
+    let locked = calm.rows.iter().filter(|row| row.error.is_some());
+    let bottom = locked.map(|row| row.tick).max().expect("a tap");
+    let mut in_hole = 0;
+    for tick in (0..bottom + 30).step_by(stride) {
+        let (mut sim, mut told, hole) = stopped(text, params, &stop, tick);
+        ready(&mut sim, &mut told);
+        let Some(hole) = hole else {
+            continue;
+        };
+        in_hole += 1;
+        let deepest = told
+            .rows
+            .iter()
+            .map(|row| hole.depth(hole.axis.of(row.position)))
+            .max();
+        assert!(deepest <= Some(hole.depth(hole.bottom)), "stop at {tick}");
+        returns(&mut sim, params, &hole);
+    }
+    in_hole
+}
+
+/// 4 mm at lead 2 in pecks of 1.5 mm.
+const HIGH_SPEED: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 Q1.5 D0.4 P20 F2000\nG80\nM30\n";
+
+fn stride() -> usize {
+    if cfg!(debug_assertions) { 23 } else { 1 }
+}
+
+#[test]
+fn a_reset_at_any_tick_of_a_peck_tap_then_the_return() {
+    let params = set(&[("5382", 2_000_000)]);
+    let in_hole = sweep(HIGH_SPEED, &params, stride(), |sim| {
+        sim.command(Command::Reset);
+    });
+    assert!(in_hole as usize * stride() > 1_000, "{in_hole}");
+}
+
+#[test]
+fn an_emergency_stop_at_any_tick_of_a_peck_tap_then_the_return() {
+    let params = set(&[("5382", 2_000_000)]);
+    let in_hole = sweep(HIGH_SPEED, &params, stride(), |sim| {
+        sim.command(Command::Stop);
+    });
+    assert!(in_hole as usize * stride() > 1_000, "{in_hole}");
+}
+
+/// The power goes at a tick. The machine that comes up again has lost its references: its drives say 0, its spindle stands
+/// at another angle.
+#[test]
+fn a_loss_of_power_at_any_tick_then_the_return() {
+    let params = set(&[("5382", 2_000_000)]);
+    let (_, calm, _) = stopped(HIGH_SPEED, &params, |_| {}, u64::MAX);
+    let locked = || calm.rows.iter().filter(|row| row.error.is_some());
+    let first = locked().map(|row| row.tick).min().expect("a tap");
+    let last = locked().map(|row| row.tick).max().expect("a tap");
+    let mut in_hole = 0;
+    let mut through = 0;
+    for tick in (0..last + 30).step_by(stride()) {
+        let (dead, _, _) = stopped(HIGH_SPEED, &params, Sim::cut_power, tick);
+        let options = PlantOptions {
+            angle: Turns::from_raw(0x4000_1234),
+            ..PlantOptions::default()
+        };
+        let image = dead.flash().image();
+        let flash = Flash::from_image(&image).expect("an image");
+        let mut sim = Sim::with_flash(&params, &options, flash).expect("it starts");
+        let record = sim.board().tap_record().filter(|record| record.in_hole);
+        let Some(hole) = record.map(|record| record.hole) else {
+            assert!(!(first + 2..last).contains(&tick), "cut at {tick}");
+            continue;
+        };
+        assert!(tick + 3 > first && tick <= last + 2, "cut at {tick}");
+        in_hole += 1;
+        // Wherever it really is: the bottom is taken for it, and the message says so.
+        assert_eq!(hole.axis.of(position(&sim)), hole.bottom);
+        let said = sim.event();
+        let warning =
+            matches!(said, Some(Event::Warning(alarm)) if alarm.code == Code::TapInHoleSincePower);
+        assert!(warning, "{said:?}");
+        let before = sim.plant().truth();
+        returns(&mut sim, &params, &hole);
+        // What really happened: out by the whole depth and 5382, in turns of the spindle and in increments of the drive.
+        let after = sim.plant().truth();
+        let increments = |at: &Truth| i64::from(at.positions[1].get());
+        assert_eq!(increments(&after) - increments(&before), 40_000 + 20_000);
+        let turned = (after.angle.turns() - before.angle.turns()).raw();
+        let exact = -3_i64 << 32;
+        assert!((turned - exact).abs() < 1 << 20, "{turned}");
+        through += 1;
+    }
+    assert_eq!(in_hole, through);
+    assert!(in_hole as usize * stride() > 1_000, "{in_hole}");
+}
