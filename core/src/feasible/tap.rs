@@ -218,3 +218,181 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
 pub(super) fn whole(speed: CentiRpm) -> Rpm {
     Rpm::new(speed.get().saturating_add(50).div_euclid(100))
 }
+
+#[cfg(test)]
+mod tests {
+    use core::num::NonZeroU8;
+
+    use super::*;
+    use crate::alarm::At;
+    use crate::params::Entry;
+    use crate::program::{
+        HandChoice, SpindleChoice, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
+    };
+    use crate::units::{Length, Millis};
+
+    const HERE: Span = Span {
+        line: 7,
+        column: 1,
+        end: 4,
+    };
+
+    fn at<T>(value: T) -> At<T> {
+        At::new(value, Span::default())
+    }
+
+    fn nm(nm: i64) -> Length {
+        Length::from_nm(nm)
+    }
+
+    /// 50 mm at lead 2 and S1000.
+    fn hole() -> TapCall {
+        TapCall {
+            cycle: TapCycle::G84,
+            mode: TapMode::Rigid,
+            axis: TapAxis::Z,
+            start: Position::ZERO,
+            hole: Position::ZERO,
+            step: Position::ZERO,
+            level: at(Length::ZERO),
+            bottom: at(nm(-50_000_000)),
+            form: TapForm::Standard,
+            dwell: Millis::new(0),
+            lead: at(Lead::new(2_000_000, 1).unwrap()),
+            hand: HandChoice::Signal,
+            speed: CentiRpm::new(100_000),
+            extract: CentiRpm::new(100_000),
+            spindle: SpindleChoice::default(),
+            repeat: TapRepeat::Holes(NonZeroU8::MIN),
+            clamp: None,
+            continues: false,
+            notes: crate::program::TapNotes::default(),
+        }
+    }
+
+    fn machine(settings: &[(&str, i64)]) -> Params {
+        let mut params = Params::slant_bed();
+        for (key, value) in settings {
+            params.set(Entry::find_text(key).unwrap(), *value).unwrap();
+        }
+        params
+    }
+
+    fn report(call: &TapCall) -> TapReport {
+        tap(call, Signals::default(), HERE, &machine(&[])).unwrap()
+    }
+
+    fn refused(call: &TapCall, params: &Params) -> Alarm {
+        let alarm = tap(call, Signals::default(), HERE, params).unwrap_err();
+        assert_eq!(alarm.span, HERE);
+        alarm
+    }
+
+    fn pecks(q: i64, d: i64) -> TapPeck {
+        TapPeck {
+            infeed: at(nm(q)),
+            back: at(nm(d)),
+        }
+    }
+
+    #[test]
+    fn infeeds_are_counted_in_every_form() {
+        assert_eq!(report(&hole()).infeeds, 1);
+        let peck = pecks(4_000_000, 1_000_000);
+        for form in [TapForm::HighSpeed(peck), TapForm::Deep(peck)] {
+            let report = report(&TapCall { form, ..hole() });
+            assert_eq!(report.infeeds, 13);
+        }
+        let holes = TapRepeat::Holes(NonZeroU8::new(9).unwrap());
+        let alike = TapCall {
+            repeat: holes,
+            ..hole()
+        };
+        assert_eq!(report(&alike), report(&hole()));
+    }
+
+    #[test]
+    fn a_speed_that_is_reached_is_told_and_one_that_is_not_warned_of() {
+        let deep = report(&hole());
+        assert_eq!((deep.fastest, deep.warning), (CentiRpm::new(100_000), None));
+        let shallow = report(&TapCall {
+            bottom: at(nm(-1_000_000)),
+            ..hole()
+        });
+        let warning = shallow.warning.unwrap();
+        assert_eq!(warning.code, Code::TapSpeedNotReached);
+        assert_eq!(warning.span, HERE);
+        let reached = Arg::Rpm(whole(shallow.fastest));
+        assert_eq!(warning.args[..2], [Arg::Rpm(Rpm::new(1000)), reached]);
+        assert!(shallow.fastest < CentiRpm::new(60_000) && shallow.fastest > CentiRpm::new(5_000));
+    }
+
+    #[test]
+    fn the_axis_has_to_follow_in_and_out() {
+        // 8 m/min at lead 2: 4000 rpm, not one more.
+        let params = machine(&[]);
+        let fast = |speed: i32, extract: i32| TapCall {
+            speed: CentiRpm::new(speed * 100),
+            extract: CentiRpm::new(extract * 100),
+            ..hole()
+        };
+        for call in [fast(4001, 1000), fast(1000, 4001)] {
+            let alarm = refused(&call, &params);
+            assert_eq!(alarm.code, Code::LeadTooFast);
+            assert_eq!(alarm.args[0], Arg::Letter(b'Z'));
+            assert_eq!(
+                alarm.args[1],
+                Arg::Feed(Feed::from_nm_per_min(8_002_000_000))
+            );
+            assert_eq!(alarm.args[3], Arg::Rpm(Rpm::new(4001)));
+        }
+        assert!(tap(&fast(1000, 4000), Signals::default(), HERE, &params).is_ok());
+        let side = TapCall {
+            axis: TapAxis::X,
+            ..fast(4001, 1000)
+        };
+        assert_eq!(refused(&side, &params).args[0], Arg::Letter(b'X'));
+    }
+
+    #[test]
+    fn the_spindle_has_to_be_there_and_its_drive_in_step() {
+        let third = TapCall {
+            spindle: SpindleChoice::Written(TapSpindle::Third),
+            ..hole()
+        };
+        let alarm = refused(&third, &machine(&[("9014", 2)]));
+        assert_eq!(alarm.code, Code::TapSpindleNotAvailable);
+        assert_eq!(alarm.args[..2], [Arg::Int(3), Arg::Int(2)]);
+        assert!(tap(&third, Signals::default(), HERE, &machine(&[("9014", 3)])).is_ok());
+        let late = machine(&[("9003.Z", 700)]);
+        assert!(tap(&hole(), Signals::default(), HERE, &late).is_ok());
+        let side = TapCall {
+            axis: TapAxis::X,
+            ..hole()
+        };
+        let alarm = refused(&side, &late);
+        assert_eq!(alarm.code, Code::TapDrivesApart);
+        assert_eq!(alarm.args[..2], [Arg::Int(0), Arg::Int(700)]);
+    }
+
+    #[test]
+    fn rigid_mode_asks_for_its_spindle_too() {
+        let call = |kind| Call {
+            span: HERE,
+            origin: Position::ZERO,
+            kind,
+        };
+        let rigid = |spindle| call(CallKind::Spindle(SpindleCall::rigid(Rpm::new(9), spindle)));
+        let two = machine(&[("9014", 2)]);
+        let signals = Signals {
+            sws: 0b1000,
+            ..Signals::default()
+        };
+        let alarm = tap_spindle(&rigid(SpindleChoice::default()), signals, &two).unwrap_err();
+        assert_eq!(alarm.code, Code::TapSpindleNotAvailable);
+        let second = rigid(SpindleChoice::Written(TapSpindle::Second));
+        assert_eq!(tap_spindle(&second, signals, &two), Ok(()));
+        let turning = call(CallKind::Spindle(SpindleCall::speed(Rpm::new(300))));
+        assert_eq!(tap_spindle(&turning, signals, &two), Ok(()));
+    }
+}

@@ -4,6 +4,7 @@ use audit::any::{any, sink};
 use leadscrew_core::cycle::{Context, GrooveMoves, TapMoves, ThreadMoves, expand};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::program::{Call, GrooveCall, TapCall, ThreadCall};
+use leadscrew_core::signals::{Signal, Signals};
 
 /// All of this room.
 pub fn all() {
@@ -11,6 +12,7 @@ pub fn all() {
     thread();
     groove();
     tap();
+    signals();
 }
 
 #[inline(never)]
@@ -48,4 +50,18 @@ fn tap() {
     if let Ok(moves) = TapMoves::new(&any::<TapCall>(), any(), any()) {
         moves.for_each(sink);
     }
+}
+
+#[inline(never)]
+fn signals() {
+    let mut signals: Signals = any();
+    for signal in Signal::ALL {
+        signals.set(signal, any());
+    }
+    sink(Signals::from_bits(any()));
+    sink(signals.bits());
+    sink(signals.hand(any()));
+    sink(signals.spindle(any(), any()));
+    let name: [u8; 4] = any();
+    sink(core::str::from_utf8(&name).map(Signal::find));
 }
