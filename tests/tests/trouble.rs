@@ -392,6 +392,28 @@ fn locked(rows: &[Row], nth: usize) -> u64 {
     row.expect("a locked row").tick
 }
 
+/// From the tick of an alarm on the axes brake by time: no tick in which they stand and then go on.
+fn brakes_at_once(rows: &[Row], params: &Params, what: &str) {
+    let first = rows.iter().position(|row| row.doing == Doing::Alarm);
+    let first = first.unwrap_or_else(|| panic!("{what}: no row of the alarm"));
+    let tick = f64::from(params.tick_us()) * 1e-6;
+    for axis in [Axis::X, Axis::Z] {
+        let limit = params.acceleration(axis).nm_per_s2() as f64 * tick * tick + 2.0;
+        for window in rows[first - 2..].windows(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| match axis {
+                Axis::X => window[i].position.x.nm(),
+                _ => window[i].position.z.nm(),
+            });
+            let second = (c - 2 * b + a) as f64;
+            assert!(
+                second.abs() <= limit,
+                "{what}: {axis:?} accelerates by {second} nm at {}",
+                window[2].tick
+            );
+        }
+    }
+}
+
 /// Disturbs the spindle in a stroke: percent, and the alarm that must come within so many ticks.
 fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
     let params = Params::slant_bed();
@@ -412,6 +434,7 @@ fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
         bench.until(&what, PATIENCE, |bench| {
             matches!(bench.state(), State::Alarm(_))
         });
+        brakes_at_once(&bench.rows, &params, &what);
         bench.stands(&what);
         bench.sim.plant().spindle().disturb(100);
         bench.reset(&what);

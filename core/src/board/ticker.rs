@@ -392,6 +392,21 @@ impl Ticker {
     }
 
     fn execute(&mut self, ends: &mut Ends<'_, '_>) -> Setpoint {
+        let alarm = match self.advance(ends) {
+            Ok(setpoint) => return setpoint,
+            Err(alarm) => alarm,
+        };
+        self.raise(alarm, ends);
+        // The axes brake from this tick on: one in which they stood would be a blow.
+        self.advance(ends).unwrap_or_else(|_| Setpoint {
+            position: self.executor.position(),
+            ..Setpoint::default()
+        })
+    }
+
+    /// One tick of the executor.
+    #[inline(never)]
+    fn advance(&mut self, ends: &Ends<'_, '_>) -> Result<Setpoint, Alarm> {
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.ahead_x,
@@ -401,17 +416,7 @@ impl Ticker {
             hold: self.operator.hold,
             more: self.source == Source::Program && has_second(ends.segments),
         };
-        let current = ends.current(self.source);
-        match self.executor.tick(&conditions, current) {
-            Ok(setpoint) => setpoint,
-            Err(alarm) => {
-                self.raise(alarm, ends);
-                Setpoint {
-                    position: self.executor.position(),
-                    ..Setpoint::default()
-                }
-            }
-        }
+        self.executor.tick(&conditions, ends.current(self.source))
     }
 
     fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {

@@ -333,17 +333,16 @@ impl ThreadRun {
     }
 }
 
-/// `part` / `whole` in 2⁻³¹, at most one.
+/// `part` / `whole` in 2⁻³¹, at most one; below zero where the spindle drags the axis back.
 fn share_of(part: Fine, whole: Fine) -> i64 {
-    if part >= whole {
-        return 1 << 31;
+    if part.saturating_abs() >= whole {
+        return part.signum() << 31;
     }
     // Both brought to 32 bits first.
     let bits = i64::BITS
         .wrapping_sub(whole.leading_zeros())
         .saturating_sub(32);
-    part.max(0)
-        .wrapping_shr(bits)
+    part.wrapping_shr(bits)
         .wrapping_shl(31)
         .checked_div(whole.wrapping_shr(bits))
         .unwrap_or(0)
