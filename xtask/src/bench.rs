@@ -13,8 +13,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use crate::{emulator, run, setup};
 
 /// The part of `docs/performance.md` that `bench --write` renews stands between these lines.
-const BEGIN: &str = "<!-- measured: begin -->";
-const END: &str = "<!-- measured: end -->";
+const MARKS: (&str, &str) = ("<!-- measured: begin -->", "<!-- measured: end -->");
 
 /// Measures everything and prints it as Markdown, or (`write`) puts it into the document.
 pub fn bench(write: bool) -> Result<()> {
@@ -44,19 +43,19 @@ pub fn bench(write: bool) -> Result<()> {
         let path = root.join("docs").join("performance.md");
         let document =
             fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        fs::write(&path, put_in(&document, &text)?)?;
+        fs::write(&path, put_in(&document, &text, MARKS)?)?;
         println!("written to {}", path.display());
     }
     Ok(())
 }
 
 /// The document with the part between the marks replaced.
-fn put_in(document: &str, text: &str) -> Result<String> {
-    let marks = || anyhow!("the document has no lines `{BEGIN}` and `{END}`");
-    let (before, rest) = document.split_once(BEGIN).ok_or_else(marks)?;
-    let (_, after) = rest.split_once(END).ok_or_else(marks)?;
+pub fn put_in(document: &str, text: &str, (begin, end): (&str, &str)) -> Result<String> {
+    let marks = || anyhow!("the document has no lines `{begin}` and `{end}`");
+    let (before, rest) = document.split_once(begin).ok_or_else(marks)?;
+    let (_, after) = rest.split_once(end).ok_or_else(marks)?;
     Ok(format!(
-        "{before}{BEGIN}\n\n{}\n\n{END}{after}",
+        "{before}{begin}\n\n{}\n\n{end}{after}",
         text.trim()
     ))
 }
@@ -252,7 +251,7 @@ fn example(name: &str) -> PathBuf {
 }
 
 /// Instructions of a whole run.
-fn instructions(program: &Path, args: &[&str]) -> Result<u64> {
+pub fn instructions(program: &Path, args: &[&str]) -> Result<u64> {
     callgrind(program, args, &[])
 }
 
@@ -293,7 +292,7 @@ fn nanoseconds(duration: Duration) -> u64 {
 }
 
 /// The quotient with one decimal.
-fn tenths(sum: u64, count: u64) -> String {
+pub fn tenths(sum: u64, count: u64) -> String {
     let tenths = sum.saturating_mul(10).checked_div(count).unwrap_or(0);
     format!("{}.{}", tenths / 10, tenths % 10)
 }
@@ -316,11 +315,12 @@ mod tests {
 
     #[test]
     fn the_marked_part_is_replaced_and_the_rest_stays() {
-        let document = format!("a\n{BEGIN}\nold\n{END}\nb\n");
-        let new = put_in(&document, "| new |\n").unwrap();
-        assert_eq!(new, format!("a\n{BEGIN}\n\n| new |\n\n{END}\nb\n"));
-        assert_eq!(put_in(&new, "| new |").unwrap(), new);
-        assert!(put_in("nothing here", "x").is_err());
+        let (begin, end) = MARKS;
+        let document = format!("a\n{begin}\nold\n{end}\nb\n");
+        let new = put_in(&document, "| new |\n", MARKS).unwrap();
+        assert_eq!(new, format!("a\n{begin}\n\n| new |\n\n{end}\nb\n"));
+        assert_eq!(put_in(&new, "| new |", MARKS).unwrap(), new);
+        assert!(put_in("nothing here", "x", MARKS).is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod audit;
 mod bench;
+mod bench_can;
 mod callgraph;
 mod canopen;
 mod demo;
@@ -30,6 +31,7 @@ usage: cargo xtask COMMAND
   canopen    the board's CANopen services against the Python package canopen
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
+  bench can  the cost of receiving and recording a CAN frame, likewise
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
   docs       the documentation, without warnings and with every link alive
@@ -45,6 +47,8 @@ fn main() -> ExitCode {
         ["test"] => test::test(),
         ["demo"] => demo::demo(),
         ["bench"] => bench::bench(false),
+        ["bench", "can"] => bench_can::bench(false),
+        ["bench", "can", "--write"] => bench_can::bench(true),
         ["bench", "--write"] => bench::bench(true),
         ["ci"] => test::ci(),
         ["vcan"] => test::vcan(""),
