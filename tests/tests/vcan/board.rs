@@ -39,7 +39,7 @@ fn end(mut child: Child) -> (Option<i32>, String) {
 
 /// What belongs to drives: SYNC, NMT to drives, setpoints, statuses, emergencies.
 fn is_motion(frame: &Frame) -> bool {
-    let drives = [16, 17, 18, 32];
+    let drives = [16, 17, 18, 32, 33, 34, 35];
     match frame.id().service() {
         Some((_, node)) => drives.contains(&node.get()),
         None => {
