@@ -12,7 +12,6 @@ use super::{Background, Board, Snapshot, State, Ticker};
 use crate::alarm::Alarm;
 use crate::bus::{Frame, NodeId, Periods};
 use crate::motion::{Helix, Limits, Setpoint, TapLine};
-use crate::params::Params;
 use crate::program::{Position, TapAxis};
 use crate::units::Length;
 
@@ -133,20 +132,19 @@ impl Board {
         })
     }
 
-    /// The application begins anew with another parameter set. Nothing moves; the drives are brought up again.
-    fn restart(&mut self, params: &Params) {
+    /// The application begins anew with the parameter set as it is now. Nothing moves; the drives are brought up again.
+    fn restart(&mut self) {
         let remembered = match self.ticker.state() {
             State::Starting => None,
             _ => Some(self.ticker.executor().position()),
         };
-        let Some(mut ticker) = Ticker::new(params, remembered, None) else {
+        let Some(mut ticker) = Ticker::new(&self.params, remembered, None) else {
             // It has been checked before it was staged.
             return;
         };
         ticker.succeed(&self.ticker);
         self.ticker = ticker;
-        self.params.clone_from(params);
-        self.limits = Limits::from_params(params);
+        self.limits = Limits::from_params(&self.params);
         self.calls = Calls::new();
         self.segments = Segments::new();
         self.detours = Segments::new();
@@ -162,7 +160,8 @@ impl Board {
             self.ticker.signals(signals);
         }
         if let Some(params) = self.station.take_params() {
-            self.restart(&params);
+            self.params.clone_from(params);
+            self.restart();
         }
     }
 }

@@ -40,7 +40,7 @@ impl Snapshot {
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),
-            spindle_in_use: TapSpindle::First,
+            spindle_in_use: ticker.tap_spindle(),
             operator: *ticker.operator(),
         }
     }

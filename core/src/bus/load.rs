@@ -3,6 +3,7 @@
 //! | sent | frame |
 //! |---|---|
 //! | every tick | SYNC with its counter, RPDO1 of each drive |
+//! | every fourth tick | RPDO1 of each spindle that only taps and does not tap now |
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
 
@@ -17,6 +18,8 @@ pub struct Cycle {
     pub kbit: u32,
     /// Drives that get a setpoint in every tick.
     pub drives: u32,
+    /// Drives of spindles that only tap: told to stand in every fourth tick while they do not.
+    pub further: u32,
     /// Each drive answers at every so many SYNCs.
     pub drive_syncs: u32,
     /// Time from status to status of the board in milliseconds.
@@ -53,8 +56,10 @@ impl Cycle {
         let answer = tick.saturating_mul(self.drive_syncs.into());
         let status = u64::from(self.status_ms).saturating_mul(1000);
         let drive = bits(6, tick).saturating_add(bits(6, answer));
+        let further = bits(6, tick.saturating_mul(4)).saturating_add(bits(6, answer));
         let thousandths = bits(1, tick)
             .saturating_add(drive.saturating_mul(self.drives.into()))
+            .saturating_add(further.saturating_mul(self.further.into()))
             .saturating_add(bits(8, status).saturating_mul(3));
         u32::try_from(thousandths.saturating_add(50) / 100).unwrap_or(u32::MAX)
     }
@@ -72,7 +77,7 @@ impl Cycle {
         let args = [
             Arg::Percent(i32::try_from(percent).unwrap_or(i32::MAX)),
             Arg::Int(self.tick_us.into()),
-            Arg::Int(self.drives.into()),
+            Arg::Int(self.drives.saturating_add(self.further).into()),
             Arg::Int(self.kbit.into()),
         ];
         Err(Alarm::new(Code::BusOverload, Span::default()).with(args))
@@ -88,6 +93,7 @@ mod tests {
             tick_us: 1000,
             kbit: 1000,
             drives,
+            further: 0,
             drive_syncs,
             status_ms: 10,
         }
@@ -118,6 +124,11 @@ mod tests {
             ..cycle(2, 4)
         };
         assert_eq!(slow.load(), 393);
+        let four_spindles = Cycle {
+            further: 3,
+            ..cycle(4, 4)
+        };
+        assert_eq!(four_spindles.load(), 853);
     }
 
     #[test]

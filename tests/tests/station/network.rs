@@ -215,8 +215,8 @@ fn a_second_board_with_the_same_number_is_an_alarm() {
 #[test]
 fn a_cycle_that_leaves_no_room_is_refused_when_the_board_joins() {
     for (values, load) in [
-        (&[("9021", 1)][..], Some("103 %")),
-        (&[("9020", 500)][..], Some("136 %")),
+        (&[("9021", 1)][..], Some(())),
+        (&[("9020", 500)][..], Some(())),
         (&[("9020", 500), ("9000", 2000)][..], None),
     ] {
         let params = with(values);

@@ -135,6 +135,7 @@ impl Station {
             tick_us: params.tick_us(),
             kbit: params.bus_kbit(),
             drives: DRIVES,
+            further: u32::from(params.tap_spindles()).saturating_sub(1),
             drive_syncs: params.drive_status_syncs(),
             status_ms: params.status_period_ms(),
         };
@@ -279,8 +280,8 @@ impl Station {
     }
 
     /// A parameter set that is to come into force: the owner restarts the application with it. The machine stands.
-    pub const fn take_params(&mut self) -> Option<Params> {
-        self.shelf.staged.take()
+    pub fn take_params(&mut self) -> Option<&Params> {
+        self.shelf.take_params()
     }
 
     /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
@@ -343,9 +344,7 @@ impl Station {
     fn restart(&mut self, params: &Params) {
         self.restarts = false;
         self.shelf.reset_communication(params);
-        if self.shelf.staged.is_none() {
-            self.shelf.staged = Some(params.clone());
-        }
+        self.shelf.begin_anew(params);
         let boot_up = self.nmt.boot();
         self.say(boot_up);
     }

@@ -64,9 +64,9 @@ pub struct Shelf {
     pub commands: Deque<Command, COMMANDS>,
     /// The inputs, as they were set over the bus and not handed on yet.
     pub signals: Option<Signals>,
-    /// The set that comes into force.
-    pub staged: Option<Params>,
-    /// Where the image under way goes, before all of it has been looked at.
+    /// The draft is good and comes into force: the owner takes it before the next frame.
+    staged: bool,
+    /// Where a changed set is put together, before all of it has been looked at.
     draft: Params,
     image: ImageReader,
     log_from: u32,
@@ -135,7 +135,7 @@ impl Shelf {
             serial: 0,
             commands: Deque::new(),
             signals: None,
-            staged: None,
+            staged: false,
             draft: params.clone(),
             image: ImageReader::new(),
             log_from: 0,
@@ -257,7 +257,7 @@ impl Shelf {
 
     /// Why parameters cannot change now.
     fn parameters_locked(&self, params: &Params, entry: Option<&Entry>) -> Result<(), Abort> {
-        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() {
+        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.staged {
             return Err(Abort::State);
         }
         // The switch itself can be turned back.
@@ -269,7 +269,18 @@ impl Shelf {
     }
 
     fn current<'a>(&'a self, params: &'a Params) -> &'a Params {
-        self.staged.as_ref().unwrap_or(params)
+        if self.staged { &self.draft } else { params }
+    }
+
+    /// The set that comes into force, once.
+    pub fn take_params(&mut self) -> Option<&Params> {
+        core::mem::take(&mut self.staged).then_some(&self.draft)
+    }
+
+    /// The set in force comes into force once more.
+    pub fn begin_anew(&mut self, params: &Params) {
+        self.draft.clone_from(params);
+        self.staged = true;
     }
 
     /// The number an item has now.
@@ -414,8 +425,7 @@ impl Shelf {
         params: &Params,
     ) -> Result<(), Abort> {
         self.parameters_locked(params, Some(entry))?;
-        self.draft
-            .clone_from(self.staged.as_ref().unwrap_or(params));
+        self.draft.clone_from(params);
         match entry.part {
             Part::Bit(_) => {
                 if number & !entry.byte_mask() != 0 {
@@ -435,7 +445,7 @@ impl Shelf {
         if self.draft.validate().is_err() {
             return Err(Abort::Incompatible);
         }
-        self.staged = Some(self.draft.clone());
+        self.staged = true;
         Ok(())
     }
 }
