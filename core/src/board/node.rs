@@ -159,6 +159,10 @@ impl Board {
         if let Some(signals) = self.station.signals() {
             self.ticker.signals(signals);
         }
+        if self.station.drops_tap() {
+            // Refused at the bus where that does not go.
+            let _ = self.discard_tap();
+        }
         if let Some(params) = self.station.take_params() {
             self.params.clone_from(params);
             self.restart();

@@ -4,6 +4,7 @@ use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::Alarm;
 use crate::bus::BoardState;
+use crate::journal::TapRecord;
 use crate::motion::{Motion, Setpoint};
 use crate::program::TapSpindle;
 use crate::units::{Rpm, TurnRate, Turns};
@@ -25,6 +26,8 @@ pub struct Snapshot {
     pub command: Rpm,
     /// The spindle that is in position mode while one is.
     pub spindle_in_use: TapSpindle,
+    /// The newest entry of the tap journal.
+    pub tap: Option<TapRecord>,
     /// What the operator has set.
     pub operator: Operator,
 }
@@ -41,6 +44,7 @@ impl Snapshot {
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),
             spindle_in_use: ticker.tap_spindle(),
+            tap: ticker.tap_record().copied(),
             operator: *ticker.operator(),
         }
     }

@@ -4,10 +4,11 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::Event;
-use leadscrew_core::board::station::PROGRAM_BYTES;
+use leadscrew_core::board::station::{DROP, PROGRAM_BYTES};
 use leadscrew_core::bus::{
     Abort, BoardState, NodeId, Object, Order, SdoDownload, SdoError, SdoProtocol,
 };
+use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{
     Certificate, EventReader, SetpointHash, Status, VERSION, Version, encode_call,
 };
@@ -453,4 +454,48 @@ fn status(gateway: &mut Gateway, sim: &mut Sim) -> Status {
         .read(sim, Object::new(0x5001, 1), SdoProtocol::Block)
         .unwrap();
     Status::decode(&bytes).unwrap().unwrap()
+}
+
+#[test]
+fn the_tap_journal_is_read_and_its_record_dropped() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let (record, discard) = (Object::new(0x5030, 1), Object::new(0x5030, 2));
+    let drop = DROP.to_le_bytes();
+    let refused = |abort: Abort| Err(SdoError::Refused(abort.code()));
+    let write = |gateway: &mut Gateway, sim: &mut Sim, bytes: &[u8]| {
+        gateway.write(sim, discard, bytes, SdoProtocol::Short)
+    };
+    assert_eq!(write(&mut gateway, &mut sim, &drop), refused(Abort::NoData));
+    let tap = "G98\nG0 X0 Z5\nM29 S400\nG84 Z-20 R-3 F600\nM30\n";
+    Upload::new(1, &calls_of(tap)).feed(&mut gateway, &mut sim);
+    gateway.order(&mut sim, Order::Run);
+    let mut ran = Ran::default();
+    let in_hole = |sim: &Sim| {
+        let position = sim.board().ticker().executor().position();
+        position.z.nm() < -10_000_000
+    };
+    while !in_hole(&sim) {
+        step(&mut sim, &mut gateway, &mut ran);
+        assert!(ran.rows.len() < 20_000 && ran.alarm.is_none());
+    }
+    assert_eq!(write(&mut gateway, &mut sim, &drop), refused(Abort::State));
+    gateway.order(&mut sim, Order::Stop);
+    for _ in 0..500 {
+        step(&mut sim, &mut gateway, &mut ran);
+    }
+    let bytes = gateway
+        .read(&mut sim, record, SdoProtocol::Short)
+        .expect("the record");
+    let told = TapRecord::decode(&bytes).expect("undamaged");
+    assert_eq!(told.as_ref(), sim.board().ticker().tap_record());
+    assert!(told.is_some_and(|tap| tap.in_hole));
+    assert_eq!(
+        write(&mut gateway, &mut sim, b"none"),
+        refused(Abort::Value)
+    );
+    assert_eq!(write(&mut gateway, &mut sim, &drop), Ok(()));
+    step(&mut sim, &mut gateway, &mut ran);
+    let left = sim.board().ticker().tap_record();
+    assert!(left.is_none_or(|tap| !tap.in_hole), "{left:?}");
 }

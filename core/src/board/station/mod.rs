@@ -30,7 +30,7 @@ mod shelf;
 mod table;
 
 pub use inbox::PROGRAM_BYTES;
-pub use table::{GROUPS, Group, HISTORY, PRODUCT};
+pub use table::{DROP, GROUPS, Group, HISTORY, PRODUCT};
 
 use heapless::Deque;
 
@@ -277,6 +277,11 @@ impl Station {
     /// The inputs, where they have been set over the bus.
     pub const fn signals(&mut self) -> Option<Signals> {
         self.shelf.signals.take()
+    }
+
+    /// True, once, where the tap journal's record is to be dropped.
+    pub const fn drops_tap(&mut self) -> bool {
+        core::mem::replace(&mut self.shelf.drops_tap, false)
     }
 
     /// A parameter set that is to come into force: the owner restarts the application with it. The machine stands.

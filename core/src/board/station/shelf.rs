@@ -10,7 +10,7 @@ use super::dictionary::{Access, Initial, Item, Kind, find};
 use super::inbox::Inbox;
 use super::ledger::Ledger;
 use super::log::Log;
-use super::table::HISTORY;
+use super::table::{DROP, HISTORY};
 use crate::board::event::Command;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
@@ -64,6 +64,8 @@ pub struct Shelf {
     pub commands: Deque<Command, COMMANDS>,
     /// The inputs, as they were set over the bus and not handed on yet.
     pub signals: Option<Signals>,
+    /// The tap journal's record is to be dropped.
+    pub drops_tap: bool,
     /// The draft is good and comes into force: the owner takes it before the next frame.
     staged: bool,
     /// Where a changed set is put together, before all of it has been looked at.
@@ -135,6 +137,7 @@ impl Shelf {
             serial: 0,
             commands: Deque::new(),
             signals: None,
+            drops_tap: false,
             staged: false,
             draft: params.clone(),
             image: ImageReader::new(),
@@ -383,6 +386,18 @@ impl Shelf {
                 }
             }
             (0x5000, sub) => self.setting(sub, value as u8),
+            (0x5030, 2) => {
+                if value != DROP {
+                    return Err(Abort::Value);
+                }
+                if self.snapshot.tap.is_none_or(|tap| !tap.in_hole) {
+                    return Err(Abort::NoData);
+                }
+                if !self.snapshot.is_at_rest() {
+                    return Err(Abort::State);
+                }
+                self.drops_tap = true;
+            }
             (0x5040, 2) => self.log_from = value,
             (0x5060, _) => {
                 let signals = Signals::from_bits(value as u16).ok_or(Abort::Value)?;
@@ -509,6 +524,13 @@ impl Objects for Served<'_> {
                     .encode(&mut shelf.buffer)
                     .map_err(|_| Abort::Internal)?;
                 bytes.len()
+            }
+            (Kind::Domain, 0x5030) => {
+                let record = shelf.snapshot.tap.ok_or(Abort::NoData)?.encode();
+                for (place, &byte) in shelf.buffer.iter_mut().zip(&record) {
+                    *place = byte;
+                }
+                record.len()
             }
             (Kind::Domain, 0x5041) => {
                 let certificate = shelf.ledger.certificate(shelf.late);

@@ -19,6 +19,9 @@ pub const HISTORY: u8 = 8;
 /// Product code in 1018h: `LSCW`.
 pub const PRODUCT: u32 = 0x4C53_4357;
 
+/// Written to 5030h:02, it drops the tap journal's record: the letters `drop`, little-endian.
+pub const DROP: u32 = u32::from_le_bytes(*b"drop");
+
 /// A record or array of the table: index, name, and whether its sub-indices are alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Group {
@@ -265,8 +268,9 @@ pub static ITEMS: &[Item] = &[
     item(0x5020, 4, "next call", U32, Read),
     item(0x5020, 5, "credit", U16, Read),
     fixed(0x5020, 6, "longest batch", U16, BATCH_BYTES as i64),
-    highest(0x5030, 1),
+    highest(0x5030, 2),
     item(0x5030, 1, "record", Domain, Read),
+    item(0x5030, 2, "discard", U32, Write),
     highest(0x5040, 3),
     item(0x5040, 1, "newest", U32, Read),
     item(0x5040, 2, "read from", U32, Both),
