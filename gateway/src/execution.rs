@@ -13,6 +13,18 @@ use crate::source::SourceFile;
 use crate::trace::Summary;
 use crate::values::Tolerance;
 
+/// Checks a program and tells what it has to say.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn tell_report(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
+    let report = checking::check(setup, source)?;
+    for diagnostic in report.alarms.iter().chain(&report.warnings) {
+        diagnostics::print(diagnostic, setup.colour);
+    }
+    Ok(report)
+}
+
 /// A program on the machine.
 #[derive(Debug)]
 pub struct Execution<'a> {
@@ -26,10 +38,7 @@ pub struct Execution<'a> {
 impl<'a> Execution<'a> {
     /// Checks a program and tells what it has to say. A program with an alarm does not get further than this.
     pub fn prepare(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
-        let report = checking::check(setup, source)?;
-        for diagnostic in report.alarms.iter().chain(&report.warnings) {
-            diagnostics::print(diagnostic, setup.colour);
-        }
+        let report = tell_report(setup, source)?;
         let execution = Self {
             setup,
             source,

@@ -26,6 +26,8 @@ pub enum Failure {
     Bus(Both),
     /// The machine stopped on an alarm while running; the alarm has been reported.
     Machine,
+    /// The same, with the reason still to be told.
+    MachineBecause(Both),
     /// The user interrupted; the machine has been stopped.
     Interrupted,
     /// Whoever read standard output has had enough (`| head`).
@@ -76,6 +78,7 @@ impl Failure {
             Self::Usage(text) => (2, Some(text.get(lang))),
             Self::Bus(text) => (3, Some(text.get(lang))),
             Self::Machine => (4, None),
+            Self::MachineBecause(text) => (4, Some(text.get(lang))),
             Self::Interrupted => (
                 130,
                 Some(pick(

@@ -2,17 +2,16 @@
 
 use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
-use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
-use leadscrew_core::program::{Call, CallKind, Event as ProgramEvent, Position};
+use leadscrew_core::program::Call;
 use leadscrew_core::units::Turns;
 
 use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
-use crate::failure::{Doing, Failure, Outcome};
+use crate::failure::{Failure, Outcome};
+use crate::feeder::{Feeder, placed};
 use crate::interrupt;
-use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, SpindlePoint, TapPlace};
@@ -94,6 +93,7 @@ pub fn run(
 ) -> Outcome<Ended> {
     let mut sim = power_up(setup, drive)?;
     let mut feeder = Feeder::new(setup, source)?;
+    let mut waiting = None;
     let mut ended = Ended::default();
     let mut stopping = false;
     let mut tick = 0;
@@ -105,7 +105,7 @@ pub fn run(
             sim.command(Command::Hold);
         }
         if !stopping {
-            feeder.feed(&mut sim, &mut ended)?;
+            feed(&mut feeder, &mut waiting, &mut sim, &mut ended)?;
         }
         let row = sim.step_on(&mut |direction, frame| observer.frame(tick, direction, frame));
         tick += 1;
@@ -130,7 +130,7 @@ pub fn run(
         let over = if stopping {
             at_rest(&sim)
         } else {
-            feeder.is_empty() && !sim.is_busy()
+            feeder.is_over() && waiting.is_none() && !sim.is_busy()
         };
         if over {
             break;
@@ -145,16 +145,24 @@ pub fn run(
     result.map(|()| ended)
 }
 
-/// An alarm that has no place in the text happened while `line` was carried out.
-fn placed(mut alarm: Alarm, line: u32) -> Alarm {
-    if alarm.span.line == 0 {
-        alarm.span = Span {
-            line,
-            column: 1,
-            end: u16::MAX,
-        };
+/// As many calls as there is room for.
+fn feed(
+    feeder: &mut Feeder,
+    waiting: &mut Option<Call>,
+    sim: &mut Sim,
+    ended: &mut Ended,
+) -> Outcome {
+    loop {
+        if let Some(call) = waiting
+            && !sim.offer(call)
+        {
+            return Ok(());
+        }
+        *waiting = feeder.next_call(&mut ended.alarms)?;
+        if waiting.is_none() {
+            return Ok(());
+        }
     }
-    alarm
 }
 
 /// A hold or a stop has come to its end.
@@ -166,90 +174,8 @@ fn at_rest(sim: &Sim) -> bool {
     )
 }
 
-/// Hands the calls of a program to the machine as it takes them.
-struct Feeder<'a> {
-    setup: &'a Setup<'a>,
-    source: &'a SourceFile,
-    program: Program<'a>,
-    waiting: Option<Call>,
-    /// M02 or M30 has come.
-    ended: bool,
-    over: bool,
-}
-
-/// The text is over.
-const OVER: Call = Call {
-    span: Span {
-        line: 0,
-        column: 0,
-        end: 0,
-    },
-    origin: Position::ZERO,
-    kind: CallKind::Over,
-};
-
-impl<'a> Feeder<'a> {
-    fn new(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
-        Ok(Self {
-            setup,
-            source,
-            program: Program::open(source, &setup.params, setup.options())
-                .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?,
-            waiting: None,
-            ended: false,
-            over: false,
-        })
-    }
-
-    fn is_empty(&self) -> bool {
-        self.over && self.waiting.is_none()
-    }
-
-    fn words(&self, alarm: &Alarm) -> Diagnostic {
-        Diagnostic::new(alarm, self.source, self.setup.lang, self.program.is_inch())
-    }
-
-    /// As many calls as there is room for.
-    fn feed(&mut self, sim: &mut Sim, ended: &mut Ended) -> Outcome {
-        loop {
-            if let Some(call) = &self.waiting {
-                if !sim.offer(call) {
-                    return Ok(());
-                }
-                self.waiting = None;
-            }
-            if self.over {
-                return Ok(());
-            }
-            let next = self
-                .program
-                .next_event()
-                .map_err(|error| Failure::file(Doing::Read, self.source.name(), &error))?;
-            match next {
-                None => {
-                    self.over = true;
-                    if !self.ended {
-                        // Without M02 or M30 nobody else tells the board that nothing more comes.
-                        self.waiting = Some(OVER);
-                    }
-                }
-                Some(Ok(ProgramEvent::Call(call))) => {
-                    self.ended = matches!(call.kind, CallKind::End(_));
-                    self.waiting = Some(call);
-                }
-                // Told when the program was checked.
-                Some(Ok(ProgramEvent::Warning(_))) => {}
-                Some(Err(alarm)) => {
-                    self.over = true;
-                    ended.alarms.push(self.words(&alarm));
-                }
-            }
-        }
-    }
-}
-
-fn micro_turns(angle: Turns) -> i64 {
-    FineTurns::from_turns(angle).micro_turns()
+fn micro_turns(turns: Turns) -> i64 {
+    FineTurns::from_turns(turns).micro_turns()
 }
 
 fn setpoint(row: &Row) -> Setpoint {

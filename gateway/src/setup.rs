@@ -10,6 +10,7 @@ use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{Angle, Length};
 
 use crate::cli::{DialectName, Drive, Global};
+use crate::commands::board;
 use crate::failure::{Failure, Outcome};
 use crate::params::{self, Loaded};
 
@@ -26,30 +27,37 @@ pub struct Setup<'a> {
     pub signals: Signals,
     /// Standard error is a terminal and nobody minds colour.
     pub colour: bool,
+    /// Where the tool stands at the start, where a board has said so; else by the options.
+    pub position: Option<Position>,
 }
 
 impl<'a> Setup<'a> {
-    /// Loads what the options name, and tells what is wrong with it.
+    /// Loads what the options name, and tells what is wrong with it. With a real bus the board's own set lies below
+    /// it.
     pub fn new(global: &'a Global) -> Outcome<Self> {
-        Ok(Self {
-            global,
-            params: load(global)?.params,
-            lang: global.lang(),
-            signals: signals(global),
-            colour: colour(),
-        })
+        Self::over(global, board::base(global)?)
     }
 
-    /// The same for a machine that is to run with `drive`'s tick.
+    /// The same over a set that is known already; `None`: the built-in machine.
+    pub fn over(global: &'a Global, base: Option<Params>) -> Outcome<Self> {
+        Ok(Self::of(global, load_over(global, base, None)?.params))
+    }
+
+    /// The same for a simulated machine that is to run with `drive`'s tick.
     pub fn with_drive(global: &'a Global, drive: &Drive) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
-        Ok(Self {
+        Ok(Self::of(global, load_over(global, None, tick)?.params))
+    }
+
+    fn of(global: &'a Global, params: Params) -> Self {
+        Self {
             global,
-            params: load_with(global, tick)?.params,
+            params,
             lang: global.lang(),
             signals: signals(global),
             colour: colour(),
-        })
+            position: None,
+        }
     }
 
     /// What the moves of a call depend on for a tool at `at`.
@@ -72,11 +80,11 @@ impl<'a> Setup<'a> {
             skip: self.global.skip,
             optional_stop: self.global.optional_stop,
             dry_run: self.global.dry_run,
-            position: Position {
+            position: self.position.unwrap_or(Position {
                 x: Length::from_nm(at.x_nm),
                 z: Length::from_nm(at.z_nm),
                 c: Angle::from_udeg(at.c_udeg),
-            },
+            }),
         }
     }
 }
@@ -92,13 +100,13 @@ fn signals(global: &Global) -> Signals {
 
 /// The parameters that the options make, with everything that is wrong with them told; wrong ones end the command.
 pub fn load(global: &Global) -> Outcome<Loaded> {
-    load_with(global, None)
+    load_over(global, board::base(global)?, None)
 }
 
-/// The same with one more `--set` at the end.
-fn load_with(global: &Global, last: Option<String>) -> Outcome<Loaded> {
+/// The same over another set than the built-in machine's, and with one more `--set` at the end.
+fn load_over(global: &Global, base: Option<Params>, last: Option<String>) -> Outcome<Loaded> {
     let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
-    let loaded = params::load(&global.params, &set, global.lang())?;
+    let loaded = params::load_over(base, &global.params, &set, global.lang())?;
     loaded.tell(colour());
     if loaded.is_good() {
         return Ok(loaded);

@@ -173,6 +173,8 @@ impl Background {
         }
         if let Some(span) = self.ending.take() {
             self.queue(span, Stops::default(), Action::End);
+            // The next program counts its own moves.
+            self.number = 0;
             return (true, None);
         }
         if calls

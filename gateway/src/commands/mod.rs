@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub mod board;
 mod check;
 mod completions;
 mod expand;
@@ -12,6 +13,7 @@ mod status;
 mod unavailable;
 
 use leadscrew_can::Address;
+use leadscrew_core::bus::Order;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Outcome;
@@ -32,11 +34,25 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             plot::format(&args.output)?;
             plot::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
         }
-        Command::Run(args) => run::run(&Setup::with_drive(&cli.global, &args.drive)?, args),
+        Command::Run(args) => run::run(&cli.global, args),
+        Command::Status if is_real(cli) => board::status(&cli.global),
         Command::Status => status::run(&cli.global),
-        Command::Record(args) if cli.global.bus != Address::Sim => {
-            record::run(&Setup::new(&cli.global)?, args)
+        Command::Record(args) if is_real(cli) => {
+            record::run(&Setup::over(&cli.global, None)?, args)
         }
+        Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
+        Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
+        Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),
+        Command::Stop if is_real(cli) => board::order(&cli.global, Order::Stop),
+        Command::Override { what, percent } if is_real(cli) => {
+            board::levels(&cli.global, *what, *percent)
+        }
+        Command::Signal { signal } if is_real(cli) => board::signal(&cli.global, *signal),
         _ => unavailable::command(cli),
     }
+}
+
+/// A board on a real bus is meant.
+fn is_real(cli: &Cli) -> bool {
+    cli.global.bus != Address::Sim
 }

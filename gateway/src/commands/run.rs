@@ -6,11 +6,12 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_board_sim::Direction;
-use leadscrew_can::{LogWriter, Packet, Stamp};
+use leadscrew_can::{Address, LogWriter, Packet, Stamp};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::Frame;
 
-use crate::cli::Run;
+use super::board;
+use crate::cli::{Global, Run};
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
@@ -21,9 +22,19 @@ use crate::trace::{Setpoint, Summary};
 use crate::words::{both, pick};
 
 /// Runs a program.
-pub fn run(setup: &Setup, args: &Run) -> Outcome {
-    interrupt::watch();
+pub fn run(global: &Global, args: &Run) -> Outcome {
     let source = SourceFile::new(&args.program);
+    if global.bus != Address::Sim {
+        if args.record.is_some() {
+            return Err(Failure::Usage(both!(
+                "`run --record` writes the simulated bus; on a real one, `leadscrew record` in another terminal does it",
+                "`run --record` 记录的是模拟总线；真实总线请在另一个终端用 `leadscrew record`"
+            )));
+        }
+        return board::run(global, &source, &args.drive, args.tolerance);
+    }
+    interrupt::watch();
+    let setup = &Setup::with_drive(global, &args.drive)?;
     if let Some(path) = &args.record {
         source.protect(path)?;
     }

@@ -35,24 +35,8 @@ pub fn refuse(cli: &Cli) -> Outcome {
                 "`{name}` 只在虚拟时间里计算，不与控制板通信：请去掉 `--bus {bus}`，或用 `run --bus {bus}` 让控制板执行程序"
             )))
         }
-        command if touches_a_board(command) => Err(Failure::Usage(both!(
-            "`--bus {bus}` is not available yet; `--bus sim` (the default) runs on a simulated machine",
-            "`--bus {bus}` 尚未提供；默认的 `--bus sim` 在模拟机床上运行"
-        ))),
         _ => Ok(()),
     }
-}
-
-/// `check`, `expand` and `completions` need no machine; `params` says for itself what it needs.
-const fn touches_a_board(command: &Command) -> bool {
-    !matches!(
-        command,
-        Command::Check(_)
-            | Command::Expand(_)
-            | Command::Params { .. }
-            | Command::Record(_)
-            | Command::Completions { .. }
-    )
 }
 
 /// The command as it is typed.
@@ -103,9 +87,9 @@ fn needs_a_board(name: &str, command: &Command) -> Both {
         _ => Both::default(),
     };
     both!(
-        "`{name}` needs a board that goes on running between commands, and `--bus sim` lives inside one command; \
-         boards on a real bus are not available yet{en}",
-        "`{name}` 需要一块在命令之间持续运行的控制板，而 `--bus sim` 只存在于一条命令之内；真实总线上的控制板尚未提供{zh}",
+        "`{name}` needs a board that goes on running between commands, and `--bus sim` lives inside one command: \
+         name the board's bus, as in `leadscrew {name} --bus can0`{en}",
+        "`{name}` 需要一块在命令之间持续运行的控制板，而 `--bus sim` 只存在于一条命令之内；请指定控制板所在的总线，如 `leadscrew {name} --bus can0`{zh}",
         en = instead.en,
         zh = instead.zh
     )

@@ -62,7 +62,20 @@ struct Loader {
 /// A file that cannot be read, or an option without `=`: the command line is wrong. What is wrong with the parameters
 /// themselves is in [`Loaded::diagnostics`].
 pub fn load(files: &[PathBuf], options: &[String], lang: Lang) -> Outcome<Loaded> {
-    let mut loader = Loader::new(lang);
+    load_over(None, files, options, lang)
+}
+
+/// The same over another set than the built-in machine's: that of a board.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_over(
+    base: Option<Params>,
+    files: &[PathBuf],
+    options: &[String],
+    lang: Lang,
+) -> Outcome<Loaded> {
+    let mut loader = Loader::new(base, lang);
     for path in files {
         let text = file::read(path)?;
         loader.file(&path.display().to_string(), &text);
@@ -77,16 +90,16 @@ pub fn load(files: &[PathBuf], options: &[String], lang: Lang) -> Outcome<Loaded
 /// As [`load`], for the text of one file and no options.
 #[must_use]
 pub fn load_text(name: &str, text: &str, lang: Lang) -> Loaded {
-    let mut loader = Loader::new(lang);
+    let mut loader = Loader::new(None, lang);
     loader.file(name, text);
     loader.finish()
 }
 
 impl Loader {
-    fn new(lang: Lang) -> Self {
+    fn new(base: Option<Params>, lang: Lang) -> Self {
         Self {
             loaded: Loaded {
-                params: Params::slant_bed(),
+                params: base.unwrap_or_else(Params::slant_bed),
                 diagnostics: Vec::new(),
                 sources: BTreeMap::new(),
             },

@@ -1,0 +1,79 @@
+//! Commands that talk to a board on a real bus. What they share: opening the link, the words for a state, one result.
+
+mod machine;
+mod operate;
+mod run;
+mod status;
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::{BoardState, NodeId};
+
+use crate::cli::Global;
+use crate::failure::{Failure, Outcome};
+use crate::json::Json;
+use crate::link::Link;
+use crate::words::{both, pick};
+
+pub use machine::{Machine, base};
+pub use operate::{levels, order, signal};
+pub use run::run;
+pub use status::status;
+
+/// The bus and the number of the options; nothing has been said yet.
+pub fn open(global: &Global) -> Outcome<Link> {
+    let Some(node) = NodeId::new(global.node) else {
+        return Err(Failure::Usage(both!(
+            "`--node {node}` is not within 1 to 127",
+            "`--node {node}` 不在 1 到 127 之内",
+            node = global.node
+        )));
+    };
+    Ok(Link::open(&global.bus, node)?)
+}
+
+/// What the machine is doing, for people.
+#[must_use]
+pub const fn state_words(state: BoardState, lang: Lang) -> &'static str {
+    match state {
+        BoardState::Starting => pick(lang, "starting its drives", "正在启动驱动器"),
+        BoardState::Idle => pick(lang, "idle", "空闲"),
+        BoardState::Run => pick(lang, "running", "运行"),
+        BoardState::Hold => pick(lang, "feed hold", "进给保持"),
+        BoardState::Dwell => pick(lang, "dwell", "暂停延时"),
+        BoardState::Wait => pick(lang, "waiting", "等待"),
+        BoardState::Stopping => pick(lang, "stopping", "正在停止"),
+        BoardState::Alarm => pick(lang, "alarm", "报警"),
+    }
+}
+
+/// The same for machines.
+#[must_use]
+pub const fn state_name(state: BoardState) -> &'static str {
+    match state {
+        BoardState::Starting => "starting",
+        BoardState::Idle => "idle",
+        BoardState::Run => "run",
+        BoardState::Hold => "hold",
+        BoardState::Dwell => "dwell",
+        BoardState::Wait => "wait",
+        BoardState::Stopping => "stopping",
+        BoardState::Alarm => "alarm",
+    }
+}
+
+/// Prints one object as a line.
+pub fn print_json(fill: impl FnOnce(&mut Json)) -> Outcome {
+    let mut json = Json::new();
+    json.object(fill);
+    let mut bytes = json.into_bytes();
+    bytes.push(b'\n');
+    print(&bytes)
+}
+
+/// Prints to standard output.
+pub fn print(bytes: &[u8]) -> Outcome {
+    use std::io::Write as _;
+    std::io::stdout()
+        .write_all(bytes)
+        .map_err(|error| Failure::stdout(&error))
+}

@@ -1,0 +1,121 @@
+//! `hold`, `resume`, `reset`, `stop`, `override`, `signal`: what an operator does while a program runs. An order goes by
+//! process data, so it waits behind nothing.
+
+use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order};
+use leadscrew_core::signals::Signals;
+
+use super::{open, print, print_json, state_name, state_words};
+use crate::cli::{Global, OverrideName};
+use crate::failure::{Failure, Outcome};
+use crate::link::Link;
+use crate::values::{Percent, SetSignal};
+use crate::words::both;
+
+/// Gives an order and tells what the machine does then.
+pub fn order(global: &Global, order: Order) -> Outcome {
+    let mut link = open(global)?;
+    link.order(order)?;
+    tell(global, &link)
+}
+
+/// The state after an order.
+fn tell(global: &Global, link: &Link) -> Outcome {
+    let status = link.seen.status.unwrap_or_default();
+    let line = link.seen.place.map(|place| place.line);
+    if global.json {
+        return print_json(|json| {
+            json.flag("ok", true);
+            json.integer("node", i64::from(link.node().get()));
+            json.text("state", state_name(status.state));
+            match status.alarm {
+                Some(number) => json.integer("alarm", i64::from(number)),
+                None => json.null("alarm"),
+            }
+            json.integer("line", i64::from(line.unwrap_or(0)));
+        });
+    }
+    let lang = global.lang();
+    let state = state_words(status.state, lang);
+    let place = match line {
+        Some(line) if line > 0 => both!(", line {line}", "，第 {line} 行"),
+        _ => both!("", ""),
+    };
+    let alarm = match status.alarm {
+        Some(number) if status.state == BoardState::Alarm => both!(" {number:04}", " {number:04}"),
+        _ => both!("", ""),
+    };
+    let text = both!(
+        "node {node}: {state}{alarm}{en}\n",
+        "节点 {node}：{state}{alarm}{zh}\n",
+        node = link.node().get(),
+        alarm = alarm.en,
+        en = place.en,
+        zh = place.zh
+    );
+    print(text.get(lang).as_bytes())
+}
+
+/// Sets an override.
+pub fn levels(global: &Global, what: OverrideName, percent: Percent) -> Outcome {
+    let (low, high, name, sub) = match what {
+        OverrideName::Feed => (0, 150, "feed", 4),
+        OverrideName::Rapid => (0, 100, "rapid", 5),
+        OverrideName::Spindle => (50, 120, "spindle", 6),
+    };
+    let wanted = percent.0;
+    if !(low..=high).contains(&wanted) {
+        return Err(Failure::Usage(both!(
+            "`override {name} {wanted}`: the {name} override goes from {low} to {high} %",
+            "`override {name} {wanted}`：{name} 倍率的范围是 {low} 到 {high} %"
+        )));
+    }
+    let mut link = open(global)?;
+    let mut command = BoardCommand::default();
+    match what {
+        OverrideName::Feed => command.feed = Some(wanted),
+        OverrideName::Rapid => command.rapid = Some(wanted),
+        OverrideName::Spindle => command.spindle = Some(wanted),
+    }
+    link.set_levels(command)?;
+    // A level has no count: the board itself says what it is now.
+    let now = link.read_number(Object::new(0x5000, sub))?;
+    if global.json {
+        return print_json(|json| {
+            json.flag("ok", now == u64::from(wanted));
+            json.integer("node", i64::from(link.node().get()));
+            json.text("override", name);
+            json.number("percent", now);
+        });
+    }
+    let text = both!(
+        "node {node}: {name} override {now} %\n",
+        "节点 {node}：{name} 倍率 {now} %\n",
+        node = link.node().get()
+    );
+    print(text.get(global.lang()).as_bytes())
+}
+
+/// Sets an input; the others stay.
+pub fn signal(global: &Global, set: SetSignal) -> Outcome {
+    let mut link = open(global)?;
+    link.greet()?;
+    let mut signals = Signals::from_bits(link.signals()?).unwrap_or_default();
+    signals.set(set.signal, set.level);
+    link.set_signals(signals)?;
+    let level = u8::from(set.level);
+    if global.json {
+        return print_json(|json| {
+            json.flag("ok", true);
+            json.integer("node", i64::from(link.node().get()));
+            json.text("signal", set.signal.name());
+            json.integer("level", i64::from(level));
+        });
+    }
+    let text = both!(
+        "node {node}: {name}={level}\n",
+        "节点 {node}：{name}={level}\n",
+        node = link.node().get(),
+        name = set.signal.name()
+    );
+    print(text.get(global.lang()).as_bytes())
+}

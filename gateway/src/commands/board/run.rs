@@ -1,0 +1,437 @@
+//! `run` on a real bus: check all of it against the board's own parameters, feed it, watch it, tell the result.
+
+use std::io::IsTerminal as _;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::board::Event;
+use leadscrew_core::bus::{BoardCommand, BoardState, Order};
+use leadscrew_core::link::Logged;
+
+use super::{Machine, print, print_json, state_words};
+use crate::checking::Report;
+use crate::cli::{Drive, Global};
+use crate::diagnostics::{self, Diagnostic};
+use crate::execution::tell_report;
+use crate::failure::{Failure, Outcome};
+use crate::feeder::{Feeder, placed};
+use crate::interrupt;
+use crate::link::{Feed, Link};
+use crate::number;
+use crate::setup::Setup;
+use crate::source::SourceFile;
+use crate::values::Tolerance;
+use crate::words::{both, pick};
+
+/// Between two looks at what the board says, while nothing can be fed.
+const LOOK: Duration = Duration::from_millis(5);
+/// Between two readings of the event log.
+const LOG: Duration = Duration::from_millis(250);
+/// A controlled stop ends a stroke first; beyond this it is reported as it is.
+const STOP: Duration = Duration::from_secs(120);
+
+/// What a run has come to.
+#[derive(Debug, Default)]
+struct Ran {
+    alarms: Vec<Diagnostic>,
+    warnings: Vec<Diagnostic>,
+    moves: u64,
+    first_tick: Option<u64>,
+    last_tick: u64,
+    late: u32,
+    /// Largest error that a status has told, in nanometres.
+    error_max_nm: Option<i64>,
+    line: u32,
+    finished: bool,
+    /// Somebody else has reset the board.
+    reset: bool,
+    interrupted: bool,
+}
+
+/// Refuses what only a simulated machine can do.
+fn refuse(global: &Global, drive: &Drive, tolerance: Option<Tolerance>) -> Outcome {
+    let option = if drive.spindle_ripple.is_some() {
+        "--spindle-ripple"
+    } else if drive.tick_us.is_some() {
+        "--tick-us"
+    } else if global.at.is_some() {
+        "--at"
+    } else if tolerance.is_some() {
+        "--tolerance"
+    } else {
+        return Ok(());
+    };
+    let bus = &global.bus;
+    Err(Failure::Usage(both!(
+        "`{option}` is for the simulated machine; behind `--bus {bus}` stands a real one",
+        "`{option}` 只用于模拟机床；`--bus {bus}` 后面是真实机床"
+    )))
+}
+
+/// Runs a program on a board.
+pub fn run(
+    global: &Global,
+    source: &SourceFile,
+    drive: &Drive,
+    tolerance: Option<Tolerance>,
+) -> Outcome {
+    refuse(global, drive, tolerance)?;
+    interrupt::watch();
+    let machine = Machine::meet(global)?;
+    let mut setup = Setup::over(global, Some(machine.params.clone()))?;
+    machine.agrees_with(&setup)?;
+    let mut link = machine.link;
+    let status = link.status()?;
+    ready(&status.state, &link, global)?;
+    setup.position = Some(status.position);
+    let report = tell_report(&setup, source)?;
+    if !report.alarms.is_empty() {
+        if global.json {
+            result(global, &report, &Ran::default(), false)?;
+        }
+        return Err(Failure::Wrong);
+    }
+    let mut runner = Runner {
+        setup: &setup,
+        source,
+        link: &mut link,
+        ran: Ran::default(),
+        last_event: status.newest_event,
+        held: false,
+        bar: bar(report.moves, global.json, setup.lang),
+    };
+    let outcome = runner.all();
+    runner.bar.finish_and_clear();
+    let ran = runner.ran;
+    outcome?;
+    for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
+        diagnostics::print(diagnostic, setup.colour);
+    }
+    let verdict = if !ran.alarms.is_empty() {
+        Err(Failure::Machine)
+    } else if ran.interrupted {
+        Err(Failure::Interrupted)
+    } else if ran.reset {
+        Err(Failure::MachineBecause(both!(
+            "the board was reset by somebody else; the program has ended in line {line}",
+            "控制板被其它操作者复位；程序在第 {line} 行结束",
+            line = ran.line
+        )))
+    } else {
+        Ok(())
+    };
+    if global.json {
+        result(global, &report, &ran, verdict.is_ok())?;
+    } else {
+        let word = match &verdict {
+            Ok(()) => pick(setup.lang, "done", "完成"),
+            Err(Failure::Interrupted) => pick(setup.lang, "interrupted", "已中断"),
+            Err(_) => pick(setup.lang, "stopped", "已停止"),
+        };
+        let time = time_us(&ran, &setup);
+        let text = both!(
+            "{name}: {word}: {moves} moves · {time} s · {late} setpoints late{en}\n",
+            "{name}: {word}: 移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n",
+            name = source.name(),
+            moves = ran.moves,
+            time = number::rounded::<6>(time, 3),
+            late = ran.late,
+            en = match ran.error_max_nm {
+                Some(nm) => format!(" · synchronism error up to {} µm", number::text::<3>(nm)),
+                None => String::new(),
+            },
+            zh = match ran.error_max_nm {
+                Some(nm) => format!(" · 同步误差最大 {} µm", number::text::<3>(nm)),
+                None => String::new(),
+            }
+        );
+        print(text.get(setup.lang).as_bytes())?;
+    }
+    verdict
+}
+
+/// A board that cannot take a program now.
+fn ready(state: &BoardState, link: &Link, global: &Global) -> Outcome {
+    let node = link.node().get();
+    let lang = global.lang();
+    match state {
+        BoardState::Idle => Ok(()),
+        BoardState::Alarm => Err(Failure::MachineBecause(both!(
+            "node {node} stands on an alarm: `leadscrew status` shows it; mend its cause, then `leadscrew reset`",
+            "节点 {node} 处于报警状态：用 `leadscrew status` 查看，排除原因后执行 `leadscrew reset`"
+        ))),
+        BoardState::Starting => Err(Failure::Bus(both!(
+            "node {node} is still starting its drives: try again when they are on",
+            "节点 {node} 还在启动驱动器：请等驱动器就绪后重试"
+        ))),
+        other => Err(Failure::Bus(both!(
+            "node {node} is busy ({state}): wait for its program to end, or `leadscrew reset` it",
+            "节点 {node} 正忙（{state}）：请等它的程序结束，或用 `leadscrew reset` 复位",
+            state = state_words(*other, lang)
+        ))),
+    }
+}
+
+fn time_us(ran: &Ran, setup: &Setup) -> i64 {
+    let ticks = ran
+        .first_tick
+        .map_or(0, |first| ran.last_tick.saturating_sub(first));
+    i64::try_from(ticks.saturating_mul(u64::from(setup.params.tick_us()))).unwrap_or(i64::MAX)
+}
+
+/// The contract's object; what only the simulated machine knows is null.
+fn result(global: &Global, report: &Report, ran: &Ran, ok: bool) -> Outcome {
+    let ticks = ran
+        .first_tick
+        .map_or(0, |first| ran.last_tick.saturating_sub(first));
+    print_json(|json| {
+        json.flag("ok", ok);
+        json.text("bus", &global.bus.to_string());
+        json.number("moves", ran.moves);
+        json.number("ticks", ticks);
+        json.null("time_s");
+        json.null("path_mm");
+        json.null("setpoint_hash");
+        json.object_at("sync_error_um", |json| {
+            match ran.error_max_nm {
+                Some(nm) => json.decimal::<3>("max", nm),
+                None => json.null("max"),
+            }
+            json.null("rms");
+        });
+        json.integer("late", i64::from(ran.late));
+        for (key, first, then) in [
+            ("alarms", &report.alarms, &ran.alarms),
+            ("warnings", &report.warnings, &ran.warnings),
+        ] {
+            json.array_at(key, |json| {
+                for diagnostic in first.iter().chain(then) {
+                    json.object(|json| diagnostic.fields(json, true));
+                }
+            });
+        }
+    })
+}
+
+/// A bar over the moves, only where somebody watches.
+fn bar(moves: u64, json: bool, lang: Lang) -> ProgressBar {
+    if json || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(moves), ProgressDrawTarget::stderr());
+    let template = pick(
+        lang,
+        "{bar:40} move {pos}/{len}  {msg}",
+        "{bar:40} 移动 {pos}/{len}  {msg}",
+    );
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// A program on a board, under way.
+struct Runner<'a> {
+    setup: &'a Setup<'a>,
+    source: &'a SourceFile,
+    link: &'a mut Link,
+    ran: Ran,
+    last_event: u32,
+    bar: ProgressBar,
+    /// The hold has been told.
+    held: bool,
+}
+
+impl Runner<'_> {
+    fn all(&mut self) -> Outcome {
+        self.link.attend()?;
+        self.link.hear_status()?;
+        self.prepare_board()?;
+        let mut feeder = Feeder::new(self.setup, self.source)?;
+        let mut feed = Feed::new(program_number());
+        let mut started = false;
+        let mut looked = Instant::now();
+        loop {
+            if interrupt::requested() && !self.ran.interrupted {
+                self.ran.interrupted = true;
+                return self.bring_to_rest();
+            }
+            let fed = self.feed(&mut feeder, &mut feed)?;
+            if !started && (!fed || feeder.is_over() && feed.is_empty()) {
+                self.link.order(Order::Run)?;
+                started = true;
+            }
+            if !fed {
+                self.link.idle(LOOK)?;
+            }
+            self.link.check_alive()?;
+            self.look();
+            self.tell_hold();
+            let status = self.link.seen.status.unwrap_or_default();
+            let rests = started && !status.flags.program && status.state != BoardState::Run;
+            let alarm = status.state == BoardState::Alarm;
+            if alarm || rests || looked.elapsed() >= LOG {
+                looked = Instant::now();
+                self.read_log(&feeder)?;
+            }
+            if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Inputs and switches as the options want them.
+    fn prepare_board(&mut self) -> Outcome {
+        let global = self.setup.global;
+        if !global.signal.is_empty() {
+            let mut signals = leadscrew_core::signals::Signals::from_bits(self.link.signals()?)
+                .unwrap_or_default();
+            for set in &global.signal {
+                signals.set(set.signal, set.level);
+            }
+            self.link.set_signals(signals)?;
+        }
+        self.link.set_levels(BoardCommand {
+            single_block: Some(global.single_block),
+            dry_run: Some(global.dry_run),
+            ..BoardCommand::default()
+        })?;
+        Ok(())
+    }
+
+    /// Sends what there is room for, one batch. False where there was no room, or nothing is left.
+    fn feed(&mut self, feeder: &mut Feeder, feed: &mut Feed) -> Outcome<bool> {
+        while feed.has_room()
+            && let Some(call) = feeder.next_call(&mut self.ran.alarms)?
+        {
+            feed.push(&call);
+        }
+        Ok(feed.send(self.link)?)
+    }
+
+    /// Tells once that the machine waits for somebody.
+    fn tell_hold(&mut self) {
+        let hold = self
+            .link
+            .seen
+            .status
+            .is_some_and(|status| status.state == BoardState::Hold);
+        if hold && !self.held {
+            let told = both!(
+                "the machine is in feed hold (line {line}): `leadscrew resume` goes on\n",
+                "机床处于进给保持（第 {line} 行）：`leadscrew resume` 可继续\n",
+                line = self.ran.line
+            );
+            self.bar
+                .suspend(|| diagnostics::say(told.get(self.setup.lang)));
+        }
+        self.held = hold;
+    }
+
+    /// Takes in what the statuses say.
+    fn look(&mut self) {
+        let seen = &self.link.seen;
+        if let Some(status) = seen.status {
+            self.ran.late = status.late;
+        }
+        if let Some(place) = seen.place {
+            self.ran.moves = self.ran.moves.max(u64::from(place.number));
+            if place.line > 0 {
+                self.ran.line = place.line;
+            }
+        }
+        if let Some(error) = seen.spindle.and_then(|spindle| spindle.sync_error) {
+            let worst = self.ran.error_max_nm.unwrap_or(0).max(error.nm().abs());
+            self.ran.error_max_nm = Some(worst);
+        }
+        if self.bar.is_hidden() {
+            return;
+        }
+        self.bar.set_position(self.ran.moves);
+        let status = seen.status.unwrap_or_default();
+        let lang = self.setup.lang;
+        let message = both!(
+            "line {line}, {state}",
+            "第 {line} 行，{state}",
+            line = self.ran.line,
+            state = state_words(status.state, lang)
+        );
+        self.bar.set_message(message.get(lang).to_owned());
+    }
+
+    /// Reads what is new in the event log.
+    fn read_log(&mut self, feeder: &Feeder) -> Outcome {
+        loop {
+            let entries = self.link.events_behind(self.last_event)?;
+            if entries.is_empty() {
+                return Ok(());
+            }
+            for entry in &entries {
+                self.last_event = self.last_event.max(entry.number);
+                self.note(entry, feeder);
+            }
+        }
+    }
+
+    fn note(&mut self, entry: &Logged, feeder: &Feeder) {
+        self.ran.last_tick = entry.tick;
+        match entry.event {
+            Event::Started { number, line } => {
+                self.ran.first_tick.get_or_insert(entry.tick);
+                self.ran.moves = self.ran.moves.max(u64::from(number));
+                self.ran.line = line;
+            }
+            Event::Alarm(alarm) => {
+                let alarm = placed(alarm, self.ran.line);
+                self.ran.alarms.push(feeder.words(&alarm));
+            }
+            Event::Warning(warning) => {
+                let known = |w: &Diagnostic| w.number == warning.number();
+                if !self.ran.warnings.iter().any(known) {
+                    self.ran.warnings.push(feeder.words(&warning));
+                }
+            }
+            Event::Finished => self.ran.finished = true,
+            Event::Reset => self.ran.reset = true,
+            _ => {}
+        }
+    }
+
+    /// A controlled stop: feed hold until the machine stands, then the rest of the program is forgotten.
+    fn bring_to_rest(&mut self) -> Outcome {
+        self.link.order(Order::Hold)?;
+        let end = Instant::now() + STOP;
+        let rests = |state| {
+            matches!(
+                state,
+                BoardState::Hold | BoardState::Idle | BoardState::Alarm
+            )
+        };
+        while Instant::now() < end {
+            self.link.idle(LOOK)?;
+            self.link.check_alive()?;
+            if self
+                .link
+                .seen
+                .status
+                .is_some_and(|status| rests(status.state))
+            {
+                break;
+            }
+        }
+        let alarm = self.link.seen.status.and_then(|status| status.alarm);
+        if alarm.is_none() {
+            self.link.order(Order::Reset)?;
+        }
+        Ok(())
+    }
+}
+
+/// A number no program had before, as far as anybody remembers.
+fn program_number() -> u32 {
+    let since = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    (since.as_micros() as u32) | 1
+}

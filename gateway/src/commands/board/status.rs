@@ -1,0 +1,134 @@
+//! `status` of a board on a real bus: one look at all of it.
+
+use std::path::Path;
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::journal::TapRecord;
+use leadscrew_core::link::Status;
+
+use super::{open, print, print_json, state_name, state_words};
+use crate::cli::Global;
+use crate::diagnostics::Diagnostic;
+use crate::failure::Outcome;
+use crate::number;
+use crate::source::SourceFile;
+use crate::tapping;
+use crate::words::{both, pick};
+
+/// Looks once.
+pub fn status(global: &Global) -> Outcome {
+    let mut link = open(global)?;
+    link.greet()?;
+    let status = link.status()?;
+    let journal = link.journal()?;
+    let record = TapRecord::decode(&journal).ok().flatten();
+    let node = link.node().get();
+    let lang = global.lang();
+    let alarm = status.alarm.map(|alarm| {
+        let source = SourceFile::new(Path::new("the program on the board"));
+        Diagnostic::new(&alarm, &source, lang, false)
+    });
+    if global.json {
+        return print_json(|json| {
+            json.flag("ok", true);
+            json.text("bus", &global.bus.to_string());
+            json.integer("node", i64::from(node));
+            json.text("state", state_name(status.state));
+            match &alarm {
+                Some(alarm) => json.object_at("alarm", |json| alarm.fields(json, false)),
+                None => json.null("alarm"),
+            }
+            json.flag("program", status.in_program);
+            json.integer("line", i64::from(status.line));
+            json.integer("move", i64::from(status.number));
+            json.decimal::<6>("mx", status.position.x.nm().saturating_mul(2));
+            json.decimal::<6>("mz", status.position.z.nm());
+            json.decimal::<6>("mc", status.position.c.udeg());
+            json.integer("rpm", i64::from(status.speed.rpm().get()));
+            json.integer("rpm_commanded", i64::from(status.command.get()));
+            json.flag("hold", status.hold);
+            json.flag("single_block", status.single_block);
+            json.object_at("override", |json| {
+                json.integer("feed", i64::from(status.feed_percent));
+                json.integer("rapid", i64::from(status.rapid_percent));
+                json.integer("spindle", i64::from(status.spindle_percent));
+            });
+            match status.sync_error {
+                Some(error) => json.decimal::<3>("sync_error_um", error.nm()),
+                None => json.null("sync_error_um"),
+            }
+            json.integer("late", i64::from(status.late));
+            json.integer("credit", i64::from(status.credit));
+            json.integer("signals", i64::from(status.signals));
+            json.text("parameters", &format!("{:08x}", status.parameters));
+            tapping::fields(record.as_ref(), json);
+        });
+    }
+    let mut text = words(&status, node, lang);
+    if let Some(alarm) = alarm {
+        text.push_str(&format!(
+            "{:04} {}\n     {}\n",
+            alarm.number, alarm.message, alarm.help
+        ));
+    }
+    if let Some(record) = record.filter(|record| record.in_hole) {
+        text.push_str(&tapping::text(&record, lang));
+    }
+    print(text.as_bytes())
+}
+
+fn words(status: &Status, node: u8, lang: Lang) -> String {
+    let state = state_words(status.state, lang);
+    let place = if status.line > 0 {
+        both!(
+            ", line {line}, move {number}",
+            "，第 {line} 行，第 {number} 段移动",
+            line = status.line,
+            number = status.number
+        )
+    } else {
+        both!("", "")
+    };
+    let mut text = both!(
+        "node {node}   {state}{en}\n\
+         X {x}  Z {z}  C {c}   (machine coordinates, X a diameter)\n\
+         spindle {measured} rpm (commanded {commanded})\n\
+         overrides feed {feed} %, rapid {rapid} %, spindle {spindle} %\n",
+        "节点 {node}   {state}{zh}\n\
+         X {x}  Z {z}  C {c}   （机床坐标，X 为直径）\n\
+         主轴 {measured} r/min（指令 {commanded}）\n\
+         倍率 进给 {feed} %，快速 {rapid} %，主轴 {spindle} %\n",
+        en = place.en,
+        zh = place.zh,
+        x = number::text::<6>(status.position.x.nm().saturating_mul(2)),
+        z = number::text::<6>(status.position.z.nm()),
+        c = number::text::<6>(status.position.c.udeg()),
+        measured = status.speed.rpm().get(),
+        commanded = status.command.get(),
+        feed = status.feed_percent,
+        rapid = status.rapid_percent,
+        spindle = status.spindle_percent
+    )
+    .get(lang)
+    .to_owned();
+    if status.hold {
+        text.push_str(pick(lang, "feed hold is on\n", "进给保持已打开\n"));
+    }
+    if status.single_block {
+        text.push_str(pick(lang, "single block is on\n", "单段已打开\n"));
+    }
+    if let Some(error) = status.sync_error {
+        let error = number::text::<3>(error.nm());
+        let line = both!("synchronism error {error} µm\n", "同步误差 {error} µm\n");
+        text.push_str(line.get(lang));
+    }
+    if status.late > 0 {
+        let line = both!(
+            "{late} setpoints came late for their SYNC\n",
+            "{late} 个设定值晚于 SYNC 到达\n",
+            late = status.late
+        );
+        text.push_str(line.get(lang));
+    }
+    text
+}

@@ -1,0 +1,281 @@
+//! What can be asked of a board, with types.
+
+use std::time::{Duration, Instant};
+
+use leadscrew_core::bus::{Abort, BoardCommand, Object, Order};
+use leadscrew_core::link::{EventReader, ImageReader, Logged, Status, VERSION, Version, identity};
+use leadscrew_core::params::Params;
+use leadscrew_core::signals::Signals;
+
+use super::{Link, LinkResult, Trouble};
+
+const SERIAL: Object = Object::new(0x1018, 4);
+const PRODUCT: Object = Object::new(0x1018, 2);
+const HEARTBEAT_WATCH: Object = Object::new(0x1016, 1);
+const PARAMETERS: Object = Object::new(0x1020, 1);
+const RECORD: Object = Object::new(0x5001, 1);
+const IMAGE: Object = Object::new(0x5010, 1);
+const LINK_VERSION: Object = Object::new(0x5020, 2);
+const JOURNAL: Object = Object::new(0x5030, 1);
+const NEWEST: Object = Object::new(0x5040, 1);
+const FROM: Object = Object::new(0x5040, 2);
+const ENTRIES: Object = Object::new(0x5040, 3);
+const SIGNALS: Object = Object::new(0x5060, 0);
+
+/// `LSCW`.
+const LEADSCREW: u32 = 0x4C53_4357;
+/// A status is due every 10 ms by default.
+const STATUS: Duration = Duration::from_millis(500);
+const FIRST_STATUS: Duration = Duration::from_millis(100);
+/// An order is sent again after this long.
+const REPEAT: Duration = Duration::from_millis(20);
+/// Heartbeats where the board does not say how often it wants them.
+const BEAT: Duration = Duration::from_millis(100);
+
+/// The parameter set of a board, and its identity.
+#[derive(Clone, Debug)]
+pub struct BoardParams {
+    /// The set.
+    pub params: Params,
+    /// CRC-32 of it.
+    pub identity: u32,
+}
+
+impl Link {
+    /// Makes sure that one Leadscrew board, and only one, has the number, and that it speaks this link.
+    ///
+    /// # Errors
+    /// [`Trouble::NoBoard`], [`Trouble::TwoBoards`], [`Trouble::NotABoard`], [`Trouble::Version`].
+    pub fn greet(&mut self) -> LinkResult {
+        // A second gateway may be talking at this very moment: what is so stays so when asked again.
+        let mut count = self.answers(SERIAL)?;
+        for _ in 0..2 {
+            if count != 1 {
+                count = self.answers(SERIAL)?;
+            }
+        }
+        let node = self.node().get();
+        match count {
+            0 => return Err(self.silent()),
+            1 => {}
+            _ => {
+                return Err(Trouble::TwoBoards {
+                    node,
+                    bus: self.bus.clone(),
+                });
+            }
+        }
+        let product = match self.read_number(PRODUCT) {
+            Ok(product) => u32::try_from(product).ok(),
+            Err(Trouble::Transfer { .. }) => None,
+            Err(trouble) => return Err(trouble),
+        };
+        if product != Some(LEADSCREW) {
+            return Err(Trouble::NotABoard { node, product });
+        }
+        let theirs = Version::from_raw(self.read_number(LINK_VERSION)?);
+        if theirs != VERSION {
+            return Err(Trouble::Version {
+                node,
+                theirs,
+                ours: VERSION,
+            });
+        }
+        Ok(())
+    }
+
+    /// Says often enough that this side is alive.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn attend(&mut self) -> LinkResult {
+        // Time in milliseconds in the low half.
+        let every = match self.read_number(HEARTBEAT_WATCH)? & 0xFFFF {
+            0 => BEAT,
+            ms => Duration::from_millis(ms) / 4,
+        };
+        self.keep_alive(every.min(BEAT));
+        Ok(())
+    }
+
+    /// Lets process data flow, and waits for the first status.
+    ///
+    /// # Errors
+    /// [`Trouble::NoBoard`].
+    pub fn hear_status(&mut self) -> LinkResult {
+        let before = self.seen.statuses;
+        // A node that is started already has said something by then.
+        for patience in [FIRST_STATUS, STATUS, STATUS, STATUS] {
+            if patience == STATUS {
+                self.start_node()?;
+            }
+            let until = Instant::now() + patience;
+            while Instant::now() < until {
+                if self.seen.statuses != before {
+                    return Ok(());
+                }
+                self.idle(Duration::from_millis(2))?;
+            }
+        }
+        Err(self.silent())
+    }
+
+    /// Gives an order and waits until the board says that it has taken it.
+    ///
+    /// # Errors
+    /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
+    pub fn order(&mut self, order: Order) -> LinkResult {
+        self.hear_status()?;
+        let last = self.seen.status.unwrap_or_default().count;
+        let command = BoardCommand::order(order, last);
+        self.command(command, order_name(order))
+    }
+
+    /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times.
+    fn command(&mut self, command: BoardCommand, name: &'static str) -> LinkResult {
+        let node = self.node();
+        let end = Instant::now() + self.patience;
+        let mut sent = 0;
+        while Instant::now() < end {
+            self.send(&[command.frame(node)])?;
+            sent += 1;
+            let again = Instant::now() + REPEAT;
+            while Instant::now() < again {
+                self.idle(Duration::from_millis(1))?;
+                let count = self.seen.status.map(|status| status.count);
+                if command.order.is_some() && count == Some(command.count) {
+                    return Ok(());
+                }
+            }
+            if command.order.is_none() && sent == 3 {
+                return Ok(());
+            }
+        }
+        Err(Trouble::Unconfirmed {
+            node: node.get(),
+            order: name,
+        })
+    }
+
+    /// Sets overrides and switches; what is `None` stays. Levels, so they are sent more than once.
+    ///
+    /// # Errors
+    /// [`Trouble::NoBoard`].
+    pub fn set_levels(&mut self, levels: BoardCommand) -> LinkResult {
+        self.hear_status()?;
+        let count = self.seen.status.unwrap_or_default().count;
+        let command = BoardCommand {
+            count,
+            order: None,
+            ..levels
+        };
+        self.command(command, "override")
+    }
+
+    /// All that a look at the board shows.
+    ///
+    /// # Errors
+    /// [`Trouble::Version`], [`Trouble::Strange`].
+    pub fn status(&mut self) -> LinkResult<Status> {
+        let bytes = self.read(RECORD)?;
+        match Status::decode(&bytes) {
+            Ok(Ok(status)) => Ok(status),
+            Ok(Err(theirs)) => Err(Trouble::Version {
+                node: self.node().get(),
+                theirs,
+                ours: VERSION,
+            }),
+            Err(_) => Err(self.strange(RECORD)),
+        }
+    }
+
+    /// CRC-32 of the parameter set in force.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn parameters_identity(&mut self) -> LinkResult<u32> {
+        let raw = self.read_number(PARAMETERS)?;
+        u32::try_from(raw).map_err(|_| self.strange(PARAMETERS))
+    }
+
+    /// The parameter set in force.
+    ///
+    /// # Errors
+    /// [`Trouble::Strange`]: of another version of the table, or damaged.
+    pub fn parameters(&mut self) -> LinkResult<BoardParams> {
+        let bytes = self.read(IMAGE)?;
+        let mut params = Params::slant_bed();
+        let mut reader = ImageReader::new();
+        let read = reader
+            .take(&bytes, &mut params)
+            .and_then(|()| reader.finish(&params));
+        match read {
+            Ok(()) => Ok(BoardParams {
+                identity: identity(&params),
+                params,
+            }),
+            Err(_) => Err(self.strange(IMAGE)),
+        }
+    }
+
+    /// The bytes of the tap journal; none where nothing was ever stored.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn journal(&mut self) -> LinkResult<Vec<u8>> {
+        match self.read(JOURNAL) {
+            Err(trouble) if trouble.is_abort(Abort::NoData) => Ok(Vec::new()),
+            read => read,
+        }
+    }
+
+    /// Number of the newest entry of the event log.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn newest_event(&mut self) -> LinkResult<u32> {
+        let raw = self.read_number(NEWEST)?;
+        u32::try_from(raw).map_err(|_| self.strange(NEWEST))
+    }
+
+    /// The entries of the event log behind number `last`, as many as one reading holds.
+    ///
+    /// # Errors
+    /// [`Trouble::Strange`].
+    pub fn events_behind(&mut self, last: u32) -> LinkResult<Vec<Logged>> {
+        self.write(FROM, &last.saturating_add(1).to_le_bytes())?;
+        let bytes = self.read(ENTRIES)?;
+        let read: Result<Vec<Logged>, _> = EventReader::new(&bytes).collect();
+        let mut entries = read.map_err(|_| self.strange(ENTRIES))?;
+        // Another reader may have asked for others in between.
+        entries.retain(|entry| entry.number > last);
+        Ok(entries)
+    }
+
+    /// The inputs.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn signals(&mut self) -> LinkResult<u16> {
+        let raw = self.read_number(SIGNALS)?;
+        u16::try_from(raw).map_err(|_| self.strange(SIGNALS))
+    }
+
+    /// Sets the inputs.
+    ///
+    /// # Errors
+    /// The board does not answer, or refuses.
+    pub fn set_signals(&mut self, signals: Signals) -> LinkResult {
+        self.write(SIGNALS, &signals.bits().to_le_bytes())
+    }
+}
+
+const fn order_name(order: Order) -> &'static str {
+    match order {
+        Order::Run => "run",
+        Order::Hold => "hold",
+        Order::Resume => "resume",
+        Order::Reset => "reset",
+        Order::Stop => "stop",
+    }
+}

@@ -1,0 +1,284 @@
+//! The board at the other end of a bus: what this side sends and hears.
+//!
+//! ```text
+//! trouble   what can go wrong, in words        board    orders, objects with a type
+//! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
+//! ```
+//!
+//! A [`Link`] is one end of a bus and one board on it. Whatever it waits for, it hears everything meanwhile: statuses,
+//! emergencies and heartbeats are kept in [`Seen`]. Time is the real one; nothing here is needed for a setpoint.
+
+mod board;
+mod feed;
+#[cfg(test)]
+mod tests;
+mod transfer;
+mod trouble;
+
+use std::collections::{BTreeSet, VecDeque};
+use std::time::{Duration, Instant};
+
+use leadscrew_can::{Address, BitRate, Can, Health, Received};
+use leadscrew_core::bus::{
+    BoardPlace, BoardSpindle, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId,
+};
+
+pub use board::BoardParams;
+pub use feed::Feed;
+pub use trouble::{LinkResult, Trouble};
+
+/// The gateway's own node.
+pub const GATEWAY: u8 = 127;
+/// The board may be silent for so long before it counts as lost; a status comes every few milliseconds.
+const SILENCE: Duration = Duration::from_secs(2);
+/// Emergencies kept until somebody asks.
+const EMERGENCIES: usize = 64;
+
+/// What has been heard from the board.
+#[derive(Debug, Default)]
+pub struct Seen {
+    /// Its newest TPDO1.
+    pub status: Option<BoardStatus>,
+    /// How many of them there were.
+    pub statuses: u64,
+    /// Its newest TPDO2.
+    pub place: Option<BoardPlace>,
+    /// Its newest TPDO3.
+    pub spindle: Option<BoardSpindle>,
+    /// Its NMT state by its last heartbeat.
+    pub state: Option<NmtState>,
+    /// It has started anew so many times.
+    pub boots: u32,
+    /// Emergency messages nobody has asked for yet.
+    pub emergencies: VecDeque<Emcy>,
+    /// Every node that said anything.
+    pub nodes: BTreeSet<u8>,
+    /// When the board was heard last.
+    pub last: Option<Instant>,
+}
+
+impl Seen {
+    fn note(&mut self, frame: &Frame, board: NodeId) {
+        let Some((_, node)) = frame.id().service() else {
+            return;
+        };
+        self.nodes.insert(node.get());
+        if let Some((from, state)) = NmtState::decode(frame) {
+            if from == board {
+                self.state = Some(state);
+                self.boots += u32::from(state == NmtState::BootUp);
+                self.last = Some(Instant::now());
+            }
+            return;
+        }
+        if node != board {
+            return;
+        }
+        if let Some((_, status)) = BoardStatus::decode(frame) {
+            self.status = Some(status);
+            self.statuses += 1;
+        } else if let Some((_, place)) = BoardPlace::decode(frame) {
+            self.place = Some(place);
+        } else if let Some((_, spindle)) = BoardSpindle::decode(frame) {
+            self.spindle = Some(spindle);
+        } else if let Some((_, emcy)) = Emcy::decode(frame) {
+            if self.emergencies.len() == EMERGENCIES {
+                self.emergencies.pop_front();
+            }
+            self.emergencies.push_back(emcy);
+        } else if !matches!(
+            frame.id().service(),
+            Some((leadscrew_core::bus::Service::SdoReply, _))
+        ) {
+            // What others say to the board is no sign of life.
+            return;
+        }
+        self.last = Some(Instant::now());
+    }
+}
+
+/// Heartbeats of this side.
+#[derive(Clone, Copy, Debug)]
+struct Beat {
+    every: Duration,
+    next: Instant,
+}
+
+/// One end of a bus, and a board on it.
+pub struct Link {
+    can: Box<dyn Can>,
+    bus: String,
+    node: NodeId,
+    began: Instant,
+    packets: Vec<Received>,
+    health: Health,
+    beat: Option<Beat>,
+    /// For an answer of the board.
+    patience: Duration,
+    /// What has been heard.
+    pub seen: Seen,
+}
+
+impl std::fmt::Debug for Link {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Link({} on {})", self.node.get(), self.bus)
+    }
+}
+
+impl Link {
+    /// Opens a bus; nothing is said on it yet.
+    ///
+    /// # Errors
+    /// What is missing for it.
+    pub fn open(address: &Address, node: NodeId) -> LinkResult<Self> {
+        let can = leadscrew_can::open(address, BitRate::M1).map_err(Trouble::Can)?;
+        Ok(Self::on(can, node))
+    }
+
+    /// The same on a bus that is open.
+    #[must_use]
+    pub fn on(can: Box<dyn Can>, node: NodeId) -> Self {
+        Self {
+            bus: can.name().to_owned(),
+            can,
+            node,
+            began: Instant::now(),
+            packets: Vec::new(),
+            health: Health::default(),
+            beat: None,
+            patience: Duration::from_secs(1),
+            seen: Seen::default(),
+        }
+    }
+
+    /// How long an answer may take.
+    pub const fn set_patience(&mut self, patience: Duration) {
+        self.patience = patience;
+    }
+
+    /// The board's number.
+    #[must_use]
+    pub const fn node(&self) -> NodeId {
+        self.node
+    }
+
+    /// What the bus looks like from its error frames.
+    #[must_use]
+    pub const fn health(&self) -> &Health {
+        &self.health
+    }
+
+    /// Frames lost at this end because nobody took them in time.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.can.dropped().unwrap_or(0)
+    }
+
+    /// Says that this side is alive from now on; the board watches for it.
+    pub fn keep_alive(&mut self, every: Duration) {
+        self.beat = Some(Beat {
+            every,
+            next: Instant::now(),
+        });
+    }
+
+    /// Sends frames.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    pub fn send(&mut self, frames: &[Frame]) -> LinkResult {
+        self.can.send(frames).map_err(Trouble::Can)
+    }
+
+    /// Lets the board start to say and hear process data.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    pub fn start_node(&mut self) -> LinkResult {
+        self.send(&[NmtCommand::Start.frame(Some(self.node))])
+    }
+
+    fn now(&self) -> Duration {
+        self.began.elapsed()
+    }
+
+    /// Listens until `until`, or until `each` has heard enough: it is shown every frame and says so. True where it did.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    pub fn listen(
+        &mut self,
+        until: Instant,
+        each: &mut dyn FnMut(&Frame) -> bool,
+    ) -> LinkResult<bool> {
+        loop {
+            let now = Instant::now();
+            if let Some(beat) = &mut self.beat
+                && now >= beat.next
+            {
+                beat.next = now + beat.every;
+                if let Some(gateway) = NodeId::new(GATEWAY) {
+                    self.send(&[NmtState::Operational.frame(gateway)])?;
+                }
+            }
+            let wake = self.beat.map_or(until, |beat| beat.next.min(until));
+            let mut packets = std::mem::take(&mut self.packets);
+            packets.clear();
+            let received = self
+                .can
+                .receive(&mut packets, wake.saturating_duration_since(now));
+            let mut enough = false;
+            for received in &packets {
+                self.health.note(&received.packet);
+                if let Some(frame) = received.packet.frame() {
+                    self.seen.note(frame, self.node);
+                    enough |= each(frame);
+                }
+            }
+            self.packets = packets;
+            received.map_err(Trouble::Can)?;
+            if enough {
+                return Ok(true);
+            }
+            if Instant::now() >= until {
+                return Ok(false);
+            }
+        }
+    }
+
+    /// Listens for a while.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    pub fn idle(&mut self, time: Duration) -> LinkResult {
+        self.listen(Instant::now() + time, &mut |_| false)
+            .map(|_| ())
+    }
+
+    /// The board has said nothing for too long.
+    ///
+    /// # Errors
+    /// [`Trouble::Lost`].
+    pub fn check_alive(&self) -> LinkResult {
+        match self.seen.last {
+            Some(last) if last.elapsed() > SILENCE => Err(Trouble::Lost {
+                node: self.node.get(),
+                bus: self.bus.clone(),
+                suspicion: self.health.suspicion(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn silent(&self) -> Trouble {
+        let mut nodes = self.seen.nodes.clone();
+        nodes.remove(&self.node.get());
+        nodes.remove(&GATEWAY);
+        Trouble::NoBoard {
+            node: self.node.get(),
+            bus: self.bus.clone(),
+            others: nodes.into_iter().collect(),
+            suspicion: self.health.suspicion(),
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Against a board inside this process.

@@ -1,0 +1,320 @@
+//! What can go wrong between this side and a board: each with the node, the object, the code and what to do.
+
+use leadscrew_can::{CanError, Suspicion};
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::{Abort, Object, SdoError};
+use leadscrew_core::link::Version;
+
+use crate::failure::Failure;
+use crate::words::{Both, both};
+
+/// A result of the link.
+pub type LinkResult<T = ()> = Result<T, Trouble>;
+
+/// Why a board cannot be reached, or does not do what is asked.
+#[derive(Debug)]
+pub enum Trouble {
+    /// The bus itself.
+    Can(CanError),
+    /// Nobody answers under the number.
+    NoBoard {
+        /// The number asked.
+        node: u8,
+        /// The bus.
+        bus: String,
+        /// Nodes that have been heard meanwhile.
+        others: Vec<u8>,
+        /// What the error frames point to.
+        suspicion: Option<Suspicion>,
+    },
+    /// More than one answers under the number.
+    TwoBoards {
+        /// The number.
+        node: u8,
+        /// The bus.
+        bus: String,
+    },
+    /// Something else has the number.
+    NotABoard {
+        /// The number.
+        node: u8,
+        /// Its product code, where it has one.
+        product: Option<u32>,
+    },
+    /// The board speaks another version of the link.
+    Version {
+        /// The number.
+        node: u8,
+        /// The board's.
+        theirs: Version,
+        /// This side's.
+        ours: Version,
+    },
+    /// The board was heard and is silent now.
+    Lost {
+        /// The number.
+        node: u8,
+        /// The bus.
+        bus: String,
+        /// What the error frames point to.
+        suspicion: Option<Suspicion>,
+    },
+    /// A transfer failed.
+    Transfer {
+        /// The number.
+        node: u8,
+        /// The object.
+        object: Object,
+        /// True for a write.
+        write: bool,
+        /// How.
+        error: SdoError,
+    },
+    /// The board takes an order and does not say that it did.
+    Unconfirmed {
+        /// The number.
+        node: u8,
+        /// The order, as it is typed.
+        order: &'static str,
+    },
+    /// The board answers with bytes that mean nothing.
+    Strange {
+        /// The number.
+        node: u8,
+        /// The object.
+        object: Object,
+    },
+}
+
+impl From<CanError> for Trouble {
+    fn from(error: CanError) -> Self {
+        Self::Can(error)
+    }
+}
+
+/// What an object is, for people; only those this side uses.
+fn object_name(object: Object) -> Both {
+    match object.index {
+        0x1000..0x2000 => both!("communication object", "通信对象"),
+        0x2000..0x5000 => both!("parameter {no}", "参数 {no}", no = object.index - 0x2000),
+        0x5000 => both!("command", "命令"),
+        0x5001 => both!("status", "状态"),
+        0x5010 => both!("parameter set", "参数集"),
+        0x5020 => both!("program", "程序"),
+        0x5030 => both!("tap journal", "攻丝记录"),
+        0x5040 => both!("event log", "事件日志"),
+        0x5041 => both!("certificate", "精度证书"),
+        0x5060 => both!("signals", "信号"),
+        _ => both!("object", "对象"),
+    }
+}
+
+/// What to do about an abort.
+fn remedy(error: SdoError) -> Both {
+    match error {
+        SdoError::TimedOut => both!(
+            "look whether the board is still on and its bus not overloaded, then try again; whether a write took effect \
+             is not known",
+            "请检查控制板是否还在工作、总线是否过载，然后重试；写操作是否已生效不得而知"
+        ),
+        _ => match error.abort() {
+            Some(Abort::State) => both!(
+                "the machine is in a state that does not allow it: `leadscrew status` shows which, `leadscrew reset` \
+                 ends it",
+                "机床当前状态不允许：`leadscrew status` 可查看状态，`leadscrew reset` 可结束它"
+            ),
+            Some(Abort::LocalControl) => both!(
+                "parameter write is off: switch it on first",
+                "参数写保护已打开：请先打开参数写入开关"
+            ),
+            Some(Abort::NoObject | Abort::NoSubIndex) => both!(
+                "the board's software does not have it; bring both to one version",
+                "控制板软件没有此对象；请把两边更新到同一版本"
+            ),
+            Some(Abort::TooHigh | Abort::TooLow | Abort::Value) => both!(
+                "write a value within the range (`leadscrew params get`)",
+                "请写入范围之内的值（见 `leadscrew params get`）"
+            ),
+            Some(
+                Abort::Toggle | Abort::Specifier | Abort::Sequence | Abort::Crc | Abort::BlockSize,
+            ) => both!(
+                "another program on this bus may be talking to the same board, or frames get lost: end it, look at the \
+                 wiring, then try again",
+                "总线上可能有另一个程序正在与同一控制板通信，或有报文丢失：请结束它、检查接线后重试"
+            ),
+            _ => both!(
+                "try again; if it stays, look at `leadscrew status`",
+                "请重试；若仍如此，请看 `leadscrew status`"
+            ),
+        },
+    }
+}
+
+/// The abort's code and text.
+fn reason(error: SdoError) -> Both {
+    let text = |lang| {
+        error
+            .abort()
+            .map_or_else(String::new, |abort| abort.text_in(lang).to_owned())
+    };
+    let code = match error {
+        SdoError::Refused(code) => code,
+        SdoError::Broken(abort) => abort.code(),
+        SdoError::TimedOut => Abort::TimedOut.code(),
+    };
+    let unknown = error.abort().is_none();
+    let en = if unknown {
+        "maker's own code".into()
+    } else {
+        text(Lang::En)
+    };
+    let zh = if unknown {
+        "厂家自定义代码".into()
+    } else {
+        text(Lang::Zh)
+    };
+    match error {
+        SdoError::Refused(_) => both!(
+            "refused with abort code {code:08X}h ({en})",
+            "被拒绝，中止代码 {code:08X}h（{zh}）"
+        ),
+        SdoError::Broken(_) => both!(
+            "broken off from this side with abort code {code:08X}h ({en})",
+            "由本侧中止，中止代码 {code:08X}h（{zh}）"
+        ),
+        SdoError::TimedOut => both!(
+            "timed out, abort code {code:08X}h ({en})",
+            "超时，中止代码 {code:08X}h（{zh}）"
+        ),
+    }
+}
+
+fn suspected(suspicion: Option<Suspicion>) -> Both {
+    suspicion.map_or_else(Both::default, |suspicion| {
+        both!(
+            "; the bus itself looks wrong: {suspicion}",
+            "；总线本身似乎有问题：{suspicion}"
+        )
+    })
+}
+
+impl Trouble {
+    /// Number of the object that was refused for this reason.
+    #[must_use]
+    pub fn is_abort(&self, abort: Abort) -> bool {
+        matches!(self, Self::Transfer { error, .. } if error.abort() == Some(abort))
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn words(&self) -> Both {
+        match self {
+            Self::Can(error) => Both::same(error.to_string()),
+            Self::NoBoard {
+                node,
+                bus,
+                others,
+                suspicion,
+            } => {
+                let suspicion = suspected(*suspicion);
+                let heard = if others.is_empty() {
+                    both!("nobody else was heard there", "那里也没有听到任何其它节点")
+                } else {
+                    let list: Vec<String> = others.iter().map(u8::to_string).collect();
+                    let list = list.join(", ");
+                    both!("heard there: node {list}", "那里听到的节点：{list}")
+                };
+                both!(
+                    "no board answers as node {node} on `{bus}`: is it on, is this its number (`--node`), do wiring and bit \
+                     rate fit? {heard_en}{en}",
+                    "`{bus}` 上没有控制板以节点 {node} 应答：它通电了吗？节点号（`--node`）、接线和波特率对吗？{heard_zh}{zh}",
+                    heard_en = heard.en,
+                    heard_zh = heard.zh,
+                    en = suspicion.en,
+                    zh = suspicion.zh
+                )
+            }
+            Self::TwoBoards { node, bus } => both!(
+                "two boards answer as node {node} on `{bus}`: switch one of them off, give it another number, then go on",
+                "`{bus}` 上有两块控制板同时以节点 {node} 应答：请先关掉其中一块并改用别的节点号"
+            ),
+            Self::NotABoard { node, product } => {
+                let product = match product {
+                    Some(product) => {
+                        both!("product code {product:08X}h", "产品代码 {product:08X}h")
+                    }
+                    None => both!("no identity object 1018h", "没有标识对象 1018h"),
+                };
+                both!(
+                    "node {node} is no Leadscrew board ({en}): name the board's number with `--node`",
+                    "节点 {node} 不是 Leadscrew 控制板（{zh}）：请用 `--node` 指定控制板的节点号",
+                    en = product.en,
+                    zh = product.zh
+                )
+            }
+            Self::Version { node, theirs, ours } => both!(
+                "node {node} speaks version {theirs} of the link, this program version {ours}: bring board and `leadscrew` \
+                 to one version",
+                "节点 {node} 的链路版本是 {theirs}，本程序是 {ours}：请把控制板和 `leadscrew` 更新到同一版本"
+            ),
+            Self::Lost {
+                node,
+                bus,
+                suspicion,
+            } => {
+                let suspicion = suspected(*suspicion);
+                both!(
+                    "node {node} on `{bus}` has gone silent: was it switched off or unplugged? What the machine does then is \
+                     its own decision (parameter of the gateway's loss); go and look{en}",
+                    "`{bus}` 上的节点 {node} 不再应答：是否断电或拔线？此时机床的动作由其参数决定，请到现场查看{zh}",
+                    en = suspicion.en,
+                    zh = suspicion.zh
+                )
+            }
+            Self::Transfer {
+                node,
+                object,
+                write,
+                error,
+            } => {
+                let (name, reason, remedy) = (object_name(*object), reason(*error), remedy(*error));
+                let doing = if *write {
+                    both!("writing", "写")
+                } else {
+                    both!("reading", "读")
+                };
+                let (index, sub) = (object.index, object.sub);
+                both!(
+                    "node {node}: {doing_en} object {index:04X}h:{sub:02X}h ({name_en}) {en}; {remedy_en}",
+                    "节点 {node}：{doing_zh}对象 {index:04X}h:{sub:02X}h（{name_zh}）{zh}；{remedy_zh}",
+                    doing_en = doing.en,
+                    doing_zh = doing.zh,
+                    name_en = name.en,
+                    name_zh = name.zh,
+                    en = reason.en,
+                    zh = reason.zh,
+                    remedy_en = remedy.en,
+                    remedy_zh = remedy.zh
+                )
+            }
+            Self::Unconfirmed { node, order } => both!(
+                "node {node} does not confirm `{order}` (object 5001h:05h, count of the last order): look at the machine; its \
+                 own stop button works without this bus",
+                "节点 {node} 没有确认 `{order}`（对象 5001h:05h，最后一条命令的计数）：请查看机床；机床自带的急停不依赖此总线"
+            ),
+            Self::Strange { node, object } => both!(
+                "node {node}: object {index:04X}h:{sub:02X}h holds bytes that mean nothing to this program: bring board and \
+                 `leadscrew` to one version",
+                "节点 {node}：对象 {index:04X}h:{sub:02X}h 的内容本程序无法识别：请把控制板和 `leadscrew` 更新到同一版本",
+                index = object.index,
+                sub = object.sub
+            ),
+        }
+    }
+}
+
+impl From<Trouble> for Failure {
+    fn from(trouble: Trouble) -> Self {
+        Self::Bus(trouble.words())
+    }
+}

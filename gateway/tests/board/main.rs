@@ -1,0 +1,295 @@
+//! The command line against a board: the built binary, a serial-line adapter on a TCP port, and a whole machine behind it.
+
+mod server;
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use server::{Options, Server};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn command(args: &[&str], bus: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_leadscrew"));
+    command
+        .args(args)
+        .args(["--bus", bus])
+        .current_dir(root())
+        .env("NO_COLOR", "1");
+    command
+}
+
+fn leadscrew(args: &[&str], bus: &str) -> Output {
+    command(args, bus).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn good(output: &Output) -> String {
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}{}",
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+    text(&output.stdout)
+}
+
+#[track_caller]
+fn bad(output: &Output, code: i32) -> String {
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{}{}",
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+    text(&output.stderr)
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|error| panic!("{error}: {}{}", text(&output.stdout), text(&output.stderr)))
+}
+
+/// A run in the background.
+struct Run(Child);
+
+impl Run {
+    fn start(program: &str, bus: &str) -> Self {
+        let child = command(&["run", program, "--json"], bus)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        Self(child)
+    }
+
+    fn end(self) -> Output {
+        self.0.wait_with_output().unwrap()
+    }
+}
+
+/// Waits until a look at the board shows what is wanted.
+#[track_caller]
+fn wait_for(bus: &str, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+    let end = Instant::now() + Duration::from_secs(60);
+    loop {
+        let status = json(&leadscrew(&["status", "--json"], bus));
+        if wanted(&status) {
+            return status;
+        }
+        assert!(Instant::now() < end, "{what}: {status}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn a_run_makes_the_setpoints_of_the_simulation() {
+    for program in ["examples/shaft.nc", "examples/g84-peck.nc"] {
+        let simulated = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+            .args(["run", program, "--json"])
+            .current_dir(root())
+            .output()
+            .unwrap();
+        let simulated = json(&simulated);
+        let server = Server::start(&Options::default());
+        let output = leadscrew(&["run", program, "--json"], &server.bus());
+        let ran = json(&output);
+        assert_eq!(output.status.code(), Some(0), "{ran}");
+        assert_eq!(ran["ok"], true);
+        assert_eq!(ran["moves"], simulated["moves"]);
+        assert_eq!(ran["late"], 0);
+        assert_eq!(
+            server.hash(),
+            simulated["setpoint_hash"].as_str().unwrap(),
+            "{program}"
+        );
+    }
+}
+
+#[test]
+fn an_operator_holds_resumes_and_sets_overrides_while_it_runs() {
+    let server = Server::start(&Options {
+        speed: 4,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let run = Run::start("examples/shaft.nc", &bus);
+    wait_for(&bus, "the program runs", |status| {
+        status["program"] == true && status["line"].as_u64() > Some(3)
+    });
+    good(&leadscrew(&["hold"], &bus));
+    let held = wait_for(&bus, "it holds", |status| status["state"] == "hold");
+    assert_eq!(held["hold"], true);
+    let told = good(&leadscrew(&["override", "feed", "150%"], &bus));
+    assert_eq!(told, "node 1: feed override 150 %\n");
+    good(&leadscrew(&["override", "rapid", "100"], &bus));
+    let signal = good(&leadscrew(&["signal", "SWS1=1", "--json"], &bus));
+    assert!(
+        signal.contains("\"signal\":\"SWS1\",\"level\":1"),
+        "{signal}"
+    );
+    let still = json(&leadscrew(&["status", "--json"], &bus));
+    assert_eq!(still["state"], "hold");
+    assert_eq!(still["override"]["feed"], 150);
+    assert_eq!(still["signals"], 1 << 4);
+    good(&leadscrew(&["resume"], &bus));
+    let output = run.end();
+    let ran = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{ran}");
+    assert_eq!(ran["ok"], true);
+    let told = text(&output.stderr);
+    assert!(told.contains("feed hold"), "{told}");
+}
+
+#[test]
+fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
+    let server = Server::start(&Options {
+        speed: 4,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let run = Run::start("examples/shaft.nc", &bus);
+    wait_for(&bus, "the program runs", |status| {
+        status["line"].as_u64() > Some(3)
+    });
+    let stopped = json(&leadscrew(&["stop", "--json"], &bus));
+    assert_eq!(stopped["ok"], true);
+    let output = run.end();
+    assert_eq!(output.status.code(), Some(4));
+    let ran = json(&output);
+    assert_eq!(ran["ok"], false);
+    assert_eq!(ran["alarms"][0]["no"], 4300);
+    assert!(ran["alarms"][0]["line"].as_u64() > Some(3), "{ran}");
+    assert!(text(&output.stderr).contains("examples/shaft.nc:"));
+
+    let status = json(&leadscrew(&["status", "--json"], &bus));
+    assert_eq!(
+        (status["state"].as_str(), status["alarm"]["no"].as_u64()),
+        (Some("alarm"), Some(4300))
+    );
+    let refused = bad(&leadscrew(&["run", "examples/g84-tap.nc"], &bus), 4);
+    assert!(refused.contains("`leadscrew reset`"), "{refused}");
+    good(&leadscrew(&["reset"], &bus));
+    // The next program counts its own moves and is none the worse.
+    let output = leadscrew(&["run", "examples/g84-tap.nc", "--json"], &bus);
+    let ran = json(&output);
+    assert_eq!(
+        (ran["ok"].as_bool(), ran["moves"].as_u64()),
+        (Some(true), Some(7)),
+        "{ran}"
+    );
+}
+
+#[test]
+fn interrupted_the_machine_is_brought_to_rest_first() {
+    let server = Server::start(&Options {
+        speed: 4,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let run = Run::start("examples/shaft.nc", &bus);
+    wait_for(&bus, "the program runs", |status| {
+        status["line"].as_u64() > Some(3)
+    });
+    let pid = run.0.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let output = run.end();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    let status = json(&leadscrew(&["status", "--json"], &bus));
+    assert_eq!(status["state"], "idle");
+    assert_eq!(status["program"], false);
+}
+
+#[test]
+fn nobody_or_too_many_under_the_number_each_have_their_message() {
+    let server = Server::start(&Options::default());
+    let told = bad(&leadscrew(&["status", "--node", "5"], &server.bus()), 3);
+    assert!(
+        told.contains("no board answers as node 5") && told.contains("node 1"),
+        "{told}"
+    );
+    let told = bad(&leadscrew(&["hold", "--node", "5"], &server.bus()), 3);
+    assert!(told.contains("no board answers as node 5"), "{told}");
+    drop(server);
+    let two = Server::start(&Options {
+        nodes: vec![1, 1],
+        ..Options::default()
+    });
+    let told = bad(&leadscrew(&["run", "examples/shaft.nc"], &two.bus()), 3);
+    assert!(told.contains("two boards answer as node 1"), "{told}");
+    let chinese = bad(&leadscrew(&["status", "--lang", "zh"], &two.bus()), 3);
+    assert!(chinese.contains("两块控制板"), "{chinese}");
+}
+
+#[test]
+fn a_board_that_goes_silent_is_lost() {
+    let server = Server::start(&Options {
+        speed: 4,
+        unplugged_at: Some(4_000),
+        ..Options::default()
+    });
+    let told = bad(&leadscrew(&["run", "examples/shaft.nc"], &server.bus()), 3);
+    assert!(
+        told.contains("has gone silent") || told.contains("timed out, abort code 05040000h"),
+        "{told}"
+    );
+    let told = bad(&leadscrew(&["status"], "slcan:tcp:127.0.0.1:1"), 3);
+    assert!(told.contains("127.0.0.1:1"), "{told}");
+}
+
+#[test]
+fn the_board_s_own_parameters_count() {
+    let server = Server::start(&Options {
+        set: vec![("9024", 0), ("1430.Z", 1_700_000_000)],
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let value = json(&leadscrew(&["params", "get", "1430.Z", "--json"], &bus));
+    assert_eq!(value["params"][0]["value"], 1700, "{value}");
+    // 300 rpm at 6 mm a turn are 1800 mm/min: too fast for this machine, and known before anything moves.
+    let told = bad(&leadscrew(&["run", "examples/o0013-g76-m68x6.nc"], &bus), 1);
+    assert!(told.contains("1700 mm/min"), "{told}");
+    let told = bad(
+        &leadscrew(&["run", "examples/shaft.nc", "--set", "9007=1"], &bus),
+        1,
+    );
+    assert!(told.contains("another machine"), "{told}");
+    assert_eq!(json(&leadscrew(&["status", "--json"], &bus))["move"], 0);
+}
+
+#[test]
+fn what_only_a_simulated_machine_can_do_is_a_usage_error() {
+    for args in [
+        &["simulate", "examples/shaft.nc"][..],
+        &["plot", "examples/shaft.nc", "-o", "out.svg"],
+        &["run", "examples/shaft.nc", "--spindle-ripple", "10@5"],
+        &["run", "examples/shaft.nc", "--at", "X=10"],
+        &["run", "examples/shaft.nc", "--tick-us", "500"],
+        &["run", "examples/shaft.nc", "--record", "bus.log"],
+        &["run", "examples/shaft.nc", "--state", "flash.bin"],
+        &["run", "examples/shaft.nc", "--cut-power", "5"],
+        &["override", "spindle", "30"],
+        &["override", "rapid", "101"],
+    ] {
+        // Nobody listens there: it does not come to that.
+        let told = bad(&leadscrew(args, "slcan:tcp:127.0.0.1:1"), 2);
+        assert!(told.starts_with("error: `"), "{told}");
+    }
+}

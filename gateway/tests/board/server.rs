@@ -1,0 +1,274 @@
+//! A board with its machine, reachable as a Lawicel adapter on a TCP port: what `--bus slcan:tcp:…` needs, without
+//! devices and without privileges. Every client hears the board and the other clients, as on a wire.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use leadscrew::trace::{Setpoint, SetpointHash};
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::{Row, Sim};
+use leadscrew_core::bus::slcan::{Adapter, Heard, Lines, SlcanFrame};
+use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::params::{Entry, Params};
+
+/// Ticks taken in one go at most, before clients are heard again.
+const BURST: u32 = 20;
+
+/// What stands behind the port.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Numbers of the boards.
+    pub nodes: Vec<u8>,
+    /// Parameters other than the built-in machine's.
+    pub set: Vec<(&'static str, i64)>,
+    /// Virtual time for a second of real time.
+    pub speed: u32,
+    /// Answers nothing from this tick on, as if unplugged.
+    pub unplugged_at: Option<u64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            nodes: vec![1],
+            // Heartbeats come in real time, and the machine runs faster.
+            set: vec![("9024", 0)],
+            speed: 20,
+            unplugged_at: None,
+        }
+    }
+}
+
+/// What came out of the first board.
+#[derive(Debug, Default)]
+pub struct Seen {
+    /// Hash of its setpoints.
+    pub hash: SetpointHash,
+}
+
+/// A server until it is dropped.
+pub struct Server {
+    port: u16,
+    ends: Arc<AtomicBool>,
+    seen: Arc<Mutex<Seen>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Server {
+    /// Switches the machine on.
+    pub fn start(options: &Options) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        listener.set_nonblocking(true).unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let ends = Arc::new(AtomicBool::new(false));
+        let seen = Arc::new(Mutex::new(Seen::default()));
+        let (flag, told, options) = (ends.clone(), seen.clone(), options.clone());
+        let thread = std::thread::Builder::new()
+            .stack_size(32 << 20)
+            .spawn(move || serve(&listener, &options, &flag, &told))
+            .unwrap();
+        Self {
+            port,
+            ends,
+            seen,
+            thread: Some(thread),
+        }
+    }
+
+    /// The `--bus` to reach it.
+    pub fn bus(&self) -> String {
+        format!("slcan:tcp:127.0.0.1:{}", self.port)
+    }
+
+    /// Hash of the first board's setpoints so far.
+    pub fn hash(&self) -> String {
+        self.seen.lock().unwrap().hash.text()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A client of the adapter.
+struct Client {
+    line: TcpStream,
+    adapter: Adapter,
+    lines: Lines,
+    out: Vec<u8>,
+}
+
+impl Client {
+    fn new(line: TcpStream) -> Self {
+        line.set_nonblocking(true).unwrap();
+        line.set_nodelay(true).unwrap();
+        Self {
+            line,
+            adapter: Adapter::new(0x10, 0x10, *b"TEST"),
+            lines: Lines::new(),
+            out: Vec::new(),
+        }
+    }
+
+    /// What it sends to the bus; `None` where it is gone.
+    fn hear(&mut self) -> Option<Vec<Frame>> {
+        let mut frames = Vec::new();
+        let mut bytes = [0; 4096];
+        loop {
+            match self.line.read(&mut bytes) {
+                Ok(0) => return None,
+                Ok(count) => {
+                    for byte in &bytes[..count] {
+                        let Some(heard) = self.lines.push(*byte) else {
+                            continue;
+                        };
+                        if heard == Heard::Bell {
+                            continue;
+                        }
+                        let handled = self.adapter.handle(heard);
+                        self.out.extend(handled.reply.line().bytes());
+                        if let Some(SlcanFrame::Data(frame)) = handled.send {
+                            frames.push(frame);
+                        }
+                    }
+                }
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return Some(frames),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => return None,
+            }
+        }
+    }
+
+    fn tell(&mut self, frame: &Frame) {
+        if let Some(reply) = self.adapter.received(&SlcanFrame::Data(*frame), 0) {
+            self.out.extend(reply.line().bytes());
+        }
+    }
+
+    /// False where it is gone.
+    fn flush(&mut self) -> bool {
+        while !self.out.is_empty() {
+            match self.line.write(&self.out) {
+                Ok(0) => return false,
+                Ok(count) => drop(self.out.drain(..count)),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return true,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => return false,
+            }
+        }
+        true
+    }
+}
+
+fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mutex<Seen>) {
+    let mut params = Params::slant_bed();
+    for (key, value) in &options.set {
+        params.set(Entry::find_text(key).unwrap(), *value).unwrap();
+    }
+    let mut boards: Vec<Box<Sim>> = options
+        .nodes
+        .iter()
+        .map(|node| {
+            let mut sim = Box::new(Sim::new(&params, &PlantOptions::default()).unwrap());
+            sim.join(NodeId::new(*node).unwrap()).unwrap();
+            sim
+        })
+        .collect();
+    let mut clients: Vec<Client> = Vec::new();
+    let began = Instant::now();
+    let mut due = 0_u64;
+    let mut ticks = 0_u64;
+    while !ends.load(Ordering::Relaxed) {
+        while let Ok((line, _)) = listener.accept() {
+            clients.push(Client::new(line));
+        }
+        let plugged = options.unplugged_at.is_none_or(|at| ticks < at);
+        let mut busy = false;
+        let mut heard = Vec::new();
+        let mut number = 0;
+        clients.retain_mut(|client| {
+            let frames = client.hear();
+            heard.extend(frames.iter().flatten().map(|frame| (number, *frame)));
+            number += 1;
+            frames.is_some()
+        });
+        for (from, frame) in heard {
+            busy = true;
+            for (n, client) in clients.iter_mut().enumerate() {
+                if n != from {
+                    client.tell(&frame);
+                }
+            }
+            if plugged {
+                for sim in &mut boards {
+                    sim.receive(&frame);
+                    sim.settle();
+                    say(sim, &mut clients);
+                }
+            }
+        }
+        let now = u64::try_from(began.elapsed().as_micros()).unwrap() * u64::from(options.speed)
+            / u64::from(params.tick_us());
+        due = due.max(now.saturating_sub(1000));
+        let mut burst = 0;
+        // Lock-step: no tick while the program's next call has not come.
+        while due < now && burst < BURST && !boards.iter().any(|sim| sim.awaits_program()) {
+            for (n, sim) in boards.iter_mut().enumerate() {
+                let row = sim.step();
+                while sim.event().is_some() {}
+                if let (0, Some(row)) = (n, row) {
+                    let mut seen = seen.lock().unwrap();
+                    seen.hash.push(&setpoint(&row));
+                }
+                if plugged {
+                    say(sim, &mut clients);
+                } else {
+                    while sim.transmit().is_some() {}
+                }
+            }
+            ticks += 1;
+            due += 1;
+            burst += 1;
+        }
+        due = due.max(if boards.iter().any(|sim| sim.awaits_program()) {
+            now
+        } else {
+            due
+        });
+        clients.retain_mut(Client::flush);
+        if !busy && burst == 0 {
+            std::thread::sleep(Duration::from_micros(100));
+        }
+    }
+}
+
+fn say(sim: &mut Sim, clients: &mut [Client]) {
+    while let Some(frame) = sim.transmit() {
+        for client in &mut *clients {
+            client.tell(&frame);
+        }
+    }
+}
+
+fn setpoint(row: &Row) -> Setpoint {
+    Setpoint {
+        tick: row.tick,
+        x_nm: row.position.x.nm(),
+        z_nm: row.position.z.nm(),
+        c_udeg: row.position.c.udeg(),
+        s1_set_urev: row
+            .spindle_set
+            .map(|angle| leadscrew_board_sim::plant::FineTurns::from_turns(angle).micro_turns()),
+        state: row.doing,
+        ..Setpoint::default()
+    }
+}
