@@ -53,7 +53,7 @@ pub struct Global {
     /// `slcan:/dev/ttyACM0[@BAUD]`, `slcan:tcp:HOST:PORT`, `slcan:unix:PATH`
     ///
     /// `sim` is a simulated board with drives and a spindle inside this process; it needs no device and no privileges.
-    /// The others are not available yet.
+    /// The others talk to a board, whose own parameters then count.
     #[arg(long, global = true, value_name = "BUS", default_value = "sim")]
     pub bus: Address,
     /// CANopen node of the board, 1 to 127
@@ -169,15 +169,15 @@ pub enum Command {
     Status,
     /// A live view of the board (not available yet)
     Monitor,
-    /// Feed hold (not available yet)
+    /// Feed hold (needs a real bus)
     Hold,
-    /// Go on after a hold (not available yet)
+    /// Go on after a hold (needs a real bus)
     Resume,
-    /// Reset the board (not available yet)
+    /// Reset the board (needs a real bus)
     Reset,
-    /// Controlled stop (not available yet)
+    /// Controlled stop (needs a real bus)
     Stop,
-    /// Set an override (not available yet)
+    /// Set an override (needs a real bus)
     Override {
         /// Which one
         #[arg(value_enum)]
@@ -185,7 +185,7 @@ pub enum Command {
         /// Percent
         percent: Percent,
     },
-    /// Set an input (not available yet)
+    /// Set an input (needs a real bus)
     Signal {
         /// `NAME=0` or `NAME=1`
         #[arg(value_name = "NAME=0|1")]

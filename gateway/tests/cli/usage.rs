@@ -35,17 +35,7 @@ fn help_and_version_are_on_every_command() {
 #[test]
 fn what_is_not_available_is_a_usage_error_that_says_so() {
     for args in [
-        &["hold"][..],
-        &["resume"],
-        &["reset"],
-        &["stop"],
-        &["monitor"],
-        &["override", "feed", "50"],
-        &["signal", "RGTAP=1"],
-        &["record", "-o", "bus.log"],
-        &["retract"],
-        &["run", "examples/shaft.nc", "--bus", "can0"],
-        &["status", "--bus", "slcan:tcp:localhost:1234"],
+        &["retract"][..],
         &["run", "examples/shaft.nc", "--state", "flash.bin"],
         &["run", "examples/shaft.nc", "--cut-power", "100"],
         &["plot", "examples/shaft.nc", "-o", "shaft.png"],
@@ -59,6 +49,39 @@ fn what_is_not_available_is_a_usage_error_that_says_so() {
             stderr(&output)
         );
         assert!(output.stdout.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn what_needs_a_board_says_so_and_how_to_name_one() {
+    for args in [
+        &["hold"][..],
+        &["resume"],
+        &["reset"],
+        &["stop"],
+        &["monitor"],
+        &["override", "feed", "50"],
+        &["signal", "RGTAP=1"],
+        &["record", "-o", "bus.log"],
+    ] {
+        let output = leadscrew(args);
+        assert_eq!(code(&output), 2, "{args:?}");
+        let told = stderr(&output);
+        assert!(
+            told.contains("`--bus sim` lives inside one command") && told.contains("--bus can0"),
+            "{args:?}: {told}"
+        );
+        assert!(output.stdout.is_empty(), "{args:?}");
+    }
+    for args in [
+        &["run", "examples/shaft.nc"][..],
+        &["status"],
+        &["hold"],
+        &["params", "list"],
+    ] {
+        let args = [args, &["--bus", "no-such-can"]].concat();
+        let output = leadscrew(&args);
+        assert_eq!(code(&output), 3, "{args:?}: {}", stderr(&output));
     }
 }
 
