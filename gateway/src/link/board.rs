@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{Abort, BoardCommand, Object, Order};
-use leadscrew_core::link::{EventReader, ImageReader, Logged, Status, VERSION, Version, identity};
+use leadscrew_core::link::{
+    Certificate, EventReader, ImageReader, Logged, Status, VERSION, Version, identity,
+};
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 
@@ -20,6 +22,7 @@ const JOURNAL: Object = Object::new(0x5030, 1);
 const NEWEST: Object = Object::new(0x5040, 1);
 const FROM: Object = Object::new(0x5040, 2);
 const ENTRIES: Object = Object::new(0x5040, 3);
+const CERTIFICATE: Object = Object::new(0x5041, 0);
 const SIGNALS: Object = Object::new(0x5060, 0);
 
 /// `LSCW`.
@@ -226,6 +229,23 @@ impl Link {
         match self.read(JOURNAL) {
             Err(trouble) if trouble.is_abort(Abort::NoData) => Ok(Vec::new()),
             read => read,
+        }
+    }
+
+    /// The certificate of the program that ran last, or runs.
+    ///
+    /// # Errors
+    /// [`Trouble::Version`], [`Trouble::Strange`].
+    pub fn certificate(&mut self) -> LinkResult<Certificate> {
+        let bytes = self.read(CERTIFICATE)?;
+        match Certificate::decode(&bytes) {
+            Ok(Ok(certificate)) => Ok(certificate),
+            Ok(Err(theirs)) => Err(Trouble::Version {
+                node: self.node().get(),
+                theirs,
+                ours: VERSION,
+            }),
+            Err(_) => Err(self.strange(CERTIFICATE)),
         }
     }
 

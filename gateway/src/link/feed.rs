@@ -48,6 +48,12 @@ impl Feed {
         self.waiting.is_empty()
     }
 
+    /// Its number.
+    #[must_use]
+    pub const fn program(&self) -> u32 {
+        self.program
+    }
+
     /// Calls that the board has taken.
     #[must_use]
     pub const fn taken(&self) -> u32 {

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_can::{Address, BitRate, Can, Health, Received};
 use leadscrew_core::bus::{
-    BoardPlace, BoardSpindle, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId,
+    BoardPlace, BoardSpindle, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Service,
 };
 
 pub use board::BoardParams;
@@ -55,6 +55,8 @@ pub struct Seen {
     pub nodes: BTreeSet<u8>,
     /// When the board was heard last.
     pub last: Option<Instant>,
+    /// When another client asked the board's SDO server for something. What this side asks it does not hear.
+    other_client: Option<Instant>,
 }
 
 impl Seen {
@@ -86,10 +88,10 @@ impl Seen {
                 self.emergencies.pop_front();
             }
             self.emergencies.push_back(emcy);
-        } else if !matches!(
-            frame.id().service(),
-            Some((leadscrew_core::bus::Service::SdoReply, _))
-        ) {
+        } else if let Some((Service::SdoRequest, _)) = frame.id().service() {
+            self.other_client = Some(Instant::now());
+            return;
+        } else if !matches!(frame.id().service(), Some((Service::SdoReply, _))) {
             // What others say to the board is no sign of life.
             return;
         }

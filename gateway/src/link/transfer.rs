@@ -1,7 +1,7 @@
 //! Whole values to and from objects of the board.
 //!
 //! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
-//! transfer; then each begins anew after a pause of its own. What is not answered at all is asked once more, and is an
+//! transfer; then each begins anew after a pause of its own. What is not answered at all is asked twice more, and is an
 //! error then.
 
 use std::time::{Duration, Instant};
@@ -13,7 +13,11 @@ use leadscrew_core::bus::{
 use super::{Link, LinkResult, Trouble};
 
 /// Tries where somebody else is in the way.
-const TRIES: u32 = 6;
+const TRIES: u32 = 8;
+/// So long after another client's last request its transfer is over.
+const QUIET: Duration = Duration::from_millis(8);
+/// The longest wait for that.
+const TURN: Duration = Duration::from_millis(300);
 /// The longest value that is read.
 const LONGEST: usize = 1 << 20;
 
@@ -165,13 +169,14 @@ impl Link {
         let mut tries = 0;
         let mut silences = 0;
         loop {
+            self.wait_for_silence()?;
             let error = match once(self)? {
                 Ok(()) => return Ok(()),
                 Err(error) => error,
             };
             tries += 1;
             silences += u32::from(error == SdoError::TimedOut);
-            if tries == TRIES || silences == 2 || !may_be_another_client(error) {
+            if tries == TRIES || silences == 3 || !may_be_another_client(error) {
                 return Err(Trouble::Transfer {
                     node: self.node.get(),
                     object,
@@ -184,6 +189,19 @@ impl Link {
                 5 + u64::from(std::process::id() % 7) + u64::from(self.now().subsec_nanos() % 16);
             self.idle(Duration::from_millis(pause * u64::from(tries)))?;
         }
+    }
+
+    /// Lets another client finish, but not for ever.
+    fn wait_for_silence(&mut self) -> LinkResult {
+        let end = Instant::now() + TURN;
+        self.idle(Duration::ZERO)?;
+        while let Some(last) = self.seen.other_client
+            && last.elapsed() < QUIET
+            && Instant::now() < end
+        {
+            self.idle(Duration::from_millis(1))?;
+        }
+        Ok(())
     }
 
     /// Carries a transfer to its end.

@@ -109,6 +109,7 @@ fn a_run_makes_the_setpoints_of_the_simulation() {
         assert_eq!(ran["ok"], true);
         assert_eq!(ran["moves"], simulated["moves"]);
         assert_eq!(ran["late"], 0);
+        assert_eq!(ran["setpoint_hash"], simulated["setpoint_hash"]);
         assert_eq!(
             server.hash(),
             simulated["setpoint_hash"].as_str().unwrap(),

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::Event;
 use leadscrew_core::bus::{BoardCommand, BoardState, Order};
-use leadscrew_core::link::Logged;
+use leadscrew_core::link::{Certificate, Logged};
 
 use super::{Machine, print, print_json, state_words};
 use crate::checking::Report;
@@ -37,11 +37,9 @@ struct Ran {
     alarms: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
     moves: u64,
-    first_tick: Option<u64>,
-    last_tick: u64,
     late: u32,
-    /// Largest error that a status has told, in nanometres.
-    error_max_nm: Option<i64>,
+    /// What the board says of the run.
+    certificate: Option<Certificate>,
     line: u32,
     finished: bool,
     /// Somebody else has reset the board.
@@ -50,15 +48,13 @@ struct Ran {
 }
 
 /// Refuses what only a simulated machine can do.
-fn refuse(global: &Global, drive: &Drive, tolerance: Option<Tolerance>) -> Outcome {
+fn refuse(global: &Global, drive: &Drive) -> Outcome {
     let option = if drive.spindle_ripple.is_some() {
         "--spindle-ripple"
     } else if drive.tick_us.is_some() {
         "--tick-us"
     } else if global.at.is_some() {
         "--at"
-    } else if tolerance.is_some() {
-        "--tolerance"
     } else {
         return Ok(());
     };
@@ -76,7 +72,7 @@ pub fn run(
     drive: &Drive,
     tolerance: Option<Tolerance>,
 ) -> Outcome {
-    refuse(global, drive, tolerance)?;
+    refuse(global, drive)?;
     interrupt::watch();
     let machine = Machine::meet(global)?;
     let mut setup = Setup::over(global, Some(machine.params.clone()))?;
@@ -88,7 +84,7 @@ pub fn run(
     let report = tell_report(&setup, source)?;
     if !report.alarms.is_empty() {
         if global.json {
-            result(global, &report, &Ran::default(), false)?;
+            result(&setup, &report, &Ran::default(), false)?;
         }
         return Err(Failure::Wrong);
     }
@@ -119,32 +115,40 @@ pub fn run(
             line = ran.line
         )))
     } else {
-        Ok(())
+        within(&ran, tolerance)
     };
     if global.json {
-        result(global, &report, &ran, verdict.is_ok())?;
+        result(&setup, &report, &ran, verdict.is_ok())?;
     } else {
         let word = match &verdict {
             Ok(()) => pick(setup.lang, "done", "完成"),
             Err(Failure::Interrupted) => pick(setup.lang, "interrupted", "已中断"),
+            Err(Failure::WrongBecause(_)) => pick(setup.lang, "out of tolerance", "超差"),
             Err(_) => pick(setup.lang, "stopped", "已停止"),
         };
-        let time = time_us(&ran, &setup);
+        let figures = Figures::of(&ran, &setup);
+        let error = match figures.error {
+            Some((worst, rms)) => both!(
+                " · worst synchronism error {worst} µm ({rms} µm RMS)",
+                " · 最大同步误差 {worst} µm（均方根 {rms} µm）",
+                worst = number::text::<3>(worst),
+                rms = number::rounded::<6>(rms, 3)
+            ),
+            None => both!("", ""),
+        };
         let text = both!(
-            "{name}: {word}: {moves} moves · {time} s · {late} setpoints late{en}\n",
-            "{name}: {word}: 移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n",
+            "{name}: {word}: {moves} moves · {time} s · {late} setpoints late{en}\nsetpoints {hash}\n",
+            "{name}: {word}: 移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n设定值校验 {hash}\n",
             name = source.name(),
             moves = ran.moves,
-            time = number::rounded::<6>(time, 3),
+            time = number::rounded::<6>(figures.time_us, 3),
             late = ran.late,
-            en = match ran.error_max_nm {
-                Some(nm) => format!(" · synchronism error up to {} µm", number::text::<3>(nm)),
-                None => String::new(),
-            },
-            zh = match ran.error_max_nm {
-                Some(nm) => format!(" · 同步误差最大 {} µm", number::text::<3>(nm)),
-                None => String::new(),
-            }
+            hash = figures
+                .hash
+                .as_deref()
+                .unwrap_or(pick(setup.lang, "unknown", "未知")),
+            en = error.en,
+            zh = error.zh
         );
         print(text.get(setup.lang).as_bytes())?;
     }
@@ -173,32 +177,76 @@ fn ready(state: &BoardState, link: &Link, global: &Global) -> Outcome {
     }
 }
 
-fn time_us(ran: &Ran, setup: &Setup) -> i64 {
-    let ticks = ran
-        .first_tick
-        .map_or(0, |first| ran.last_tick.saturating_sub(first));
-    i64::try_from(ticks.saturating_mul(u64::from(setup.params.tick_us()))).unwrap_or(i64::MAX)
+/// The certificate in the contract's units.
+#[derive(Debug, Default)]
+struct Figures {
+    ticks: u64,
+    time_us: i64,
+    hash: Option<String>,
+    /// Largest error in nanometres, root mean square in picometres.
+    error: Option<(i64, i64)>,
 }
 
-/// The contract's object; what only the simulated machine knows is null.
-fn result(global: &Global, report: &Report, ran: &Ran, ok: bool) -> Outcome {
-    let ticks = ran
-        .first_tick
-        .map_or(0, |first| ran.last_tick.saturating_sub(first));
+impl Figures {
+    fn of(ran: &Ran, setup: &Setup) -> Self {
+        let Some(certificate) = &ran.certificate else {
+            return Self::default();
+        };
+        let time = certificate
+            .ticks
+            .saturating_mul(u64::from(setup.params.tick_us()));
+        let hash = certificate.setpoint_hash;
+        let measured = certificate.measured;
+        let rms = (certificate.squares as f64 / measured.max(1) as f64).sqrt() * 1000.0;
+        Self {
+            ticks: certificate.ticks,
+            time_us: i64::try_from(time).unwrap_or(i64::MAX),
+            hash: hash.map(|hash| format!("{hash:016x}")),
+            error: (measured > 0).then(|| (certificate.largest.nm(), rms.round() as i64)),
+        }
+    }
+}
+
+/// The worst error that the board has measured against the tolerance asked for.
+fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
+    let (Some(tolerance), Some(certificate)) = (tolerance, &ran.certificate) else {
+        return Ok(());
+    };
+    let largest = certificate.largest.nm();
+    if certificate.measured == 0 || largest.saturating_mul(1000) <= tolerance.pm {
+        return Ok(());
+    }
+    Err(Failure::WrongBecause(both!(
+        "the worst synchronism error {error} µm is above the tolerance of {most} µm",
+        "最大同步误差 {error} µm，超过允许值 {most} µm",
+        error = number::text::<3>(largest),
+        most = number::text::<6>(tolerance.pm)
+    )))
+}
+
+/// The contract's object; the path's length is the simulated machine's alone.
+fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
+    let figures = Figures::of(ran, setup);
     print_json(|json| {
         json.flag("ok", ok);
-        json.text("bus", &global.bus.to_string());
+        json.text("bus", &setup.global.bus.to_string());
         json.number("moves", ran.moves);
-        json.number("ticks", ticks);
-        json.null("time_s");
+        json.number("ticks", figures.ticks);
+        json.decimal::<6>("time_s", figures.time_us);
         json.null("path_mm");
-        json.null("setpoint_hash");
-        json.object_at("sync_error_um", |json| {
-            match ran.error_max_nm {
-                Some(nm) => json.decimal::<3>("max", nm),
-                None => json.null("max"),
+        match &figures.hash {
+            Some(hash) => json.text("setpoint_hash", hash),
+            None => json.null("setpoint_hash"),
+        }
+        json.object_at("sync_error_um", |json| match figures.error {
+            Some((worst, rms)) => {
+                json.decimal::<3>("max", worst);
+                json.decimal::<6>("rms", rms);
             }
-            json.null("rms");
+            None => {
+                json.null("max");
+                json.null("rms");
+            }
         });
         json.integer("late", i64::from(ran.late));
         for (key, first, then) in [
@@ -276,6 +324,9 @@ impl Runner<'_> {
                 self.read_log(&feeder)?;
             }
             if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
+                let certificate = self.link.certificate()?;
+                self.ran.certificate =
+                    (certificate.program == feed.program()).then_some(certificate);
                 return Ok(());
             }
         }
@@ -341,10 +392,6 @@ impl Runner<'_> {
                 self.ran.line = place.line;
             }
         }
-        if let Some(error) = seen.spindle.and_then(|spindle| spindle.sync_error) {
-            let worst = self.ran.error_max_nm.unwrap_or(0).max(error.nm().abs());
-            self.ran.error_max_nm = Some(worst);
-        }
         if self.bar.is_hidden() {
             return;
         }
@@ -375,10 +422,8 @@ impl Runner<'_> {
     }
 
     fn note(&mut self, entry: &Logged, feeder: &Feeder) {
-        self.ran.last_tick = entry.tick;
         match entry.event {
             Event::Started { number, line } => {
-                self.ran.first_tick.get_or_insert(entry.tick);
                 self.ran.moves = self.ran.moves.max(u64::from(number));
                 self.ran.line = line;
             }
