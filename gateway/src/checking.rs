@@ -12,6 +12,7 @@ use leadscrew_core::{cycle, feasible};
 
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Doing, Failure, Outcome};
+use crate::hole::Hole;
 use crate::interrupt;
 use crate::json::Json;
 use crate::number;
@@ -78,6 +79,7 @@ pub fn check(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
         source,
         report: Report::default(),
         at: options.position,
+        hole: Hole::new(setup.tap),
     };
     loop {
         if interrupt::requested() {
@@ -102,6 +104,7 @@ struct Checker<'a> {
     source: &'a SourceFile,
     report: Report,
     at: Position,
+    hole: Hole,
 }
 
 impl Checker<'_> {
@@ -119,7 +122,7 @@ impl Checker<'_> {
     }
 
     fn call(&mut self, call: &Call, inch: bool) {
-        let moves = match cycle::expand(call, &self.setup.context(self.at)) {
+        let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
             Err(alarm) => {
                 // The interpreter goes on where the block ends, and cycles end where they begin.
@@ -127,6 +130,9 @@ impl Checker<'_> {
                 return self.tell(&alarm, inch);
             }
         };
+        if let Err(alarm) = self.hole.admit(call, &moves) {
+            self.tell(&alarm, inch);
+        }
         if let Some(warning) = moves.warning() {
             self.tell(&warning, inch);
         }
@@ -160,6 +166,7 @@ impl Checker<'_> {
             if let Some(used) = tapper(&step).and_then(|n| self.report.tappers.get_mut(n)) {
                 *used = true;
             }
+            self.hole.push(&step);
             self.at = step.to;
         }
     }

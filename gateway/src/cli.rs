@@ -105,7 +105,7 @@ pub struct Global {
     /// An input at the start (repeatable): G61.2, RGTAP, SWS1 to SWS4, RGTSP1 to RGTSP4
     #[arg(long, global = true, value_name = "NAME=0|1")]
     pub signal: Vec<SetSignal>,
-    /// Takes the simulated board's power away at this tick (not available yet)
+    /// Takes the simulated board's power away at this tick (with `--state`)
     #[arg(long, global = true, value_name = "TICK")]
     pub cut_power: Option<u64>,
 }
@@ -191,12 +191,15 @@ pub enum Command {
         #[arg(value_name = "NAME=0|1")]
         signal: SetSignal,
     },
-    /// Tapping return, the same as G30 P99 (not available yet)
+    /// Brings a tap out of its hole in phase, the same as G30 P99
+    ///
+    /// With `--dry-run` it only shows what would move.
+    #[command(after_help = RETRACT_EXAMPLES)]
     Retract {
         /// Spindle speed in turns per minute
-        #[arg(long, value_name = "RPM")]
+        #[arg(long, value_name = "RPM", conflicts_with = "discard", value_parser = clap::value_parser!(u32).range(1..=9999))]
         speed: Option<u32>,
-        /// Drop the record instead
+        /// Drop the record instead: no tap is in a hole
         #[arg(long)]
         discard: bool,
     },
@@ -213,6 +216,13 @@ pub enum Command {
         shell: clap_complete::Shell,
     },
 }
+
+const RETRACT_EXAMPLES: &str = "\
+Examples:
+  leadscrew status --state board.flash              is a tap in a hole?
+  leadscrew retract --dry-run --state board.flash   what would move
+  leadscrew retract --speed 200 --state board.flash
+  leadscrew retract --discard --state board.flash   the tap was taken out by hand";
 
 const CHECK_EXAMPLES: &str = "\
 Examples:
@@ -261,7 +271,7 @@ pub enum Format {
 }
 
 /// What drives the virtual machine.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 pub struct Drive {
     /// Spindle speed ripple: a sine of PERCENT of the commanded speed, as `10@5`
     #[arg(long, value_name = "PERCENT@HZ")]

@@ -12,6 +12,7 @@ use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::Summary;
 use crate::values::Tolerance;
+use crate::words::both;
 
 /// Checks a program and tells what it has to say.
 ///
@@ -78,7 +79,7 @@ impl<'a> Execution<'a> {
     /// The verdict, and the JSON result where it is wanted.
     pub fn conclude(&self, summary: &Summary, tolerance: Option<Tolerance>) -> Outcome {
         let within = tolerance.is_none_or(|tolerance| summary.within(tolerance));
-        let ran = self.ended.alarms.is_empty() && !self.ended.interrupted;
+        let ran = self.ended.alarms.is_empty() && !self.ended.interrupted && !self.ended.cut;
         if self.setup.global.json {
             self.print_json(summary, ran && within)?;
         }
@@ -87,6 +88,12 @@ impl<'a> Execution<'a> {
         }
         if self.ended.interrupted {
             return Err(Failure::Interrupted);
+        }
+        if self.ended.cut {
+            return Err(Failure::MachineBecause(both!(
+                "the power was taken away, as `--cut-power` asks; what the board had stored is kept",
+                "已按 `--cut-power` 断电；控制板存储的内容已保留"
+            )));
         }
         match tolerance {
             Some(tolerance) if !within => Err(Failure::WrongBecause(summary.above(tolerance))),

@@ -18,6 +18,7 @@ pub mod drawing;
 pub mod execution;
 pub mod failure;
 pub mod feeder;
+pub mod hole;
 pub mod interrupt;
 pub mod json;
 pub mod link;

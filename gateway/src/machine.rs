@@ -1,6 +1,6 @@
 //! A program carried out by the machine inside this process: the simulated board, drives and spindle, in virtual time.
 
-use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
+use leadscrew_board_sim::plant::{FineTurns, Flash, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
@@ -26,6 +26,8 @@ pub struct Ended {
     pub warnings: Vec<Diagnostic>,
     /// The user wanted to end, and the machine has come to rest.
     pub interrupted: bool,
+    /// The power has been taken away, as asked for.
+    pub cut: bool,
 }
 
 /// Who watches a run.
@@ -53,11 +55,15 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
         ),
     };
     let options = PlantOptions {
-        at: setup.options().position,
+        at: setup.power_up(),
         ripple,
         ..PlantOptions::default()
     };
-    let mut sim = Sim::new(&setup.params, &options)
+    let flash = match &setup.kept {
+        Some((_, flash)) => flash.clone(),
+        None => Flash::erased(),
+    };
+    let mut sim = Sim::with_flash(&setup.params, &options, flash)
         .map(Box::new)
         .map_err(|error| no_machine(setup, error))?;
     sim.signals(setup.signals);
@@ -92,6 +98,20 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Outcome<Ended> {
     let mut sim = power_up(setup, drive)?;
+    let ended = carry_out(&mut sim, setup, source, observer);
+    // Whatever has happened: what is stored is stored.
+    if let Some((state, _)) = &setup.kept {
+        state.save(sim.flash())?;
+    }
+    ended
+}
+
+fn carry_out(
+    sim: &mut Sim,
+    setup: &Setup,
+    source: &SourceFile,
+    observer: &mut dyn Observer,
+) -> Outcome<Ended> {
     let mut feeder = Feeder::new(setup, source)?;
     let mut waiting = None;
     let mut ended = Ended::default();
@@ -105,7 +125,12 @@ pub fn run(
             sim.command(Command::Hold);
         }
         if !stopping {
-            feed(&mut feeder, &mut waiting, &mut sim, &mut ended)?;
+            feed(&mut feeder, &mut waiting, sim, &mut ended)?;
+        }
+        if setup.global.cut_power == Some(tick) {
+            sim.cut_power();
+            ended.cut = true;
+            return Ok(ended);
         }
         let row = sim.step_on(&mut |direction, frame| observer.frame(tick, direction, frame));
         tick += 1;
@@ -128,7 +153,7 @@ pub fn run(
             }
         }
         let over = if stopping {
-            at_rest(&sim)
+            at_rest(sim)
         } else {
             feeder.is_over() && waiting.is_none() && !sim.is_busy()
         };

@@ -2,8 +2,10 @@
 
 use std::io::{IsTerminal as _, Write as _};
 
+use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::cycle::Context;
+use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Options, Position};
 use leadscrew_core::signals::Signals;
@@ -12,7 +14,9 @@ use leadscrew_core::units::{Angle, Length};
 use crate::cli::{DialectName, Drive, Global};
 use crate::commands::board;
 use crate::failure::{Failure, Outcome};
+use crate::hole::Hole;
 use crate::params::{self, Loaded};
+use crate::state::StateFile;
 
 /// The start of a command.
 #[derive(Debug)]
@@ -29,6 +33,10 @@ pub struct Setup<'a> {
     pub colour: bool,
     /// Where the tool stands at the start, where a board has said so; else by the options.
     pub position: Option<Position>,
+    /// The newest entry of the tap journal, where a machine is known.
+    pub tap: Option<TapRecord>,
+    /// The flash of the simulated board, where it is kept.
+    pub kept: Option<(StateFile, Flash)>,
 }
 
 impl<'a> Setup<'a> {
@@ -40,38 +48,73 @@ impl<'a> Setup<'a> {
 
     /// The same over a set that is known already; `None`: the built-in machine.
     pub fn over(global: &'a Global, base: Option<Params>) -> Outcome<Self> {
-        Ok(Self::of(global, load_over(global, base, None)?.params))
+        Self::of(global, load_over(global, base, None)?.params)
     }
 
     /// The same for a simulated machine that is to run with `drive`'s tick.
     pub fn with_drive(global: &'a Global, drive: &Drive) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
-        Ok(Self::of(global, load_over(global, None, tick)?.params))
+        Self::of(global, load_over(global, None, tick)?.params)
     }
 
-    fn of(global: &'a Global, params: Params) -> Self {
-        Self {
+    fn of(global: &'a Global, params: Params) -> Outcome<Self> {
+        let kept = match &global.state {
+            None => None,
+            Some(path) => {
+                let state = StateFile::new(path);
+                let flash = state.load_or_new()?;
+                Some((state, flash))
+            }
+        };
+        let tap = match &kept {
+            Some((state, flash)) => state.journal(flash)?,
+            None => None,
+        };
+        Ok(Self {
             global,
             params,
             lang: global.lang(),
             signals: signals(global),
             colour: colour(),
             position: None,
-        }
+            tap,
+            kept,
+        })
     }
 
-    /// What the moves of a call depend on for a tool at `at`.
-    pub const fn context(&self, at: Position) -> Context<'_> {
+    /// What the moves of a call depend on for a tool at `at`, with what is known of a tap in its hole.
+    pub const fn context<'h>(&self, at: Position, hole: &'h Hole) -> Context<'h> {
         Context {
             at,
             signals: self.signals,
-            tap: None,
+            tap: hole.record(),
+        }
+    }
+
+    /// Where the drives stand at power-up.
+    pub fn power_up(&self) -> Position {
+        let at = self.global.at.unwrap_or_default();
+        Position {
+            x: Length::from_nm(at.x_nm),
+            z: Length::from_nm(at.z_nm),
+            c: Angle::from_udeg(at.c_udeg),
+        }
+    }
+
+    /// Where the tool stands at the start: an axis with a tap in its hole at the bottom [D26].
+    fn start(&self) -> Position {
+        if let Some(position) = self.position {
+            return position;
+        }
+        let position = self.power_up();
+        match self.tap.filter(|record| record.in_hole) {
+            Some(record) => record.hole.axis.with(position, record.hole.bottom),
+            None => position,
         }
     }
 
     /// How programs are read.
     pub fn options(&self) -> Options {
-        let at = self.global.at.unwrap_or_default();
         Options {
             dialect: match self.global.dialect {
                 DialectName::Gsk980td => Dialect::Gsk980td,
@@ -80,11 +123,7 @@ impl<'a> Setup<'a> {
             skip: self.global.skip,
             optional_stop: self.global.optional_stop,
             dry_run: self.global.dry_run,
-            position: self.position.unwrap_or(Position {
-                x: Length::from_nm(at.x_nm),
-                z: Length::from_nm(at.z_nm),
-                c: Angle::from_udeg(at.c_udeg),
-            }),
+            position: self.start(),
         }
     }
 }

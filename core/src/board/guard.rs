@@ -10,16 +10,18 @@ use crate::program::{Call, CallKind};
 
 /// The hole that is guarded, if one is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Guard(Option<TapHole>);
+pub struct Guard(Option<TapHole>);
 
 impl Guard {
     /// No tap is in a hole.
-    pub(super) const fn open() -> Self {
+    #[must_use]
+    pub const fn open() -> Self {
         Self(None)
     }
 
     /// By the newest entry of the tap journal.
-    pub(super) fn of(tap: Option<&TapRecord>) -> Self {
+    #[must_use]
+    pub fn of(tap: Option<&TapRecord>) -> Self {
         Self(tap.filter(|tap| tap.in_hole).map(|tap| tap.hole))
     }
 
@@ -27,7 +29,7 @@ impl Guard {
     ///
     /// # Errors
     /// [`Code::TapInHole`] for a call that moves an axis or commands a spindle.
-    pub(super) fn admit(&mut self, call: &Call, moves: &Moves) -> Result<(), Alarm> {
+    pub fn admit(&mut self, call: &Call, moves: &Moves) -> Result<(), Alarm> {
         let Some(hole) = &self.0 else {
             return Ok(());
         };

@@ -35,6 +35,7 @@ mod ticker;
 pub use background::{Background, Settings, overridden};
 pub use detour::Route;
 pub use event::{Command, Event};
+pub use guard::Guard;
 pub use operator::Operator;
 pub use snapshot::Snapshot;
 pub use station::Station;

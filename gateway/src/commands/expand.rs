@@ -9,6 +9,7 @@ use leadscrew_core::program::{Call, Event, Position};
 use crate::cli::{Expand, Format};
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Doing, Failure, Outcome};
+use crate::hole::Hole;
 use crate::json::Json;
 use crate::movelist;
 use crate::program::Program;
@@ -21,7 +22,12 @@ const CHUNK: usize = 1 << 16;
 
 /// Prints the moves of a program.
 pub fn run(setup: &Setup, args: &Expand) -> Outcome {
-    let format = match (args.format, setup.global.json) {
+    list(setup, &SourceFile::new(&args.program), args.format)
+}
+
+/// The same of any text.
+pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outcome {
+    let format = match (format, setup.global.json) {
         (None, true) => Format::Jsonl,
         (None, false) => Format::Text,
         (Some(format), false) | (Some(format @ Format::Jsonl), true) => format,
@@ -32,18 +38,18 @@ pub fn run(setup: &Setup, args: &Expand) -> Outcome {
             )));
         }
     };
-    let source = SourceFile::new(&args.program);
     let options = setup.options();
-    let mut program = Program::open(&source, &setup.params, options)
+    let mut program = Program::open(source, &setup.params, options)
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut list = List {
         setup,
-        source: &source,
+        source,
         format,
         to: io::stdout().lock(),
         buffer: Vec::with_capacity(CHUNK + 1024),
         moves: 0,
         at: options.position,
+        hole: Hole::new(setup.tap),
     };
     movelist::header(format, &mut list.buffer);
     let result = list.all(&mut program);
@@ -60,6 +66,7 @@ struct List<'a, W> {
     buffer: Vec<u8>,
     moves: u64,
     at: Position,
+    hole: Hole,
 }
 
 impl<W: Write> List<'_, W> {
@@ -81,13 +88,17 @@ impl<W: Write> List<'_, W> {
     }
 
     fn call(&mut self, call: &Call, inch: bool) -> Outcome {
-        let moves = match cycle::expand(call, &self.setup.context(self.at)) {
+        let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
             Err(alarm) => {
                 self.tell(&alarm, inch)?;
                 return Err(Failure::Wrong);
             }
         };
+        if let Err(alarm) = self.hole.admit(call, &moves) {
+            self.tell(&alarm, inch)?;
+            return Err(Failure::Wrong);
+        }
         if let Some(warning) = moves.warning() {
             self.tell(&warning, inch)?;
         }
@@ -100,6 +111,7 @@ impl<W: Write> List<'_, W> {
                 &step,
                 &call.origin,
             );
+            self.hole.push(&step);
             self.at = step.to;
             if self.buffer.len() >= CHUNK {
                 self.flush()?;

@@ -7,6 +7,7 @@ mod expand;
 mod params;
 mod plot;
 mod record;
+mod retract;
 mod run;
 mod simulate;
 mod status;
@@ -40,6 +41,13 @@ pub fn dispatch(cli: &Cli) -> Outcome {
         Command::Record(args) if is_real(cli) => {
             record::run(&Setup::over(&cli.global, None)?, args)
         }
+        Command::Retract { speed, discard } => retract::retract(
+            &cli.global,
+            retract::Wish {
+                speed: *speed,
+                discard: *discard,
+            },
+        ),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),

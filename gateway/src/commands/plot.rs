@@ -10,6 +10,7 @@ use crate::diagnostics;
 use crate::drawing::Drawing;
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
+use crate::hole::Hole;
 use crate::interrupt;
 use crate::machine::Observer;
 use crate::plot::{Envelope, Picture, Sample, Stroke};
@@ -93,13 +94,15 @@ fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     let mut program = Program::open(source, &setup.params, options).map_err(unreadable)?;
     let mut drawing = Drawing::new(&options.position);
     let mut at = options.position;
+    let mut hole = Hole::new(setup.tap);
     while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {
         let Event::Call(call) = event else { continue };
-        for step in cycle::expand(&call, &setup.context(at))
+        for step in cycle::expand(&call, &setup.context(at, &hole))
             .into_iter()
             .flatten()
         {
             drawing.push(&step, &call.origin);
+            hole.push(&step);
             at = step.to;
         }
     }

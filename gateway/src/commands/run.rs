@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal as _, Write as _};
+use std::path::Path;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -11,7 +12,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::Frame;
 
 use super::board;
-use crate::cli::{Global, Run};
+use crate::cli::{Drive, Global, Run};
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
@@ -19,6 +20,7 @@ use crate::machine::Observer;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
+use crate::values::Tolerance;
 use crate::words::{both, pick};
 
 /// Runs a program.
@@ -33,14 +35,31 @@ pub fn run(global: &Global, args: &Run) -> Outcome {
         }
         return board::run(global, &source, &args.drive, args.tolerance);
     }
+    carry_out(
+        global,
+        &source,
+        args.record.as_deref(),
+        &args.drive,
+        args.tolerance,
+    )
+}
+
+/// Runs any text on the simulated machine.
+pub fn carry_out(
+    global: &Global,
+    source: &SourceFile,
+    record: Option<&Path>,
+    drive: &Drive,
+    tolerance: Option<Tolerance>,
+) -> Outcome {
     interrupt::watch();
-    let setup = &Setup::with_drive(global, &args.drive)?;
-    if let Some(path) = &args.record {
+    let setup = &Setup::with_drive(global, drive)?;
+    if let Some(path) = record {
         source.protect(path)?;
     }
-    let mut execution = Execution::prepare(setup, &source)?;
+    let mut execution = Execution::prepare(setup, source)?;
     let tick_us = setup.params.tick_us();
-    let log = match &args.record {
+    let log = match record {
         Some(path) => {
             let file = File::create(path)
                 .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
@@ -56,21 +75,23 @@ pub fn run(global: &Global, args: &Run) -> Outcome {
         unwritten: None,
         bar: bar(execution.report.moves, setup.global.json, setup.lang),
     };
-    let ran = execution.run(&args.drive, &mut watcher);
+    let ran = execution.run(drive, &mut watcher);
     watcher.bar.finish_and_clear();
     ran?;
-    if let (Some(log), Some(path)) = (watcher.log, &args.record) {
+    if let (Some(log), Some(path)) = (watcher.log, record) {
         watcher
             .unwritten
             .map_or_else(|| log.finish().map(drop), Err)
             .map_err(|error| Failure::file(Doing::Write, path.display(), &error))?;
     }
-    let verdict = execution.conclude(&watcher.summary, args.tolerance);
+    let verdict = execution.conclude(&watcher.summary, tolerance);
     if !setup.global.json {
         let word = match verdict {
             Ok(()) => pick(setup.lang, "done", "完成"),
             Err(Failure::Interrupted) => pick(setup.lang, "interrupted", "已中断"),
-            Err(Failure::Machine) => pick(setup.lang, "stopped", "已停止"),
+            Err(Failure::Machine | Failure::MachineBecause(_)) => {
+                pick(setup.lang, "stopped", "已停止")
+            }
             Err(_) => pick(setup.lang, "out of tolerance", "超差"),
         };
         let (name, summary) = (source.name(), &watcher.summary);

@@ -9,17 +9,28 @@ use crate::words::{Both, both};
 /// Refuses options that do not go with the command.
 pub fn refuse(cli: &Cli) -> Outcome {
     let global = &cli.global;
-    let option = if global.state.is_some() && !matches!(cli.command, Command::Status) {
-        Some("--state")
-    } else if global.cut_power.is_some() {
-        Some("--cut-power")
-    } else {
-        None
-    };
-    if let Some(option) = option {
+    let runs = matches!(
+        cli.command,
+        Command::Simulate(_) | Command::Plot(_) | Command::Run(_)
+    );
+    if global.cut_power.is_some() && global.state.is_none() {
         return Err(Failure::Usage(both!(
-            "`{option}` is not available yet",
-            "`{option}` 尚未提供"
+            "`--cut-power` without `--state FILE` would forget what the board has stored: name a file for its flash",
+            "`--cut-power` 没有 `--state FILE` 就会丢掉控制板存储的内容：请指定保存闪存的文件"
+        )));
+    }
+    if global.cut_power.is_some() && !runs {
+        let name = name(&cli.command);
+        return Err(Failure::Usage(both!(
+            "`--cut-power` goes with `simulate`, `plot` and `run`, not with `{name}`",
+            "`--cut-power` 只能与 `simulate`、`plot`、`run` 一起用，不能用于 `{name}`"
+        )));
+    }
+    if global.state.is_some() && global.bus != Address::Sim {
+        let bus = &global.bus;
+        return Err(Failure::Usage(both!(
+            "`--state` is the flash of a simulated board; the one behind `--bus {bus}` keeps its own",
+            "`--state` 是模拟控制板的闪存；`--bus {bus}` 后面的控制板自己保存"
         )));
     }
     let bus = &global.bus;
@@ -65,12 +76,7 @@ const fn name(command: &Command) -> &'static str {
 /// Refuses a command that is not available, with the reason.
 pub fn command(cli: &Cli) -> Outcome {
     let name = name(&cli.command);
-    Err(Failure::Usage(match &cli.command {
-        Command::Retract { .. } => {
-            both!("`{name}` is not available yet", "`{name}` 尚未提供")
-        }
-        command => needs_a_board(name, command),
-    }))
+    Err(Failure::Usage(needs_a_board(name, &cli.command)))
 }
 
 /// Why a command cannot be on a machine that lives inside one command.

@@ -5,6 +5,9 @@ use crate::json::Json;
 use crate::number;
 use crate::words::{Both, both};
 
+/// The most a tap moves in the first tick of a stroke, which begins at rest.
+const FIRST_TICK_NM: i64 = 100_000;
+
 /// Figures of all taps of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Taps {
@@ -30,14 +33,13 @@ impl Taps {
         let going_on = std::mem::replace(&mut self.in_hole, tap.is_some());
         let Some(now) = tap else { return };
         let last = self.last.replace(now).unwrap_or_default();
-        // A hole begins at R, or goes on where the last one was left: whichever is nearer. The first tick has left it.
         let distance = |from: &TapPlace| (now.depth_nm - from.depth_nm).abs();
-        let level = TapPlace::default();
-        let from = if !going_on && distance(&level) < distance(&last) {
-            level
-        } else {
-            last
-        };
+        // A hole begins at R or goes on where the last one was left; the first tick has hardly left it. A tapping return
+        // begins wherever the tap stands.
+        let from = [TapPlace::default(), last]
+            .into_iter()
+            .find(|start| !going_on && distance(start) <= FIRST_TICK_NM)
+            .unwrap_or(if going_on { last } else { now });
         let turned = (now.turned_urev - from.turned_urev).abs();
         self.deepest_urev = self.deepest_urev.max(now.turned_urev.abs());
         self.skew_nm = self.skew_nm.max(now.skew_nm.abs());

@@ -88,5 +88,6 @@ fn cases(kind: &str) -> Vec<String> {
 mod check;
 mod expand;
 mod machine;
+mod recovery;
 mod taps;
 mod usage;

@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::Event;
 use leadscrew_core::bus::{BoardCommand, BoardState, Order};
+use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{Certificate, Logged};
 
 use super::{Machine, print, print_json, state_words};
@@ -81,6 +82,7 @@ pub fn run(
     let status = link.status()?;
     ready(&status.state, &link, global)?;
     setup.position = Some(status.position);
+    setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
     let report = tell_report(&setup, source)?;
     if !report.alarms.is_empty() {
         if global.json {

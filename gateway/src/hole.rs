@@ -1,0 +1,67 @@
+//! The hole a tap may be in, followed through a program without a machine: what G30 P99 returns from, and what may not
+//! move before it. `check`, `expand` and `plot` ask here; the board asks its own journal.
+
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::Guard;
+use leadscrew_core::cycle::{Move, MoveKind, Moves};
+use leadscrew_core::journal::{TapHole, TapRecord};
+use leadscrew_core::program::{Call, TapMode};
+use leadscrew_core::units::Turns;
+
+/// The newest entry of the tap journal, as the program makes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Hole {
+    record: Option<TapRecord>,
+    guard: Guard,
+}
+
+impl Hole {
+    /// With what the machine remembers at its start.
+    #[must_use]
+    pub fn new(record: Option<TapRecord>) -> Self {
+        Self {
+            guard: Guard::of(record.as_ref()),
+            record,
+        }
+    }
+
+    /// The entry.
+    #[must_use]
+    pub const fn record(&self) -> Option<&TapRecord> {
+        self.record.as_ref()
+    }
+
+    /// Lets a call in that does not move a tap in its hole.
+    ///
+    /// # Errors
+    /// As the board's guard.
+    pub fn admit(&mut self, call: &Call, moves: &Moves) -> Result<(), Alarm> {
+        self.guard.admit(call, moves)
+    }
+
+    /// Takes in a move.
+    pub fn push(&mut self, step: &Move) {
+        let MoveKind::Tap(tap) = step.kind else {
+            return;
+        };
+        if tap.mode != TapMode::Rigid {
+            return;
+        }
+        self.record = Some(TapRecord {
+            sequence: self.record.map_or(1, |last| last.sequence.wrapping_add(1)),
+            in_hole: !tap.closes,
+            hole: TapHole {
+                axis: tap.axis,
+                level: tap.level,
+                bottom: tap.bottom,
+                lead: tap.lead,
+                hand: tap.hand,
+                spindle: tap.spindle,
+                speed: tap.infeed,
+                notes: tap.notes,
+            },
+            position: tap.axis.of(step.to),
+            angle: Turns::default(),
+        });
+    }
+}
