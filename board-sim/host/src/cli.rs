@@ -119,6 +119,9 @@ pub struct Board {
     /// Seed of every noise source
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// File that keeps the simulated flash between runs
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
     /// Runs this program by itself once the drives are up, then ends
     #[arg(long, value_name = "PROG")]
     pub program: Option<PathBuf>,

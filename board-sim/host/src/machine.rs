@@ -7,9 +7,10 @@ use std::time::Duration;
 use leadscrew::diagnostics::Diagnostic;
 use leadscrew::failure::{Failure, Outcome};
 use leadscrew::source::SourceFile;
+use leadscrew::state::StateFile;
 use leadscrew::words::Both;
-use leadscrew_board_sim::keep;
 use leadscrew_board_sim::plant::{Flash, Plant};
+use leadscrew_board_sim::{keep, stored_tap};
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::{Board, Event, Output, State};
 use leadscrew_core::bus::{Frame, NodeId, Periods, Service};
@@ -23,8 +24,10 @@ use crate::wire::Wire;
 /// A board and what is around it.
 pub struct Machine {
     board: Board,
-    /// What it keeps, as long as this runs.
+    /// What it keeps.
     flash: Flash,
+    /// Where that is kept between runs.
+    state: Option<StateFile>,
     plant: Plant,
     wire: Wire,
     script: Script,
@@ -61,7 +64,14 @@ impl Machine {
             ))
         })?;
         let no_board = |alarm: Alarm| unusable(words(&alarm, None));
-        let mut board = Board::new(&params, Some(options.at), None).map_err(no_board)?;
+        let state = args.state.as_deref().map(StateFile::new);
+        let mut flash = match &state {
+            Some(state) => state.load_or_new()?,
+            None => Flash::erased(),
+        };
+        flash.power(true);
+        let tap = stored_tap(&mut flash).map_err(no_board)?;
+        let mut board = Board::new(&params, Some(options.at), tap).map_err(no_board)?;
         let node = NodeId::new(args.node).unwrap_or(NodeId::BOARD);
         board.join(node).map_err(no_board)?;
         let mut signals = Signals::default();
@@ -98,7 +108,8 @@ impl Machine {
         ));
         Ok(Self {
             board,
-            flash: Flash::erased(),
+            flash,
+            state,
             plant,
             wire,
             script: Script {
@@ -212,7 +223,7 @@ impl Machine {
         }
         let sample = self.plant.advance();
         self.board.tick(sample, &self.waiting, &mut self.output);
-        keep(&mut self.board, &mut self.flash);
+        self.keep()?;
         self.ticks += 1;
         self.waiting.clear();
         self.out.clear();
@@ -226,6 +237,16 @@ impl Machine {
             self.tell(&event);
         }
         self.serve(1)
+    }
+
+    /// Carries out the writes that the board asks for; what has changed is in the file before anything else happens.
+    fn keep(&mut self) -> Outcome {
+        let before = self.flash.written();
+        keep(&mut self.board, &mut self.flash);
+        match &self.state {
+            Some(state) if self.flash.written() != before => state.save(&self.flash),
+            _ => Ok(()),
+        }
     }
 
     fn tell(&mut self, event: &Event) {

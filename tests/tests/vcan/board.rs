@@ -269,3 +269,29 @@ fn a_board_without_a_bus_says_so() {
         assert!(words.contains(said), "{words}");
     }
 }
+
+#[test]
+fn a_board_that_ends_with_a_tap_in_its_hole_leaves_the_entry_in_its_file() {
+    let state = scratch("board.state");
+    let state = state.to_str().unwrap();
+    let path = example("g84-tap.nc");
+    let board = board_sim(&[
+        "--bus",
+        "vcan0",
+        "--lockstep",
+        "--program",
+        path.to_str().unwrap(),
+        "--state",
+        state,
+        "--trouble",
+        "Z=silent@2500",
+    ]);
+    let (code, words) = end(board);
+    assert_eq!(code, Some(4), "{words}");
+    let status = tool(
+        ours("leadscrew").to_str().unwrap(),
+        &["status", "--state", state],
+    );
+    let status = String::from_utf8_lossy(&status.stdout).into_owned();
+    assert!(status.starts_with("a tap is in a hole"), "{words}\n{status}");
+}
