@@ -293,5 +293,8 @@ fn a_board_that_ends_with_a_tap_in_its_hole_leaves_the_entry_in_its_file() {
         &["status", "--state", state],
     );
     let status = String::from_utf8_lossy(&status.stdout).into_owned();
-    assert!(status.starts_with("a tap is in a hole"), "{words}\n{status}");
+    assert!(
+        status.starts_with("a tap is in a hole"),
+        "{words}\n{status}"
+    );
 }
