@@ -237,10 +237,14 @@ impl Background {
             tap: settings.tap,
         };
         let moves = expand(call, &context)?;
-        if let CallKind::TapReturn(_) = call.kind
-            && let Some(MoveKind::Tap(out)) = moves.clone().next().map(|next| next.kind)
-        {
-            feasible::tap_return(&out, call.span, settings.params)?;
+        if let CallKind::TapReturn(_) = call.kind {
+            match moves.clone().next().map(|next| next.kind) {
+                Some(MoveKind::Tap(out)) => {
+                    feasible::tap_return(&out, call.span, settings.params)?;
+                }
+                // It was stopped where it is out.
+                _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
+            }
         }
         let warning = moves.warning().or(warning);
         self.guard.admit(call, &moves)?;

@@ -599,6 +599,12 @@ impl Ticker {
                 }
                 Event::Rigid
             }
+            Action::TapOut => {
+                self.tap_is_out();
+                take(ends.segments);
+                emit(ends.events, Event::Started { number, line });
+                return Some((number, line, Motion::Run));
+            }
             Action::Aux(aux) => Event::Aux(aux),
             Action::Alarm(alarm) => {
                 take(ends.segments);

@@ -57,6 +57,8 @@ pub enum Action {
     Tap(Tap),
     /// Driven by the measured spindle angle, and turning the spindle: a whole hole of ordinary tapping.
     Float(FloatPlan),
+    /// The tap is out of its hole already: its journal is cleared.
+    TapOut,
     /// Stand still for so many ticks.
     Dwell(u32),
     /// Command a spindle speed.

@@ -77,12 +77,12 @@ pub fn ready(sim: &mut Sim, told: &mut Told) {
     assert_eq!(sim.board().ticker().state(), State::Idle);
 }
 
-fn position(sim: &Sim) -> Position {
+pub fn position(sim: &Sim) -> Position {
     sim.board().ticker().executor().position()
 }
 
 /// A program with one hole, stopped at `tick`, and what the journal then says of the hole, if the tap is in it.
-fn stopped(
+pub fn stopped(
     text: &str,
     params: &Params,
     stop: impl Fn(&mut Sim),
@@ -118,7 +118,7 @@ fn off_line(row: &Row, hole: &TapHole, from: (Length, Turns)) -> i64 {
 }
 
 /// G30 P99 from where the tap stands: it ends at R and 5382 beyond, on the line all the way, and never goes deeper.
-fn returns(sim: &mut Sim, params: &Params, hole: &TapHole) {
+pub fn returns(sim: &mut Sim, params: &Params, hole: &TapHole) {
     let start = position(sim);
     let begins = hole.depth(hole.axis.of(start));
     let mut told = Told::default();
@@ -187,6 +187,7 @@ fn sweep(text: &str, params: &Params, stride: usize, stop: impl Fn(&mut Sim)) ->
         let deepest = told
             .rows
             .iter()
+            .filter(|row| row.error.is_some())
             .map(|row| hole.depth(hole.axis.of(row.position)))
             .max();
         assert!(deepest <= Some(hole.depth(hole.bottom)), "stop at {tick}");
@@ -196,7 +197,8 @@ fn sweep(text: &str, params: &Params, stride: usize, stop: impl Fn(&mut Sim)) ->
 }
 
 /// 4 mm at lead 2 in pecks of 1.5 mm.
-const HIGH_SPEED: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 Q1.5 D0.4 P20 F2000\nG80\nM30\n";
+pub const HIGH_SPEED: &str =
+    "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 Q1.5 D0.4 P20 F2000\nG80\nM30\n";
 
 fn stride() -> usize {
     if cfg!(debug_assertions) { 23 } else { 1 }
@@ -266,4 +268,142 @@ fn a_loss_of_power_at_any_tick_then_the_return() {
     }
     assert_eq!(in_hole, through);
     assert!(in_hole as usize * stride() > 1_000, "{in_hole}");
+}
+
+/// Every form, hand and axis, with a wider stride; the emergency stop takes torque from the drives with its reset.
+#[test]
+fn forms_hands_and_axes_come_out_the_same_way() {
+    let deep = set(&[("5200.5", 1), ("5382", 1_500_000)]);
+    let plain = set(&[("5382", 1_500_000)]);
+    let wide = if cfg!(debug_assertions) { 97 } else { 5 };
+    for (text, params) in [
+        // Deep pecks, left hand, both ways along Z, along X, a lead that does not end.
+        (HIGH_SPEED, &deep),
+        (
+            "G98 G0 X50 Z5\nM29 S-1000\nG84 Z-4 R-5 Q1.5 D0.4 F2000\nG80\nM30\n",
+            &plain,
+        ),
+        (
+            "G98 G0 X50 Z-5\nM29 S1000\nG84 Z4 R5 F2000\nG80\nM30\n",
+            &plain,
+        ),
+        (
+            "G98 G0 X60 Z-10\nM29 S1000\nG88 X42 R-5 Q1.5 D0.4 F2000\nG80\nM30\n",
+            &plain,
+        ),
+        (
+            "G98 G0 X60 Z-10\nM29 S-700\nG88 X42 R-5 F1000\nG80\nM30\n",
+            &deep,
+        ),
+    ] {
+        for command in [Command::Reset, Command::Stop] {
+            let in_hole = sweep(text, params, wide, |sim| sim.command(command));
+            assert!(in_hole > 3, "{in_hole} of {text}");
+        }
+    }
+}
+
+/// A return that is stopped itself is begun again from where it stands.
+#[test]
+fn a_return_that_is_stopped_goes_on_with_the_next_one() {
+    let params = set(&[("5382", 2_000_000)]);
+    let wide = if cfg!(debug_assertions) { 31 } else { 3 };
+    let mut again = 0;
+    for command in [Command::Reset, Command::Stop] {
+        for tick in (0..600).step_by(wide) {
+            let (mut sim, mut told, hole) = stopped(
+                HIGH_SPEED,
+                &params,
+                |sim| sim.command(Command::Reset),
+                1_100,
+            );
+            let hole = hole.expect("in the hole");
+            ready(&mut sim, &mut told);
+            let back = calls("G30 P99\nM30\n", &params);
+            go(&mut sim, &back, &mut told, |sim, ticks| {
+                if ticks == tick {
+                    sim.command(command);
+                }
+            });
+            ready(&mut sim, &mut told);
+            if sim
+                .board()
+                .tap_record()
+                .is_some_and(|record| record.in_hole)
+            {
+                again += 1;
+                returns(&mut sim, &params, &hole);
+            }
+        }
+    }
+    assert!(again as usize * wide > 300, "{again}");
+}
+
+/// K198 leaves the tap at the bottom: G30 P99 in the same program brings it out, and the program goes on; so it does after
+/// a reset.
+#[test]
+fn out_of_a_hole_left_by_k198() {
+    const LOCKED: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 F2000 K198\n";
+    let params = set(&[("5382", 3_000_000)]);
+    let mut sim = machine(&params, &PlantOptions::default());
+    let mut told = Told::default();
+    let text = format!("{LOCKED}G30 P99 S400\nG0 X60 Z20\nM3 S100\nM30\n");
+    go(&mut sim, &calls(&text, &params), &mut told, |_, _| {});
+    assert_eq!(told.alarm(), None);
+    let end = Position {
+        x: Length::from_nm(30_000_000),
+        z: Length::from_nm(20_000_000),
+        ..Position::ZERO
+    };
+    assert_eq!(position(&sim), end);
+    let mut depths = told.rows.iter().filter(|row| row.error.is_some());
+    let deepest = depths.clone().map(|row| row.position.z).min();
+    assert_eq!(deepest, Some(Length::from_nm(-4_000_000)));
+    let last = depths.next_back().expect("a tap");
+    assert_eq!(last.position.z, Length::from_nm(3_000_000), "R and 3 mm");
+
+    let text = format!("{LOCKED}G4 P500\nG84 Z-6 F2000\nG80\nM30\n");
+    let (mut sim, _, hole) = stopped(&text, &params, |sim| sim.command(Command::Reset), 1_300);
+    let hole = hole.expect("in the hole");
+    assert_eq!(position(&sim).z, hole.bottom);
+    returns(&mut sim, &params, &hole);
+}
+
+/// S, the extraction override and 5241 decide how fast it comes out.
+#[test]
+fn speed_of_the_way_out() {
+    let fastest = |settings: &[(&str, i64)], s: &str| {
+        let params = set(settings);
+        let text = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-20 R-5 F1000\nG80\nM30\n";
+        let (mut sim, _, hole) = stopped(text, &params, |sim| sim.command(Command::Reset), 1_900);
+        assert!(hole.is_some());
+        let mut told = Told::default();
+        go(
+            &mut sim,
+            &calls(&format!("G30 P99{s}\nM30\n"), &params),
+            &mut told,
+            |_, _| {},
+        );
+        assert_eq!(told.alarm(), None);
+        let steps = told.rows.windows(2).map(|pair| {
+            let turned = |row: &Row| row.spindle_set.unwrap_or_default().raw();
+            let both = pair.iter().all(|row| row.error.is_some());
+            if both {
+                (turned(&pair[1]) - turned(&pair[0])).abs()
+            } else {
+                0
+            }
+        });
+        // In turns a minute.
+        (steps.max().expect("rows") * 60_000 + (1 << 31)) >> 32
+    };
+    assert_eq!(fastest(&[], ""), 1000);
+    assert_eq!(fastest(&[], " S500"), 500);
+    let by_half = [("5200.4", 1), ("5211", 150)];
+    assert_eq!(fastest(&by_half, ""), 1500);
+    assert_eq!(fastest(&by_half, " S400"), 600);
+    assert_eq!(
+        fastest(&[("5200.4", 1), ("5211", 150), ("5241", 1200)], ""),
+        1200
+    );
 }

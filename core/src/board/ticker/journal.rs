@@ -266,11 +266,8 @@ impl Ticker {
         }
         if let Some(part) = self.journal.part.take()
             && part.closes
-            && let Some(record) = self.journal.record
         {
-            let stand = self.stand();
-            self.journal.write(record.hole, false, &stand);
-            self.journal.begun = false;
+            self.tap_is_out();
             self.journal.returned = part.returns;
         }
         if self.rigid != Rigid::On || self.operator.hold || self.paused {
@@ -290,6 +287,15 @@ impl Ticker {
             let hole = tap.hole;
             let stand = self.stand();
             self.journal.name(hole, &stand);
+        }
+    }
+
+    /// The entry is cleared.
+    pub(super) fn tap_is_out(&mut self) {
+        if let Some(record) = self.journal.record {
+            let stand = self.stand();
+            self.journal.write(record.hole, false, &stand);
+            self.journal.begun = false;
         }
     }
 
