@@ -26,6 +26,8 @@ pub(super) struct Drives {
     /// What a drive counts more than its axis' position says, in increments: an axis whose reference was lost, and whose
     /// place is known from elsewhere.
     offsets: [i32; 3],
+    /// Where each axis was told to be last, in nm (µ°), and the increments of that: most axes stand most of the time.
+    last: [(i64, Option<Increments>); 3],
     spindles: Spindles,
     sync: SyncProducer,
 }
@@ -72,6 +74,7 @@ impl Drives {
             ],
             scales,
             offsets: [0; 3],
+            last: scales.map(|scale| (0, scale.increments(0))),
             spindles: Spindles::new(
                 config(b'S', NodeId::SPINDLE_1, scale_c, None),
                 params.tap_spindles(),
@@ -126,6 +129,12 @@ impl Drives {
     /// Where the machine is: `remembered` to the nanometre if the drives agree with it to their increment, else what
     /// they say.
     pub(super) fn position(&self, remembered: Option<Position>) -> Position {
+        let targets = self.axes.each_ref().map(|axis| Some(axis.target()));
+        if let Some(remembered) = remembered
+            && self.demands(remembered) == targets
+        {
+            return remembered;
+        }
         let [x, z, c] = &self.axes;
         let [scale_x, scale_z, scale_c] = &self.scales;
         let [off_x, off_z, off_c] = self.offsets;
@@ -138,6 +147,7 @@ impl Drives {
             c: Angle::from_udeg(scale_c.position(own(c, off_c))),
         };
         match remembered {
+            // Where increments are finer than nanometres.
             Some(remembered) if self.demands(remembered) == self.demands(read) => remembered,
             _ => read,
         }
@@ -151,9 +161,6 @@ impl Drives {
     fn demands(&self, position: Position) -> [Option<Increments>; 3] {
         let [x, z, c] = &self.scales;
         let [off_x, off_z, off_c] = self.offsets;
-        let told = |own: Option<Increments>, offset: i32| {
-            own?.get().checked_add(offset).map(Increments::new)
-        };
         [
             told(x.increments(position.x.nm()), off_x),
             told(z.increments(position.z.nm()), off_z),
@@ -198,8 +205,14 @@ impl Drives {
         let mut put = |frame: Option<Frame>| frame.is_some_and(|frame| frames.push(frame).is_ok());
         put(Some(self.sync.next()));
         let mut beyond = None;
-        let demands = self.demands(position);
-        for ((drive, demand), axis) in self.axes.iter_mut().zip(demands).zip(Axis::ALL) {
+        let positions = [position.x.nm(), position.z.nm(), position.c.udeg()];
+        let scales = self.scales.iter().zip(self.offsets).zip(&mut self.last);
+        let axes = self.axes.iter_mut().zip(positions).zip(Axis::ALL);
+        for (((drive, position), axis), ((scale, offset), last)) in axes.zip(scales) {
+            if last.0 != position {
+                *last = (position, scale.increments(position));
+            }
+            let demand = told(last.1, offset);
             if demand.is_none() {
                 beyond = Some(axis);
             }
@@ -215,4 +228,9 @@ impl Drives {
         }
         beyond
     }
+}
+
+/// What a drive is told for increments of its own axis.
+fn told(own: Option<Increments>, offset: i32) -> Option<Increments> {
+    own?.get().checked_add(offset).map(Increments::new)
 }

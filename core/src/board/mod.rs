@@ -68,6 +68,8 @@ pub struct Board {
     /// What the next measured angle is judged by.
     reference: Option<node::Reference>,
     journal: Entries,
+    /// What the tick has said and the background has not heard.
+    notice: Option<Notice>,
 }
 
 /// The tap journal on its way from the tick to the storage.
@@ -122,6 +124,7 @@ impl Board {
                 wanted: false,
                 under_way: None,
             },
+            notice: None,
         })
     }
 
@@ -129,11 +132,13 @@ impl Board {
     /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
+        self.heed();
         offer(&mut self.ticker, &mut self.calls, call)
     }
 
     /// One piece of background work. False where there is none that can be done now.
     pub fn background(&mut self) -> bool {
+        self.heed();
         let settings = Settings {
             params: &self.params,
             limits: &self.limits,
@@ -156,7 +161,7 @@ impl Board {
     /// One SYNC period; see [`Ticker::tick`].
     pub fn tick(&mut self, sample: EncoderSample, received: &[Frame], output: &mut Output) {
         let (_, mut segments) = self.segments.split();
-        let (mut planned, mut detours) = self.detours.split();
+        let (_, mut detours) = self.detours.split();
         let (mut events, _) = self.events.split();
         let mut ends = Ends {
             segments: &mut segments,
@@ -168,12 +173,22 @@ impl Board {
             self.journal.newest = output.journal;
             self.journal.wanted = true;
         }
-        if let Some(notice) = &output.notice {
-            let (_, mut calls) = self.calls.split();
-            let tap = self.journal.newest.as_ref();
-            self.background
-                .heed(notice, &mut calls, &mut planned, &self.limits, tap);
+        if output.notice.is_some() {
+            // A restart makes what was said before it void; nothing else is said while a way is still to be planned.
+            self.notice = output.notice;
         }
+    }
+
+    /// What the tick has said comes before everything else the background does.
+    fn heed(&mut self) {
+        let Some(notice) = self.notice.take() else {
+            return;
+        };
+        let (_, mut calls) = self.calls.split();
+        let (mut planned, _) = self.detours.split();
+        let tap = self.journal.newest.as_ref();
+        self.background
+            .heed(&notice, &mut calls, &mut planned, &self.limits, tap);
     }
 
     /// Takes an operator's command; it acts in the next tick.
@@ -234,8 +249,8 @@ impl Board {
     /// True while anything handed over has not been carried out.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.background.is_busy()
-            || !self.calls.is_empty()
+        let forgotten = matches!(self.notice, Some(Notice::Restart(..)));
+        (!forgotten && (self.background.is_busy() || !self.calls.is_empty()))
             || !self.segments.is_empty()
             || self.journal.wanted
             || self.journal.under_way.is_some()

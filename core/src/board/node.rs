@@ -72,6 +72,8 @@ impl Board {
     /// Lets the station go on: `elapsed` periods after the last call, behind the tick that gave `setpoint`. True where a
     /// call went to the planner.
     pub fn serve(&mut self, elapsed: Periods, setpoint: &Setpoint) -> bool {
+        // Before any call goes to the planner.
+        self.heed();
         let snapshot = Snapshot::new(&self.ticker, setpoint);
         self.judge(elapsed, &snapshot);
         let (ticker, calls) = (&mut self.ticker, &mut self.calls);
@@ -149,6 +151,7 @@ impl Board {
         self.segments = Segments::new();
         self.detours = Segments::new();
         self.background = Background::new(remembered.unwrap_or_default());
+        self.notice = None;
         self.reference = None;
     }
 

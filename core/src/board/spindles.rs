@@ -11,7 +11,7 @@ use crate::bus::{
     SpindleMaster, SpindleOutput,
 };
 use crate::program::TapSpindle;
-use crate::units::Turns;
+use crate::units::{Divisor, Turns};
 
 /// Periods from one turn of a spindle that is not selected to its next.
 const ROUND: u32 = 4;
@@ -26,7 +26,7 @@ pub(super) struct Spindles {
     /// Whose turn it is next.
     turn: TapSpindle,
     /// Increments of a drive to a turn.
-    per_turn: u32,
+    per_turn: Divisor,
     /// Of the spindles from 2 on: the last angle each was told, in increments that do not wrap.
     counts: [i64; 3],
 }
@@ -45,7 +45,7 @@ impl Spindles {
             present,
             selected: TapSpindle::First,
             turn: TapSpindle::First,
-            per_turn,
+            per_turn: Divisor::new(per_turn),
             counts: [0; 3],
         }
     }
@@ -107,11 +107,23 @@ impl Spindles {
         if let Some(last) = self.count(spindle) {
             *last = count;
         }
-        let per_turn = i128::from(self.per_turn);
-        let raw = (i128::from(count) << 32)
-            .wrapping_add(per_turn >> 1)
-            .checked_div_euclid(per_turn)?;
-        i64::try_from(raw).ok().map(Turns::from_raw)
+        Some(self.angle(count))
+    }
+
+    /// The angle of a count, to the nearest. By the reciprocal: the tick asks.
+    fn angle(&self, count: i64) -> Turns {
+        // Whole turns downwards, then the rest of a turn.
+        let per_turn = self.per_turn.get();
+        let (turns, rest) = if count < 0 {
+            let (turns, rest) = self.per_turn.divide(!count as u64);
+            (!(turns as i64), per_turn.wrapping_sub(1).wrapping_sub(rest))
+        } else {
+            let (turns, rest) = self.per_turn.divide(count as u64);
+            (turns as i64, rest)
+        };
+        let rest = (u64::from(rest) << 32).wrapping_add(u64::from(per_turn >> 1));
+        let (part, _) = self.per_turn.divide(rest);
+        Turns::from_raw(turns.wrapping_shl(32).wrapping_add(part as i64))
     }
 
     /// The frames of a period: what the selected spindle is told, and the one whose turn it is.
@@ -151,7 +163,7 @@ impl Spindles {
 
     /// The increment nearest to a spindle angle, not wrapped.
     fn increments(&self, angle: Turns) -> i64 {
-        let product = i128::from(angle.raw()).wrapping_mul(i128::from(self.per_turn));
+        let product = i128::from(angle.raw()).wrapping_mul(i128::from(self.per_turn.get()));
         (product.wrapping_add(1 << 31) >> 32) as i64
     }
 

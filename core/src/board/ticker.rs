@@ -65,6 +65,24 @@ pub enum Outcome {
     Alarm(Alarm),
 }
 
+/// A [`State`] without its alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Starting,
+    Idle,
+    Running,
+    Held,
+    Stopping(Then),
+    Alarm,
+}
+
+/// An [`Outcome`] without its alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Then {
+    Reset,
+    Alarm,
+}
+
 /// What the tick has to say to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
@@ -145,7 +163,9 @@ enum Rigid {
 /// The tick side of a board.
 #[derive(Debug)]
 pub struct Ticker {
-    state: State,
+    mode: Mode,
+    /// The alarm of a mode that has one: large, and not to be copied with every change of mode.
+    alarm: Alarm,
     operator: Operator,
     executor: Executor,
     observer: Observer,
@@ -215,7 +235,9 @@ impl Ticker {
             / 1000;
         let ahead = |axis| Ticks::one_and(params.latency_us(axis), tick_us);
         Some(Self {
-            state: State::Starting,
+            mode: Mode::Starting,
+            // Read in a mode that has one only.
+            alarm: Alarm::new(Code::EmergencyStop, Span::default()),
             operator: Operator::new(),
             executor: Executor::new(Arrival {
                 tolerance_percent: params.spindle_tolerance_percent(),
@@ -258,7 +280,15 @@ impl Ticker {
     /// Where the machine is.
     #[must_use]
     pub const fn state(&self) -> State {
-        self.state
+        match self.mode {
+            Mode::Starting => State::Starting,
+            Mode::Idle => State::Idle,
+            Mode::Running => State::Running,
+            Mode::Held => State::Held,
+            Mode::Stopping(Then::Reset) => State::Stopping(Outcome::Reset),
+            Mode::Stopping(Then::Alarm) => State::Stopping(Outcome::Alarm(self.alarm)),
+            Mode::Alarm => State::Alarm(self.alarm),
+        }
     }
 
     /// The operator's settings.
@@ -314,7 +344,7 @@ impl Ticker {
     /// True where the machine is ready for calls: up, and neither stopping nor on an alarm.
     #[must_use]
     pub const fn takes_calls(&self) -> bool {
-        matches!(self.state, State::Idle | State::Running | State::Held)
+        matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held)
     }
 
     /// A program is under way: its end has not been reached.
@@ -356,15 +386,16 @@ impl Ticker {
         let instant = self.take_up(ends);
 
         let moved = !self.executor.is_free();
-        let mut setpoint = self.execute(ends);
+        let setpoint = &mut output.setpoint;
+        self.execute(setpoint, ends);
         if let Some((number, line, motion)) = instant {
             (setpoint.number, setpoint.line) = (number, line);
             setpoint.motion = motion;
         }
         self.release(ends);
-        self.settle(&setpoint, moved, ends);
+        let motion = setpoint.motion;
+        self.settle(motion, moved, ends);
         self.keep_journal(ends, output);
-        output.setpoint = setpoint;
         output.notice = None;
         if self.notice.is_some() {
             output.notice = self.notice.take();
@@ -391,22 +422,18 @@ impl Ticker {
         }
     }
 
-    fn execute(&mut self, ends: &mut Ends<'_, '_>) -> Setpoint {
-        let alarm = match self.advance(ends) {
-            Ok(setpoint) => return setpoint,
-            Err(alarm) => alarm,
+    fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_, '_>) {
+        let Err(alarm) = self.advance(setpoint, ends) else {
+            return;
         };
-        self.raise(alarm, ends);
-        // The axes brake from this tick on: one in which they stood would be a blow.
-        self.advance(ends).unwrap_or_else(|_| Setpoint {
-            position: self.executor.position(),
-            ..Setpoint::default()
-        })
+        self.raise(&alarm, ends);
+        // The axes brake from this tick on: one in which they stood would be a blow. What could fail is over.
+        let _ = self.advance(setpoint, ends);
     }
 
     /// One tick of the executor.
     #[inline(never)]
-    fn advance(&mut self, ends: &Ends<'_, '_>) -> Result<Setpoint, Alarm> {
+    fn advance(&mut self, setpoint: &mut Setpoint, ends: &Ends<'_, '_>) -> Result<(), Alarm> {
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.ahead_x,
@@ -416,7 +443,8 @@ impl Ticker {
             hold: self.operator.hold,
             more: self.source == Source::Program && has_second(ends.segments),
         };
-        self.executor.tick(&conditions, ends.current(self.source))
+        let current = ends.current(self.source);
+        self.executor.tick(&conditions, current, setpoint)
     }
 
     fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {
@@ -430,23 +458,23 @@ impl Ticker {
         let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
         let alarm = Alarm::new(Code::IndexSlipped, Span::default()).with(args);
         let in_cycle = self.executor.stops().frozen.is_some()
-            && matches!(self.state, State::Running | State::Held);
+            && matches!(self.mode, Mode::Running | Mode::Held);
         if in_cycle || self.executor.thread().is_some() || self.executor.is_floating() {
-            self.raise(alarm, ends);
+            self.raise(&alarm, ends);
         } else {
             emit(ends.events, Event::Warning(alarm));
         }
     }
 
     fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
-        match self.state {
-            State::Alarm(_) | State::Stopping(Outcome::Alarm(_)) => return,
-            State::Starting if self.drives.enable() => {
+        match self.mode {
+            Mode::Alarm | Mode::Stopping(Then::Alarm) => return,
+            Mode::Starting if self.drives.enable() => {
                 let position = self.drives.position(self.remembered.take());
                 let (position, warning) = self.place_tap(position);
                 self.executor.set_position(position);
                 self.restart(position);
-                self.state = State::Idle;
+                self.mode = Mode::Idle;
                 emit(ends.events, Event::Ready);
                 if let Some(warning) = warning {
                     emit(ends.events, Event::Warning(warning));
@@ -455,7 +483,7 @@ impl Ticker {
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {
-            self.raise(alarm, ends);
+            self.raise(&alarm, ends);
         }
     }
 
@@ -463,7 +491,7 @@ impl Ticker {
         match self.operator.wish() {
             None => {}
             Some(Wish::Stop(code)) => {
-                self.raise(Alarm::new(code, Span::default()), ends);
+                self.raise(&Alarm::new(code, Span::default()), ends);
             }
             Some(Wish::Resume) => {
                 self.operator.hold = false;
@@ -476,17 +504,17 @@ impl Ticker {
                     self.route([Some(start), None]);
                 }
             }
-            Some(Wish::Reset) => match self.state {
-                State::Alarm(_) => {
+            Some(Wish::Reset) => match self.mode {
+                Mode::Alarm => {
                     self.drives.reset();
                     self.operator.hold = false;
                     self.paused = false;
                     // To the nanometre, where the drives have not been moved meanwhile.
                     self.remembered = self.remembered.or(Some(self.executor.position()));
-                    self.state = State::Starting;
+                    self.mode = Mode::Starting;
                 }
-                State::Idle | State::Running | State::Held => self.reset_in_motion(ends),
-                State::Starting | State::Stopping(_) => {}
+                Mode::Idle | Mode::Running | Mode::Held => self.reset_in_motion(ends),
+                Mode::Starting | Mode::Stopping(_) => {}
             },
         }
         if self.operator.hold && self.hold_retracts {
@@ -507,7 +535,7 @@ impl Ticker {
             self.go_on_with_detour(ends);
             return None;
         }
-        if self.paused || !matches!(self.state, State::Idle | State::Running | State::Held) {
+        if self.paused || !matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held) {
             return None;
         }
         let epoch = self.epoch;
@@ -521,7 +549,7 @@ impl Ticker {
         if self.operator.hold && !next.stops.hold_not_before {
             return None;
         }
-        self.state = State::Running;
+        self.mode = Mode::Running;
         self.in_program = true;
         if self.waits_for_rgtap && self.rigid == Rigid::On {
             let wait = self.wait_for_release(ends);
@@ -550,7 +578,7 @@ impl Ticker {
                 // No program asks for this: its rigid mode comes first.
                 let alarm = Alarm::new(Code::TapModePlace, segment.span);
                 take(ends.segments);
-                self.raise(alarm, ends);
+                self.raise(&alarm, ends);
                 return None;
             }
             Action::Tap(ref tap) if tap.hole.spindle != self.taps_with => {
@@ -608,13 +636,13 @@ impl Ticker {
             Action::Aux(aux) => Event::Aux(aux),
             Action::Alarm(alarm) => {
                 take(ends.segments);
-                self.raise(alarm, ends);
+                self.raise(&alarm, ends);
                 return None;
             }
             Action::End => {
                 self.in_program = false;
                 self.commanded = Rpm::STOPPED;
-                self.state = State::Idle;
+                self.mode = Mode::Idle;
                 emit(events, Event::Finished);
                 take(ends.segments);
                 return None;
@@ -636,9 +664,9 @@ impl Ticker {
     }
 
     /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
-    fn settle(&mut self, setpoint: &Setpoint, moved: bool, ends: &mut Ends<'_, '_>) {
-        match self.state {
-            State::Stopping(outcome) => {
+    fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_, '_>) {
+        match self.mode {
+            Mode::Stopping(then) => {
                 if !self.executor.is_free() || self.detour != Detour::None {
                     return;
                 }
@@ -649,9 +677,9 @@ impl Ticker {
                     self.route([Some(target), None]);
                     return;
                 }
-                self.finish_stop(outcome, ends.events);
+                self.finish_stop(then, ends.events);
             }
-            State::Running | State::Held => {
+            Mode::Running | Mode::Held => {
                 let free = self.executor.is_free();
                 if moved && free {
                     self.pause_behind(self.executor.stops());
@@ -664,22 +692,22 @@ impl Ticker {
                         Detour::AtHome => true,
                         _ => false,
                     };
-                let resting = setpoint.motion == Motion::Hold || between;
-                if resting && self.state == State::Running {
-                    self.state = State::Held;
+                let resting = motion == Motion::Hold || between;
+                if resting && self.mode == Mode::Running {
+                    self.mode = Mode::Held;
                     emit(ends.events, Event::Held);
                 } else if !resting {
-                    self.state = State::Running;
+                    self.mode = Mode::Running;
                 }
             }
             // A program that is held before its first block.
-            State::Idle => {
+            Mode::Idle => {
                 if self.operator.hold && self.is_next(ends) && !self.must_go_on(ends) {
-                    self.state = State::Held;
+                    self.mode = Mode::Held;
                     emit(ends.events, Event::Held);
                 }
             }
-            State::Starting | State::Alarm(_) => {}
+            Mode::Starting | Mode::Alarm => {}
         }
     }
 
@@ -700,9 +728,9 @@ impl Ticker {
 
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {
         // Frozen in a thread cycle, also while a reset leaves it.
-        self.spindle_percent = match self.state {
-            State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
-            State::Starting | State::Idle | State::Alarm(_) => None,
+        self.spindle_percent = match self.mode {
+            Mode::Running | Mode::Held | Mode::Stopping(_) => self.executor.stops().frozen,
+            Mode::Starting | Mode::Idle | Mode::Alarm => None,
         }
         .unwrap_or(self.operator.spindle_percent());
         let velocity = self.velocity();
@@ -715,7 +743,7 @@ impl Ticker {
         if let Some(axis) = beyond {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             let alarm = Alarm::new(Code::BeyondDriveRange, Span::default()).with(args);
-            self.raise(alarm, ends);
+            self.raise(&alarm, ends);
         }
     }
 }

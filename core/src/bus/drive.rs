@@ -20,7 +20,7 @@
 use super::cia402::{Controlword, State, Statusword};
 use super::emcy::Emcy;
 use super::failure::DriveFailure;
-use super::frame::{Frame, NodeId, Service};
+use super::frame::{CobId, Frame, NodeId, Service};
 use super::increments::{Increments, Scale};
 use super::nmt::{NmtCommand, NmtState};
 use super::pdo::{DriveCommand, DriveStatus};
@@ -97,6 +97,8 @@ pub struct DriveOutput {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveMaster {
     config: DriveConfig,
+    /// The identifier of its statuses.
+    status_id: CobId,
     phase: Phase,
     failure: Option<DriveFailure>,
     /// Periods since the step began; while enabled, ticks for which demands have been refused.
@@ -129,6 +131,7 @@ impl DriveMaster {
     pub const fn new(config: DriveConfig) -> Self {
         Self {
             config,
+            status_id: CobId::of(Service::Tpdo1, config.node),
             phase: Phase::Offline,
             failure: None,
             waited: Periods::new(0),
@@ -224,7 +227,12 @@ impl DriveMaster {
 
     /// Takes a frame from the bus. True if it came from this drive.
     pub fn receive(&mut self, frame: &Frame) -> bool {
-        // Whose it is comes first: a board shows every frame to every master.
+        // What comes all the time comes first.
+        if frame.id() == self.status_id {
+            return DriveStatus::payload(frame)
+                .map(|status| self.hear(status))
+                .is_some();
+        }
         let Some((service, node)) = frame.id().service() else {
             return false;
         };
@@ -232,7 +240,6 @@ impl DriveMaster {
             return false;
         }
         match service {
-            Service::Tpdo1 => DriveStatus::payload(frame).map(|status| self.hear(status)),
             Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
             Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.error_code = emcy.code),
             _ => None,
@@ -347,6 +354,34 @@ impl DriveMaster {
     /// One SYNC period: checks the times and gives the frames to send. `demand` is where the axis is to be at the next
     /// SYNC; `None` holds it where it is, and so does every demand until the drive is enabled and taken up.
     pub fn tick(&mut self, demand: Option<Increments>) -> DriveOutput {
+        // What nearly every tick does, first: enabled, heard lately, where it should be, on its way.
+        if self.phase == Phase::Enabled
+            && (self.follows || demand.is_none())
+            && self.quiet < self.config.silence
+            && self.astray == Periods::new(0)
+            && !self.start
+        {
+            self.quiet = self.quiet.one_more();
+            self.last_target = self.target;
+            self.target = demand.unwrap_or(self.target);
+            return DriveOutput {
+                network: None,
+                command: Some(self.command(Controlword::ENABLE_OPERATION)),
+            };
+        }
+        self.tick_slowly(demand)
+    }
+
+    fn command(&self, control: Controlword) -> Frame {
+        DriveCommand {
+            control,
+            target: self.target,
+        }
+        .frame(self.config.node)
+    }
+
+    #[inline(never)]
+    fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
         self.check_times();
         let network = core::mem::take(&mut self.start)
             .then(|| NmtCommand::Start.frame(Some(self.config.node)));
@@ -371,13 +406,7 @@ impl DriveMaster {
         };
         DriveOutput {
             network,
-            command: control.map(|control| {
-                DriveCommand {
-                    control,
-                    target: self.target,
-                }
-                .frame(self.config.node)
-            }),
+            command: control.map(|control| self.command(control)),
         }
     }
 

@@ -45,8 +45,6 @@ impl Scale {
     const FINEST: u64 = 16;
     /// Binary places of the reciprocal.
     const PLACES: u32 = 59;
-    /// Largest magnitude of a position: 2⁴³ nm. Below it the reciprocal misses the quotient by less than one.
-    const RANGE: i64 = 1 << 43;
 
     /// `numerator` increments for every `denominator` nanometres (µ°). `None` if one of them is 0 or there would be 16
     /// or more increments to a nanometre.
@@ -69,31 +67,42 @@ impl Scale {
         }
     }
 
-    /// The increment value nearest to a position in nanometres (µ°), halves upwards; `None` where it is beyond 32 bits.
-    /// Two multiplications, no division: made for the tick.
+    /// The increment value nearest to a position in nanometres (µ°), halves upwards; `None` where it is beyond 32 bits, or
+    /// the position not within ±2⁴³. Two multiplications, no division: made for the tick.
     #[must_use]
     pub const fn increments(&self, position: i64) -> Option<Increments> {
-        if position > Self::RANGE || position < -Self::RANGE {
+        // Within ±2⁴³.
+        if (position >> 43).wrapping_add(1) as u64 > 1 {
             return None;
         }
         // The floor of the reciprocal makes the product too small in magnitude by less than |position| / 2⁵⁹ < 2⁻¹⁶, so
         // the quotient misses the floor of (position · n + d/2) / d by one at most, on either side.
         let estimate =
             ((position as i128).wrapping_mul(self.reciprocal as i128) >> Self::PLACES) as i64;
-        let denominator = self.denominator.get() as i64;
-        // Both products wrap alike; their difference is small.
-        let rest = position
-            .wrapping_mul(self.numerator.get() as i64)
-            .wrapping_add(denominator >> 1)
-            .wrapping_sub(estimate.wrapping_mul(denominator));
-        let exact = if rest < 0 {
+        let (numerator, denominator) = (self.numerator.get(), self.denominator.get());
+        // Both products wrap alike; their difference is small: within ±2 d.
+        let (low, high) = if denominator < 1 << 30 {
+            let rest = (position as i32)
+                .wrapping_mul(numerator as i32)
+                .wrapping_add((denominator >> 1) as i32)
+                .wrapping_sub((estimate as i32).wrapping_mul(denominator as i32));
+            (rest < 0, rest >= denominator as i32)
+        } else {
+            let denominator = denominator as i64;
+            let rest = position
+                .wrapping_mul(numerator as i64)
+                .wrapping_add(denominator >> 1)
+                .wrapping_sub(estimate.wrapping_mul(denominator));
+            (rest < 0, rest >= denominator)
+        };
+        let exact = if low {
             estimate.wrapping_sub(1)
-        } else if rest >= denominator {
+        } else if high {
             estimate.wrapping_add(1)
         } else {
             estimate
         };
-        if exact > i32::MAX as i64 || exact < i32::MIN as i64 {
+        if exact as i32 as i64 != exact {
             return None;
         }
         Some(Increments(exact as i32))

@@ -47,14 +47,14 @@ const NS: u64 = 1_000_000_000;
 /// A straight number scaled so that its size fits 32 bits, and its reciprocal: a division in the tick made a
 /// multiplication.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Fraction {
+pub(crate) struct Fraction {
     shift: u32,
     inverse: u64,
 }
 
 impl Fraction {
     /// Fractions of `whole`.
-    fn of(whole: Fine) -> Self {
+    pub fn of(whole: Fine) -> Self {
         let whole = whole.max(1).unsigned_abs();
         let shift = u64::BITS
             .wrapping_sub(whole.leading_zeros())
@@ -70,6 +70,21 @@ impl Fraction {
     fn get(self, part: Fine) -> u64 {
         let part = part.unsigned_abs().wrapping_shr(self.shift);
         (part.wrapping_mul(self.inverse) >> 32).min(1 << 31)
+    }
+
+    /// `part` / `whole`, which it was made of, in 2⁻³¹: at most one either way.
+    pub fn share(self, part: Fine, whole: Fine) -> i64 {
+        let size = part.saturating_abs();
+        let share = if size >= whole {
+            1 << 31
+        } else {
+            self.get(size) as i64
+        };
+        if part < 0 {
+            share.wrapping_neg()
+        } else {
+            share
+        }
     }
 
     /// `size` · `fraction` (2⁻³¹), for a size not above the whole.
@@ -151,6 +166,11 @@ impl Ease {
     /// H.
     pub const fn half(&self) -> Fine {
         self.half
+    }
+
+    /// `part` / H in 2⁻³¹, at most one either way.
+    pub fn share(&self, part: Fine) -> i64 {
+        self.of_half.share(part, self.half)
     }
 
     /// H in nanometres; exact.

@@ -309,7 +309,8 @@ impl Executor {
         Retract::Standing
     }
 
-    /// One tick. `current`: the segment that was begun, until the executor [is free](Self::is_free) again.
+    /// One tick, its setpoint put into its place. `current`: the segment that was begun, until the executor
+    /// [is free](Self::is_free) again.
     ///
     /// # Errors
     /// What the spindle does not do for a stroke: [`NoIndex`](crate::alarm::Code::NoIndex),
@@ -319,44 +320,58 @@ impl Executor {
         &mut self,
         now: &Conditions<'_>,
         current: Option<&Segment>,
-    ) -> Result<Setpoint, Alarm> {
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         let number = self.number;
         self.turned = false;
-        let done = match (&mut self.active, current.map(|segment| &segment.action)) {
-            (Active::Tap(_), Some(Action::Tap(tap))) => self.tap_on(now, tap),
-            (Active::Float(_), Some(Action::Float(plan))) => self.float_on(now, plan)?,
-            (Active::Timed, Some(Action::Timed(timed))) => self.move_on(now, timed),
-            (Active::Dwell(left), _) => {
-                if now.hold {
-                    Done::of(Motion::Hold)
-                } else {
-                    *left = left.saturating_sub(1);
-                    if *left == 0 {
-                        self.active = Active::Free;
+        let done = self.advance(now, current);
+        setpoint.position = self.position;
+        setpoint.spindle = self.spindle;
+        if let Ok(Some(done)) = &done {
+            setpoint.motion = done.motion;
+            setpoint.locked = done.locked;
+            setpoint.number = number.saturating_add(done.offset);
+            setpoint.line = self.span.line;
+        } else {
+            setpoint.motion = Motion::Idle;
+            setpoint.locked = false;
+            setpoint.number = 0;
+            setpoint.line = 0;
+        }
+        done.map(|_| ())
+    }
+
+    /// One tick of what is under way; `None` where that is nothing.
+    fn advance(
+        &mut self,
+        now: &Conditions<'_>,
+        current: Option<&Segment>,
+    ) -> Result<Option<Done>, Alarm> {
+        Ok(Some(
+            match (&mut self.active, current.map(|segment| &segment.action)) {
+                (Active::Tap(_), Some(Action::Tap(tap))) => self.tap_on(now, tap),
+                (Active::Float(_), Some(Action::Float(plan))) => self.float_on(now, plan)?,
+                (Active::Timed, Some(Action::Timed(timed))) => self.move_on(now, timed),
+                (Active::Dwell(left), _) => {
+                    if now.hold {
+                        Done::of(Motion::Hold)
+                    } else {
+                        *left = left.saturating_sub(1);
+                        if *left == 0 {
+                            self.active = Active::Free;
+                        }
+                        Done::of(Motion::Dwell)
                     }
-                    Done::of(Motion::Dwell)
                 }
-            }
-            (Active::Waiting(_), Some(Action::Thread(pass))) => self.wait(now, pass)?,
-            (Active::Thread(_), Some(Action::Thread(pass))) => self.cut_on(now, &pass.plan)?,
-            // Nothing is under way; or, which cannot be, it is not what was begun.
-            _ => {
-                self.active = Active::Free;
-                return Ok(Setpoint {
-                    position: self.position,
-                    spindle: self.spindle,
-                    ..Setpoint::default()
-                });
-            }
-        };
-        Ok(Setpoint {
-            position: self.position,
-            motion: done.motion,
-            locked: done.locked,
-            spindle: self.spindle,
-            number: number.saturating_add(done.offset),
-            line: self.span.line,
-        })
+                (Active::Waiting(_), Some(Action::Thread(pass))) => self.wait(now, pass)?,
+                (Active::Thread(_), Some(Action::Thread(pass))) => self.cut_on(now, &pass.plan)?,
+                // Nothing is under way; or, which cannot be, it is not what was begun.
+                _ => {
+                    self.active = Active::Free;
+                    return Ok(None);
+                }
+            },
+        ))
     }
 
     /// A tick of a tap.

@@ -2,14 +2,14 @@
 
 use super::super::detour::{Detour, Route};
 use super::super::queue::take;
-use super::{Ends, Notice, Source, State, Ticker};
+use super::{Ends, Mode, Notice, Source, Ticker};
 use crate::motion::{Action, Phase, Retract};
 use crate::program::Position;
 
 impl Ticker {
     /// Feed hold with immediate retract [D11]; where the stroke is all but over it is finished instead.
     pub(super) fn leave_stroke(&mut self, ends: &Ends<'_, '_>) {
-        if self.detour != Detour::None || self.state != State::Running {
+        if self.detour != Detour::None || self.mode != Mode::Running {
             return;
         }
         let (Some(run), Some(pass)) = (self.executor.thread(), &self.pass) else {

@@ -7,7 +7,7 @@
 
 use super::super::event::Event;
 use super::super::store::StoreError;
-use super::{Ends, Output, Rigid, State, Ticker, emit};
+use super::{Ends, Mode, Output, Rigid, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::journal::{TapHole, TapRecord};
 use crate::motion::{Action, Motion, Segment, Tap, TapPart};
@@ -127,7 +127,7 @@ impl Ticker {
     /// Drops the entry: the tap is said to be out. False, and nothing changes, where there is none or the machine moves.
     /// A position that was taken from the entry goes with it: that of the drive counts again.
     pub fn discard_tap(&mut self) -> bool {
-        let stands = matches!(self.state, State::Starting | State::Idle | State::Alarm(_));
+        let stands = matches!(self.mode, Mode::Starting | Mode::Idle | Mode::Alarm);
         let Some(record) = self
             .journal
             .record
@@ -140,8 +140,8 @@ impl Ticker {
         self.journal.begun = false;
         self.journal.assumed = false;
         let moved = self.drives.forget_places();
-        match self.state {
-            State::Idle => {
+        match self.mode {
+            Mode::Idle => {
                 let position = if moved {
                     self.drives.position(None)
                 } else {
@@ -150,7 +150,7 @@ impl Ticker {
                 self.executor.set_position(position);
                 self.restart(position);
             }
-            State::Alarm(_) if moved => self.remembered = Some(self.drives.position(None)),
+            Mode::Alarm if moved => self.remembered = Some(self.drives.position(None)),
             _ => {}
         }
         true
@@ -211,7 +211,7 @@ impl Ticker {
         }
         self.journal.waited = self.journal.waited.saturating_add(1);
         if self.journal.failed || self.journal.waited > self.journal.patience {
-            self.raise(Alarm::new(Code::TapJournalNotWritten, span), ends);
+            self.raise(&Alarm::new(Code::TapJournalNotWritten, span), ends);
         }
         Some((number, span.line, Motion::Wait))
     }

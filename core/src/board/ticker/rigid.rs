@@ -58,7 +58,7 @@ impl Ticker {
                 Arg::None,
                 Arg::None,
             ];
-            self.raise(Alarm::new(Code::SpindleNotStopped, span).with(args), ends);
+            self.raise(&Alarm::new(Code::SpindleNotStopped, span).with(args), ends);
         }
         Some((number, line, Motion::Wait))
     }
@@ -97,7 +97,7 @@ impl Ticker {
         let (number, span) = (next.number, next.span);
         self.waited = self.waited.saturating_add(1);
         if self.waited > self.second {
-            self.raise(Alarm::new(Code::RigidNotReleased, span), ends);
+            self.raise(&Alarm::new(Code::RigidNotReleased, span), ends);
         }
         Some((number, span.line, Motion::Wait))
     }

@@ -3,7 +3,7 @@
 use super::super::detour::Detour;
 use super::super::event::Event;
 use super::super::queue::{EventIn, take};
-use super::{Ends, Notice, Outcome, State, Ticker, emit};
+use super::{Ends, Mode, Notice, Then, Ticker, emit};
 use crate::alarm::Alarm;
 use crate::motion::Phase;
 use crate::program::Position;
@@ -11,11 +11,8 @@ use crate::units::{Length, Rpm};
 
 impl Ticker {
     /// An alarm: the axes come to rest on their path, and what is queued is forgotten. The first one stays.
-    pub(super) fn raise(&mut self, alarm: Alarm, ends: &mut Ends<'_, '_>) {
-        if matches!(
-            self.state,
-            State::Alarm(_) | State::Stopping(Outcome::Alarm(_))
-        ) {
+    pub(super) fn raise(&mut self, alarm: &Alarm, ends: &mut Ends<'_, '_>) {
+        if matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm)) {
             return;
         }
         self.executor.stop(ends.current(self.source));
@@ -24,8 +21,9 @@ impl Ticker {
         self.clearing = false;
         self.commanded = Rpm::STOPPED;
         self.stay_rigid();
-        self.state = State::Stopping(Outcome::Alarm(alarm));
-        emit(ends.events, Event::Alarm(alarm));
+        self.mode = Mode::Stopping(Then::Alarm);
+        self.alarm = *alarm;
+        emit(ends.events, Event::Alarm(*alarm));
     }
 
     /// Reset: a stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
@@ -37,7 +35,7 @@ impl Ticker {
         self.clearing = false;
         self.pauses_unless_hole = false;
         self.stay_rigid();
-        self.state = State::Stopping(Outcome::Reset);
+        self.mode = Mode::Stopping(Then::Reset);
         let current = ends.current(self.source);
         let Some(pass) = self.pass.filter(|_| self.in_thread()) else {
             self.executor.stop(current);
@@ -69,16 +67,16 @@ impl Ticker {
         (way != Length::ZERO && way.signum() == outwards.signum()).then_some(target)
     }
 
-    pub(super) fn finish_stop(&mut self, outcome: Outcome, events: &mut EventIn<'_>) {
+    pub(super) fn finish_stop(&mut self, then: Then, events: &mut EventIn<'_>) {
         self.note_stop();
         self.in_program = false;
         self.commanded = Rpm::STOPPED;
-        self.state = match outcome {
-            Outcome::Reset => {
+        self.mode = match then {
+            Then::Reset => {
                 emit(events, Event::Reset);
-                State::Idle
+                Mode::Idle
             }
-            Outcome::Alarm(alarm) => State::Alarm(alarm),
+            Then::Alarm => Mode::Alarm,
         };
         self.restart(self.executor.position());
     }

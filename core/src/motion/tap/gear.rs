@@ -3,7 +3,7 @@
 //! Knows a lead, a hand and a level; knows nothing of time.
 
 use crate::program::{Hand, Position, TapAxis};
-use crate::units::{Lead, Length, Turns};
+use crate::units::{Lead, Length, Turns, mul_high};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
 /// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
@@ -72,10 +72,22 @@ impl Gear {
     #[must_use]
     pub fn turns(&self, position: Position) -> Turns {
         let way = (self.axis.of(position) - self.level).nm();
-        let product = u128::from(way.unsigned_abs()).wrapping_mul(u128::from(self.factor));
-        // The factor is less than 1 too large and a way below 2⁴³, so the product is above the exact one by less than the
-        // 2^shift of one unit wherever the lead is above 8 µm; below that the last unit may be one too many.
-        let magnitude = (product >> self.shift.min(127)) as u64;
+        let size = way.unsigned_abs();
+        // way · factor / 2^shift. The factor is less than 1 too large and a way below 2⁴³, so the product is above the exact
+        // one by less than the 2^shift of one unit wherever the lead is above 8 µm; below that the last unit may be one too
+        // many.
+        let magnitude = if self.shift >= 64 {
+            mul_high(size, self.factor).wrapping_shr(self.shift.wrapping_sub(64))
+        } else if self.shift >= 44 && size < 1 << 44 {
+            // The quick way for all leads above 16 µm: what is shifted out below need not be made.
+            mul_high(
+                size.wrapping_shl(64_u32.wrapping_sub(self.shift)),
+                self.factor,
+            )
+        } else {
+            let product = u128::from(size).wrapping_mul(u128::from(self.factor));
+            (product >> self.shift) as u64
+        };
         let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
         if (way < 0) == self.falling {
             Turns::from_raw(magnitude)

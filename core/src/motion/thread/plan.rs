@@ -6,7 +6,7 @@ use super::ramp::{Slope, along, inverse};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::Move;
-use crate::motion::ease::{Ease, Fine};
+use crate::motion::ease::{Ease, Fine, Fraction};
 use crate::motion::wide::{mul_div_up, ratio};
 use crate::params::Params;
 use crate::program::Position;
@@ -71,6 +71,7 @@ pub struct ThreadPlan {
     pub(super) retract_inverse: Slope,
     /// Planned speed of the long axis in 2⁻¹⁶ nm per tick.
     pub(super) speed: Fine,
+    pub(super) of_speed: Fraction,
     speed_limit: TurnRate,
     short_lag: Length,
     way_needed: Length,
@@ -139,6 +140,7 @@ impl ThreadPlan {
         let per_tick = mul_div(machine.speed << 16, u64::from(params.tick_us()), 1_000_000);
         let join_angle = angle_of(join.half(), lead);
         let done_angle = angle_of(length.saturating_add(brake.half()), lead);
+        let speed = i64::try_from(per_tick).unwrap_or(i64::MAX).max(1);
         let mut plan = Self {
             span: shape.span,
             start: shape.from,
@@ -164,7 +166,8 @@ impl ThreadPlan {
             run_out,
             retract,
             retract_inverse: inverse(retract.slope.unsigned_abs()),
-            speed: i64::try_from(per_tick).unwrap_or(i64::MAX).max(1),
+            speed,
+            of_speed: Fraction::of(speed),
             speed_limit: pace.limit,
             short_lag: Length::ZERO,
             way_needed: Length::ZERO,

@@ -223,7 +223,8 @@ impl ThreadRun {
         }
         // Ramp up and ramp down must not overlap; a short way out is a flatter one.
         let apart = along(wanted.saturating_abs(), plan.retract_inverse).min(room);
-        let slope = scaled(plan.retract.slope, share_of(apart, corner));
+        // A corner is two halves.
+        let slope = scaled(plan.retract.slope, plan.retract.ease.share(apart >> 1));
         let apart = apart.max(corner);
         let slope = if wanted < 0 {
             slope.wrapping_neg()
@@ -258,7 +259,8 @@ impl ThreadRun {
         match from {
             Some(from) if self.phase == Phase::Locked && from == self.way => {
                 // At once, from the speed there is (a share of the planned one), with the ease scaled down to it.
-                let share = share_of(plan.travel.at(Turns::from_raw(self.step)), plan.speed);
+                let pace = plan.travel.at(Turns::from_raw(self.step));
+                let share = plan.of_speed.share(pace, plan.speed);
                 self.master = Master::Stopping {
                     left: plan.stop.half(),
                     share,
@@ -331,21 +333,6 @@ impl ThreadRun {
             (self.length, Phase::Done)
         }
     }
-}
-
-/// `part` / `whole` in 2⁻³¹, at most one; below zero where the spindle drags the axis back.
-fn share_of(part: Fine, whole: Fine) -> i64 {
-    if part.saturating_abs() >= whole {
-        return part.signum() << 31;
-    }
-    // Both brought to 32 bits first.
-    let bits = i64::BITS
-        .wrapping_sub(whole.leading_zeros())
-        .saturating_sub(32);
-    part.wrapping_shr(bits)
-        .wrapping_shl(31)
-        .checked_div(whole.wrapping_shr(bits))
-        .unwrap_or(0)
 }
 
 /// `fine` · `share` (2⁻³¹).

@@ -1,29 +1,120 @@
 //! Whole ticks of the board, with the plant around it; a step is a tick. The plant and the background are not counted.
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
-use leadscrew_core::board::{self, Board, Output};
+use leadscrew_core::board::{self, Board, Command, Outcome, Output, State};
 use leadscrew_core::bus::{Frame, SyncProducer};
-use leadscrew_core::motion::{Motion, Setpoint};
-use leadscrew_core::params::Params;
+use leadscrew_core::motion::Motion;
+use leadscrew_core::params::{Entry, Params, Part};
 use leadscrew_core::program::{Call, Event, Events, Options};
 use leadscrew_core::spindle::EncoderSample;
 
 use super::{Work, until};
 
-/// Every kind of motion, a block a line. The lines are told apart below.
-const PROGRAM: &str = "O0001\n\
-    M3 S300 G0 X80 Z10\n\
-    G1 X60 Z-20 C90 F800\n\
-    G3 X80 Z-30 R10\n\
-    G0 X80 Z10\n\
-    G76 P010060 Q1000 R0.1\n\
-    G76 X60.64 Z-32 P36800 Q30000 F6\n\
-    M30\n";
-const LINE: u32 = 3;
-const ARC: u32 = 4;
-const THREAD: u32 = 7;
+/// A program, and what its ticks are told apart by.
+pub struct Program {
+    text: &'static str,
+    /// Set before it is read.
+    deep: bool,
+    /// The tick before which the emergency stop is pressed.
+    stop: Option<usize>,
+    kinds: &'static [&'static str],
+    kind: fn(&Seen) -> usize,
+}
 
-const KINDS: &[&str] = &["/idle", "/rapid", "/line", "/arc", "/wait", "/thread"];
+/// What a tick is told apart by.
+pub struct Seen {
+    motion: Motion,
+    line: u32,
+    locked: bool,
+    alarm: bool,
+}
+
+/// Every kind of motion without a tap, a block a line.
+pub const MOVES: Program = Program {
+    text: "O0001\n\
+        M3 S300 G0 X80 Z10\n\
+        G1 X60 Z-20 C90 F800\n\
+        G3 X80 Z-30 R10\n\
+        G0 X80 Z10\n\
+        G76 P010060 Q1000 R0.1\n\
+        G76 X60.64 Z-32 P36800 Q30000 F6\n\
+        M30\n",
+    deep: false,
+    stop: None,
+    kinds: &["/idle", "/rapid", "/line", "/arc", "/wait", "/thread"],
+    kind: |seen| match (seen.motion, seen.line) {
+        (Motion::Idle, _) => 0,
+        (Motion::Run, 3) => 2,
+        (Motion::Run, 4) => 3,
+        (Motion::Run, 7) if seen.locked => 5,
+        (Motion::Run, _) => 1,
+        _ => 4,
+    },
+};
+
+/// Taps in one go and in pecks, from a turning spindle through rigid mode and back.
+pub const TAPS: Program = Program {
+    text: "O0002\n\
+        G98 M3 S300 G0 X0 Z5\n\
+        M29 S1000\n\
+        G84 Z-20 R-5 P300 F2000\n\
+        G84 Z-20 R-5 Q4.0 P300 F2000\n\
+        G80\n\
+        M30\n",
+    deep: false,
+    stop: None,
+    kinds: &["/to-rigid", "/tap", "/tap-peck"],
+    kind: tap_kind,
+};
+
+/// A tap in pecks that goes back to R each time.
+pub const DEEP_TAP: Program = Program {
+    text: "O0003\n\
+        G98 M3 S300 G0 X0 Z5\n\
+        M29 S1000\n\
+        G84 Z-20 R-5 Q4.0 P300 F2000\n\
+        G80\n\
+        M30\n",
+    deep: true,
+    stop: None,
+    kinds: &["/to-rigid-deep", "/tap-deep"],
+    kind: tap_kind,
+};
+
+/// An emergency stop in a thread.
+pub const STOP_IN_THREAD: Program = Program {
+    text: "O0004\n\
+        M3 S300 G0 X10 Z8\n\
+        G76 P010060 Q1000 R0.1\n\
+        G76 X0.64 Z-42 P36800 Q30000 F6\n\
+        M30\n",
+    deep: false,
+    stop: Some(1500),
+    kinds: &["/to-stop", "/stop"],
+    kind: |seen| usize::from(seen.alarm),
+};
+
+/// An emergency stop in a tap.
+pub const STOP_IN_TAP: Program = Program {
+    text: "O0005\n\
+        G98 M29 S1000\n\
+        G84 Z-20 R-5 P300 F2000\n\
+        G80\n\
+        M30\n",
+    deep: false,
+    stop: Some(60),
+    kinds: &["/to-stop-tap", "/stop-tap"],
+    kind: |seen| usize::from(seen.alarm),
+};
+
+/// By the line of the tap; everything before and behind is the way into rigid mode and out of it.
+fn tap_kind(seen: &Seen) -> usize {
+    match seen.line {
+        4 => 1,
+        5 => 2,
+        _ => 0,
+    }
+}
 
 const CALLS: usize = 16;
 const ANSWERS: usize = 16;
@@ -32,6 +123,7 @@ const LONGEST: usize = 16_384;
 
 /// The program on a board.
 pub struct WholeBoard {
+    program: Program,
     params: Params,
     calls: [Option<Call>; CALLS],
 }
@@ -52,10 +144,14 @@ pub struct Machine {
 
 impl WholeBoard {
     /// The work.
-    pub fn new() -> Self {
-        let params = Params::slant_bed();
+    pub fn new(program: Program) -> Self {
+        let mut params = Params::slant_bed();
+        if program.deep {
+            let bit = Entry::find(5200, Some(Part::Bit(5))).expect("in the table");
+            params.set(bit, 1).expect("a bit");
+        }
         let mut calls = [None; CALLS];
-        let events = Events::new(PROGRAM.as_bytes(), &params, Options::default());
+        let events = Events::new(program.text.as_bytes(), &params, Options::default());
         let made = events.filter_map(|event| match event.expect("a program without a mistake") {
             Event::Call(call) => Some(call),
             Event::Warning(_) => None,
@@ -63,13 +159,17 @@ impl WholeBoard {
         for (place, call) in calls.iter_mut().zip(made) {
             *place = Some(call);
         }
-        Self { params, calls }
+        Self {
+            program,
+            params,
+            calls,
+        }
     }
 }
 
 impl Work for WholeBoard {
     type State = Machine;
-    type Out = Setpoint;
+    type Out = Seen;
 
     fn steps(&self) -> usize {
         let mut machine = self.begin();
@@ -78,7 +178,8 @@ impl Work for WholeBoard {
             let output = self.step(&mut machine, number);
             self.finish(&mut machine, &output);
             let offered = matches!(self.calls.get(machine.taken), None | Some(None));
-            offered && !machine.board.is_busy()
+            let over = offered || output.alarm;
+            over && !machine.board.is_busy()
         })
     }
 
@@ -97,7 +198,10 @@ impl Work for WholeBoard {
         }
     }
 
-    fn prepare(&self, machine: &mut Machine, _: usize) {
+    fn prepare(&self, machine: &mut Machine, number: usize) {
+        if self.program.stop == Some(number) {
+            machine.board.command(Command::Stop);
+        }
         while let Some(event) = machine.board.event() {
             machine.ready |= event == board::Event::Ready;
         }
@@ -111,7 +215,7 @@ impl Work for WholeBoard {
         machine.sample = machine.plant.advance();
     }
 
-    fn step(&self, machine: &mut Machine, _: usize) -> Setpoint {
+    fn step(&self, machine: &mut Machine, _: usize) -> Seen {
         let received = machine
             .answers
             .get(..machine.answered)
@@ -119,10 +223,19 @@ impl Work for WholeBoard {
         machine
             .board
             .tick(machine.sample, received, &mut machine.output);
-        machine.output.setpoint
+        let setpoint = &machine.output.setpoint;
+        Seen {
+            motion: setpoint.motion,
+            line: setpoint.line,
+            locked: setpoint.locked,
+            alarm: matches!(
+                machine.board.ticker().state(),
+                State::Alarm(_) | State::Stopping(Outcome::Alarm(_))
+            ),
+        }
     }
 
-    fn finish(&self, machine: &mut Machine, _: &Setpoint) {
+    fn finish(&self, machine: &mut Machine, _: &Seen) {
         // The storage is done at once.
         if let Some(request) = machine.board.store() {
             machine.board.stored(request.region, Ok(()));
@@ -138,17 +251,10 @@ impl Work for WholeBoard {
     }
 
     fn kinds(&self) -> &'static [&'static str] {
-        KINDS
+        self.program.kinds
     }
 
-    fn kind(&self, setpoint: &Setpoint) -> usize {
-        match (setpoint.motion, setpoint.line) {
-            (Motion::Idle, _) => 0,
-            (Motion::Run, LINE) => 2,
-            (Motion::Run, ARC) => 3,
-            (Motion::Run, THREAD) if setpoint.locked => 5,
-            (Motion::Run, _) => 1,
-            _ => 4,
-        }
+    fn kind(&self, seen: &Seen) -> usize {
+        (self.program.kind)(seen)
     }
 }

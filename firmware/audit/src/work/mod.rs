@@ -78,7 +78,15 @@ pub fn all(counter: &mut impl Counter) {
     counter.steps("tick/observer", &Tracking::at_300_rpm());
     counter.steps("tick/drive", &Commanding::x());
 
-    counter.steps("board", &WholeBoard::new());
+    for program in [
+        board::MOVES,
+        board::TAPS,
+        board::DEEP_TAP,
+        board::STOP_IN_THREAD,
+        board::STOP_IN_TAP,
+    ] {
+        counter.steps("board", &WholeBoard::new(program));
+    }
 }
 
 /// How many steps of at most `limit` there are until `is_last`.
