@@ -266,7 +266,7 @@ impl Sim {
     /// on.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Code::TapJournalDamaged`] for a flash that cannot be read.
+    /// As [`new`](Self::new); [`TapJournalDamaged`](leadscrew_core::alarm::Code::TapJournalDamaged) for a flash that cannot be read.
     pub fn with_flash(
         params: &Params,
         options: &PlantOptions,

@@ -1,7 +1,7 @@
 //! The object dictionary as data: every object of a board, what it is and what it takes. The server answers from it, and
 //! the EDS is printed from it.
 //!
-//! Two parts: the objects of CANopen and of the board itself, written down in [`table`](super::table), and the
+//! Two parts: the objects of CANopen and of the board itself, written down in `table`, and the
 //! parameters, made of the parameter table: No. is index 2000h + No., an axis is a sub-index (1 X, 2 Z, 3 C), the bits of
 //! a number are one byte.
 
