@@ -167,7 +167,7 @@ pub enum Command {
     },
     /// One look at the board; with `sim`, at what the flash in `--state` remembers
     Status,
-    /// A live view of the board (not available yet)
+    /// A live view of the board (needs a real bus)
     Monitor,
     /// Feed hold (needs a real bus)
     Hold,

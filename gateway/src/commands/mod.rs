@@ -48,6 +48,7 @@ pub fn dispatch(cli: &Cli) -> Outcome {
                 discard: *discard,
             },
         ),
+        Command::Monitor if is_real(cli) => board::monitor(&cli.global),
         Command::Hold if is_real(cli) => board::order(&cli.global, Order::Hold),
         Command::Resume if is_real(cli) => board::order(&cli.global, Order::Resume),
         Command::Reset if is_real(cli) => board::order(&cli.global, Order::Reset),

@@ -1,6 +1,7 @@
 //! Commands that talk to a board on a real bus. What they share: opening the link, the words for a state, one result.
 
 mod machine;
+mod monitor;
 mod operate;
 mod run;
 mod status;
@@ -15,6 +16,7 @@ use crate::link::Link;
 use crate::words::{both, pick};
 
 pub use machine::{Machine, base};
+pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use run::run;
 pub use status::status;

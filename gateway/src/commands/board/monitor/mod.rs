@@ -1,0 +1,167 @@
+//! `monitor`: a live view of a board, drawn on the terminal until somebody has seen enough. It looks and changes nothing.
+
+mod view;
+
+use std::collections::VecDeque;
+use std::io::IsTerminal as _;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::Event;
+use leadscrew_core::bus::{Frame, Object};
+use leadscrew_core::link::Logged;
+use ratatui::crossterm::event::{self, Event as Input, KeyCode, KeyEventKind, KeyModifiers};
+
+use super::open;
+use crate::cli::Global;
+use crate::diagnostics::Diagnostic;
+use crate::failure::{Failure, Outcome};
+use crate::link::Link;
+use crate::source::SourceFile;
+use crate::words::both;
+
+pub use view::{View, draw};
+
+/// Between two pictures.
+const PICTURE: Duration = Duration::from_millis(50);
+/// Between two readings of the status record.
+const STATUS: Duration = Duration::from_millis(200);
+/// Between two readings of the event log.
+const LOG: Duration = Duration::from_secs(1);
+/// Over which the load of the bus is measured.
+const LOAD: Duration = Duration::from_millis(500);
+/// Parameter with the bit rate of the bus in kbit/s.
+const BUS_KBIT: Object = Object::new(0x2000 + 9020, 0);
+/// Errors and messages kept for the picture.
+const KEPT: usize = 240;
+
+/// Shows the board until a key ends it.
+pub fn monitor(global: &Global) -> Outcome {
+    if !std::io::stdout().is_terminal() {
+        return Err(Failure::Usage(both!(
+            "`monitor` draws on a terminal, and standard output is none; `status --json` is for programs",
+            "`monitor` 需要终端，而标准输出不是终端；程序请用 `status --json`"
+        )));
+    }
+    let mut link = open(global)?;
+    link.greet()?;
+    link.hear_status()?;
+    let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
+    let mut terminal = ratatui::try_init().map_err(|error| Failure::stdout(&error))?;
+    let result = watch(global, &mut link, kbit, &mut terminal);
+    ratatui::restore();
+    result
+}
+
+fn watch(
+    global: &Global,
+    link: &mut Link,
+    kbit: u64,
+    terminal: &mut ratatui::DefaultTerminal,
+) -> Outcome {
+    let mut view = View::new(&global.bus.to_string(), global.node, global.lang());
+    let mut bits = 0_u64;
+    let mut since = Instant::now();
+    let (mut looked, mut read) = (None::<Instant>, None::<Instant>);
+    let mut last_event = link.newest_event()?.saturating_sub(8);
+    loop {
+        let next = Instant::now() + PICTURE;
+        let errors = &mut view.errors;
+        link.listen(next, &mut |frame| {
+            bits += worst_bits(frame);
+            note_error(errors, frame);
+            false
+        })?;
+        link.check_alive()?;
+        if since.elapsed() >= LOAD {
+            let possible = kbit
+                .saturating_mul(since.elapsed().as_millis() as u64)
+                .max(1);
+            view.load_percent = (bits * 100 / possible).min(999);
+            (bits, since) = (0, Instant::now());
+        }
+        if looked.is_none_or(|at| at.elapsed() >= STATUS) {
+            looked = Some(Instant::now());
+            view.status = Some(link.status()?);
+        }
+        if read.is_none_or(|at| at.elapsed() >= LOG) {
+            read = Some(Instant::now());
+            for entry in link.events_behind(last_event)? {
+                last_event = last_event.max(entry.number);
+                note_event(&mut view, &entry);
+            }
+        }
+        view.pdo = link.seen.status;
+        view.spindle = link.seen.spindle;
+        view.place = link.seen.place;
+        terminal
+            .draw(|frame| draw(frame, &view))
+            .map_err(|error| Failure::stdout(&error))?;
+        if ends().map_err(|error| Failure::stdout(&error))? {
+            return Ok(());
+        }
+    }
+}
+
+/// A key that ends the view has been pressed.
+fn ends() -> std::io::Result<bool> {
+    while event::poll(Duration::ZERO)? {
+        if let Input::Key(key) = event::read()?
+            && key.kind == KeyEventKind::Press
+        {
+            let control = key.modifiers.contains(KeyModifiers::CONTROL);
+            match key.code {
+                KeyCode::Char('q') | KeyCode::Esc => return Ok(true),
+                KeyCode::Char('c') if control => return Ok(true),
+                _ => {}
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// Bits a frame takes on the wire with the worst stuffing, the gap behind it included.
+fn worst_bits(frame: &Frame) -> u64 {
+    let data = 8 * frame.payload().len() as u64;
+    47 + data + (34 + data - 1) / 4
+}
+
+fn note_error(errors: &mut VecDeque<u64>, frame: &Frame) {
+    let spindle = leadscrew_core::bus::BoardSpindle::decode(frame);
+    if let Some(error) = spindle.and_then(|(_, spindle)| spindle.sync_error) {
+        if errors.len() == KEPT {
+            errors.pop_front();
+        }
+        errors.push_back(error.nm().unsigned_abs());
+    }
+}
+
+fn note_event(view: &mut View, entry: &Logged) {
+    let words = |alarm: &Alarm| {
+        let source = SourceFile::new(Path::new(""));
+        let told = Diagnostic::new(alarm, &source, view.lang, false);
+        format!("{:04} {}", told.number, told.message)
+    };
+    let (line, text) = match &entry.event {
+        Event::Alarm(alarm) | Event::Warning(alarm) => (alarm.span.line, words(alarm)),
+        Event::Finished => (
+            0,
+            both!("program finished", "程序结束").get(view.lang).into(),
+        ),
+        Event::Reset => (0, both!("reset", "复位").get(view.lang).into()),
+        Event::Held => (0, both!("feed hold", "进给保持").get(view.lang).into()),
+        _ => return,
+    };
+    let place = if line > 0 {
+        both!("line {line}: ", "第 {line} 行：")
+            .get(view.lang)
+            .to_owned()
+    } else {
+        String::new()
+    };
+    if view.messages.len() == KEPT {
+        view.messages.pop_front();
+    }
+    view.messages.push_back(format!("{place}{text}"));
+}
