@@ -5,14 +5,17 @@ use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Guard;
 use leadscrew_core::cycle::{Move, MoveKind, Moves};
 use leadscrew_core::journal::{TapHole, TapRecord};
-use leadscrew_core::program::{Call, TapMode};
-use leadscrew_core::units::Turns;
+use leadscrew_core::program::{Call, CallKind, TapMode, TapNotes};
+use leadscrew_core::units::{CentiRpm, Turns};
 
 /// The newest entry of the tap journal, as the program makes it.
 #[derive(Clone, Copy, Debug)]
 pub struct Hole {
     record: Option<TapRecord>,
     guard: Guard,
+    /// Of the call let in last: S, and what the journal keeps of the program around it.
+    infeed: CentiRpm,
+    notes: TapNotes,
 }
 
 impl Hole {
@@ -22,6 +25,8 @@ impl Hole {
         Self {
             guard: Guard::of(record.as_ref()),
             record,
+            infeed: CentiRpm::default(),
+            notes: TapNotes::default(),
         }
     }
 
@@ -36,6 +41,13 @@ impl Hole {
     /// # Errors
     /// As the board's guard.
     pub fn admit(&mut self, call: &Call, moves: &Moves) -> Result<(), Alarm> {
+        match (&call.kind, &self.record) {
+            (CallKind::Tap(tap), _) => (self.infeed, self.notes) = (tap.speed, tap.notes),
+            (CallKind::TapReturn(_), Some(record)) => {
+                (self.infeed, self.notes) = (record.hole.speed, record.hole.notes);
+            }
+            _ => {}
+        }
         self.guard.admit(call, moves)
     }
 
@@ -57,8 +69,8 @@ impl Hole {
                 lead: tap.lead,
                 hand: tap.hand,
                 spindle: tap.spindle,
-                speed: tap.infeed,
-                notes: tap.notes,
+                speed: self.infeed,
+                notes: self.notes,
             },
             position: tap.axis.of(step.to),
             angle: Turns::default(),

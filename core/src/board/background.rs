@@ -21,10 +21,10 @@ use crate::motion::{
 use crate::params::Params;
 use crate::program::{
     Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapMode,
-    ThreadCall,
+    TapNotes, ThreadCall,
 };
 use crate::signals::Signals;
-use crate::units::{Length, Rpm, TurnRate};
+use crate::units::{CentiRpm, Length, Rpm, TurnRate};
 
 /// What planning depends on besides the program.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +84,9 @@ pub struct Background {
     complete: bool,
     failed: bool,
     guard: Guard,
+    /// For the tap journal: S of the call under expansion, and what else it keeps of the program.
+    infeed: CentiRpm,
+    notes: TapNotes,
 }
 
 impl Background {
@@ -114,6 +117,8 @@ impl Background {
             complete: false,
             failed: false,
             guard: Guard::open(),
+            infeed: CentiRpm::new(0),
+            notes: TapNotes::METRIC,
         }
     }
 
@@ -219,6 +224,7 @@ impl Background {
                 }
             }
             CallKind::Tap(tap) => {
+                (self.infeed, self.notes) = (tap.speed, tap.notes);
                 let report = feasible::tap(tap, signals, call.span, settings.params)?;
                 warning = report.warnings().next();
                 self.float = match tap.mode {
@@ -238,6 +244,9 @@ impl Background {
         };
         let moves = expand(call, &context)?;
         if let CallKind::TapReturn(_) = call.kind {
+            if let Some(record) = settings.tap {
+                (self.infeed, self.notes) = (record.hole.speed, record.hole.notes);
+            }
             match moves.clone().next().map(|next| next.kind) {
                 Some(MoveKind::Tap(out)) => {
                     feasible::tap_return(&out, call.span, settings.params)?;
@@ -416,8 +425,8 @@ impl Background {
                     lead: tap.lead,
                     hand: tap.hand,
                     spindle: tap.spindle,
-                    speed: tap.infeed,
-                    notes: tap.notes,
+                    speed: self.infeed,
+                    notes: self.notes,
                 };
                 let mut collected = Tap::new(gear, hole, self.position, feed_override);
                 let taken = collected.push(step);

@@ -1,9 +1,7 @@
 //! One [`Move`]: what the planner gets and `expand` prints.
 
 use crate::alarm::Span;
-use crate::program::{
-    Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapNotes, TapSpindle,
-};
+use crate::program::{Aux, FeedRate, Hand, Position, SpindleCall, TapAxis, TapMode, TapSpindle};
 use crate::units::{CentiRpm, Lead, Length, Millis, Rpm, StartAngle, TurnRatio};
 
 /// One move, with where it ends and where it came from.
@@ -94,8 +92,6 @@ pub struct TapMove {
     /// Speed of the spindle in this stroke, signed, the extraction override in it; zero for an ordinary tap whose spindle
     /// stands.
     pub speed: CentiRpm,
-    /// S: speed of the infeeds of this hole, above zero where it is rigid.
-    pub infeed: CentiRpm,
     /// True on the way out (its acceleration may be another, 5201.2).
     pub outward: bool,
     /// True for the first stroke of a hole: it begins at R, and the angle there is the one to count from. False where the
@@ -104,8 +100,6 @@ pub struct TapMove {
     /// True for the last stroke of a hole: it ends at R, and the tap is out. No stroke of a K198 hole has it until the call
     /// that goes on.
     pub closes: bool,
-    /// For the tap journal.
-    pub notes: TapNotes,
 }
 
 /// Place of a move in its cycle; the fields are those of the move list.

@@ -213,11 +213,9 @@ impl TapMoves {
             bottom: self.call.bottom.value,
             turns,
             speed,
-            infeed: self.call.speed,
             outward,
             opens: self.fresh,
             closes: stage == Stage::Extract,
-            notes: self.call.notes,
         });
         self.fresh = false;
         let peck = if stage == Stage::Tap { self.infeeds } else { 0 };

@@ -54,11 +54,9 @@ pub fn tap_return(
             bottom: hole.bottom,
             turns,
             speed,
-            infeed: hole.speed,
             outward: true,
             opens: false,
             closes: true,
-            notes: hole.notes,
         }),
         tag: Some(Tag {
             cycle: Cycle::G30P99,

@@ -128,3 +128,12 @@ pub struct TapNotes {
     /// The extraction override.
     pub extraction: Extraction,
 }
+
+impl TapNotes {
+    /// As at power-on, without an extraction override.
+    pub const METRIC: Self = Self {
+        unit: LengthUnit::Metric,
+        plane: Plane::G18,
+        extraction: Extraction::NONE,
+    };
+}

@@ -127,7 +127,7 @@ records! {
         cycle mode axis start hole step level bottom form dwell lead hand speed extract spindle repeat clamp continues
         notes
     }
-    TapMove { mode axis spindle lead hand level bottom turns speed infeed outward opens closes notes }
+    TapMove { mode axis spindle lead hand level bottom turns speed outward opens closes }
     TapNotes { unit plane extraction }
     TapReturn { speed highest beyond unit }
     TapHole { axis level bottom lead hand spindle speed notes }
