@@ -114,6 +114,12 @@ impl State<'_> {
         let Some(mut kept) = self.cycle_of(word)? else {
             return Ok(());
         };
+        if let Some((before, since)) = &self.tapping.locked
+            && let Some(word) = word
+            && (before.cycle, before.axis) != (kept.cycle, kept.axis)
+        {
+            return Err(locked(word, *since));
+        }
         self.read_kept(block, &mut kept)?;
         let turning = self.turning(block, word, span, &kept, plan)?;
         if turning.mode == TapMode::Floating {
@@ -414,13 +420,19 @@ impl State<'_> {
             Some((_, word)) => return Err(locked(&word, *since)),
         };
         let call = self.resolve(kept, turning, span, before.level)?;
-        let same = call.axis == before.axis
-            && call.cycle == before.cycle
-            && call.hand == before.hand
-            && call.spindle == before.spindle
-            && call.lead.value == before.lead.value;
-        if !same {
-            return Err(at(span, None));
+        // S makes the hand, and with F the lead under G98.
+        let changed: &[u8] = if call.hand != before.hand {
+            b"S"
+        } else if call.spindle != before.spindle {
+            b"E"
+        } else if call.lead.value != before.lead.value {
+            b"FS"
+        } else {
+            b""
+        };
+        if !changed.is_empty() {
+            let written = block.leftmost(block.letters().common(Letters::of(changed)));
+            return Err(written.map_or(at(span, None), |word| locked(&word, *since)));
         }
         let inward = (before.bottom.value - before.level.value).signum();
         if (call.bottom.value - before.bottom.value).times(inward) <= Length::ZERO {

@@ -61,9 +61,12 @@ impl State<'_> {
             _ => {
                 let rpm = self.tap_speed(written, span)?;
                 self.begin_position_mode(rpm);
-                let span = written.map_or(span, |word| word.span);
-                let spindle = self.spindle_choice(kept.spindle);
-                plan.rigid(span, SpindleCall::rigid(rpm, spindle));
+                // With the tap in its hole (K198) the spindle is in position mode and has to stay there.
+                if self.tapping.locked.is_none() {
+                    let span = written.map_or(span, |word| word.span);
+                    let spindle = self.spindle_choice(kept.spindle);
+                    plan.rigid(span, SpindleCall::rigid(rpm, spindle));
+                }
                 Ok(rigid(rpm))
             }
         }

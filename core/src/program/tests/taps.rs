@@ -487,6 +487,29 @@ fn k198_goes_on_in_phase() {
 }
 
 #[test]
+fn s_of_a_hole_that_goes_on_does_not_begin_rigid_mode_again() {
+    // The spindle would leave position mode with the tap in its hole.
+    let text = "G84 Z-20 F2 S1000 K198\nG84 Z-30 S500\nC90 S700\nG80";
+    let (kinds, _) = kinds_on(&[("5200.0", "1")], &std::format!("G99\n{text}"));
+    let begins: Vec<_> = kinds
+        .iter()
+        .filter_map(|kind| match kind {
+            CallKind::Spindle(call) if call.mode != SpindleMode::Speed => Some(call.rpm),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(begins, [Rpm::new(1000), Rpm::new(700)]);
+    let speeds: Vec<_> = kinds
+        .iter()
+        .filter_map(|kind| match kind {
+            CallKind::Tap(call) => Some(call.speed),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(speeds, [rpm(1000), rpm(500), rpm(700)]);
+}
+
+#[test]
 fn after_k198_everything_else_is_refused() {
     const IN: &str = "M29 S1000\nG84 Z-20 F2000 K198\n";
     for text in [
@@ -537,6 +560,21 @@ fn after_k198_everything_else_is_refused() {
         let text = std::format!("G84 Z-20 F2000 S1000 K198\n{text}");
         let (_, alarm) = read_with(text.as_bytes(), &by_g, Options::default());
         assert_eq!(alarm.expect(&text).code, Code::TapLocked, "{text}");
+    }
+    // The word that changes spindle, lead or cycle is the one to blame.
+    for (text, column) in [
+        ("G84 Z-30 E2", 10),
+        ("G84 Z-30 F1000", 10),
+        ("G88 X5 F2000", 1),
+        ("G88", 1),
+    ] {
+        let alarm = alarm(&std::format!("{IN}{text}"));
+        assert_eq!(
+            (alarm.code, alarm.span.line, alarm.span.column),
+            (Code::TapLocked, 3, column),
+            "{text}"
+        );
+        assert!(alarm.word.is_some(), "{text}");
     }
     for text in ["", "G4 X1", "%"] {
         let alarm = alarm(&std::format!("{IN}{text}"));
