@@ -44,7 +44,10 @@ impl Taps {
         self.deepest_urev = self.deepest_urev.max(now.turned_urev.abs());
         self.skew_nm = self.skew_nm.max(now.skew_nm.abs());
         self.turns_urev = self.turns_urev.saturating_add(turned);
-        self.fastest_urev = self.fastest_urev.max(turned);
+        // An ordinary tap is first seen some way below R, on its lead at full speed.
+        if going_on {
+            self.fastest_urev = self.fastest_urev.max(turned);
+        }
         self.travel_nm = self.travel_nm.saturating_add(distance(&from));
     }
 
@@ -119,6 +122,21 @@ mod tests {
             taps.words(1000).unwrap().en,
             "1 turns deep; 1.01 turns and 2.02 mm in and out; up to 60000 rpm; worst skew of axis and spindle 0.002 µm"
         );
+    }
+
+    #[test]
+    fn the_way_onto_the_lead_is_no_speed() {
+        let mut taps = Taps::default();
+        for (depth_nm, turned_urev) in [(90_000, 36_000), (98_000, 39_200)] {
+            taps.push(Some(TapPlace {
+                depth_nm,
+                turned_urev,
+                skew_nm: 0,
+            }));
+        }
+        // 3200 millionths of a turn in a millisecond.
+        assert_eq!(taps.fastest(1000), 192_000_000);
+        assert_eq!((taps.turns_urev, taps.travel_nm), (39_200, 98_000));
     }
 
     #[test]
