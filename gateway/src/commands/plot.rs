@@ -123,13 +123,18 @@ struct Watcher {
     tick_us: f64,
     summary: Summary,
     series: Envelope,
-    spindle: Option<i64>,
+    /// The spindle in the picture and its angle in the tick before.
+    spindle: Option<(u8, i64)>,
 }
 
 impl Observer for Watcher {
     fn setpoint(&mut self, point: &Setpoint) -> Outcome {
         let [x, z, _] = self.summary.push(point);
-        let turned = point.s1_urev - self.spindle.replace(point.s1_urev).unwrap_or(point.s1_urev);
+        let spindle = point.turning_spindle();
+        let turned = match self.spindle.replace(spindle) {
+            Some((number, angle)) if number == spindle.0 => spindle.1 - angle,
+            _ => 0,
+        };
         // Nanometres a tick to millimetres a minute, millionths of a turn a tick to turns a minute.
         let minute = 60e6 / self.tick_us;
         self.series.push(&Sample {

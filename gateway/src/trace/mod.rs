@@ -44,6 +44,18 @@ pub struct Setpoint {
     pub tap: Option<TapPlace>,
 }
 
+impl Setpoint {
+    /// The spindle that has work, and its true angle in millionths of a turn: one of 2 to 4 while it taps, else spindle 1.
+    pub fn turning_spindle(&self) -> (u8, i64) {
+        let tapping = (2..)
+            .zip(&self.tappers)
+            .find(|(_, spindle)| spindle.set_urev.is_some());
+        tapping.map_or((1, self.s1_urev), |(number, spindle)| {
+            (number, spindle.urev)
+        })
+    }
+}
+
 /// A spindle that only taps, at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SpindlePoint {
@@ -62,4 +74,25 @@ pub struct TapPlace {
     pub turned_urev: i64,
     /// Tap axis minus where it should be at that angle, nanometres.
     pub skew_nm: i64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spindle_that_taps_is_the_one_that_turns() {
+        let tapper = |urev, set_urev| SpindlePoint { urev, set_urev };
+        let mut point = Setpoint {
+            s1_urev: 7,
+            tappers: [tapper(20, None), tapper(30, None), tapper(40, None)],
+            ..Setpoint::default()
+        };
+        assert_eq!(point.turning_spindle(), (1, 7));
+        point.s1_set_urev = Some(7);
+        assert_eq!(point.turning_spindle(), (1, 7));
+        point.s1_set_urev = None;
+        point.tappers[1].set_urev = Some(31);
+        assert_eq!(point.turning_spindle(), (3, 30));
+    }
 }

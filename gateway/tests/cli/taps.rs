@@ -96,6 +96,23 @@ fn pictures_show_depth_and_spindle_angle() {
 }
 
 /// The axis follows the measured spindle: no commanded angle, and the error is that of the locked part.
+/// The speed in a picture is that of the spindle that taps, whichever it is.
+#[test]
+fn a_picture_of_another_spindle_is_the_same() {
+    let folder = Folder::new("plot-spindles");
+    let svg = |name: &str, args: &[&str]| {
+        let picture = folder.file(name);
+        let mut all = vec!["plot", "examples/g84-tap.nc", "-o", &picture];
+        all.extend_from_slice(args);
+        let output = leadscrew(&all);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        std::fs::read_to_string(&picture).unwrap()
+    };
+    let first = svg("1.svg", &[]);
+    assert!(first.contains("line rpm"));
+    assert!(first == svg("2.svg", &["--signal", "SWS2=1"]));
+}
+
 #[test]
 fn an_ordinary_tap_is_judged_by_the_measured_spindle() {
     let result = simulated(&["examples/g84-floating.nc", "--spindle-ripple", "5@5"]);
