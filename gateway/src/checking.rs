@@ -19,6 +19,7 @@ use crate::number;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::words::{Both, both};
 
 /// What is known of one program after looking at all of it.
 #[derive(Debug, Default)]
@@ -307,35 +308,46 @@ impl CycleReport {
     }
 
     /// One line for a person.
-    pub fn text(&self) -> String {
+    pub fn text(&self) -> Both {
+        let (line, cycle) = (self.line, self.cycle);
         let time = number::rounded::<6>(self.time_us, 1);
         if let Some(speed) = self.tap_speed {
-            let join = self.tap_lead_in_nm.map_or(String::new(), |lead_in| {
+            let join = self.tap_lead_in_nm.map_or(Both::default(), |lead_in| {
                 let lead_in = number::rounded::<6>(lead_in, 3);
-                format!("R at least {lead_in} mm before the material; ")
+                both!(
+                    "R at least {lead_in} mm before the material; ",
+                    "R 至少在材料前 {lead_in} mm；"
+                )
             });
-            return format!(
-                "line {}: {}, {}, {time} s; {join}up to {} rpm",
-                self.line,
-                self.cycle,
-                plural(self.passes, "hole"),
-                number::rounded::<2>(speed, 1),
+            return both!(
+                "line {line}: {cycle}, {holes}, {time} s; {join_en}up to {rpm} rpm",
+                "第 {line} 行：{cycle}，{passes} 个孔，{time} s；{join_zh}最高 {rpm} r/min",
+                holes = plural(self.passes, "hole"),
+                passes = self.passes,
+                join_en = join.en,
+                join_zh = join.zh,
+                rpm = number::rounded::<2>(speed, 1),
             );
         }
         let Some(thread) = &self.thread else {
-            let columns = plural(self.passes, "column");
-            return format!("line {}: {}, {columns}, {time} s", self.line, self.cycle);
+            return both!(
+                "line {line}: {cycle}, {columns}, {time} s",
+                "第 {line} 行：{cycle}，{passes} 列，{time} s",
+                columns = plural(self.passes, "column"),
+                passes = self.passes,
+            );
         };
-        format!(
-            "line {}: {}, {}, {time} s; start at least {} mm before the material (largest Z shift {} + lead-in {}); \
-             up to {} rpm",
-            self.line,
-            self.cycle,
-            plural(self.passes, "pass"),
-            number::rounded::<6>(thread.start_before_nm, 3),
-            number::rounded::<6>(thread.z_shift_max_nm, 3),
-            number::rounded::<6>(thread.lead_in_nm, 3),
-            thread.rpm_max,
+        both!(
+            "line {line}: {cycle}, {plural}, {time} s; start at least {before} mm before the material (largest Z shift \
+             {shift} + lead-in {lead_in}); up to {rpm} rpm",
+            "第 {line} 行：{cycle}，{passes} 刀，{time} s；起点至少在材料前 {before} mm（Z 向最大偏移 {shift} + 导入段 \
+             {lead_in}）；最高 {rpm} r/min",
+            plural = plural(self.passes, "pass"),
+            passes = self.passes,
+            before = number::rounded::<6>(thread.start_before_nm, 3),
+            shift = number::rounded::<6>(thread.z_shift_max_nm, 3),
+            lead_in = number::rounded::<6>(thread.lead_in_nm, 3),
+            rpm = thread.rpm_max,
         )
     }
 }

@@ -9,6 +9,7 @@ use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::words::both;
 
 /// Checks programs and reports on all of them.
 pub fn run(setup: &Setup, args: &Check) -> Outcome {
@@ -48,23 +49,39 @@ fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
     for diagnostic in report.alarms.iter().chain(&report.warnings) {
         diagnostics::print(diagnostic, setup.colour);
     }
-    let verdict = match (report.alarms.len(), report.warnings.len()) {
-        (0, 0) => "ok".to_owned(),
-        (0, warnings) => format!("ok, {}", plural(warnings as u64, "warning")),
-        (alarms, 0) => plural(alarms as u64, "alarm"),
-        (alarms, warnings) => {
-            format!(
-                "{}, {}",
-                plural(alarms as u64, "alarm"),
-                plural(warnings as u64, "warning")
-            )
-        }
+    let (alarms, warnings) = (report.alarms.len() as u64, report.warnings.len() as u64);
+    let verdict = match (alarms, warnings) {
+        (0, 0) => both!("ok", "正常"),
+        (0, _) => both!(
+            "ok, {words}",
+            "正常，{warnings} 个警告",
+            words = plural(warnings, "warning")
+        ),
+        (_, 0) => both!(
+            "{words}",
+            "{alarms} 个报警",
+            words = plural(alarms, "alarm")
+        ),
+        _ => both!(
+            "{first}, {second}",
+            "{alarms} 个报警，{warnings} 个警告",
+            first = plural(alarms, "alarm"),
+            second = plural(warnings, "warning")
+        ),
     };
-    let moves = plural(report.moves, "move");
-    let mut text = format!("{}: {verdict}; {moves}\n", source.name());
+    let (name, lang) = (source.name(), setup.lang);
+    let line = both!(
+        "{name}: {en}; {moves}\n",
+        "{name}：{zh}；移动 {count} 段\n",
+        en = verdict.en,
+        zh = verdict.zh,
+        moves = plural(report.moves, "move"),
+        count = report.moves
+    );
+    let mut text = line.get(lang).to_owned();
     for cycle in &report.cycles {
         text.push_str("  ");
-        text.push_str(&cycle.text());
+        text.push_str(cycle.text().get(lang));
         text.push('\n');
     }
     io::stdout()

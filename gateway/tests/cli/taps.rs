@@ -96,6 +96,35 @@ fn pictures_show_depth_and_spindle_angle() {
 }
 
 /// The axis follows the measured spindle: no commanded angle, and the error is that of the locked part.
+#[test]
+fn checks_are_in_the_language_asked_for() {
+    let check = |program: &str, lang: &str| stdout(&leadscrew(&["check", program, "--lang", lang]));
+    for (program, english, chinese) in [
+        (
+            "examples/g84-tap.nc",
+            "G84, 1 hole, 7 s; up to 1000 rpm\n",
+            "G84，1 个孔，7 s；最高 1000 r/min\n",
+        ),
+        (
+            "examples/g84-floating.nc",
+            "mm before the material; up to ",
+            " mm；最高 ",
+        ),
+        ("examples/o0008-g75-grooves.nc", "10 columns, ", "，10 列，"),
+        ("examples/o0013-g76-m68x6.nc", "6 passes, ", "，6 刀，"),
+    ] {
+        let (en, zh) = (check(program, "en"), check(program, "zh"));
+        assert!(en.contains(english), "{en}");
+        assert!(zh.contains(chinese), "{zh}");
+        for word in [
+            "line", "move", "hole", "pass", "column", "least", "ok", "up to",
+        ] {
+            let beside = zh.replace(program, "");
+            assert!(!beside.contains(word), "{word}: {zh}");
+        }
+    }
+}
+
 /// The speed in a picture is that of the spindle that taps, whichever it is.
 #[test]
 fn a_picture_of_another_spindle_is_the_same() {
