@@ -423,17 +423,6 @@ impl Ticker {
     }
 
     fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_, '_>) {
-        let Err(alarm) = self.advance(setpoint, ends) else {
-            return;
-        };
-        self.raise(&alarm, ends);
-        // The axes brake from this tick on: one in which they stood would be a blow. What could fail is over.
-        let _ = self.advance(setpoint, ends);
-    }
-
-    /// One tick of the executor.
-    #[inline(never)]
-    fn advance(&mut self, setpoint: &mut Setpoint, ends: &Ends<'_, '_>) -> Result<(), Alarm> {
         let conditions = Conditions {
             observer: &self.observer,
             ahead_x: self.ahead_x,
@@ -444,7 +433,9 @@ impl Ticker {
             more: self.source == Source::Program && has_second(ends.segments),
         };
         let current = ends.current(self.source);
-        self.executor.tick(&conditions, current, setpoint)
+        if let Err(alarm) = self.executor.tick(&conditions, current, setpoint) {
+            self.raise(&alarm, ends);
+        }
     }
 
     fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {

@@ -315,7 +315,7 @@ impl Executor {
     /// # Errors
     /// What the spindle does not do for a stroke: [`NoIndex`](crate::alarm::Code::NoIndex),
     /// [`SpindleNotArrived`](crate::alarm::Code::SpindleNotArrived), and what
-    /// [`ThreadRun::start`] refuses. The axes stand then.
+    /// [`ThreadRun::start`] refuses. The setpoint is the first of the way to rest then; [`stop`](Self::stop) goes on with it.
     pub fn tick(
         &mut self,
         now: &Conditions<'_>,

@@ -105,6 +105,7 @@ impl Executor {
         let backwards = turning && speed.is_negative() != plan.is_reverse();
         let too_fast = speed.abs() > plan.speed_limit();
         let as_planned = turning && !backwards && !too_fast;
+        let mut alarm = None;
         if as_planned || !run.is_led() {
             self.astray = 0;
         } else {
@@ -119,11 +120,13 @@ impl Executor {
             self.astray = self.astray.saturating_add(1);
             if self.astray > patience {
                 self.astray = 0;
-                return Err(if too_fast {
+                alarm = Some(if too_fast {
                     plan.too_fast(speed)
                 } else {
                     Alarm::new(Code::SpindleStopped, self.span)
                 });
+                // The axes brake from this tick on: one in which they stood would be a blow.
+                run.stop(plan);
             }
         }
         let (long, short) = if plan.long_x() {
@@ -149,10 +152,13 @@ impl Executor {
             }
             Phase::Joining | Phase::Locked | Phase::Braking => Motion::Run,
         };
-        Ok(Done {
-            motion,
-            locked: point.phase == Phase::Locked,
-            offset: u32::from(point.move_index),
-        })
+        match alarm {
+            Some(alarm) => Err(alarm),
+            None => Ok(Done {
+                motion,
+                locked: point.phase == Phase::Locked,
+                offset: u32::from(point.move_index),
+            }),
+        }
     }
 }
