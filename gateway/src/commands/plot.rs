@@ -97,10 +97,14 @@ fn path(setup: &Setup, source: &SourceFile) -> Outcome<Vec<Stroke>> {
     let mut hole = Hole::new(setup.tap);
     while let Some(Ok(event)) = program.next_event().map_err(unreadable)? {
         let Event::Call(call) = event else { continue };
-        for step in cycle::expand(&call, &setup.context(at, &hole))
-            .into_iter()
-            .flatten()
-        {
+        // It has been checked: nothing is refused here.
+        let Ok(moves) = cycle::expand(&call, &setup.context(at, &hole)) else {
+            continue;
+        };
+        if hole.admit(&call, &moves).is_err() {
+            continue;
+        }
+        for step in moves {
             drawing.push(&step, &call.origin);
             hole.push(&step);
             at = step.to;
