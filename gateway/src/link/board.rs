@@ -25,6 +25,8 @@ const ENTRIES: Object = Object::new(0x5040, 3);
 const CERTIFICATE: Object = Object::new(0x5041, 0);
 const SIGNALS: Object = Object::new(0x5060, 0);
 
+/// Readings of the event log before a gap in it is believed.
+const LOG_TRIES: u32 = 5;
 /// `LSCW`.
 const LEADSCREW: u32 = 0x4C53_4357;
 /// A status is due every 10 ms by default.
@@ -260,15 +262,28 @@ impl Link {
 
     /// The entries of the event log behind number `last`, as many as one reading holds.
     ///
+    /// Where to read from is one object for all clients: another one may have moved it in between. So a reading that does
+    /// not begin right behind `last` is made again, until it is clear that older entries had to go.
+    ///
     /// # Errors
     /// [`Trouble::Strange`].
     pub fn events_behind(&mut self, last: u32) -> LinkResult<Vec<Logged>> {
-        self.write(FROM, &last.saturating_add(1).to_le_bytes())?;
-        let bytes = self.read(ENTRIES)?;
-        let read: Result<Vec<Logged>, _> = EventReader::new(&bytes).collect();
-        let mut entries = read.map_err(|_| self.strange(ENTRIES))?;
-        // Another reader may have asked for others in between.
-        entries.retain(|entry| entry.number > last);
+        let mut entries = Vec::new();
+        for _ in 0..LOG_TRIES {
+            self.write(FROM, &last.saturating_add(1).to_le_bytes())?;
+            self.keeps_turn = true;
+            let bytes = self.read(ENTRIES)?;
+            let read: Result<Vec<Logged>, _> = EventReader::new(&bytes).collect();
+            entries = read.map_err(|_| self.strange(ENTRIES))?;
+            entries.retain(|entry| entry.number > last);
+            let complete = match entries.first() {
+                Some(first) => first.number == last.saturating_add(1),
+                None => self.newest_event()? <= last,
+            };
+            if complete {
+                break;
+            }
+        }
         Ok(entries)
     }
 

@@ -117,6 +117,8 @@ pub struct Link {
     beat: Option<Beat>,
     /// For an answer of the board.
     patience: Duration,
+    /// The next transfer belongs to the one before: no other client is let in between.
+    keeps_turn: bool,
     /// What has been heard.
     pub seen: Seen,
 }
@@ -149,6 +151,7 @@ impl Link {
             health: Health::default(),
             beat: None,
             patience: Duration::from_secs(1),
+            keeps_turn: false,
             seen: Seen::default(),
         }
     }

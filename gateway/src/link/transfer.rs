@@ -13,7 +13,7 @@ use leadscrew_core::bus::{
 use super::{Link, LinkResult, Trouble};
 
 /// Tries where somebody else is in the way.
-const TRIES: u32 = 8;
+const TRIES: u32 = 12;
 /// So long after another client's last request its transfer is over.
 const QUIET: Duration = Duration::from_millis(8);
 /// The longest wait for that.
@@ -169,7 +169,9 @@ impl Link {
         let mut tries = 0;
         let mut silences = 0;
         loop {
-            self.wait_for_silence()?;
+            if !std::mem::take(&mut self.keeps_turn) {
+                self.wait_for_silence()?;
+            }
             let error = match once(self)? {
                 Ok(()) => return Ok(()),
                 Err(error) => error,

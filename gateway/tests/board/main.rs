@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use leadscrew::link::Link;
+use leadscrew_core::bus::{NodeId, Object};
 use serde_json::Value;
 
 use server::{Options, Server};
@@ -293,4 +295,41 @@ fn what_only_a_simulated_machine_can_do_is_a_usage_error() {
         let told = bad(&leadscrew(args, "slcan:tcp:127.0.0.1:1"), 2);
         assert!(told.starts_with("error: `"), "{told}");
     }
+}
+
+/// A second reader of the event log moves the place to read from: nothing of the log is lost on the first one.
+#[test]
+fn two_clients_read_the_event_log_without_losing_any_of_it() {
+    let server = Server::start(&Options {
+        speed: 8,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let open = || Link::open(&bus.parse().unwrap(), NodeId::BOARD).unwrap();
+    let run = Run::start("examples/shaft.nc", &bus);
+    let ends = Instant::now() + Duration::from_secs(6);
+    let mut other = open();
+    let meddler = std::thread::spawn(move || {
+        while Instant::now() < ends {
+            // Only the newest one.
+            let newest = other.newest_event().unwrap();
+            let from = Object::new(0x5040, 2);
+            other.write(from, &newest.to_le_bytes()).unwrap();
+            other.idle(Duration::from_millis(25)).unwrap();
+        }
+    });
+    let mut link = open();
+    let mut last = 0;
+    while Instant::now() < ends {
+        for entry in link.events_behind(last).unwrap() {
+            assert_eq!(entry.number, last + 1);
+            last = entry.number;
+        }
+        link.idle(Duration::from_millis(10)).unwrap();
+    }
+    meddler.join().unwrap();
+    assert!(last > 20, "{last}");
+    let output = run.end();
+    let ran = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{ran}");
 }
