@@ -2,6 +2,7 @@
 //!
 //! - A tick waits for the program: while more of it is to come and there is room for it, time stands still.
 //! - A tick waits for the answers of the drives that are elsewhere, where one is due.
+//! - A tick waits for the gateway's heartbeat, where the machine would outrun it: a gateway that is there is not lost.
 //! - A machine with nothing to do goes on in turns of the SYNC counter, 240 ticks each, one after another in real time;
 //!   so every program begins at the same count, and its frames are the same whenever it is started.
 
@@ -40,6 +41,7 @@ pub fn run(mut machine: Machine) -> Outcome {
             if up.is_some() && !wait_for_program(&mut machine)? {
                 continue;
             }
+            wait_for_gateway(&mut machine)?;
             step(&mut machine, &mut drives)?;
             if machine.is_held() || up.is_none() {
                 // Nothing but a person or a drive ends this: at the pace of either.
@@ -72,6 +74,14 @@ fn wait_for_program(machine: &mut Machine) -> Outcome<bool> {
         machine.listen(Duration::from_millis(50))?;
     }
     Ok(true)
+}
+
+/// Lets a gateway that is there say so before it counts as lost in virtual time.
+fn wait_for_gateway(machine: &mut Machine) -> Outcome {
+    while machine.outruns_gateway(LOST) && !interrupt::requested() {
+        machine.listen(Duration::from_millis(20))?;
+    }
+    Ok(())
 }
 
 /// What is known of a drive that is elsewhere.

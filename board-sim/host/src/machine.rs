@@ -2,7 +2,7 @@
 
 use std::io::{self, Write as _};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use leadscrew::diagnostics::Diagnostic;
 use leadscrew::failure::{Failure, Outcome};
@@ -43,6 +43,10 @@ pub struct Machine {
     tick_us: u32,
     /// Ticks since power-up.
     ticks: u64,
+    /// The tick of the gateway's newest heartbeat, and when that was.
+    beat: Option<(u64, Instant)>,
+    /// Ticks without one after which it counts as lost; 0: never.
+    silence: u64,
     /// Ticks up to and with tick 0: the first in which the machine is up and stands.
     up: Option<u64>,
     last: Option<u64>,
@@ -89,6 +93,7 @@ impl Machine {
             .zip(options.away)
             .filter_map(|(node, away)| away.then_some(node))
             .collect();
+        let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
         let wire = Wire::open(args.common.address(), args.lose, args.seed)?;
         say(&format!(
             "node {} on {}, tick {} µs, {}{}",
@@ -126,6 +131,8 @@ impl Machine {
             transmission: args.common.transmission,
             tick_us: params.tick_us(),
             ticks: 0,
+            beat: None,
+            silence,
             up: None,
             last: args.ticks,
             late: 0,
@@ -164,7 +171,9 @@ impl Machine {
     /// once.
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
         let (board, waiting, away) = (&mut self.board, &mut self.waiting, &self.away);
+        let mut beat = false;
         let count = self.wire.listen(patience, |frame| {
+            beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
             if board.receive(frame)
                 && let Some((_, node)) = frame.id().service()
                 && away.contains(&node)
@@ -172,10 +181,22 @@ impl Machine {
                 waiting.push(*frame);
             }
         })?;
+        if beat {
+            self.beat = Some((self.ticks, Instant::now()));
+        }
         if count > 0 {
             self.serve(0)?;
         }
         Ok(count > 0)
+    }
+
+    /// True where the gateway would soon count as lost in virtual time, and has been heard within this real time.
+    pub fn outruns_gateway(&self, patience: Duration) -> bool {
+        self.beat.is_some_and(|(tick, when)| {
+            self.silence > 0
+                && self.ticks.saturating_sub(tick) > self.silence / 2
+                && when.elapsed() < patience
+        })
     }
 
     /// True where this drive's status is among what waits for the next tick.

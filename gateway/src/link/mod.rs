@@ -18,7 +18,7 @@ mod trouble;
 use std::collections::{BTreeSet, VecDeque};
 use std::time::{Duration, Instant};
 
-use leadscrew_can::{Address, BitRate, Can, Health, Received};
+use leadscrew_can::{Address, BitRate, Can, Filter, Health, Received};
 use leadscrew_core::bus::{
     BoardPlace, BoardSpindle, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Service,
 };
@@ -177,6 +177,17 @@ impl Link {
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.can.dropped().unwrap_or(0)
+    }
+
+    /// Takes from now on only what the board says or is told, and every heartbeat: setpoints and drives' answers are most of
+    /// what is on a bus, and mean nothing here.
+    ///
+    /// # Errors
+    /// The bus does not take the filters.
+    pub(super) fn listen_to_board(&mut self) -> LinkResult {
+        self.can
+            .listen_for(&[Filter::node(self.node), Filter::service(Service::Heartbeat)])
+            .map_err(Trouble::Can)
     }
 
     /// Says that this side is alive from now on; the board watches for it.

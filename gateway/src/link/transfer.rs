@@ -179,6 +179,8 @@ impl Link {
             tries += 1;
             silences += u32::from(error == SdoError::TimedOut);
             if tries == TRIES || silences == 3 || !may_be_another_client(error) {
+                // A board that says nothing at all any more is more than a transfer that failed.
+                self.check_alive()?;
                 return Err(Trouble::Transfer {
                     node: self.node.get(),
                     object,
