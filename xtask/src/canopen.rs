@@ -2,7 +2,7 @@
 //! environment below the build folder.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
@@ -54,6 +54,19 @@ pub fn python() -> Result<PathBuf> {
     Ok(python)
 }
 
+/// Writes the data sheet that this program prints. Gives the file.
+pub fn sheet(leadscrew: &Path) -> Result<PathBuf> {
+    let args = ["params", "docs", "--eds"];
+    let sheet = run::read(run::command(
+        &run::root(),
+        &leadscrew.to_string_lossy(),
+        &args,
+    ))?;
+    let eds = run::scratch("canopen")?.join("leadscrew.eds");
+    fs::write(&eds, sheet).with_context(|| format!("cannot write {}", eds.display()))?;
+    Ok(eds)
+}
+
 /// Runs the tests. Gives how many passed.
 pub fn check() -> Result<u64> {
     let python = python()?;
@@ -67,10 +80,7 @@ pub fn check() -> Result<u64> {
     let built = root.join("target").join("debug");
     let node = built.join("examples").join("canopen_node");
     let leadscrew = built.join("leadscrew");
-    let args = ["params", "docs", "--eds"];
-    let sheet = run::read(run::command(&root, &leadscrew.to_string_lossy(), &args))?;
-    let eds = run::scratch("canopen")?.join("leadscrew.eds");
-    fs::write(&eds, sheet).with_context(|| format!("cannot write {}", eds.display()))?;
+    let eds = sheet(&leadscrew)?;
     let mut unittest = run::command(
         &tests(),
         &python.to_string_lossy(),

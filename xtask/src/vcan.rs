@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 
-use crate::{run, setup};
+use crate::{canopen, run, setup};
 
 /// The interface that everything uses.
 pub const INTERFACE: &str = "vcan0";
@@ -213,11 +213,22 @@ pub fn tests(profile: &[&str], filter: &str, seen: impl FnMut(&str)) -> Result<b
         .find(|message| message["target"]["name"] == "vcan" && message["executable"].is_string())
         .and_then(|message| message["executable"].as_str().map(str::to_owned))
         .context("cargo named no program of the tests on vcan")?;
+    // Built beside the tests, in the folder above theirs.
+    let leadscrew = Path::new(&program)
+        .ancestors()
+        .nth(2)
+        .context("the program of the tests lies in no folder")?
+        .join("leadscrew");
+    let (python, eds) = (canopen::python()?, canopen::sheet(&leadscrew)?);
     println!("{}", place().name());
     // They share one bus.
     run(
         "tests",
-        &format!("'{program}' --test-threads=1 --color=never {filter}"),
+        &format!(
+            "CANOPEN_PYTHON='{}' CANOPEN_EDS='{}' '{program}' --test-threads=1 --color=never {filter}",
+            python.display(),
+            eds.display()
+        ),
         seen,
     )
 }

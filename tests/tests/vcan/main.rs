@@ -5,6 +5,11 @@
 
 mod board;
 mod bus;
+mod machine;
+mod mistakes;
+mod operate;
 mod other;
+mod python;
 mod record;
+mod run;
 mod socket;

@@ -1,0 +1,102 @@
+"""A board on `vcan0` against the Python packages `canopen` and `python-can`: its services, and its process data by its own
+data sheet (CANOPEN_EDS). BOARD_SIM is the board's program. `cargo xtask vcan` runs this where there is a bus."""
+
+import os
+import subprocess
+import time
+import unittest
+
+import canopen
+
+BOARD = [os.environ["BOARD_SIM"], "--bus", "vcan0", "--set", "9000=5000"]
+IMAGE = 0x5010
+FAULT = "X=fault:7305@600"
+
+
+class BoardTest(unittest.TestCase):
+    def start(self, *more):
+        self.board = subprocess.Popen(BOARD + list(more), stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end)
+        for line in self.board.stderr:
+            if "ready" in line:
+                break
+
+    def end(self):
+        self.board.kill()
+        self.board.wait()
+        self.board.stderr.close()
+
+    def setUp(self):
+        self.network = canopen.Network()
+        self.network.connect(interface="socketcan", channel="vcan0")
+        self.addCleanup(self.network.disconnect)
+        self.node = canopen.RemoteNode(1, os.environ["CANOPEN_EDS"])
+        self.network.add_node(self.node)
+        self.node.sdo.RESPONSE_TIMEOUT = 5.0
+
+    def until(self, happened):
+        deadline = time.time() + 20
+        while not happened():
+            self.assertLess(time.time(), deadline, "it did not happen")
+            time.sleep(0.02)
+
+    def refused(self, code, action):
+        with self.assertRaises(canopen.SdoAbortedError) as caught:
+            action()
+        self.assertEqual(f"{caught.exception.code:08X}", f"{code:08X}")
+
+    def test_network_management_and_transfers(self):
+        heard = []
+        self.network.subscribe(0x701, lambda _, data, __: heard.append(bytes(data)))
+        self.start()
+        self.until(lambda: b"\0" in heard and b"\x7f" in heard)
+        self.node.nmt.state = "OPERATIONAL"
+        self.until(lambda: self.node.nmt.wait_for_heartbeat(5) == "OPERATIONAL")
+
+        sdo = self.node.sdo
+        # Expedited and segmented.
+        self.assertEqual(sdo[0x1018][2].raw, 0x4C53_4357)
+        self.assertTrue(sdo.upload(0x1008, 0).startswith(b"Leadscrew"))
+        # A parameter: No. 19, run-out of threads.
+        before = sdo[0x2000 + 19].raw
+        sdo[0x2000 + 19].raw = before + 1
+        self.until(lambda: sdo[0x2000 + 19].raw == before + 1)
+
+        # The parameter set, by blocks with CRC and by segments: the same bytes.
+        with sdo.open(IMAGE, 1, "rb", block_transfer=True) as stream:
+            image = stream.read()
+        self.assertGreater(len(image), 200)
+        self.assertEqual(image, sdo.upload(IMAGE, 1))
+
+        # Abort codes of wrong requests.
+        self.refused(0x0602_0000, lambda: sdo.upload(0x2FFF, 0))
+        self.refused(0x0609_0011, lambda: sdo.upload(0x1018, 9))
+        self.refused(0x0601_0002, lambda: sdo.download(0x1000, 0, b"\0\0\0\0"))
+        self.refused(0x0601_0001, lambda: sdo.upload(0x5020, 1))
+        top = self.node.object_dictionary[0x2000 + 19].max
+        self.refused(0x0609_0031, lambda: setattr(sdo[0x2000 + 19], "raw", top + 1))
+
+        # Process data, decoded with the sheet.
+        self.node.tpdo.read()
+        for number in (1, 2, 3):
+            self.assertIsNotNone(self.node.tpdo[number].wait_for_reception(5), number)
+        self.until(lambda: self.node.tpdo[1]["Status.state"].raw == 1)
+        self.assertEqual(self.node.tpdo[1]["Status.alarm"].raw, 0)
+        self.assertEqual(self.node.tpdo[2]["Status.line"].raw, 0)
+        self.assertEqual(self.node.tpdo[3]["Status.spindle speed"].raw, 0)
+
+        self.node.nmt.state = "RESET COMMUNICATION"
+        self.node.nmt.wait_for_bootup(10)
+
+    def test_emergency_of_an_alarm(self):
+        self.start("--trouble", FAULT)
+        self.until(lambda: self.node.emcy.log)
+        error = self.node.emcy.log[0]
+        self.assertEqual((error.code, error.register), (0xFF00, 0x81))
+        number = int.from_bytes(error.data[:2], "little")
+        self.assertTrue(4000 <= number < 5000, number)
+        self.assertEqual(self.node.sdo.upload(0x1001, 0), b"\x81")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,88 @@
+//! An operator at a second terminal while a program runs.
+
+use std::fs::File;
+use std::io::BufReader;
+
+use leadscrew_can::LogReader;
+
+use crate::bus::{eventually, scratch, sockets_on, tool};
+use crate::machine::{
+    Board, bad, command, err, example, field, finish, good, interrupt, leadscrew, out, run,
+    wait_for_status,
+};
+
+/// A tick at which a kernel booted as a program keeps up.
+const SLOW: [&str; 2] = ["--set", "9000=5000"];
+
+#[test]
+fn hold_overrides_signals_and_resume_act_while_everything_is_recorded() {
+    let _board = Board::start(&SLOW);
+    let log = scratch("operated.log");
+    let before = sockets_on("vcan0");
+    let recorder = command(&["record", "-o", log.to_str().unwrap()])
+        .spawn()
+        .unwrap();
+    eventually("the recorder listens", || sockets_on("vcan0") > before);
+    let running = run(&example("g84-tap.nc"), &[]);
+    wait_for_status("the program runs", |status| {
+        field(status, "program") == "true" && field(status, "line") != "0"
+    });
+    good(&leadscrew(&["hold"]));
+    let told = good(&leadscrew(&["override", "feed", "50"]));
+    assert_eq!(told, "node 1: feed override 50 %\n");
+    good(&leadscrew(&["signal", "SWS1=1"]));
+    let status = wait_for_status("it holds", |status| field(status, "hold") == "true");
+    assert_eq!(field(&status, "feed"), "50");
+    assert_eq!(field(&status, "signals"), "16");
+    good(&leadscrew(&["override", "feed", "100"]));
+    good(&leadscrew(&["resume"]));
+    let output = finish(running);
+    assert_eq!(field(&good(&output), "ok"), "true");
+    interrupt(&recorder);
+    finish(recorder);
+
+    // What was recorded is played to whoever listens, complete.
+    let lines = LogReader::new(BufReader::new(File::open(&log).unwrap())).count();
+    assert!(lines > 1000, "{lines}");
+    let played = scratch("played-again.log");
+    drop(_board);
+    let before = sockets_on("vcan0");
+    let recorder = command(&["record", "-o", played.to_str().unwrap()])
+        .args(["--count", &lines.to_string()])
+        .spawn()
+        .unwrap();
+    eventually("the recorder listens", || sockets_on("vcan0") > before);
+    tool("canplayer", &["-t", "-I", log.to_str().unwrap()]);
+    finish(recorder);
+    let packets = |path| -> Vec<_> {
+        LogReader::new(BufReader::new(File::open(path).unwrap()))
+            .map(|entry| entry.unwrap_or_else(|wrong| panic!("{wrong}")).packet)
+            .collect()
+    };
+    assert!(packets(&log) == packets(&played), "played otherwise");
+}
+
+#[test]
+fn a_stop_in_a_hole_is_an_alarm_and_retract_brings_the_tap_out() {
+    let _board = Board::start(&SLOW);
+    let running = run(&example("g84-tap.nc"), &[]);
+    // In the hole: on the way down, beyond the surface.
+    wait_for_status("the tap is in its hole", |status| {
+        status.contains("\"in_hole\":true")
+    });
+    good(&leadscrew(&["stop"]));
+    let output = finish(running);
+    let words = bad(&output, 4);
+    assert!(words.contains("4300"), "{words}");
+    assert!(out(&output).contains("\"ok\":false"), "{}", err(&output));
+    let refused = bad(&leadscrew(&["retract"]), 4);
+    assert!(refused.contains("leadscrew reset"), "{refused}");
+    wait_for_status("it stands", |status| field(status, "state") == "alarm");
+    good(&leadscrew(&["reset"]));
+    wait_for_status("it is ready again", |status| {
+        field(status, "state") == "idle"
+    });
+    good(&leadscrew(&["retract"]));
+    let status = good(&leadscrew(&["status", "--json"]));
+    assert!(!status.contains("\"in_hole\":true"), "{status}");
+}

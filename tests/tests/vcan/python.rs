@@ -1,0 +1,27 @@
+//! A board on the bus against other people's CANopen: the Python packages `canopen` and `python-can`.
+
+use std::process::Command;
+
+use crate::bus::ours;
+
+fn given(name: &str) -> String {
+    std::env::var(name).unwrap_or_else(|_| {
+        panic!("the variable {name} is not set; `cargo xtask vcan` prepares Python and the data sheet and sets it")
+    })
+}
+
+#[test]
+fn the_python_package_canopen_operates_a_board() {
+    let output = Command::new("timeout")
+        .arg("90")
+        .arg(given("CANOPEN_PYTHON"))
+        .args(["-B", "-m", "unittest", "on_a_bus"])
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/python"))
+        .env("CANOPEN_EDS", given("CANOPEN_EDS"))
+        .env("BOARD_SIM", ours("board-sim"))
+        .output()
+        .unwrap();
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{report}");
+    assert!(report.contains("Ran 2 tests"), "{report}");
+}

@@ -1,0 +1,149 @@
+//! `leadscrew run` against `board-sim` over the wire: the program goes through the board's memory as it has room, and the
+//! setpoints are those of `--bus sim`.
+
+use std::path::Path;
+
+use crate::bus::{ours, tool};
+use crate::machine::{
+    Board, both, err, example, field, finish, good, interrupt, leadscrew, out, program, run,
+    wait_for_status,
+};
+
+/// What `--bus sim` makes of it.
+fn simulated(path: &Path) -> String {
+    let args = ["run", path.to_str().unwrap(), "--json"];
+    let output = tool(ours("leadscrew").to_str().unwrap(), &args);
+    out(&output)
+}
+
+/// Runs it in virtual time and compares all that the simulation says as well.
+fn same_as_simulated(path: &Path) {
+    let simulated = simulated(path);
+    let board = Board::start(&["--lockstep"]);
+    let ran = good(&leadscrew(&["run", path.to_str().unwrap(), "--json"]));
+    for name in [
+        "ok",
+        "moves",
+        "setpoint_hash",
+        "max",
+        "rms",
+        "late",
+        "warnings",
+    ] {
+        assert_eq!(
+            field(&ran, name),
+            field(&simulated, name),
+            "{name} of {}\n{ran}\n{simulated}\n{}",
+            path.display(),
+            board.words()
+        );
+    }
+    assert_eq!(field(&ran, "late"), "0");
+    let (code, words) = board.interrupt();
+    assert_eq!(code, Some(0), "{words}");
+    assert!(words.contains(" 0 dropped"), "{words}");
+}
+
+#[test]
+fn a_thread_by_g76_has_the_setpoints_of_the_simulation() {
+    same_as_simulated(&example("o0013-g76-m68x6.nc"));
+}
+
+#[test]
+fn grooves_by_g75_have_the_setpoints_of_the_simulation() {
+    let path = program(
+        "grooves.nc",
+        "O0075\nG50 X40 Z20\nM3 S800\nG0 X34 Z-10\nG75 R0.3\nG75 X30 Z-16 P1000 Q6000 F200\nG0 X40 Z20\nM30\n",
+    );
+    same_as_simulated(&path);
+}
+
+#[test]
+fn taps_rigid_and_floating_have_the_setpoints_of_the_simulation() {
+    same_as_simulated(&example("g84-peck.nc"));
+    same_as_simulated(&example("g84-floating.nc"));
+}
+
+#[test]
+fn a_shaft_with_turning_grooves_and_thread_has_the_setpoints_of_the_simulation() {
+    same_as_simulated(&example("shaft.nc"));
+}
+
+/// Calls wait in 4 KiB on the board; this is some fifty times as much.
+#[test]
+fn a_program_far_larger_than_the_board_s_memory_goes_through() {
+    let mut text = String::from("G50 X80 Z20\nM3 S1000\nG0 X60 Z2\nG98 G1 F8000\n");
+    for n in 0..3_000 {
+        text.push_str(&format!("X{} Z{}\n", 60 + n % 2, n % 2));
+        // Words that move nothing fill the memory too.
+        text.push_str("S1000\n");
+    }
+    text.push_str("M30\n");
+    same_as_simulated(&program("long.nc", &text));
+}
+
+/// A board whose time does not run, and one whose time does.
+#[test]
+fn ctrl_c_brings_the_machine_to_rest_and_ends_with_130() {
+    for time in [&["--lockstep"][..], &["--set", "9000=5000"]] {
+        let board = Board::start(time);
+        let running = run(&example("shaft.nc"), &[]);
+        wait_for_status("the program runs", |status| {
+            field(status, "state") == "run" && field(status, "line") != "0"
+        });
+        interrupt(&running);
+        let output = finish(running);
+        assert_eq!(output.status.code(), Some(130), "{}", both(&output));
+        assert!(
+            err(&output).contains("brought to a stop"),
+            "{}",
+            err(&output)
+        );
+        let status = good(&leadscrew(&["status", "--json"]));
+        assert_eq!(field(&status, "state"), "idle", "{status}");
+        assert_eq!(field(&status, "program"), "false", "{status}");
+        assert!(!board.words().contains("alarm"), "{}", board.words());
+        // It is as good as new.
+        good(&leadscrew(&[
+            "run",
+            example("g84-tap.nc").to_str().unwrap(),
+        ]));
+    }
+}
+
+#[test]
+fn a_gateway_that_is_killed_in_a_thread_is_missed_and_the_machine_holds() {
+    let board = Board::start(&["--set", "9000=5000"]);
+    let mut running = run(&example("o0013-g76-m68x6.nc"), &[]);
+    wait_for_status("a stroke runs", |status| {
+        field(status, "state") == "run" && field(status, "sync_error_um") != "null"
+    });
+    running.kill().unwrap();
+    running.wait().unwrap();
+    wait_for_status("the machine holds", |status| {
+        field(status, "state") == "hold"
+    });
+    let events = board.words();
+    assert!(!events.contains("alarm"), "{events}");
+    good(&leadscrew(&["reset"]));
+    wait_for_status("it can be used again", |status| {
+        field(status, "state") == "idle"
+    });
+}
+
+#[test]
+fn a_board_that_is_taken_away_in_mid_run_is_lost() {
+    let board = Board::start(&["--set", "9000=5000"]);
+    let running = run(&example("shaft.nc"), &[]);
+    wait_for_status("the program runs", |status| {
+        field(status, "state") == "run" && field(status, "line") != "0"
+    });
+    board.kill();
+    let output = finish(running);
+    assert_eq!(output.status.code(), Some(3), "{}", both(&output));
+    let words = err(&output);
+    assert!(
+        words.contains("node 1") && words.contains("silent"),
+        "{words}"
+    );
+}
