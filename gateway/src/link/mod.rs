@@ -130,12 +130,15 @@ impl std::fmt::Debug for Link {
 }
 
 impl Link {
-    /// Opens a bus; nothing is said on it yet.
+    /// Opens a bus; nothing is said on it yet. Heard is what the board says and is told, and who else is there: setpoints
+    /// and drives' answers are most of what is on a bus, mean nothing here, and would keep the answers waiting.
     ///
     /// # Errors
     /// What is missing for it.
     pub fn open(address: &Address, node: NodeId) -> LinkResult<Self> {
-        let can = leadscrew_can::open(address, BitRate::M1).map_err(Trouble::Can)?;
+        let mut can = leadscrew_can::open(address, BitRate::M1).map_err(Trouble::Can)?;
+        can.listen_for(&[Filter::node(node), Filter::service(Service::Heartbeat)])
+            .map_err(Trouble::Can)?;
         Ok(Self::on(can, node))
     }
 
@@ -179,15 +182,12 @@ impl Link {
         self.can.dropped().unwrap_or(0)
     }
 
-    /// Takes from now on only what the board says or is told, and every heartbeat: setpoints and drives' answers are most of
-    /// what is on a bus, and mean nothing here.
+    /// Hears everything on the bus from now on.
     ///
     /// # Errors
-    /// The bus does not take the filters.
-    pub(super) fn listen_to_board(&mut self) -> LinkResult {
-        self.can
-            .listen_for(&[Filter::node(self.node), Filter::service(Service::Heartbeat)])
-            .map_err(Trouble::Can)
+    /// The bus does not take it.
+    pub fn hear_everything(&mut self) -> LinkResult {
+        self.can.listen_for(&[]).map_err(Trouble::Can)
     }
 
     /// Says that this side is alive from now on; the board watches for it.

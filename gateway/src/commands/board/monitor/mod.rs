@@ -47,6 +47,8 @@ pub fn monitor(global: &Global) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
+    // The load of the bus is everybody's.
+    link.hear_everything()?;
     let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
     let mut terminal = ratatui::try_init().map_err(|error| Failure::stdout(&error))?;
     let result = watch(global, &mut link, kbit, &mut terminal);
