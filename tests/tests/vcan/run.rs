@@ -5,8 +5,7 @@ use std::path::Path;
 
 use crate::bus::{ours, tool};
 use crate::machine::{
-    Board, both, err, example, field, finish, good, interrupt, leadscrew, out, program, run,
-    wait_for_status,
+    Board, both, err, example, field, finish, good, leadscrew, out, program, run, wait_for_status,
 };
 
 /// What `--bus sim` makes of it.
@@ -78,35 +77,6 @@ fn a_program_far_larger_than_the_board_s_memory_goes_through() {
     }
     text.push_str("M30\n");
     same_as_simulated(&program("long.nc", &text));
-}
-
-/// A board whose time does not run, and one whose time does.
-#[test]
-fn ctrl_c_brings_the_machine_to_rest_and_ends_with_130() {
-    for time in [&["--lockstep"][..], &["--set", "9000=5000"]] {
-        let board = Board::start(time);
-        let running = run(&example("shaft.nc"), &[]);
-        wait_for_status("the program runs", |status| {
-            field(status, "state") == "run" && field(status, "line") != "0"
-        });
-        interrupt(&running);
-        let output = finish(running);
-        assert_eq!(output.status.code(), Some(130), "{}", both(&output));
-        assert!(
-            err(&output).contains("brought to a stop"),
-            "{}",
-            err(&output)
-        );
-        let status = good(&leadscrew(&["status", "--json"]));
-        assert_eq!(field(&status, "state"), "idle", "{status}");
-        assert_eq!(field(&status, "program"), "false", "{status}");
-        assert!(!board.words().contains("alarm"), "{}", board.words());
-        // It is as good as new.
-        good(&leadscrew(&[
-            "run",
-            example("g84-tap.nc").to_str().unwrap(),
-        ]));
-    }
 }
 
 #[test]
