@@ -113,10 +113,11 @@ impl Drives {
 
     /// The first latched failure.
     pub(super) fn failure(&self) -> Option<Alarm> {
-        self.axes
-            .iter()
-            .find_map(DriveMaster::alarm)
-            .or_else(|| self.spindles.failure())
+        let [x, z, c] = &self.axes;
+        if x.has_failed() || z.has_failed() || c.has_failed() {
+            return self.axes.iter().find_map(DriveMaster::alarm);
+        }
+        self.spindles.failure()
     }
 
     /// Forgets failures and resets faults; the drives have to be enabled again.
@@ -201,33 +202,54 @@ impl Drives {
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
-        // FRAMES is more than one SYNC, two frames for each of three axes and three for each of two spindles.
-        let mut put = |frame: Option<Frame>| frame.is_some_and(|frame| frames.push(frame).is_ok());
-        put(Some(self.sync.next()));
+        // FRAMES is more than one SYNC, two frames for each of three axes and three for each of two spindles: there is room.
+        let mut put = |frame: Frame| {
+            let _ = frames.push(frame);
+        };
+        put(self.sync.next());
+        let [x, z, c] = &mut self.axes;
+        let [scale_x, scale_z, scale_c] = &self.scales;
+        let [off_x, off_z, off_c] = self.offsets;
+        let [last_x, last_z, last_c] = &mut self.last;
+        // One after another: a loop over so much side by side costs as much as what it does.
         let mut beyond = None;
-        let positions = [position.x.nm(), position.z.nm(), position.c.udeg()];
-        let scales = self.scales.iter().zip(self.offsets).zip(&mut self.last);
-        let axes = self.axes.iter_mut().zip(positions).zip(Axis::ALL);
-        for (((drive, position), axis), ((scale, offset), last)) in axes.zip(scales) {
-            if last.0 != position {
-                *last = (position, scale.increments(position));
-            }
-            let demand = told(last.1, offset);
-            if demand.is_none() {
-                beyond = Some(axis);
-            }
-            let output = drive.tick(demand);
-            put(output.network);
-            put(output.command);
+        if !send_to(x, (scale_x, off_x), last_x, position.x.nm(), &mut put) {
+            beyond = Some(Axis::X);
         }
-        for output in self.spindles.tick(spindle) {
-            let drive = output.drive;
-            put(output.speed);
-            put(drive.network);
-            put(drive.command);
+        if !send_to(z, (scale_z, off_z), last_z, position.z.nm(), &mut put) {
+            beyond = Some(Axis::Z);
         }
+        if !send_to(c, (scale_c, off_c), last_c, position.c.udeg(), &mut put) {
+            beyond = Some(Axis::C);
+        }
+        self.spindles.tick(spindle, &mut put);
         beyond
     }
+}
+
+/// What one axis is told; false where its drive cannot count so far.
+fn send_to(
+    drive: &mut DriveMaster,
+    (scale, offset): (&Scale, i32),
+    last: &mut (i64, Option<Increments>),
+    position: i64,
+    put: &mut impl FnMut(Frame),
+) -> bool {
+    if last.0 != position {
+        *last = (position, scale.increments(position));
+    }
+    let demand = told(last.1, offset);
+    match drive.follow_on(demand) {
+        Some(command) => put(command),
+        None => {
+            let output = drive.tick(demand);
+            [output.network, output.command]
+                .into_iter()
+                .flatten()
+                .for_each(put);
+        }
+    }
+    demand.is_some()
 }
 
 /// What a drive is told for increments of its own axis.

@@ -65,6 +65,12 @@ impl Spindles {
 
     /// A frame from the bus that comes from this node.
     pub(super) fn hear(&mut self, node: u16, frame: &Frame) {
+        // Most often it is the one that every machine has.
+        let [first, ..] = &mut self.masters;
+        if u16::from(first.drive().config().node.get()) == node {
+            first.drive_mut().receive(frame);
+            return;
+        }
         let mine = self
             .drives_mut()
             .find(|drive| u16::from(drive.config().node.get()) == node);
@@ -75,6 +81,10 @@ impl Spindles {
 
     /// The first latched failure.
     pub(super) fn failure(&self) -> Option<Alarm> {
+        let [first, ..] = &self.masters;
+        if self.present == 1 && !first.drive().has_failed() {
+            return None;
+        }
         self.drives().find_map(DriveMaster::alarm)
     }
 
@@ -127,7 +137,7 @@ impl Spindles {
     }
 
     /// The frames of a period: what the selected spindle is told, and the one whose turn it is.
-    pub(super) fn tick(&mut self, spindle: Spindle) -> [SpindleOutput; 2] {
+    pub(super) fn tick(&mut self, spindle: Spindle, put: &mut impl FnMut(Frame)) {
         let demand = match spindle {
             Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
             Spindle::Angle(angle) => {
@@ -138,13 +148,19 @@ impl Spindles {
                 SpindleDemand::Position(Increments::new(count as i32))
             }
         };
-        [
-            pick_mut(&mut self.masters, self.selected).tick(demand),
-            self.look_after_next(),
-        ]
+        let master = pick_mut(&mut self.masters, self.selected);
+        match master.follow_on(demand) {
+            Some(command) => put(command),
+            None => each(&master.tick(demand), put),
+        }
+        if self.present > 1
+            && let Some(output) = self.look_after_next()
+        {
+            each(&output, put);
+        }
     }
 
-    fn look_after_next(&mut self) -> SpindleOutput {
+    fn look_after_next(&mut self) -> Option<SpindleOutput> {
         let next = self.turn;
         self.turn = match next {
             TapSpindle::First => TapSpindle::Second,
@@ -153,12 +169,12 @@ impl Spindles {
             TapSpindle::Fourth => TapSpindle::First,
         };
         if next == self.selected || next.number() > self.present {
-            return SpindleOutput::default();
+            return None;
         }
         let master = pick_mut(&mut self.masters, next);
         let output = master.tick(SpindleDemand::Speed(MilliRpm::STOPPED));
         master.drive_mut().skip(Periods::new(ROUND - 1));
-        output
+        Some(output)
     }
 
     /// The increment nearest to a spindle angle, not wrapped.
@@ -177,6 +193,12 @@ impl Spindles {
             TapSpindle::Fourth => Some(fourth),
         }
     }
+}
+
+/// The frames of a spindle, in their order.
+fn each(output: &SpindleOutput, put: &mut impl FnMut(Frame)) {
+    let frames = [output.speed, output.drive.network, output.drive.command];
+    frames.into_iter().flatten().for_each(put);
 }
 
 const fn pick(masters: &[SpindleMaster; 4], spindle: TapSpindle) -> &SpindleMaster {

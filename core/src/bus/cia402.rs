@@ -17,6 +17,12 @@ impl Statusword {
         self.0
     }
 
+    /// True in operation enabled.
+    #[must_use]
+    pub const fn is_enabled(self) -> bool {
+        self.0 & 0x6F == 0x27
+    }
+
     /// The state it stands for; `None` for a pattern that CiA 402 does not have.
     #[must_use]
     pub const fn state(self) -> Option<State> {

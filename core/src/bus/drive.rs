@@ -280,10 +280,13 @@ impl DriveMaster {
         self.status = Some(status);
         self.quiet = Periods::new(0);
         self.answered = true;
+        if self.phase == Phase::Enabled && status.status.is_enabled() {
+            self.measure(status.actual);
+            return;
+        }
         let state = status.status.state();
         if self.phase == Phase::Enabled {
             match state {
-                Some(State::OperationEnabled) => self.measure(status.actual),
                 Some(State::Fault | State::FaultReactionActive) => self.fault(status.status),
                 _ => self.fail(DriveFailure::Lost(status.status), Phase::Standby),
             }
@@ -354,22 +357,31 @@ impl DriveMaster {
     /// One SYNC period: checks the times and gives the frames to send. `demand` is where the axis is to be at the next
     /// SYNC; `None` holds it where it is, and so does every demand until the drive is enabled and taken up.
     pub fn tick(&mut self, demand: Option<Increments>) -> DriveOutput {
-        // What nearly every tick does, first: enabled, heard lately, where it should be, on its way.
-        if self.phase == Phase::Enabled
+        match self.follow_on(demand) {
+            Some(command) => DriveOutput {
+                network: None,
+                command: Some(command),
+            },
+            None => self.tick_slowly(demand),
+        }
+    }
+
+    /// What nearly every tick is: enabled, heard lately, where it should be, on its way. The RPDO1 to send; `None`, and
+    /// nothing changes, where it is not so: [`tick`](Self::tick) does the rest then.
+    #[inline]
+    pub(crate) fn follow_on(&mut self, demand: Option<Increments>) -> Option<Frame> {
+        let usual = self.phase == Phase::Enabled
             && (self.follows || demand.is_none())
             && self.quiet < self.config.silence
             && self.astray == Periods::new(0)
-            && !self.start
-        {
-            self.quiet = self.quiet.one_more();
-            self.last_target = self.target;
-            self.target = demand.unwrap_or(self.target);
-            return DriveOutput {
-                network: None,
-                command: Some(self.command(Controlword::ENABLE_OPERATION)),
-            };
+            && !self.start;
+        if !usual {
+            return None;
         }
-        self.tick_slowly(demand)
+        self.quiet = self.quiet.one_more();
+        self.last_target = self.target;
+        self.target = demand.unwrap_or(self.target);
+        Some(self.command(Controlword::ENABLE_OPERATION))
     }
 
     fn command(&self, control: Controlword) -> Frame {
@@ -488,6 +500,12 @@ impl DriveMaster {
     /// The first failure is the cause; what follows from it does not replace it.
     fn latch(&mut self, failure: DriveFailure) {
         self.failure = self.failure.or(Some(failure));
+    }
+
+    /// True where a failure is latched.
+    #[must_use]
+    pub const fn has_failed(&self) -> bool {
+        self.failure.is_some()
     }
 
     /// The latched failure as an alarm that names drive, node and figures.

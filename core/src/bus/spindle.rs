@@ -29,6 +29,17 @@ pub enum SpindleDemand {
     Position(Increments),
 }
 
+impl SpindleDemand {
+    /// What RPDO2 says, and RPDO1.
+    const fn parts(self) -> (SpindleCommand, Option<Increments>) {
+        let (mode, velocity, position) = match self {
+            Self::Speed(velocity) => (Mode::Velocity, velocity, None),
+            Self::Position(position) => (Mode::Position, MilliRpm::STOPPED, Some(position)),
+        };
+        (SpindleCommand { mode, velocity }, position)
+    }
+}
+
 /// The master of a spindle drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpindleMaster {
@@ -68,24 +79,20 @@ impl SpindleMaster {
         Some(self.drive.target())
     }
 
+    /// What nearly every tick is: enabled, on its way, and told the same as before. The RPDO1 to send; `None`, and nothing
+    /// changes, where it is not so: [`tick`](Self::tick) does the rest then.
+    #[inline]
+    pub(crate) fn follow_on(&mut self, demand: SpindleDemand) -> Option<Frame> {
+        let (wish, position) = demand.parts();
+        if self.told != Some(wish) {
+            return None;
+        }
+        self.drive.follow_on(position)
+    }
+
     /// One SYNC period. While its drive is not enabled, it is told a speed of 0.
     pub fn tick(&mut self, demand: SpindleDemand) -> SpindleOutput {
-        let (wish, position) = match demand {
-            SpindleDemand::Speed(velocity) => (
-                SpindleCommand {
-                    mode: Mode::Velocity,
-                    velocity,
-                },
-                None,
-            ),
-            SpindleDemand::Position(position) => (
-                SpindleCommand {
-                    mode: Mode::Position,
-                    velocity: MilliRpm::STOPPED,
-                },
-                Some(position),
-            ),
-        };
+        let (wish, position) = demand.parts();
         let drive = self.drive.tick(position);
         let wanted = match self.drive.phase() {
             // Who is being started knows nothing of what it was told before.

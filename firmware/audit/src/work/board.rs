@@ -13,7 +13,9 @@ use super::{Work, until};
 /// A program, and what its ticks are told apart by.
 pub struct Program {
     text: &'static str,
-    /// Set before it is read.
+    /// Spindles of the machine, each with a drive.
+    spindles: i64,
+    /// 5200.5: pecks go back to R.
     deep: bool,
     /// The tick before which the emergency stop is pressed.
     stop: Option<usize>,
@@ -39,6 +41,7 @@ pub const MOVES: Program = Program {
         G76 P010060 Q1000 R0.1\n\
         G76 X60.64 Z-32 P36800 Q30000 F6\n\
         M30\n",
+    spindles: 1,
     deep: false,
     stop: None,
     kinds: &["/idle", "/rapid", "/line", "/arc", "/wait", "/thread"],
@@ -52,6 +55,28 @@ pub const MOVES: Program = Program {
     },
 };
 
+/// The same with three more spindles, which stand: seven drives.
+pub const SEVEN_DRIVES: Program = Program {
+    spindles: 4,
+    kinds: &["/seven-drives"],
+    kind: |_| 0,
+    ..MOVES
+};
+
+/// An ordinary tap: the axis follows the measured spindle through stop and reversal.
+pub const ORDINARY_TAP: Program = Program {
+    text: "O0006\n\
+        G98 M3 S300 G0 X0 Z5\n\
+        G84 Z-20 R-5 P300 F600\n\
+        G80\n\
+        M30\n",
+    spindles: 1,
+    deep: false,
+    stop: None,
+    kinds: &["/to-ordinary", "/tap-ordinary"],
+    kind: |seen| usize::from(seen.line == 3),
+};
+
 /// Taps in one go and in pecks, from a turning spindle through rigid mode and back.
 pub const TAPS: Program = Program {
     text: "O0002\n\
@@ -61,6 +86,7 @@ pub const TAPS: Program = Program {
         G84 Z-20 R-5 Q4.0 P300 F2000\n\
         G80\n\
         M30\n",
+    spindles: 1,
     deep: false,
     stop: None,
     kinds: &["/to-rigid", "/tap", "/tap-peck"],
@@ -75,6 +101,7 @@ pub const DEEP_TAP: Program = Program {
         G84 Z-20 R-5 Q4.0 P300 F2000\n\
         G80\n\
         M30\n",
+    spindles: 1,
     deep: true,
     stop: None,
     kinds: &["/to-rigid-deep", "/tap-deep"],
@@ -88,6 +115,7 @@ pub const STOP_IN_THREAD: Program = Program {
         G76 P010060 Q1000 R0.1\n\
         G76 X0.64 Z-42 P36800 Q30000 F6\n\
         M30\n",
+    spindles: 1,
     deep: false,
     stop: Some(1500),
     kinds: &["/to-stop", "/stop"],
@@ -101,8 +129,9 @@ pub const STOP_IN_TAP: Program = Program {
         G84 Z-20 R-5 P300 F2000\n\
         G80\n\
         M30\n",
+    spindles: 1,
     deep: false,
-    stop: Some(60),
+    stop: Some(450),
     kinds: &["/to-stop-tap", "/stop-tap"],
     kind: |seen| usize::from(seen.alarm),
 };
@@ -146,9 +175,13 @@ impl WholeBoard {
     /// The work.
     pub fn new(program: Program) -> Self {
         let mut params = Params::slant_bed();
-        if program.deep {
-            let bit = Entry::find(5200, Some(Part::Bit(5))).expect("in the table");
-            params.set(bit, 1).expect("a bit");
+        let deep = Entry::find(5200, Some(Part::Bit(5))).expect("in the table");
+        let spindles = Entry::find_text("tap_spindles").expect("in the table");
+        for (entry, value) in [
+            (deep, i64::from(program.deep)),
+            (spindles, program.spindles),
+        ] {
+            params.set(entry, value).expect("within its range");
         }
         let mut calls = [None; CALLS];
         let events = Events::new(program.text.as_bytes(), &params, Options::default());

@@ -80,6 +80,8 @@ pub fn all(counter: &mut impl Counter) {
 
     for program in [
         board::MOVES,
+        board::SEVEN_DRIVES,
+        board::ORDINARY_TAP,
         board::TAPS,
         board::DEEP_TAP,
         board::STOP_IN_THREAD,
