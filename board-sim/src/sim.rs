@@ -484,9 +484,8 @@ impl Sim {
 
     /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
     fn law(&mut self, locked: bool) -> Law {
-        let executor = self.board.ticker().executor();
-        if let Some(line) = executor.tap() {
-            self.line = Some(Law::Tap(*line, self.board.ticker().tap_spindle()));
+        if let Some(line) = self.board.tap_line() {
+            self.line = Some(Law::Tap(line, self.board.ticker().tap_spindle()));
         } else if let Some(line) = self.board.float_line() {
             self.line = Some(Law::Float(line));
         }

@@ -269,6 +269,12 @@ impl Board {
         self.ticker.helix(self.segments.peek())
     }
 
+    /// The line on which axis and spindle of a rigid tap under way are; `None` outside.
+    #[must_use]
+    pub fn tap_line(&self) -> Option<TapLine> {
+        self.ticker.tap_line(self.segments.peek())
+    }
+
     /// The line on which the axis of an ordinary tap under way follows the measured spindle; `None` outside.
     #[must_use]
     pub fn float_line(&self) -> Option<TapLine> {

@@ -127,9 +127,8 @@ impl Board {
     }
 
     fn law(&self) -> Option<Law> {
-        let line = || self.ticker.executor().tap().copied();
         self.helix().map(Law::Thread).or_else(|| {
-            let line = self.float_line().or_else(line)?;
+            let line = self.float_line().or_else(|| self.tap_line())?;
             Some(Law::Tap(line))
         })
     }

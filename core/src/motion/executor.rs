@@ -209,11 +209,23 @@ impl Executor {
         }
     }
 
+    /// True while a tap is under way.
+    #[must_use]
+    pub const fn is_tapping(&self) -> bool {
+        matches!(self.active, Active::Tap(_))
+    }
+
     /// The line of the tap under way.
     #[must_use]
-    pub const fn tap(&self) -> Option<&TapLine> {
-        match &self.active {
-            Active::Tap(run) => Some(run.line()),
+    pub const fn tap_line(&self, current: Option<&Segment>) -> Option<TapLine> {
+        match (&self.active, current) {
+            (
+                Active::Tap(run),
+                Some(Segment {
+                    action: Action::Tap(tap),
+                    ..
+                }),
+            ) => Some(run.line(tap)),
             _ => None,
         }
     }
@@ -232,7 +244,7 @@ impl Executor {
 
     /// The spindle stands at `angle` in position mode, or is in speed mode again. Not while a tap is under way.
     pub const fn set_spindle(&mut self, angle: Option<Turns>) {
-        if self.tap().is_none() {
+        if !self.is_tapping() {
             self.spindle = angle;
         }
     }
@@ -385,8 +397,7 @@ impl Executor {
         } else {
             Rate::FULL
         };
-        let point = run.tick(tap, &mut self.run, rate, hold);
-        self.position = point.position;
+        let point = run.tick(tap, &mut self.run, &mut self.position, rate, hold);
         self.spindle = Some(point.angle);
         self.turned = point.turned;
         if point.done {

@@ -309,11 +309,16 @@ impl TapAxis {
     /// `position` with this axis at `coordinate`.
     #[must_use]
     pub const fn with(self, mut position: Position, coordinate: Length) -> Position {
+        self.set(&mut position, coordinate);
+        position
+    }
+
+    /// Puts this axis of `position` to `coordinate`.
+    pub const fn set(self, position: &mut Position, coordinate: Length) {
         match self {
             Self::X => position.x = coordinate,
             Self::Z => position.z = coordinate,
         }
-        position
     }
 }
 

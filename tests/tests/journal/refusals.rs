@@ -173,7 +173,7 @@ fn a_journal_that_cannot_be_written_stops_a_tap_before_the_hole_only() {
         &calls(HIGH_SPEED, &params),
         &mut told,
         |sim, _| {
-            if sim.board().ticker().executor().tap().is_some() {
+            if sim.board().ticker().executor().is_tapping() {
                 inside += 1;
                 sim.flash_mut().set_broken(inside > 50);
             }

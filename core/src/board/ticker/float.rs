@@ -22,6 +22,12 @@ impl Ticker {
         }
     }
 
+    /// The line of the rigid tap under way; `head` is the head of the program's queue.
+    #[must_use]
+    pub fn tap_line(&self, head: Option<&Segment>) -> Option<TapLine> {
+        self.executor.tap_line(head.filter(|_| self.has_begun()))
+    }
+
     /// The line that an ordinary tap under way follows; `head` is the head of the program's queue.
     #[must_use]
     pub fn float_line(&self, head: Option<&Segment>) -> Option<TapLine> {

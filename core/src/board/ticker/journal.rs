@@ -83,6 +83,7 @@ impl Journal {
     /// The hole is written down as the newest entry.
     fn knows(&self, hole: &TapHole) -> bool {
         self.record
+            .as_ref()
             .is_some_and(|record| record.in_hole && record.hole == *hole)
     }
 }

@@ -66,7 +66,7 @@ impl Ticker {
     /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
     /// lost then.
     pub(super) fn leave_rigid(&mut self) {
-        if self.rigid == Rigid::Off || self.executor.tap().is_some() {
+        if self.rigid == Rigid::Off || self.executor.is_tapping() {
             return;
         }
         let stands = match self.taps_with {

@@ -72,6 +72,10 @@ impl Gear {
     #[must_use]
     pub fn turns(&self, position: Position) -> Turns {
         let way = (self.axis.of(position) - self.level).nm();
+        if way == 0 {
+            // Where a tap begins, in a tick that has enough to do.
+            return Turns::ZERO;
+        }
         let size = way.unsigned_abs();
         // way · factor / 2^shift. The factor is less than 1 too large and a way below 2⁴³, so the product is above the exact
         // one by less than the 2^shift of one unit wherever the lead is above 8 µm; below that the last unit may be one too

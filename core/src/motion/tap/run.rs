@@ -11,9 +11,7 @@ use crate::units::{Length, Turns};
 /// What one tick of a tap says.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct TapPoint {
-    /// The setpoint.
-    pub(in crate::motion) position: Position,
-    /// The commanded spindle angle at it.
+    /// The commanded spindle angle at the setpoint.
     pub(in crate::motion) angle: Turns,
     /// What the axes are doing.
     pub(in crate::motion) motion: Motion,
@@ -38,13 +36,13 @@ enum Stage {
 /// A tap under way. Only what changes: its steps stay where they are and are handed in, the same ones every time.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct TapRun {
-    line: TapLine,
+    /// Commanded spindle angle at R.
+    origin: Turns,
     stage: Stage,
     index: u8,
     left: u32,
     /// Steps done.
     done: u32,
-    position: Position,
     aborted: bool,
 }
 
@@ -52,19 +50,21 @@ impl TapRun {
     /// A tap that begins where the machine stands, with the spindle at `angle`.
     pub(in crate::motion) fn new(tap: &Tap, position: Position, angle: Turns) -> Self {
         Self {
-            line: TapLine::through(tap.gear, position, angle),
+            origin: angle - tap.gear.turns(position),
             stage: Stage::Between,
             index: 0,
             left: tap.repeats(),
             done: 0,
-            position,
             aborted: false,
         }
     }
 
     /// The line it is on.
-    pub(in crate::motion) const fn line(&self) -> &TapLine {
-        &self.line
+    pub(in crate::motion) const fn line(&self, tap: &Tap) -> TapLine {
+        TapLine {
+            gear: tap.gear,
+            origin: self.origin,
+        }
     }
 
     /// Gives up what is left. True where nothing moves and it is over at once.
@@ -74,18 +74,20 @@ impl TapRun {
         !matches!(self.stage, Stage::Moving(_))
     }
 
-    /// One tick at `rate`; `hold`: nothing new begins, and a stroke is at rate zero.
+    /// One tick at `rate`, from the last setpoint to the next; `hold`: nothing new begins, and a stroke is at rate zero.
     pub(in crate::motion) fn tick(
         &mut self,
         tap: &Tap,
         run: &mut Run,
+        position: &mut Position,
         rate: Rate,
         hold: bool,
     ) -> TapPoint {
         let offset = self.done;
         let step = tap.step(self.index);
+        let axis = tap.gear.axis();
         if self.stage == Stage::Between && !hold {
-            self.begin(step, run);
+            self.begin(step, axis.of(*position), run);
         }
         let (motion, over) = match (&mut self.stage, step) {
             (Stage::Between, _) => (Motion::Hold, false),
@@ -96,8 +98,7 @@ impl TapRun {
             }
             (Stage::Moving(from), Some(TapStep::Stroke(stroke))) => {
                 let progress = run.progress(if hold { Rate::HOLD } else { rate });
-                let axis = self.line.gear.axis();
-                self.position = axis.with(self.position, *from + way(stroke, progress.travel));
+                axis.set(position, *from + way(stroke, progress.travel));
                 let resting = hold && run.at_rest() && !progress.done;
                 let motion = if resting { Motion::Hold } else { Motion::Run };
                 (motion, progress.done)
@@ -108,8 +109,7 @@ impl TapRun {
         let turned = over && matches!(self.stage, Stage::Moving(_));
         let done = over && self.finish_step(tap);
         TapPoint {
-            position: self.position,
-            angle: self.line.angle(self.position),
+            angle: self.origin + tap.gear.turns(*position),
             motion,
             offset,
             done,
@@ -117,12 +117,12 @@ impl TapRun {
         }
     }
 
-    fn begin(&mut self, step: Option<&TapStep>, run: &mut Run) {
+    fn begin(&mut self, step: Option<&TapStep>, from: Length, run: &mut Run) {
         self.stage = match step {
             Some(TapStep::Dwell(ticks)) => Stage::Dwelling(*ticks),
             Some(TapStep::Stroke(stroke)) => {
                 if run.begin_length(stroke.travel.abs(), stroke.nominal, stroke.ramp) {
-                    Stage::Moving(self.line.gear.axis().of(self.position))
+                    Stage::Moving(from)
                 } else {
                     Stage::Between
                 }

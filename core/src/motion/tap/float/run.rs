@@ -341,9 +341,14 @@ impl FloatRun {
         let most = if self.place.leg == Leg::Extract {
             turner.top()
         } else {
-            let stopping = turner.stopping(left);
-            self.braking |= stopping <= self.speed.saturating_abs().wrapping_add(turner.gentle());
-            stopping.min(turner.top())
+            let near = self.speed.saturating_abs().wrapping_add(turner.gentle());
+            if turner.stops_from(near.max(turner.top()).saturating_add(1), left) {
+                turner.top()
+            } else {
+                let stopping = turner.stopping(left);
+                self.braking |= stopping <= near;
+                stopping.min(turner.top())
+            }
         };
         let wanted = if outwards { most.wrapping_neg() } else { most };
         self.speed = turner.towards(self.speed, wanted);

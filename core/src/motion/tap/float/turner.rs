@@ -70,12 +70,24 @@ impl Turner {
         if left <= 0 {
             return 0;
         }
-        // v² / 2g, the last step of a tick counted as it is: (v + g/2)² = 2·g·left + (g/2)².
         let half = self.gentle >> 1;
-        let square = (self.gentle << 1)
+        (self.square(left).isqrt() as i64)
+            .wrapping_sub(half as i64)
+            .max(0)
+    }
+
+    /// True where the spindle stops within an angle also from a speed greater than `speed`: no root needs to be taken to know.
+    pub(super) fn stops_from(&self, speed: i64, left: i64) -> bool {
+        let root = speed.unsigned_abs().wrapping_add(self.gentle >> 1);
+        left > 0 && root < 1 << 32 && root.wrapping_mul(root) <= self.square(left)
+    }
+
+    /// v² / 2g, the last step of a tick counted as it is: (v + g/2)² = 2·g·left + (g/2)².
+    fn square(&self, left: i64) -> u64 {
+        let half = self.gentle >> 1;
+        (self.gentle << 1)
             .saturating_mul(left.unsigned_abs())
-            .saturating_add(half.wrapping_mul(half));
-        (square.isqrt() as i64).wrapping_sub(half as i64).max(0)
+            .saturating_add(half.wrapping_mul(half))
     }
 
     /// The greatest speed in a stroke over an angle from rest to rest.
