@@ -347,6 +347,12 @@ impl Ticker {
         matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held)
     }
 
+    /// True while the machine stops or stands on an alarm.
+    #[must_use]
+    pub const fn has_alarm(&self) -> bool {
+        matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm))
+    }
+
     /// A program is under way: its end has not been reached.
     #[must_use]
     pub const fn in_program(&self) -> bool {

@@ -12,7 +12,7 @@ use crate::units::{Length, Rpm};
 impl Ticker {
     /// An alarm: the axes come to rest on their path, and what is queued is forgotten. The first one stays.
     pub(super) fn raise(&mut self, alarm: &Alarm, ends: &mut Ends<'_, '_>) {
-        if matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm)) {
+        if self.has_alarm() {
             return;
         }
         self.executor.stop(ends.current(self.source));

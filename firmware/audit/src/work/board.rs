@@ -1,7 +1,7 @@
 //! Whole ticks of the board, with the plant around it; a step is a tick. The plant and the background are not counted.
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
-use leadscrew_core::board::{self, Board, Command, Outcome, Output, State};
+use leadscrew_core::board::{self, Board, Command, Output};
 use leadscrew_core::bus::{Frame, SyncProducer};
 use leadscrew_core::motion::Motion;
 use leadscrew_core::params::{Entry, Params, Part};
@@ -261,10 +261,7 @@ impl Work for WholeBoard {
             motion: setpoint.motion,
             line: setpoint.line,
             locked: setpoint.locked,
-            alarm: matches!(
-                machine.board.ticker().state(),
-                State::Alarm(_) | State::Stopping(Outcome::Alarm(_))
-            ),
+            alarm: machine.board.ticker().has_alarm(),
         }
     }
 
