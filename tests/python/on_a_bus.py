@@ -3,6 +3,7 @@ data sheet (CANOPEN_EDS). BOARD_SIM is the board's program. `cargo xtask vcan` r
 
 import os
 import subprocess
+import sys
 import time
 import unittest
 
@@ -19,11 +20,14 @@ class BoardTest(unittest.TestCase):
         self.addCleanup(self.end)
         for line in self.board.stderr:
             if "ready" in line:
-                break
+                return
+        self.fail("the board did not come up")
 
     def end(self):
         self.board.kill()
         self.board.wait()
+        # What it said explains a failure.
+        print(self.board.stderr.read(), file=sys.stderr)
         self.board.stderr.close()
 
     def setUp(self):
@@ -32,10 +36,10 @@ class BoardTest(unittest.TestCase):
         self.addCleanup(self.network.disconnect)
         self.node = canopen.RemoteNode(1, os.environ["CANOPEN_EDS"])
         self.network.add_node(self.node)
-        self.node.sdo.RESPONSE_TIMEOUT = 5.0
+        self.node.sdo.RESPONSE_TIMEOUT = 20.0
 
     def until(self, happened):
-        deadline = time.time() + 20
+        deadline = time.time() + 30
         while not happened():
             self.assertLess(time.time(), deadline, "it did not happen")
             time.sleep(0.02)
