@@ -11,7 +11,7 @@ use leadscrew_core::bus::{CobId, Frame};
 pub const INTERFACE: &str = "vcan0";
 
 /// How long anything is waited for before it counts as lost.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// An end of the bus.
 pub fn open() -> SocketCan {

@@ -195,5 +195,7 @@ pub fn wait_for_status(what: &str, wanted: impl Fn(&str) -> bool) -> String {
             return status;
         }
         assert!(started.elapsed() < PATIENCE, "{what}: {status}");
+        // Whoever asks without a pause leaves no room for the program.
+        std::thread::sleep(std::time::Duration::from_millis(300));
     }
 }
