@@ -61,44 +61,8 @@ pub fn ticks(write: bool) -> Result<()> {
 
 /// Builds the image and runs it in the emulator.
 pub fn measure() -> Result<Vec<Row>> {
-    let firmware = run::firmware();
-    run::show(run::cargo(
-        &firmware,
-        &[
-            "build",
-            "--quiet",
-            "--release",
-            "--package",
-            "audit",
-            "--bin",
-            "ticks",
-        ],
-    ))?;
-    let image = firmware
-        .join("target")
-        .join(target::TARGET)
-        .join("release")
-        .join("ticks");
-    let image = image.to_string_lossy();
-    // One nanosecond of virtual time an instruction; the limit of ten minutes is for an image that hangs.
-    let args = [
-        "600",
-        "qemu-system-arm",
-        "-M",
-        "mps2-an386",
-        "-nographic",
-        "-monitor",
-        "none",
-        "-serial",
-        "none",
-        "-semihosting-config",
-        "enable=on,target=native",
-        "-icount",
-        "shift=0",
-        "-kernel",
-        &image,
-    ];
-    let rows = parse(&run::read(run::command(&firmware, "timeout", &args))?)?;
+    // One nanosecond of virtual time an instruction.
+    let rows = parse(&emulate("audit", "ticks", &["-icount", "shift=0"])?)?;
     let known = rows
         .iter()
         .find(|row| row.name == KNOWN_LOOP)
@@ -110,6 +74,44 @@ pub fn measure() -> Result<Vec<Row>> {
         );
     }
     Ok(rows)
+}
+
+/// Builds an image and runs it in the emulator; what it prints.
+pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
+    let firmware = run::firmware();
+    let build = [
+        "build",
+        "--quiet",
+        "--release",
+        "--package",
+        package,
+        "--bin",
+        image,
+    ];
+    run::show(run::cargo(&firmware, &build))?;
+    let path = firmware
+        .join("target")
+        .join(target::TARGET)
+        .join("release")
+        .join(image);
+    let path = path.to_string_lossy();
+    // The limit is for an image that hangs.
+    let mut args = vec![
+        "1200",
+        "qemu-system-arm",
+        "-M",
+        "mps2-an386",
+        "-nographic",
+        "-monitor",
+        "none",
+        "-serial",
+        "none",
+        "-semihosting-config",
+        "enable=on,target=native",
+    ];
+    args.extend_from_slice(options);
+    args.extend_from_slice(&["-kernel", &path]);
+    run::read(run::command(&firmware, "timeout", &args))
 }
 
 fn parse(text: &str) -> Result<Vec<Row>> {

@@ -6,6 +6,7 @@
 mod audit;
 mod bench;
 mod bench_can;
+mod bits;
 mod callgraph;
 mod canopen;
 mod demo;
@@ -34,6 +35,8 @@ usage: cargo xtask COMMAND
   bench can  the cost of receiving and recording a CAN frame, likewise
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
+  bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
+             firmware/mps2-an386/hashes.txt (--write renews it)
   docs       the documentation, without warnings and with every link alive
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
@@ -56,6 +59,8 @@ fn main() -> ExitCode {
         ["canopen"] => canopen::check().map(drop),
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),
+        ["bits"] => setup::everything().and_then(|()| bits::bits(false)),
+        ["bits", "--write"] => setup::everything().and_then(|()| bits::bits(true)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),
         ["docs"] => docs::check(),
         ["licences"] => licences::check(),

@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 
-use crate::{audit, canopen, docs, emulator, licences, rules, run, setup, target, vcan as bus};
+use crate::{
+    audit, bits, canopen, docs, emulator, licences, rules, run, setup, target, vcan as bus,
+};
 
 /// The whole test, as the README names it.
 pub fn test() -> Result<()> {
@@ -70,6 +72,7 @@ pub fn test() -> Result<()> {
     })?;
     clock.step("no panic is reachable", audit::audit)?;
     clock.step("instructions per tick", || emulator::ticks(false))?;
+    clock.step("the same bits on the microcontroller", || bits::bits(false))?;
     clock.step("documentation", docs::check)?;
     clock.step("tests in release, full volume", || {
         tests(&mut counts, &["--release"])

@@ -1,0 +1,69 @@
+//! The setpoints of the emulated board, bit by bit: a host makes the same from the same programs. What the board printed is
+//! under version control (`cargo xtask bits` runs it again).
+
+use std::path::{Path, PathBuf};
+
+use leadscrew_core::params::Params;
+
+#[path = "../../firmware/mps2-an386/src/programs.rs"]
+mod programs;
+#[path = "../../firmware/mps2-an386/src/run.rs"]
+mod run;
+
+/// Without optimisation every so many of the random programs, and no example of more ticks.
+const EVERY: usize = if cfg!(debug_assertions) { 25 } else { 1 };
+const MOST_TICKS: u64 = if cfg!(debug_assertions) {
+    50_000
+} else {
+    u64::MAX
+};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+#[test]
+fn the_board_and_a_host_make_the_same_setpoints() {
+    let golden = root().join("firmware/mps2-an386/hashes.txt");
+    let golden = std::fs::read_to_string(golden).expect("the board's rows are there");
+    let params = Params::slant_bed();
+    let (mut examples, mut random) = (0, 0);
+    for row in golden.lines().filter(|row| !row.starts_with('#')) {
+        let words: Vec<&str> = row.split_whitespace().collect();
+        let [name, hash, ticks, alarm] = words.as_slice() else {
+            panic!("not a row of four words: {row}");
+        };
+        let text = match name.strip_prefix("random-") {
+            Some(seed) => {
+                random += 1;
+                let seed: u64 = seed.parse().expect("a seed");
+                if !(seed as usize).is_multiple_of(EVERY) {
+                    continue;
+                }
+                programs::random(seed).as_bytes().to_vec()
+            }
+            None => {
+                examples += 1;
+                if ticks.parse::<u64>().expect("a number") > MOST_TICKS {
+                    continue;
+                }
+                std::fs::read(root().join("examples").join(name)).expect("an example")
+            }
+        };
+        let outcome = run::run(&text, &params);
+        let run::Outcome {
+            hash: own_hash,
+            ticks: own_ticks,
+            alarm: own_alarm,
+        } = outcome;
+        let own = format!("{own_hash:016x} {own_ticks} {own_alarm}");
+        assert_eq!(own, format!("{hash} {ticks} {alarm}"), "{name}");
+    }
+    let programs = std::fs::read_dir(root().join("examples")).expect("there are examples");
+    let programs = programs
+        .filter_map(Result::ok)
+        .filter(|entry| entry.path().extension().is_some_and(|end| end == "nc"))
+        .count();
+    assert_eq!(examples, programs, "an example is missing");
+    assert!(random >= 1000, "{random} random programs");
+}

@@ -1,0 +1,70 @@
+//! The setpoints of whole programs on the emulated Cortex-M4F, as hashes held against the table under version control. A test
+//! of the workspace (`tests/tests/target.rs`) holds the host's against the same table.
+
+use anyhow::{Context, Result, bail};
+
+use crate::{emulator, run};
+
+/// Runs the programs, and compares with the table or (`write`) renews it.
+pub fn bits(write: bool) -> Result<()> {
+    let printed = emulator::emulate("mps2-an386", "mps2-an386", &[])?;
+    let table = format!(
+        "# Setpoints on the emulated Cortex-M4F: program, CRC-64/XZ, ticks in state run, alarm (0: none).\n{printed}"
+    );
+    let path = run::firmware().join("mps2-an386").join("hashes.txt");
+    if write {
+        std::fs::write(&path, &table)?;
+        println!("written to {}", path.display());
+        return Ok(());
+    }
+    let golden = std::fs::read_to_string(&path).context("there is no table to compare with")?;
+    let wrong = differences(&golden, &table);
+    if wrong.is_empty() {
+        println!(
+            "{} programs, bit by bit as in the table",
+            table.lines().count() - 1
+        );
+        return Ok(());
+    }
+    bail!(
+        "{}\nwhere setpoints are meant to change, renew firmware/mps2-an386/hashes.txt with `cargo xtask bits --write`",
+        wrong.join("\n")
+    );
+}
+
+/// The first few rows that are not as they were, and how many more there are.
+fn differences(golden: &str, now: &str) -> Vec<String> {
+    const SHOWN: usize = 10;
+    let mut wrong: Vec<String> = golden
+        .lines()
+        .zip(now.lines())
+        .filter(|(old, new)| old != new)
+        .map(|(old, new)| format!("table: {old}\nboard: {new}"))
+        .collect();
+    let (old, new) = (golden.lines().count(), now.lines().count());
+    if old != new {
+        wrong.push(format!(
+            "the table has {old} lines, the board printed {new}"
+        ));
+    }
+    let more = wrong.len().saturating_sub(SHOWN);
+    wrong.truncate(SHOWN);
+    if more > 0 {
+        wrong.push(format!("and {more} more"));
+    }
+    wrong
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_differ_or_are_missing_are_told() {
+        assert!(differences("a\nb\n", "a\nb\n").is_empty());
+        assert_eq!(differences("a\nb\n", "a\nc\n"), ["table: b\nboard: c"]);
+        assert_eq!(differences("a\nb\n", "a\n").len(), 1);
+        let many = "x\n".repeat(30);
+        assert_eq!(differences(&many, &"y\n".repeat(30)).len(), 11);
+    }
+}
