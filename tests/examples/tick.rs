@@ -47,6 +47,12 @@ impl Counter for Runner {
         if wanted != name {
             return;
         }
+        // Several works may have a name in common, and kinds of their own.
+        if let Some(kind) = &self.kind
+            && !work.kinds().contains(&kind.as_str())
+        {
+            return;
+        }
         // Which kind a step is shows only afterwards: the sequence is the same every time, so a first run tells.
         let of_kind = self
             .kind

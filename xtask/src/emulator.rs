@@ -138,7 +138,8 @@ fn parse(text: &str) -> Result<Vec<Row>> {
 
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "# Instructions a step on a Cortex-M4F: mps2-an386 in QEMU, -icount shift=0, opt-level 3, fat LTO.\n",
+        "# Instructions a step on a Cortex-M4F: mps2-an386 in QEMU, -icount shift=0, opt-level 3, fat LTO.\n\
+         # bytes/…: a part of the board in memory; stack/…: its stack at the deepest, in bytes.\n",
     );
     // Writing to a string cannot fail.
     let _ = writeln!(text, "# {:<30} {:>7} {:>7}", "step", "mean", "worst");

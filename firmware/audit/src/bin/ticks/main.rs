@@ -1,6 +1,7 @@
 #![no_std]
 #![no_main]
-//! Counts instructions on the emulated Cortex-M4F and prints a row `name mean worst` for each kind of step.
+//! Counts instructions on the emulated Cortex-M4F and prints a row `name mean worst` for each kind of step, and bytes for
+//! each part of a board and for its stack.
 
 use core::fmt::{Arguments, Write};
 use core::panic::PanicInfo;
@@ -11,12 +12,17 @@ use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio;
 
 mod count;
+mod memory;
 
 #[entry]
 fn main() -> ! {
     count::start();
     count::Printer.once("known-loop-2000", || count::spin(1000));
     work::all(&mut count::Printer);
+    memory::parts();
+    let mut depths = memory::Depths::new();
+    work::all(&mut depths);
+    depths.print();
     debug::exit(EXIT_SUCCESS);
     stop()
 }
