@@ -89,8 +89,11 @@ class BoardTest(unittest.TestCase):
         self.assertEqual(self.node.tpdo[2]["Status.line"].raw, 0)
         self.assertEqual(self.node.tpdo[3]["Status.spindle speed"].raw, 0)
 
+        # Listened for from before the command on: the answer may come before anybody could begin to wait for it.
+        states = []
+        self.node.nmt.add_heartbeat_callback(states.append)
         self.node.nmt.state = "RESET COMMUNICATION"
-        self.node.nmt.wait_for_bootup(10)
+        self.until(lambda: 0 in states)
 
     def test_emergency_of_an_alarm(self):
         self.start("--trouble", FAULT)

@@ -113,8 +113,11 @@ class NodeTest(unittest.TestCase):
         self.node.sdo.RESPONSE_TIMEOUT = 0.2
         with self.assertRaises(canopen.SdoCommunicationError):
             self.node.sdo.upload(RANGED, 0)
+        # Listened for from before the command on: the answer may come before anybody could begin to wait for it.
+        states = []
+        nmt.add_heartbeat_callback(states.append)
         nmt.state = "RESET COMMUNICATION"
-        nmt.wait_for_bootup(2)
+        self.until(lambda: 0 in states)
         self.assertEqual(nmt.wait_for_heartbeat(2), "PRE-OPERATIONAL")
 
     def test_emergencies_and_their_history(self):
