@@ -2,29 +2,32 @@
 //!
 //! Expands one call after another, refuses what cannot be done before any of its moves, plans each move from where the
 //! one before ends. A pass of a thread is queued together with its retract. Unbounded only in how often it is called:
-//! one call of [`Background::step`] does one small piece of work. Knows nothing of ticks, drives or frames.
+//! one call of [`Background::step`] does one small piece of work. Taking up a call, passes, holes and detours have files of
+//! their own. Knows nothing of ticks, drives or frames.
+
+mod hole;
+mod open;
+mod pass;
+mod route;
 
 use heapless::{Deque, Vec};
 
-use super::detour::Route;
+use self::hole::{ends_hole, is_tap};
+use self::open::before;
+use self::route::plan_route;
 use super::guard::Guard;
 use super::queue::{CallOut, SegmentIn, filled, put, room, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
-use crate::cycle::{Context, Cycle, Move, MoveKind, Moves, Stage, Tag, TapMove, expand};
-use crate::feasible;
-use crate::journal::{TapHole, TapRecord};
+use crate::cycle::{Move, MoveKind, Moves, Stage};
+use crate::journal::TapRecord;
 use crate::motion::{
-    Action, Epoch, FloatPlan, Gear, Limits, Pass, Segment, Stops, Tap, TapStep, ThreadPlan,
-    WaysOut, dwell_ticks, plan, stroke,
+    Action, Epoch, FloatPlan, Limits, Segment, Stops, Tap, TapStep, dwell_ticks, plan,
 };
 use crate::params::Params;
-use crate::program::{
-    Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapMode,
-    TapNotes, ThreadCall,
-};
+use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::signals::Signals;
-use crate::units::{CentiRpm, Length, Rpm, TurnRate};
+use crate::units::{CentiRpm, Rpm};
 
 /// What planning depends on besides the program.
 #[derive(Clone, Copy, Debug)]
@@ -208,77 +211,6 @@ impl Background {
         }
     }
 
-    fn open(&mut self, call: &Call, settings: &Settings<'_>) -> Result<Option<Alarm>, Alarm> {
-        let mut warning = None;
-        let signals = self.latch(call, settings.signals);
-        match &call.kind {
-            CallKind::Thread(thread) => {
-                feasible::thread(thread, call.span, settings.params)?;
-                if settings.spindle_percent > 100 {
-                    // The override makes it faster than the block says.
-                    let faster = ThreadCall {
-                        rpm: overridden(thread.rpm, settings.spindle_percent),
-                        ..*thread
-                    };
-                    feasible::thread(&faster, call.span, settings.params)?;
-                }
-            }
-            CallKind::Tap(tap) => {
-                (self.infeed, self.notes) = (tap.speed, tap.notes);
-                let report = feasible::tap(tap, signals, call.span, settings.params)?;
-                warning = report.warnings().next();
-                self.float = match tap.mode {
-                    TapMode::Rigid => None,
-                    TapMode::Floating => {
-                        let hand = signals.hand(tap.hand);
-                        Some(FloatPlan::new(tap, hand, call.span, settings.params)?)
-                    }
-                };
-            }
-            _ => feasible::tap_spindle(call, signals, settings.params)?,
-        }
-        let context = Context {
-            at: self.position,
-            signals,
-            tap: settings.tap,
-        };
-        let moves = expand(call, &context)?;
-        if let CallKind::TapReturn(_) = call.kind {
-            if let Some(record) = settings.tap {
-                (self.infeed, self.notes) = (record.hole.speed, record.hole.notes);
-            }
-            match moves.clone().next().map(|next| next.kind) {
-                Some(MoveKind::Tap(out)) => {
-                    feasible::tap_return(&out, call.span, settings.params)?;
-                }
-                // It was stopped where it is out.
-                _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
-            }
-        }
-        let warning = moves.warning().or(warning);
-        self.guard.admit(call, &moves)?;
-        // Before anything of the call moves; what has expanded once expands a second time to the same.
-        feasible::within_limits(moves.clone(), self.position, settings.params)?;
-        self.home = self.position;
-        self.percent = settings.spindle_percent;
-        self.moves = Some(moves);
-        if let CallKind::End(_) | CallKind::Over = call.kind {
-            self.ending = Some(call.span);
-        }
-        Ok(warning)
-    }
-
-    /// The inputs with which a call is carried out, whatever they do meanwhile.
-    const fn latch(&mut self, call: &Call, now: Signals) -> Signals {
-        if let CallKind::Tap(tap) = &call.kind {
-            if tap.continues {
-                return self.hole_signals;
-            }
-            self.hole_signals = now;
-        }
-        now
-    }
-
     fn fail(&mut self, alarm: Alarm) {
         self.failed = true;
         self.moves = None;
@@ -379,98 +311,6 @@ impl Background {
         Ok(())
     }
 
-    /// True for a stroke of an ordinary tap, and for the dwell between two: the whole hole is one segment, planned when its
-    /// call was opened. It goes to the queue with its last stroke.
-    fn take_float(&mut self, next: &Move, settings: &Settings<'_>) -> bool {
-        let closes = match &next.kind {
-            MoveKind::Tap(tap) if tap.mode == TapMode::Floating => tap.closes,
-            MoveKind::Dwell(_) if self.float_number.is_some() => false,
-            _ => return false,
-        };
-        let number = *self.float_number.get_or_insert(self.number);
-        self.position = next.to;
-        if closes && let Some(plan) = self.float {
-            self.float_number = None;
-            let stops = Stops {
-                hold_not_inside: !settings.params.tap_hold_allowed(),
-                ..self.tap_stops(settings.params)
-            };
-            self.put(number, next.span, stops, Action::Float(plan));
-            self.complete = true;
-        }
-        true
-    }
-
-    /// A stroke of a tap. Back at R the way through the hole is complete and goes to the queue as one segment.
-    fn take_stroke(
-        &mut self,
-        next: &Move,
-        tap: &TapMove,
-        settings: &Settings<'_>,
-    ) -> Result<(), Alarm> {
-        let travel = tap.axis.of(next.to) - tap.axis.of(self.position);
-        let stroke = stroke(tap, travel, settings.params, settings.limits, next.span)?;
-        let step = TapStep::Stroke(stroke);
-        let taken = match &mut self.tap {
-            Some(collecting) => collecting.tap.push(step),
-            None => {
-                let inward = (tap.bottom - tap.level).signum();
-                let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
-                    .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
-                let feed_override = settings.params.tap_feed_override();
-                let hole = TapHole {
-                    axis: tap.axis,
-                    level: tap.level,
-                    bottom: tap.bottom,
-                    lead: tap.lead,
-                    hand: tap.hand,
-                    spindle: tap.spindle,
-                    speed: self.infeed,
-                    notes: self.notes,
-                };
-                let mut collected = Tap::new(gear, hole, self.position, feed_override);
-                let taken = collected.push(step);
-                self.tap = Some(Collecting {
-                    number: self.number,
-                    span: next.span,
-                    tap: collected,
-                });
-                taken
-            }
-        };
-        if !taken {
-            // Not reached: whatever the pecks, the way in and out has seven different steps at most.
-            return Err(Alarm::new(Code::TapCallRange, next.span));
-        }
-        if let Some(collecting) = &mut self.tap {
-            collecting.tap.part.closes |= tap.closes;
-            collecting.tap.part.returns |= is_return(next);
-        }
-        self.position = next.to;
-        if tap.axis.of(next.to) == tap.level {
-            self.close_tap(settings);
-            self.complete = true;
-        }
-        Ok(())
-    }
-
-    /// Lets the collected tap go to the queue.
-    fn close_tap(&mut self, settings: &Settings<'_>) {
-        let Some(collecting) = self.tap.take() else {
-            return;
-        };
-        let stops = Stops {
-            hold_not_inside: !settings.params.tap_hold_allowed(),
-            ..self.tap_stops(settings.params)
-        };
-        self.put(
-            collecting.number,
-            collecting.span,
-            stops,
-            Action::Tap(collecting.tap),
-        );
-    }
-
     fn stops(&self, next: &Move, params: &Params) -> Stops {
         let Some(tag) = next.tag else {
             return Stops {
@@ -492,78 +332,6 @@ impl Background {
             ..Stops::default()
         }
     }
-
-    /// Single block stops behind each hole with 5200.6 = 1, else behind the last one only ([G84/G88 sheet], its table).
-    fn tap_stops(&self, params: &Params) -> Stops {
-        Stops {
-            single_block: self.hole_ends,
-            stops_after_last_hole: !params.tap_hold_allowed(),
-            tap_cycle: true,
-            ..Stops::default()
-        }
-    }
-
-    fn plan_pass(&mut self, last: &Move, rpm: Rpm, settings: &Settings<'_>) -> Result<(), Alarm> {
-        let rpm = overridden(rpm, self.percent);
-        let plan = ThreadPlan::new(
-            self.pass_start,
-            &self.pass,
-            settings.params,
-            TurnRate::of_rpm(rpm),
-        )?;
-        let stops = Stops {
-            hold_not_inside: true,
-            frozen: Some(self.percent),
-            ..Stops::default()
-        };
-        let pass = Pass {
-            plan,
-            ways: WaysOut::new(
-                &plan,
-                self.home,
-                last.tag.map_or(Length::ZERO, |tag| tag.depth),
-                settings.params.thread_clearance(),
-            ),
-            rpm,
-        };
-        self.put(self.pass_number, last.span, stops, Action::Thread(pass));
-        // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
-        if plan.end() != last.to {
-            let rest = Move {
-                kind: MoveKind::Rapid,
-                ..*last
-            };
-            if let Some(timed) = plan::timed(plan.end(), &rest, settings.limits)? {
-                let stops = Stops {
-                    hold_not_before: true,
-                    ..stops
-                };
-                self.put(self.number, last.span, stops, Action::Timed(timed));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// How many segments may be left in the queue when a call is taken up. The override of a thread cycle is that of its
-/// beginning: only the move before it may be, and that under way. The signals of a hole are those of its beginning, too:
-/// nothing may be left.
-fn before(call: &Call, settings: &Settings<'_>) -> usize {
-    const fn by_signal(spindle: SpindleChoice) -> bool {
-        matches!(spindle, SpindleChoice::Signals { .. })
-    }
-    let heeds_signals = match &call.kind {
-        CallKind::Thread(_) => return usize::from(settings.begun),
-        CallKind::Tap(tap) => {
-            !tap.continues && (matches!(tap.hand, HandChoice::Signal) || by_signal(tap.spindle))
-        }
-        CallKind::Spindle(SpindleCall {
-            mode: SpindleMode::Rigid(spindle),
-            ..
-        }) => by_signal(*spindle),
-        _ => false,
-    };
-    if heeds_signals { 0 } else { usize::MAX }
 }
 
 /// A spindle speed at an override, ties away from zero.
@@ -572,61 +340,4 @@ pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     let scaled = i64::from(rpm.get()).saturating_mul(i64::from(percent));
     let rounded = scaled.saturating_add(50_i64.saturating_mul(scaled.signum())) / 100;
     Rpm::new(i32::try_from(rounded).unwrap_or(0))
-}
-
-/// True for the way out of a hole by itself.
-fn is_return(next: &Move) -> bool {
-    next.tag.is_some_and(|tag| tag.cycle == Cycle::G30P99)
-}
-
-/// True for the last move of a hole: never inside it, and the single block of a tapping cycle stops nowhere else.
-fn ends_hole(next: &Move, rest: &Moves) -> bool {
-    let Some(tag) = next.tag.filter(is_tap) else {
-        return false;
-    };
-    let after = rest.clone().next().and_then(|after| after.tag);
-    after.is_none_or(|after| after.pass != tag.pass)
-}
-
-const fn is_tap(tag: &Tag) -> bool {
-    matches!(tag.cycle, Cycle::G84 | Cycle::G88 | Cycle::G30P99)
-}
-
-/// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
-fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
-    let mut at = route.from;
-    let stops = Stops {
-        hold_not_inside: true,
-        hold_not_before: true,
-        ..Stops::default()
-    };
-    let mut queue_up = |action| {
-        let leg = Segment {
-            number: 0,
-            span: Span::default(),
-            epoch: route.epoch,
-            stops,
-            action,
-        };
-        put(queue, leg).is_ok()
-    };
-    for to in route
-        .via
-        .into_iter()
-        .flatten()
-        .filter(|to| *to != route.from)
-    {
-        let leg = Move {
-            span: Span::default(),
-            to,
-            kind: MoveKind::Rapid,
-            tag: None,
-        };
-        let Ok(Some(timed)) = plan::timed(at, &leg, limits) else {
-            break;
-        };
-        queue_up(Action::Timed(timed));
-        at = to;
-    }
-    queue_up(Action::End);
 }

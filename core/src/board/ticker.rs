@@ -5,19 +5,22 @@
 //! ```
 //!
 //! Knows segments, the spindle's encoder and the drives; knows nothing of calls or cycles. Bounded work: every loop runs
-//! over the axes or over the frames of one period. States are a type. Coming to rest, rigid mode and the ways out of a
-//! stroke have files of their own.
+//! over the axes or over the frames of one period. States are a type. Where a segment begins, coming to rest,
+//! rigid mode and the ways out of a stroke have files of their own.
 
 mod away;
+mod begin;
 mod float;
 mod journal;
 mod rigid;
+mod state;
 mod stopping;
 
 use heapless::Vec;
 
 use self::journal::Journal;
-use super::background::overridden;
+use self::state::{Mode, Then};
+pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, Spindle};
 use super::event::{Command, Event};
@@ -26,62 +29,16 @@ use super::queue::{EventIn, SegmentOut, has_second, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
-use crate::motion::{
-    Action, Arrival, Conditions, Epoch, Executor, Helix, Motion, Segment, Setpoint, Stops, WaysOut,
-};
+use crate::motion::{Arrival, Conditions, Epoch, Executor, Segment, Setpoint, WaysOut};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
-use crate::units::{Axis, Rpm, Ticks, Turns};
+use crate::units::{Axis, Rpm, Ticks};
 
 /// Frames a board sends in one period at most: SYNC, for each of three axes a start and an RPDO1, and for each of two
 /// spindles those and an RPDO2.
 pub const FRAMES: usize = 16;
-
-/// Where the machine is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum State {
-    /// The drives are being enabled.
-    Starting,
-    /// Enabled, and nothing to do.
-    Idle,
-    /// Carrying out segments.
-    Running,
-    /// At rest by feed hold or single block.
-    Held,
-    /// Coming to rest after an alarm, an emergency stop or a reset.
-    Stopping(Outcome),
-    /// At rest after an alarm, until reset.
-    Alarm(Alarm),
-}
-
-/// What a stop ends in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// Ready again.
-    Reset,
-    /// Latched.
-    Alarm(Alarm),
-}
-
-/// A [`State`] without its alarm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mode {
-    Starting,
-    Idle,
-    Running,
-    Held,
-    Stopping(Then),
-    Alarm,
-}
-
-/// An [`Outcome`] without its alarm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Then {
-    Reset,
-    Alarm,
-}
 
 /// What the tick has to say to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -277,88 +234,6 @@ impl Ticker {
         })
     }
 
-    /// Where the machine is.
-    #[must_use]
-    pub const fn state(&self) -> State {
-        match self.mode {
-            Mode::Starting => State::Starting,
-            Mode::Idle => State::Idle,
-            Mode::Running => State::Running,
-            Mode::Held => State::Held,
-            Mode::Stopping(Then::Reset) => State::Stopping(Outcome::Reset),
-            Mode::Stopping(Then::Alarm) => State::Stopping(Outcome::Alarm(self.alarm)),
-            Mode::Alarm => State::Alarm(self.alarm),
-        }
-    }
-
-    /// The operator's settings.
-    #[must_use]
-    pub const fn operator(&self) -> &Operator {
-        &self.operator
-    }
-
-    /// The executor, for what it can tell.
-    #[must_use]
-    pub const fn executor(&self) -> &Executor {
-        &self.executor
-    }
-
-    /// The spindle, as observed.
-    #[must_use]
-    pub const fn observer(&self) -> &Observer {
-        &self.observer
-    }
-
-    /// The exact helix of the pass under way, if one is; `head` is the head of the program's queue.
-    #[must_use]
-    pub fn helix(&self, head: Option<&Segment>) -> Option<Helix> {
-        self.executor
-            .helix(head.filter(|_| self.source == Source::Program))
-    }
-
-    /// The head of the program's queue is under way: it has begun, and is not done.
-    #[must_use]
-    pub fn has_begun(&self) -> bool {
-        self.source == Source::Program
-    }
-
-    /// The spindle's angle when the setpoint of the tick before takes effect, on X or on Z.
-    #[must_use]
-    pub fn effective_angle(&self, on_x: bool) -> Turns {
-        let ahead = if on_x { self.ahead_x } else { self.ahead_z };
-        self.observer.predict(ahead.less_one())
-    }
-
-    /// The spindle whose angle a setpoint has.
-    #[must_use]
-    pub const fn tap_spindle(&self) -> TapSpindle {
-        self.taps_with
-    }
-
-    /// Commanded spindle speed, override included.
-    #[must_use]
-    pub fn spindle_command(&self) -> Rpm {
-        overridden(self.commanded, self.spindle_percent)
-    }
-
-    /// True where the machine is ready for calls: up, and neither stopping nor on an alarm.
-    #[must_use]
-    pub const fn takes_calls(&self) -> bool {
-        matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held)
-    }
-
-    /// True while the machine stops or stands on an alarm.
-    #[must_use]
-    pub const fn has_alarm(&self) -> bool {
-        matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm))
-    }
-
-    /// A program is under way: its end has not been reached.
-    #[must_use]
-    pub const fn in_program(&self) -> bool {
-        self.in_program
-    }
-
     /// A program begins: until its end an empty queue is a wait, not idleness.
     pub const fn program_begins(&mut self) {
         self.in_program = true;
@@ -517,210 +392,6 @@ impl Ticker {
         if self.operator.hold && self.hold_retracts {
             self.leave_stroke(ends);
         }
-    }
-
-    /// Begins the next segment where one may begin. Number and line of one that is over at once come back, or of one that
-    /// waits for the spindle.
-    fn take_up(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
-        if !self.executor.is_free() {
-            return None;
-        }
-        if let Rigid::Entering { .. } = self.rigid {
-            return self.enter_rigid(ends);
-        }
-        if self.detour != Detour::None {
-            self.go_on_with_detour(ends);
-            return None;
-        }
-        if self.paused || !matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held) {
-            return None;
-        }
-        let epoch = self.epoch;
-        let next = ends.segments.peek().filter(|next| next.epoch == epoch)?;
-        if core::mem::take(&mut self.pauses_unless_hole) && !next.stops.tap_cycle {
-            self.paused = self.operator.single_block;
-            if self.paused {
-                return None;
-            }
-        }
-        if self.operator.hold && !next.stops.hold_not_before {
-            return None;
-        }
-        self.mode = Mode::Running;
-        self.in_program = true;
-        if self.waits_for_rgtap && self.rigid == Rigid::On {
-            let wait = self.wait_for_release(ends);
-            if wait.is_some() {
-                return wait;
-            }
-        }
-        if self.rigid == Rigid::On
-            && let Some(waits) = self.wait_for_journal(ends)
-        {
-            return Some(waits);
-        }
-        self.start(ends)
-    }
-
-    /// Begins the segment at the head of the program's queue.
-    fn start(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
-        let segment = ends.segments.peek()?;
-        let events = &mut *ends.events;
-        let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
-        let instant = match segment.action {
-            Action::Tap(ref tap) if self.rigid != Rigid::On => {
-                if self.engages_itself(tap, number, line) {
-                    return Some((number, line, Motion::Wait));
-                }
-                // No program asks for this: its rigid mode comes first.
-                let alarm = Alarm::new(Code::TapModePlace, segment.span);
-                take(ends.segments);
-                self.raise(&alarm, ends);
-                return None;
-            }
-            Action::Tap(ref tap) if tap.hole.spindle != self.taps_with => {
-                // E of the cycle: it changes over at standstill, and the hole begins then.
-                let spindle = tap.hole.spindle;
-                self.enter_with(spindle, number, line);
-                return Some((number, line, Motion::Wait));
-            }
-            Action::Timed(_)
-            | Action::Thread(_)
-            | Action::Tap(_)
-            | Action::Float(_)
-            | Action::Dwell(_) => {
-                if let Some(pass) = segment.pass() {
-                    self.pass = Some(LastPass {
-                        number,
-                        span: segment.span,
-                        frozen: segment.stops.frozen,
-                        ways: pass.ways,
-                    });
-                }
-                if let Action::Tap(tap) = &segment.action {
-                    self.tap_begins(tap);
-                }
-                emit(events, Event::Started { number, line });
-                self.executor.begin(segment);
-                // It stays where it is until it is done.
-                self.source = Source::Program;
-                return None;
-            }
-            Action::Spindle(rpm) => {
-                self.commanded = rpm;
-                self.rigid = match self.rigid {
-                    Rigid::On | Rigid::Leaving => Rigid::Leaving,
-                    Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
-                };
-                Event::Spindle(rpm)
-            }
-            Action::Rigid(spindle) => {
-                self.commanded = Rpm::STOPPED;
-                match self.rigid {
-                    Rigid::On | Rigid::Leaving if spindle == self.taps_with => {
-                        self.rigid = Rigid::On;
-                    }
-                    _ => self.enter_with(spindle, number, line),
-                }
-                Event::Rigid
-            }
-            Action::TapOut => {
-                self.tap_is_out();
-                take(ends.segments);
-                emit(ends.events, Event::Started { number, line });
-                return Some((number, line, Motion::Run));
-            }
-            Action::Aux(aux) => Event::Aux(aux),
-            Action::Alarm(alarm) => {
-                take(ends.segments);
-                self.raise(&alarm, ends);
-                return None;
-            }
-            Action::End => {
-                self.in_program = false;
-                self.commanded = Rpm::STOPPED;
-                self.mode = Mode::Idle;
-                emit(events, Event::Finished);
-                take(ends.segments);
-                return None;
-            }
-        };
-        take(ends.segments);
-        emit(ends.events, Event::Started { number, line });
-        emit(ends.events, instant);
-        self.pause_behind(stops);
-        Some((number, line, Motion::Run))
-    }
-
-    /// Single block behind a segment.
-    const fn pause_behind(&mut self, stops: Stops) {
-        if stops.single_block && self.operator.single_block {
-            self.pauses_unless_hole = stops.stops_after_last_hole;
-            self.paused = !stops.stops_after_last_hole;
-        }
-    }
-
-    /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
-    fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_, '_>) {
-        match self.mode {
-            Mode::Stopping(then) => {
-                if !self.executor.is_free() || self.detour != Detour::None {
-                    return;
-                }
-                if core::mem::take(&mut self.clearing)
-                    && let Some(target) = self.not_clear()
-                {
-                    self.detour = Detour::Clearing;
-                    self.route([Some(target), None]);
-                    return;
-                }
-                self.finish_stop(then, ends.events);
-            }
-            Mode::Running | Mode::Held => {
-                let free = self.executor.is_free();
-                if moved && free {
-                    self.pause_behind(self.executor.stops());
-                }
-                let between = free
-                    && match self.detour {
-                        Detour::None => {
-                            (self.paused || self.operator.hold) && !self.must_go_on(ends)
-                        }
-                        Detour::AtHome => true,
-                        _ => false,
-                    };
-                let resting = motion == Motion::Hold || between;
-                if resting && self.mode == Mode::Running {
-                    self.mode = Mode::Held;
-                    emit(ends.events, Event::Held);
-                } else if !resting {
-                    self.mode = Mode::Running;
-                }
-            }
-            // A program that is held before its first block.
-            Mode::Idle => {
-                if self.operator.hold && self.is_next(ends) && !self.must_go_on(ends) {
-                    self.mode = Mode::Held;
-                    emit(ends.events, Event::Held);
-                }
-            }
-            Mode::Starting | Mode::Alarm => {}
-        }
-    }
-
-    /// A segment waits that still counts.
-    fn is_next(&self, ends: &Ends<'_, '_>) -> bool {
-        let epoch = self.epoch;
-        ends.segments.peek().is_some_and(|next| next.epoch == epoch)
-    }
-
-    /// The retract behind a stroke is next: nothing rests here.
-    fn must_go_on(&self, ends: &Ends<'_, '_>) -> bool {
-        !self.paused
-            && ends
-                .segments
-                .peek()
-                .is_some_and(|next| next.stops.hold_not_before)
     }
 
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {

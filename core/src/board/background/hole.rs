@@ -1,0 +1,131 @@
+//! The strokes of a hole: collected from R until it is back there, and queued as one segment.
+
+use super::{Background, Collecting, Settings};
+use crate::alarm::{Alarm, Code};
+use crate::cycle::{Cycle, Move, MoveKind, Moves, Tag, TapMove};
+use crate::journal::TapHole;
+use crate::motion::{Action, Gear, Stops, Tap, TapStep, stroke};
+use crate::params::Params;
+use crate::program::TapMode;
+
+impl Background {
+    /// True for a stroke of an ordinary tap, and for the dwell between two: the whole hole is one segment, planned when its
+    /// call was opened. It goes to the queue with its last stroke.
+    pub(super) fn take_float(&mut self, next: &Move, settings: &Settings<'_>) -> bool {
+        let closes = match &next.kind {
+            MoveKind::Tap(tap) if tap.mode == TapMode::Floating => tap.closes,
+            MoveKind::Dwell(_) if self.float_number.is_some() => false,
+            _ => return false,
+        };
+        let number = *self.float_number.get_or_insert(self.number);
+        self.position = next.to;
+        if closes && let Some(plan) = self.float {
+            self.float_number = None;
+            let stops = Stops {
+                hold_not_inside: !settings.params.tap_hold_allowed(),
+                ..self.tap_stops(settings.params)
+            };
+            self.put(number, next.span, stops, Action::Float(plan));
+            self.complete = true;
+        }
+        true
+    }
+
+    /// A stroke of a tap. Back at R the way through the hole is complete and goes to the queue as one segment.
+    pub(super) fn take_stroke(
+        &mut self,
+        next: &Move,
+        tap: &TapMove,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let travel = tap.axis.of(next.to) - tap.axis.of(self.position);
+        let stroke = stroke(tap, travel, settings.params, settings.limits, next.span)?;
+        let step = TapStep::Stroke(stroke);
+        let taken = match &mut self.tap {
+            Some(collecting) => collecting.tap.push(step),
+            None => {
+                let inward = (tap.bottom - tap.level).signum();
+                let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
+                    .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
+                let feed_override = settings.params.tap_feed_override();
+                let hole = TapHole {
+                    axis: tap.axis,
+                    level: tap.level,
+                    bottom: tap.bottom,
+                    lead: tap.lead,
+                    hand: tap.hand,
+                    spindle: tap.spindle,
+                    speed: self.infeed,
+                    notes: self.notes,
+                };
+                let mut collected = Tap::new(gear, hole, self.position, feed_override);
+                let taken = collected.push(step);
+                self.tap = Some(Collecting {
+                    number: self.number,
+                    span: next.span,
+                    tap: collected,
+                });
+                taken
+            }
+        };
+        if !taken {
+            // Not reached: whatever the pecks, the way in and out has seven different steps at most.
+            return Err(Alarm::new(Code::TapCallRange, next.span));
+        }
+        if let Some(collecting) = &mut self.tap {
+            collecting.tap.part.closes |= tap.closes;
+            collecting.tap.part.returns |= is_return(next);
+        }
+        self.position = next.to;
+        if tap.axis.of(next.to) == tap.level {
+            self.close_tap(settings);
+            self.complete = true;
+        }
+        Ok(())
+    }
+
+    /// Lets the collected tap go to the queue.
+    pub(super) fn close_tap(&mut self, settings: &Settings<'_>) {
+        let Some(collecting) = self.tap.take() else {
+            return;
+        };
+        let stops = Stops {
+            hold_not_inside: !settings.params.tap_hold_allowed(),
+            ..self.tap_stops(settings.params)
+        };
+        self.put(
+            collecting.number,
+            collecting.span,
+            stops,
+            Action::Tap(collecting.tap),
+        );
+    }
+
+    /// Single block stops behind each hole with 5200.6 = 1, else behind the last one only ([G84/G88 sheet], its table).
+    pub(super) fn tap_stops(&self, params: &Params) -> Stops {
+        Stops {
+            single_block: self.hole_ends,
+            stops_after_last_hole: !params.tap_hold_allowed(),
+            tap_cycle: true,
+            ..Stops::default()
+        }
+    }
+}
+
+/// True for the way out of a hole by itself.
+pub(super) fn is_return(next: &Move) -> bool {
+    next.tag.is_some_and(|tag| tag.cycle == Cycle::G30P99)
+}
+
+/// True for the last move of a hole: never inside it, and the single block of a tapping cycle stops nowhere else.
+pub(super) fn ends_hole(next: &Move, rest: &Moves) -> bool {
+    let Some(tag) = next.tag.filter(is_tap) else {
+        return false;
+    };
+    let after = rest.clone().next().and_then(|after| after.tag);
+    after.is_none_or(|after| after.pass != tag.pass)
+}
+
+pub(super) const fn is_tap(tag: &Tag) -> bool {
+    matches!(tag.cycle, Cycle::G84 | Cycle::G88 | Cycle::G30P99)
+}

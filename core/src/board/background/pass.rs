@@ -1,0 +1,56 @@
+//! A pass of a thread: planned with all its strokes, queued together with its retract.
+
+use super::{Background, Settings, overridden};
+use crate::alarm::Alarm;
+use crate::cycle::{Move, MoveKind};
+use crate::motion::{Action, Pass, Stops, ThreadPlan, WaysOut, plan};
+use crate::units::{Length, Rpm, TurnRate};
+
+impl Background {
+    /// Plans the strokes collected, of which `last` is the last.
+    pub(super) fn plan_pass(
+        &mut self,
+        last: &Move,
+        rpm: Rpm,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let rpm = overridden(rpm, self.percent);
+        let plan = ThreadPlan::new(
+            self.pass_start,
+            &self.pass,
+            settings.params,
+            TurnRate::of_rpm(rpm),
+        )?;
+        let stops = Stops {
+            hold_not_inside: true,
+            frozen: Some(self.percent),
+            ..Stops::default()
+        };
+        let pass = Pass {
+            plan,
+            ways: WaysOut::new(
+                &plan,
+                self.home,
+                last.tag.map_or(Length::ZERO, |tag| tag.depth),
+                settings.params.thread_clearance(),
+            ),
+            rpm,
+        };
+        self.put(self.pass_number, last.span, stops, Action::Thread(pass));
+        // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
+        if plan.end() != last.to {
+            let rest = Move {
+                kind: MoveKind::Rapid,
+                ..*last
+            };
+            if let Some(timed) = plan::timed(plan.end(), &rest, settings.limits)? {
+                let stops = Stops {
+                    hold_not_before: true,
+                    ..stops
+                };
+                self.put(self.number, last.span, stops, Action::Timed(timed));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,46 @@
+//! The ways the tick asks for: planned into a queue of their own.
+
+use crate::alarm::Span;
+use crate::board::detour::Route;
+use crate::board::queue::{SegmentIn, put};
+use crate::cycle::{Move, MoveKind};
+use crate::motion::{Action, Limits, Segment, Stops, plan};
+
+/// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
+pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
+    let mut at = route.from;
+    let stops = Stops {
+        hold_not_inside: true,
+        hold_not_before: true,
+        ..Stops::default()
+    };
+    let mut queue_up = |action| {
+        let leg = Segment {
+            number: 0,
+            span: Span::default(),
+            epoch: route.epoch,
+            stops,
+            action,
+        };
+        put(queue, leg).is_ok()
+    };
+    for to in route
+        .via
+        .into_iter()
+        .flatten()
+        .filter(|to| *to != route.from)
+    {
+        let leg = Move {
+            span: Span::default(),
+            to,
+            kind: MoveKind::Rapid,
+            tag: None,
+        };
+        let Ok(Some(timed)) = plan::timed(at, &leg, limits) else {
+            break;
+        };
+        queue_up(Action::Timed(timed));
+        at = to;
+    }
+    queue_up(Action::End);
+}

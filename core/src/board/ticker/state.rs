@@ -1,0 +1,138 @@
+//! Where the machine is, and what else can be asked of the tick's side from outside.
+
+use super::{Source, Ticker};
+use crate::alarm::Alarm;
+use crate::board::background::overridden;
+use crate::board::operator::Operator;
+use crate::motion::{Executor, Helix, Segment};
+use crate::program::TapSpindle;
+use crate::spindle::Observer;
+use crate::units::{Rpm, Turns};
+
+/// Where the machine is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum State {
+    /// The drives are being enabled.
+    Starting,
+    /// Enabled, and nothing to do.
+    Idle,
+    /// Carrying out segments.
+    Running,
+    /// At rest by feed hold or single block.
+    Held,
+    /// Coming to rest after an alarm, an emergency stop or a reset.
+    Stopping(Outcome),
+    /// At rest after an alarm, until reset.
+    Alarm(Alarm),
+}
+
+/// What a stop ends in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// Ready again.
+    Reset,
+    /// Latched.
+    Alarm(Alarm),
+}
+
+/// A [`State`] without its alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    Starting,
+    Idle,
+    Running,
+    Held,
+    Stopping(Then),
+    Alarm,
+}
+
+/// An [`Outcome`] without its alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Then {
+    Reset,
+    Alarm,
+}
+
+impl Ticker {
+    /// Where the machine is.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        match self.mode {
+            Mode::Starting => State::Starting,
+            Mode::Idle => State::Idle,
+            Mode::Running => State::Running,
+            Mode::Held => State::Held,
+            Mode::Stopping(Then::Reset) => State::Stopping(Outcome::Reset),
+            Mode::Stopping(Then::Alarm) => State::Stopping(Outcome::Alarm(self.alarm)),
+            Mode::Alarm => State::Alarm(self.alarm),
+        }
+    }
+
+    /// The operator's settings.
+    #[must_use]
+    pub const fn operator(&self) -> &Operator {
+        &self.operator
+    }
+
+    /// The executor, for what it can tell.
+    #[must_use]
+    pub const fn executor(&self) -> &Executor {
+        &self.executor
+    }
+
+    /// The spindle, as observed.
+    #[must_use]
+    pub const fn observer(&self) -> &Observer {
+        &self.observer
+    }
+
+    /// The exact helix of the pass under way, if one is; `head` is the head of the program's queue.
+    #[must_use]
+    pub fn helix(&self, head: Option<&Segment>) -> Option<Helix> {
+        self.executor
+            .helix(head.filter(|_| self.source == Source::Program))
+    }
+
+    /// The head of the program's queue is under way: it has begun, and is not done.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.source == Source::Program
+    }
+
+    /// The spindle's angle when the setpoint of the tick before takes effect, on X or on Z.
+    #[must_use]
+    pub fn effective_angle(&self, on_x: bool) -> Turns {
+        let ahead = if on_x { self.ahead_x } else { self.ahead_z };
+        self.observer.predict(ahead.less_one())
+    }
+
+    /// The spindle whose angle a setpoint has.
+    #[must_use]
+    pub const fn tap_spindle(&self) -> TapSpindle {
+        self.taps_with
+    }
+
+    /// Commanded spindle speed, override included.
+    #[must_use]
+    pub fn spindle_command(&self) -> Rpm {
+        overridden(self.commanded, self.spindle_percent)
+    }
+
+    /// True where the machine is ready for calls: up, and neither stopping nor on an alarm.
+    #[must_use]
+    pub const fn takes_calls(&self) -> bool {
+        matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held)
+    }
+
+    /// True while the machine stops or stands on an alarm.
+    #[must_use]
+    pub const fn has_alarm(&self) -> bool {
+        matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm))
+    }
+
+    /// A program is under way: its end has not been reached.
+    #[must_use]
+    pub const fn in_program(&self) -> bool {
+        self.in_program
+    }
+}
