@@ -19,6 +19,7 @@
 //! It must not know hardware, sockets, clocks or flash.
 
 mod background;
+mod desk;
 mod detour;
 mod drives;
 mod event;
@@ -26,6 +27,7 @@ mod guard;
 mod node;
 mod operator;
 mod queue;
+mod reference;
 mod snapshot;
 mod spindles;
 pub mod station;
@@ -33,17 +35,19 @@ mod store;
 mod ticker;
 
 pub use background::{Background, Settings, overridden};
+pub use desk::{Desk, TickPort};
 pub use detour::Route;
 pub use event::{Command, Event};
 pub use guard::Guard;
 pub use operator::Operator;
+pub use reference::Reference;
 pub use snapshot::Snapshot;
 pub use station::Station;
 pub use store::{Region, StoreError, StoreRequest};
 pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
 
 use crate::alarm::{Alarm, Code, Span};
-use crate::bus::{Frame, NodeId};
+use crate::bus::Frame;
 use crate::journal::TapRecord;
 use crate::motion::{Helix, Limits, Setpoint, TapLine};
 use crate::params::Params;
@@ -56,40 +60,47 @@ pub use queue::{Calls, Events, Segments};
 /// two halves apart.
 #[derive(Debug)]
 pub struct Board {
-    params: Params,
-    limits: Limits,
-    calls: Calls,
     segments: Segments,
     detours: Segments,
     events: Events,
-    background: Background,
     ticker: Ticker,
-    station: Station,
+    desk: Desk,
     /// What the next measured angle is judged by.
-    reference: Option<node::Reference>,
-    journal: Entries,
+    reference: Reference,
     /// What the tick has said and the background has not heard.
     notice: Option<Notice>,
 }
 
-/// The tap journal on its way from the tick to the storage.
-#[derive(Debug)]
-struct Entries {
-    /// The newest entry.
-    newest: Option<TapRecord>,
-    /// It has not been asked for yet.
-    wanted: bool,
-    /// The entry that is being stored.
-    under_way: Option<u32>,
-}
-
-/// Hands a call to the background. False, and nothing changes, where that does not go.
-fn offer(ticker: &mut Ticker, calls: &mut Calls, call: &Call) -> bool {
-    let taken = ticker.takes_calls() && calls.enqueue(*call).is_ok();
-    if taken {
-        ticker.program_begins();
+/// With one thread there is nothing in between.
+impl TickPort for Ticker {
+    fn has_room(&self) -> bool {
+        true
     }
-    taken
+
+    fn takes_calls(&self) -> bool {
+        Self::takes_calls(self)
+    }
+
+    fn program_begins(&mut self) {
+        Self::program_begins(self);
+    }
+
+    fn command(&mut self, command: Command) {
+        Self::command(self, command);
+    }
+
+    fn signals(&mut self, signals: Signals) {
+        Self::signals(self, signals);
+    }
+
+    fn discard_tap(&mut self) {
+        // Where that does not go, nothing changes.
+        let _ = Self::discard_tap(self);
+    }
+
+    fn stored(&mut self, sequence: u32, result: Result<(), StoreError>) {
+        Self::stored(self, sequence, result);
+    }
 }
 
 impl Board {
@@ -109,21 +120,12 @@ impl Board {
         };
         let snapshot = Snapshot::new(&ticker, &Setpoint::default());
         Ok(Self {
-            station: Station::new(NodeId::BOARD, params, snapshot),
-            reference: None,
-            params: params.clone(),
-            limits: Limits::from_params(params),
-            calls: Calls::new(),
+            desk: Desk::new(params, remembered.unwrap_or_default(), tap, snapshot),
+            reference: Reference::default(),
             segments: Segments::new(),
             detours: Segments::new(),
             events: Events::new(),
-            background: Background::new(remembered.unwrap_or_default()),
             ticker,
-            journal: Entries {
-                newest: tap,
-                wanted: false,
-                under_way: None,
-            },
             notice: None,
         })
     }
@@ -133,23 +135,15 @@ impl Board {
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
         self.heed();
-        offer(&mut self.ticker, &mut self.calls, call)
+        self.desk.offer(call, &mut self.ticker)
     }
 
     /// One piece of background work. False where there is none that can be done now.
     pub fn background(&mut self) -> bool {
         self.heed();
-        let settings = Settings {
-            params: &self.params,
-            limits: &self.limits,
-            spindle_percent: self.ticker.operator().spindle_percent(),
-            begun: self.ticker.has_begun(),
-            signals: self.ticker.operator().signals,
-            tap: self.journal.newest.as_ref(),
-        };
-        let (_, mut calls) = self.calls.split();
+        let (operator, begun) = (self.ticker.operator(), self.ticker.has_begun());
         let (mut segments, _) = self.segments.split();
-        let (worked, warning) = self.background.step(&mut calls, &mut segments, &settings);
+        let (worked, warning) = self.desk.plan(&mut segments, operator, begun);
         if let Some(warning) = warning
             && self.events.enqueue(Event::Warning(warning)).is_err()
         {
@@ -169,9 +163,8 @@ impl Board {
             events: &mut events,
         };
         self.ticker.tick(sample, received, &mut ends, output);
-        if output.journal.is_some() {
-            self.journal.newest = output.journal;
-            self.journal.wanted = true;
+        if let Some(record) = output.journal {
+            self.desk.enter(record);
         }
         if output.notice.is_some() {
             // A restart makes what was said before it void; nothing else is said while a way is still to be planned.
@@ -184,11 +177,8 @@ impl Board {
         let Some(notice) = self.notice.take() else {
             return;
         };
-        let (_, mut calls) = self.calls.split();
-        let (mut planned, _) = self.detours.split();
-        let tap = self.journal.newest.as_ref();
-        self.background
-            .heed(&notice, &mut calls, &mut planned, &self.limits, tap);
+        let (mut detours, _) = self.detours.split();
+        self.desk.heed(&notice, &mut detours);
     }
 
     /// Takes an operator's command; it acts in the next tick.
@@ -204,33 +194,18 @@ impl Board {
     /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
     /// write has not been answered yet; of entries that come meanwhile only the newest counts.
     pub fn store(&mut self) -> Option<StoreRequest> {
-        let record = self.journal.newest.as_ref()?;
-        if !self.journal.wanted || self.journal.under_way.is_some() {
-            return None;
-        }
-        self.journal.wanted = false;
-        self.journal.under_way = Some(record.sequence);
-        Some(StoreRequest {
-            region: Region::TapJournal,
-            bytes: record.encode(),
-        })
+        self.desk.store()
     }
 
     /// The last write that [`store`](Self::store) asked for has been done, or could not be.
     pub fn stored(&mut self, region: Region, result: Result<(), StoreError>) {
-        match region {
-            Region::TapJournal => {
-                if let Some(sequence) = self.journal.under_way.take() {
-                    self.ticker.stored(sequence, result);
-                }
-            }
-        }
+        self.desk.stored(region, result, &mut self.ticker);
     }
 
     /// The newest entry of the tap journal, stored or on its way there.
     #[must_use]
     pub const fn tap_record(&self) -> Option<&TapRecord> {
-        self.journal.newest.as_ref()
+        self.desk.tap_record()
     }
 
     /// Drops the entry of a tap that is in its hole: there is none, says who calls this. It acts with the next tick. False,
@@ -242,7 +217,7 @@ impl Board {
     /// The oldest event not yet read.
     pub fn event(&mut self) -> Option<Event> {
         let event = self.events.dequeue()?;
-        self.station.note(&event);
+        self.desk.note(&event);
         Some(event)
     }
 
@@ -250,10 +225,9 @@ impl Board {
     #[must_use]
     pub fn is_busy(&self) -> bool {
         let forgotten = matches!(self.notice, Some(Notice::Restart(..)));
-        (!forgotten && (self.background.is_busy() || !self.calls.is_empty()))
+        (!forgotten && self.desk.is_planning())
             || !self.segments.is_empty()
-            || self.journal.wanted
-            || self.journal.under_way.is_some()
+            || self.desk.is_storing()
             || !matches!(self.ticker.state(), State::Idle | State::Alarm(_))
     }
 
@@ -284,6 +258,6 @@ impl Board {
     /// The limits in force.
     #[must_use]
     pub const fn limits(&self) -> &Limits {
-        &self.limits
+        self.desk.limits()
     }
 }

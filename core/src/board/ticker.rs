@@ -8,6 +8,7 @@
 //! over the axes or over the frames of one period. States are a type. Where a segment begins, coming to rest,
 //! rigid mode and the ways out of a stroke have files of their own.
 
+mod anew;
 mod away;
 mod begin;
 mod float;

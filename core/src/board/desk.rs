@@ -1,0 +1,297 @@
+//! The background half of a board: it plans, stores, and speaks on the bus.
+//!
+//! ```text
+//! frames ◄─► Station ─ calls ─► Background ─ segments ─► (the tick side)
+//!               │                    ▲                        │
+//!               └── orders ──────────┼───► TickPort ──────────┘
+//!                                    └──── notices, entries, snapshots
+//! ```
+//!
+//! Whoever owns a desk runs it in turn with the tick side, or in a context of its own beside it: what the desk wants of the
+//! tick goes through a [`TickPort`], and what the tick has to say is handed in by the owner. Knows nothing of how either
+//! travels.
+
+use super::background::{Background, Settings};
+use super::event::{Command, Event};
+use super::operator::Operator;
+use super::queue::{Calls, SegmentIn};
+use super::snapshot::Snapshot;
+use super::station::Station;
+use super::store::{Region, StoreError, StoreRequest};
+use super::ticker::Notice;
+use crate::alarm::Alarm;
+use crate::bus::{Frame, NodeId, Periods};
+use crate::journal::TapRecord;
+use crate::motion::Limits;
+use crate::params::Params;
+use crate::program::{Call, Position};
+use crate::signals::Signals;
+use crate::units::Length;
+
+/// What the background asks of the tick side. Everything acts in the next tick, in the order in which it was asked for.
+pub trait TickPort {
+    /// True where there is room for a [`command`](Self::command) and two more wishes.
+    fn has_room(&self) -> bool;
+    /// As [`Ticker::takes_calls`](super::Ticker::takes_calls).
+    fn takes_calls(&self) -> bool;
+    /// As [`Ticker::program_begins`](super::Ticker::program_begins).
+    fn program_begins(&mut self);
+    /// As [`Ticker::command`](super::Ticker::command).
+    fn command(&mut self, command: Command);
+    /// As [`Ticker::signals`](super::Ticker::signals).
+    fn signals(&mut self, signals: Signals);
+    /// As [`Ticker::discard_tap`](super::Ticker::discard_tap).
+    fn discard_tap(&mut self);
+    /// As [`Ticker::stored`](super::Ticker::stored).
+    fn stored(&mut self, sequence: u32, result: Result<(), StoreError>);
+}
+
+/// The background half.
+#[derive(Debug)]
+pub struct Desk {
+    params: Params,
+    limits: Limits,
+    calls: Calls,
+    background: Background,
+    station: Station,
+    journal: Entries,
+}
+
+/// The tap journal on its way from the tick to the storage.
+#[derive(Debug)]
+struct Entries {
+    /// The newest entry.
+    newest: Option<TapRecord>,
+    /// It has not been asked for yet.
+    wanted: bool,
+    /// The entry that is being stored.
+    under_way: Option<u32>,
+}
+
+/// Puts a call on its way. False, and nothing changes, where that does not go.
+fn offer(port: &mut impl TickPort, calls: &mut Calls, call: &Call) -> bool {
+    let taken = port.takes_calls() && port.has_room() && calls.enqueue(*call).is_ok();
+    if taken {
+        port.program_begins();
+    }
+    taken
+}
+
+impl Desk {
+    /// As at power-up: at `position`, with the stored entry of the tap journal, and `snapshot` of the tick side.
+    #[must_use]
+    pub fn new(
+        params: &Params,
+        position: Position,
+        tap: Option<TapRecord>,
+        snapshot: Snapshot,
+    ) -> Self {
+        Self {
+            station: Station::new(NodeId::BOARD, params, snapshot),
+            params: params.clone(),
+            limits: Limits::from_params(params),
+            calls: Calls::new(),
+            background: Background::new(position),
+            journal: Entries {
+                newest: tap,
+                wanted: false,
+                under_way: None,
+            },
+        }
+    }
+
+    /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
+    ///
+    /// # Errors
+    /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus.
+    pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
+        self.station.set_node(node);
+        self.station.join(&self.params)
+    }
+
+    /// What the tick has said; it comes before everything else the desk does, and behind the entry of the same tick.
+    pub fn heed(&mut self, notice: &Notice, detours: &mut SegmentIn<'_>) {
+        let (_, mut calls) = self.calls.split();
+        let tap = self.journal.newest.as_ref();
+        self.background
+            .heed(notice, &mut calls, detours, &self.limits, tap);
+    }
+
+    /// A new entry of the tap journal: of those not yet stored only the newest counts.
+    pub const fn enter(&mut self, record: TapRecord) {
+        self.journal.newest = Some(record);
+        self.journal.wanted = true;
+    }
+
+    /// Hands a call over. False, and nothing changes, where there is no room for it now, or while the machine starts, stops
+    /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
+    #[must_use]
+    pub fn offer(&mut self, call: &Call, port: &mut impl TickPort) -> bool {
+        offer(port, &mut self.calls, call)
+    }
+
+    /// One piece of planning: false where there is none that can be done now. A warning comes back too. `begun`: the oldest
+    /// of the segments is under way.
+    pub fn plan(
+        &mut self,
+        segments: &mut SegmentIn<'_>,
+        operator: &Operator,
+        begun: bool,
+    ) -> (bool, Option<Alarm>) {
+        let settings = Settings {
+            params: &self.params,
+            limits: &self.limits,
+            spindle_percent: operator.spindle_percent(),
+            begun,
+            signals: operator.signals,
+            tap: self.journal.newest.as_ref(),
+        };
+        let (_, mut calls) = self.calls.split();
+        self.background.step(&mut calls, segments, &settings)
+    }
+
+    /// Takes a frame from the bus. True where it is not for the board as a node: it belongs to the tick side. What it asks
+    /// for waits for [`carry_out`](Self::carry_out).
+    #[must_use]
+    pub fn receive(&mut self, frame: &Frame) -> bool {
+        !self.station.receive(frame, &self.params)
+    }
+
+    /// Lets the station go on: `elapsed` periods after the last call; `error` as the [`Reference`](super::Reference) says of
+    /// the last of them. True where a call went to the planner. What it asks for waits for [`carry_out`](Self::carry_out).
+    pub fn serve(
+        &mut self,
+        elapsed: Periods,
+        snapshot: Snapshot,
+        error: Option<Length>,
+        port: &mut impl TickPort,
+    ) -> bool {
+        if elapsed != Periods::new(0) {
+            self.station.set_sync_error(error);
+        }
+        let calls = &mut self.calls;
+        let mut offer = |call: &_| offer(port, calls, call);
+        self.station
+            .poll(elapsed, snapshot, &self.params, &mut offer)
+    }
+
+    /// Carries out what the station asks for. True where a parameter set came with it: it is in force here, and the owner
+    /// restarts the tick side with [`params`](Self::params), then says so with [`begin_anew`](Self::begin_anew).
+    #[must_use]
+    pub fn carry_out(&mut self, port: &mut impl TickPort) -> bool {
+        while port.has_room()
+            && let Some(command) = self.station.command()
+        {
+            port.command(command);
+        }
+        if port.has_room()
+            && let Some(signals) = self.station.signals()
+        {
+            port.signals(signals);
+        }
+        if port.has_room() && self.station.drops_tap() {
+            // Refused at the bus where that does not go.
+            port.discard_tap();
+        }
+        let Some(params) = self.station.take_params() else {
+            return false;
+        };
+        self.params.clone_from(params);
+        self.limits = Limits::from_params(&self.params);
+        true
+    }
+
+    /// The tick side has begun anew: from `position`, as far as that is known.
+    pub fn begin_anew(&mut self, position: Option<Position>) {
+        self.calls = Calls::new();
+        self.background = Background::new(position.unwrap_or_default());
+    }
+
+    /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
+    /// write has not been answered yet; of entries that come meanwhile only the newest counts.
+    pub fn store(&mut self) -> Option<StoreRequest> {
+        let record = self.journal.newest.as_ref()?;
+        if !self.journal.wanted || self.journal.under_way.is_some() {
+            return None;
+        }
+        self.journal.wanted = false;
+        self.journal.under_way = Some(record.sequence);
+        Some(StoreRequest {
+            region: Region::TapJournal,
+            bytes: record.encode(),
+        })
+    }
+
+    /// The last write that [`store`](Self::store) asked for has been done, or could not be.
+    pub fn stored(
+        &mut self,
+        region: Region,
+        result: Result<(), StoreError>,
+        port: &mut impl TickPort,
+    ) {
+        match region {
+            Region::TapJournal => {
+                if let Some(sequence) = self.journal.under_way.take() {
+                    port.stored(sequence, result);
+                }
+            }
+        }
+    }
+
+    /// The newest entry of the tap journal, stored or on its way there.
+    #[must_use]
+    pub const fn tap_record(&self) -> Option<&TapRecord> {
+        self.journal.newest.as_ref()
+    }
+
+    /// Takes what has happened: every event, in order.
+    pub fn note(&mut self, event: &Event) {
+        self.station.note(event);
+    }
+
+    /// The next frame of the station to send.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        self.station.transmit()
+    }
+
+    /// True while a call has not been planned and handed over.
+    #[must_use]
+    pub fn is_planning(&self) -> bool {
+        self.background.is_busy() || !self.calls.is_empty()
+    }
+
+    /// True while an entry of the tap journal is not known to be stored.
+    #[must_use]
+    pub const fn is_storing(&self) -> bool {
+        self.journal.wanted || self.journal.under_way.is_some()
+    }
+
+    /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
+    #[must_use]
+    pub fn awaits_program(&self) -> bool {
+        self.station.awaits_program() && !self.calls.is_full()
+    }
+
+    /// Says how many setpoints have come late for their SYNC since power-up.
+    pub const fn set_late(&mut self, late: u32) {
+        self.station.set_late(late);
+    }
+
+    /// The board as a node.
+    #[must_use]
+    pub const fn station(&self) -> &Station {
+        &self.station
+    }
+
+    /// The parameter set in force.
+    #[must_use]
+    pub const fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// The limits in force.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+}
