@@ -1,0 +1,28 @@
+#![no_std]
+#![forbid(unsafe_code)]
+//! What a board's image is made of and needs no hardware: arithmetic and rules around registers, without the registers.
+//!
+//! | part | is |
+//! |---|---|
+//! | [`BitTiming`] | segments of a CAN bit from the controller's clock |
+//! | [`Gate`] | which frame may go into the CAN controller next |
+//! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
+//! | [`WordFlash`] | flash of words with error correction to the traits of storage |
+//! | [`ResetCause`] | why the processor started |
+//! | [`Pulse`] | the watchdog is fed while both contexts live, and only then |
+//!
+//! Knows no chip, no register and no interrupt; constants of a chip are arguments. Nothing here waits or allocates.
+
+mod edges;
+mod flash;
+mod gate;
+mod pulse;
+mod reset;
+mod timing;
+
+pub use edges::{EdgeClock, Reading};
+pub use flash::{WordDevice, WordError, WordFlash};
+pub use gate::{Gate, Turn};
+pub use pulse::Pulse;
+pub use reset::{ResetCause, ResetFlags};
+pub use timing::BitTiming;
