@@ -268,6 +268,100 @@ fn an_emergency_stop_in_a_stroke_stops_both_axes_on_the_path() {
     }
 }
 
+/// Stopped at `stop`, and `also` done `behind` ticks later.
+fn stopped(text: &str, stop: u64, behind: u64, also: &[Command]) -> Ran {
+    run(
+        text,
+        &Params::slant_bed(),
+        &PlantOptions::default(),
+        |sim, ticks| {
+            if ticks == stop {
+                sim.command(Command::Stop);
+            }
+            if ticks == stop + behind {
+                for &command in also {
+                    sim.command(command);
+                }
+            }
+        },
+    )
+}
+
+/// A reset that comes while the machine is still on its way to rest waits until it stands, whenever it comes, and is not
+/// lost [D110]. The way to rest is the same as without it.
+#[test]
+fn a_reset_during_a_stop_acts_when_the_machine_stands() {
+    let params = Params::slant_bed();
+    let tap = "G98 G0 X0 Z5\nM29 S500\nG84 Z-12 R3 P200 F500\nG80\nM30\n";
+    for (text, inside) in [
+        (THREAD, Doing::Run),
+        (THREAD, Doing::Wait),
+        ("G98 G1 X200 Z-100 F8000\nM30\n", Doing::Run),
+        (tap, Doing::Run),
+    ] {
+        let calm = plain(text);
+        let rows: Vec<&Row> = calm.rows.iter().filter(|row| row.doing == inside).collect();
+        let stop = rows[rows.len() / 2].tick;
+        let alone = stopped(text, stop, 0, &[]);
+        let stands = alone
+            .rows
+            .iter()
+            .rposition(|row| row.position != alone.rows[alone.rows.len() - 1].position);
+        let ticks = stands.map_or(0, |row| alone.rows[row].tick.saturating_sub(stop)) + 3;
+        // A wait for the spindle stands already.
+        assert!(ticks > 10 || inside == Doing::Wait, "{text}: {ticks}");
+        for behind in 0..ticks {
+            let ran = stopped(text, stop, behind, &[Command::Reset]);
+            let told = format!("{text}stop at {stop}, reset {behind} later");
+            assert_eq!(ran.alarm.expect(&told).number(), 4300);
+            assert_eq!(ran.events.last(), Some(&Event::Ready), "{told}");
+            let last = ran.rows.last().expect("rows");
+            assert_eq!(last.doing, Doing::Idle, "{told}");
+            let way = |ran: &Ran| {
+                let mut way: Vec<Position> = ran.rows.iter().map(|row| row.position).collect();
+                way.dedup();
+                way
+            };
+            assert_eq!(way(&ran), way(&alone), "{told}");
+            assert_eq!(
+                first_excess_with(&ran.rows, &params, 2.0),
+                None,
+                "{told}"
+            );
+        }
+    }
+}
+
+/// Of orders that contradict each other the last one counts: a stop makes a reset before it void, a hold behind a reset
+/// stays.
+#[test]
+fn a_stop_behind_a_waiting_reset_keeps_the_alarm_and_a_hold_stays() {
+    let stop = 1500;
+    for behind in 1..40 {
+        let again = [Command::Reset, Command::Stop];
+        let ran = stopped(THREAD, stop, behind, &again);
+        assert_eq!(ran.rows.last().expect("rows").doing, Doing::Alarm);
+        assert!(!ran.events.contains(&Event::Reset));
+    }
+    let mut held = false;
+    let ran = run(
+        THREAD,
+        &Params::slant_bed(),
+        &PlantOptions::default(),
+        |sim, ticks| {
+            match ticks.checked_sub(stop) {
+                Some(0) => sim.command(Command::Stop),
+                Some(1) => sim.command(Command::Reset),
+                Some(2) => sim.command(Command::Hold),
+                _ => {}
+            }
+            held = sim.board().ticker().operator().hold;
+        },
+    );
+    assert_eq!(ran.rows.last().expect("rows").doing, Doing::Idle);
+    assert!(held);
+}
+
 #[test]
 fn single_block_stops_after_every_pass_of_a_thread() {
     let params = Params::slant_bed();

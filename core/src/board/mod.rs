@@ -228,6 +228,7 @@ impl Board {
         (!forgotten && self.desk.is_planning())
             || !self.segments.is_empty()
             || self.desk.is_storing()
+            || self.ticker.operator().reset_waits()
             || !matches!(self.ticker.state(), State::Idle | State::Alarm(_))
     }
 

@@ -17,18 +17,12 @@ pub struct Operator {
     feed: u8,
     rapid: u8,
     spindle: u8,
-    wish: Option<Wish>,
-}
-
-/// A command that is carried out once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wish {
-    /// Go on.
-    Resume,
-    /// Reset.
-    Reset,
-    /// Emergency stop, or a stop with an alarm of its own.
-    Stop(Code),
+    /// An emergency stop, or a stop with an alarm of its own, for the next tick.
+    stop: Option<Code>,
+    /// A reset; it waits while the machine comes to rest on an alarm [D110].
+    reset: bool,
+    /// Go on, in the next tick.
+    resume: bool,
 }
 
 impl Operator {
@@ -41,27 +35,26 @@ impl Operator {
             feed: 100,
             rapid: 100,
             spindle: 100,
-            wish: None,
+            stop: None,
+            reset: false,
+            resume: false,
         }
     }
 
-    /// Takes a command. The stronger wish of one tick counts: stop before reset before resume.
+    /// Takes a command. Those of one tick act in the order stop, reset, resume; what was asked for last counts.
     pub(super) const fn take(&mut self, command: Command) {
         match command {
             Command::Hold => {
                 self.hold = true;
-                // What was asked for last counts.
-                if matches!(self.wish, Some(Wish::Resume)) {
-                    self.wish = None;
-                }
+                self.resume = false;
             }
-            Command::Resume if self.wish.is_none() => self.wish = Some(Wish::Resume),
-            Command::Reset if !matches!(self.wish, Some(Wish::Stop(_))) => {
-                self.wish = Some(Wish::Reset);
+            Command::Resume => self.resume = true,
+            Command::Reset => {
+                self.reset = true;
+                self.hold = false;
             }
-            Command::Resume | Command::Reset => {}
-            Command::Stop => self.wish = Some(Wish::Stop(Code::EmergencyStop)),
-            Command::Halt(code) => self.wish = Some(Wish::Stop(code)),
+            Command::Stop => self.ask_for_stop(Code::EmergencyStop),
+            Command::Halt(code) => self.ask_for_stop(code),
             Command::SingleBlock(on) => self.single_block = on,
             Command::FeedOverride(percent) => self.feed = clamp(percent, 0, 150),
             Command::RapidOverride(percent) => self.rapid = clamp(percent, 0, 100),
@@ -69,8 +62,30 @@ impl Operator {
         }
     }
 
-    pub(super) const fn wish(&mut self) -> Option<Wish> {
-        self.wish.take()
+    /// A reset that was asked for before is void: it was for another stop.
+    const fn ask_for_stop(&mut self, code: Code) {
+        self.stop = Some(code);
+        self.reset = false;
+    }
+
+    /// The stop asked for, once.
+    pub(super) const fn takes_stop(&mut self) -> Option<Code> {
+        self.stop.take()
+    }
+
+    /// True where to go on was asked for, once.
+    pub(super) const fn takes_resume(&mut self) -> bool {
+        core::mem::replace(&mut self.resume, false)
+    }
+
+    /// A reset has been asked for and is not done.
+    #[must_use]
+    pub const fn reset_waits(&self) -> bool {
+        self.reset
+    }
+
+    pub(super) const fn reset_acts(&mut self) {
+        self.reset = false;
     }
 
     /// Feed override.

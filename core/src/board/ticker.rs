@@ -25,7 +25,7 @@ pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, Spindle};
 use super::event::{Command, Event};
-use super::operator::{Operator, Wish};
+use super::operator::Operator;
 use super::queue::{EventIn, SegmentOut, has_second, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Frame;
@@ -361,34 +361,22 @@ impl Ticker {
     }
 
     fn obey(&mut self, ends: &mut Ends<'_, '_>) {
-        match self.operator.wish() {
-            None => {}
-            Some(Wish::Stop(code)) => {
-                self.raise(&Alarm::new(code, Span::default()), ends);
+        if let Some(code) = self.operator.takes_stop() {
+            self.raise(&Alarm::new(code, Span::default()), ends);
+        }
+        if self.operator.reset_waits() {
+            self.reset(ends);
+        }
+        if self.operator.takes_resume() {
+            self.operator.hold = false;
+            self.paused = false;
+            if self.detour == Detour::AtHome
+                && let Some(pass) = &self.pass
+            {
+                self.detour = Detour::Back;
+                let start = pass.ways.start;
+                self.route([Some(start), None]);
             }
-            Some(Wish::Resume) => {
-                self.operator.hold = false;
-                self.paused = false;
-                if self.detour == Detour::AtHome
-                    && let Some(pass) = &self.pass
-                {
-                    self.detour = Detour::Back;
-                    let start = pass.ways.start;
-                    self.route([Some(start), None]);
-                }
-            }
-            Some(Wish::Reset) => match self.mode {
-                Mode::Alarm => {
-                    self.drives.reset();
-                    self.operator.hold = false;
-                    self.paused = false;
-                    // To the nanometre, where the drives have not been moved meanwhile.
-                    self.remembered = self.remembered.or(Some(self.executor.position()));
-                    self.mode = Mode::Starting;
-                }
-                Mode::Idle | Mode::Running | Mode::Held => self.reset_in_motion(ends),
-                Mode::Starting | Mode::Stopping(_) => {}
-            },
         }
         if self.operator.hold && self.hold_retracts {
             self.leave_stroke(ends);

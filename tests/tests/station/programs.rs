@@ -103,6 +103,37 @@ fn difference(a: &[Row], b: &[Row]) -> Option<usize> {
     (0..a.len().max(b.len())).find(|&n| a.get(n) != b.get(n))
 }
 
+/// `run` where no program waits for it changes nothing, and is not swallowed: a warning by process data, an abort by SDO.
+#[test]
+fn a_run_without_a_program_is_refused_visibly() {
+    let params = Params::slant_bed();
+    let mut sim = machine(&params, &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let refusals = |sim: &mut Sim, gateway: &mut Gateway| {
+        let entries = gateway
+            .read(sim, Object::new(0x5040, 3), SdoProtocol::Segmented)
+            .unwrap();
+        EventReader::new(&entries)
+            .map(Result::unwrap)
+            .filter(|entry| matches!(entry.event, Event::Warning(w) if w.code == Code::NothingToRun))
+            .count()
+    };
+    gateway.order(&mut sim, Order::Run);
+    assert_eq!(refusals(&mut sim, &mut gateway), 1);
+    let by_sdo = |sim: &mut Sim, gateway: &mut Gateway| {
+        gateway.write(sim, Object::new(0x5000, 2), &[1], SdoProtocol::Segmented)
+    };
+    let refused = Err(SdoError::Refused(Abort::State.code()));
+    assert_eq!(by_sdo(&mut sim, &mut gateway), refused);
+    assert_eq!(refusals(&mut sim, &mut gateway), 2);
+    // A program that waits, and one that runs already.
+    let calls = calls("G98 G1 X20 F100\nM30\n", &params);
+    Upload::new(7, &calls).feed(&mut gateway, &mut sim);
+    assert_eq!(by_sdo(&mut sim, &mut gateway), Ok(()));
+    assert_eq!(by_sdo(&mut sim, &mut gateway), refused);
+    assert_eq!(refusals(&mut sim, &mut gateway), 3);
+}
+
 #[test]
 fn every_example_gives_the_same_rows_over_the_wire() {
     let examples = examples();

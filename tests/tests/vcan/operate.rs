@@ -77,11 +77,10 @@ fn a_stop_in_a_hole_is_an_alarm_and_retract_brings_the_tap_out() {
     assert!(out(&output).contains("\"ok\":false"), "{}", err(&output));
     let refused = bad(&leadscrew(&["retract"]), 4);
     assert!(refused.contains("leadscrew reset"), "{refused}");
-    // A reset counts once the machine stands, which the status does not tell from stopping.
-    eventually("it is ready again", || {
-        good(&leadscrew(&["reset"]));
-        let status = good(&leadscrew(&["status", "--json"]));
-        field(&status, "state") == "idle"
+    // It may still be on its way to rest: the reset waits for that.
+    good(&leadscrew(&["reset"]));
+    wait_for_status("it is ready again", |status| {
+        field(status, "state") == "idle"
     });
     good(&leadscrew(&["retract"]));
     let status = good(&leadscrew(&["status", "--json"]));

@@ -372,6 +372,7 @@ impl Station {
             shelf.command(wanted);
         }
         if let Some(order) = self.gate.take(&command) {
+            // One that is refused stands in the event log.
             shelf.order(order);
         }
         shelf.count = self.gate.count();

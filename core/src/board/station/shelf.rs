@@ -11,7 +11,8 @@ use super::inbox::Inbox;
 use super::ledger::Ledger;
 use super::log::Log;
 use super::table::{DROP, HISTORY};
-use crate::board::event::Command;
+use crate::alarm::{Alarm, Code, Span};
+use crate::board::event::{Command, Event};
 use crate::board::snapshot::Snapshot;
 use crate::bus::{
     Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
@@ -161,14 +162,19 @@ impl Shelf {
         self.heartbeat = HeartbeatProducer::new(ms(params.heartbeat_ms()), params.tick_us());
     }
 
-    /// An order of the operator, from RPDO1 or by SDO.
-    pub fn order(&mut self, order: Order) {
+    /// An order of the operator, from RPDO1 or by SDO. False for a `run` that no program waits for; a warning in the event
+    /// log says so [D110]. The others act at once, or when the machine has come to rest.
+    pub fn order(&mut self, order: Order) -> bool {
         let command = match order {
             Order::Run => {
-                if self.inbox.run() {
+                let waited = self.inbox.run();
+                if waited {
                     self.ledger = Ledger::new(self.inbox.program());
+                } else {
+                    let warning = Alarm::new(Code::NothingToRun, Span::default());
+                    self.log.push(self.tick, Event::Warning(warning));
                 }
-                return;
+                return waited;
             }
             Order::Hold => Command::Hold,
             Order::Resume => Command::Resume,
@@ -183,6 +189,7 @@ impl Shelf {
             }
         };
         self.command(command);
+        true
     }
 
     /// A command for the tick. Where so many wait that there is no room, the owner does not read them.
@@ -381,8 +388,9 @@ impl Shelf {
             (0x5000, 2) => {
                 if let Some(place) = usize::from(value as u8).checked_sub(1)
                     && let Some(&order) = Order::ALL.get(place)
+                    && !self.order(order)
                 {
-                    self.order(order);
+                    return Err(Abort::State);
                 }
             }
             (0x5000, sub) => self.setting(sub, value as u8),

@@ -26,10 +26,27 @@ impl Ticker {
         emit(ends.events, Event::Alarm(*alarm));
     }
 
-    /// Reset: a stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
+    /// A reset acts as soon as the machine is not on its way to rest with an alarm [D110].
+    pub(super) fn reset(&mut self, ends: &Ends<'_, '_>) {
+        match self.mode {
+            Mode::Stopping(Then::Alarm) => return,
+            Mode::Alarm => {
+                self.drives.reset();
+                self.paused = false;
+                // To the nanometre, where the drives have not been moved meanwhile.
+                self.remembered = self.remembered.or(Some(self.executor.position()));
+                self.mode = Mode::Starting;
+            }
+            Mode::Idle | Mode::Running | Mode::Held => self.reset_in_motion(ends),
+            // What it asks for is under way.
+            Mode::Starting | Mode::Stopping(Then::Reset) => {}
+        }
+        self.operator.reset_acts();
+    }
+
+    /// A stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
     /// the way out behind a stroke goes on until then; anything else stops on its path. The spindle goes on turning until the axes stand.
-    pub(super) fn reset_in_motion(&mut self, ends: &Ends<'_, '_>) {
-        self.operator.hold = false;
+    fn reset_in_motion(&mut self, ends: &Ends<'_, '_>) {
         self.paused = false;
         self.detour = Detour::None;
         self.clearing = false;
