@@ -323,11 +323,7 @@ fn a_reset_during_a_stop_acts_when_the_machine_stands() {
                 way
             };
             assert_eq!(way(&ran), way(&alone), "{told}");
-            assert_eq!(
-                first_excess_with(&ran.rows, &params, 2.0),
-                None,
-                "{told}"
-            );
+            assert_eq!(first_excess_with(&ran.rows, &params, 2.0), None, "{told}");
         }
     }
 }

@@ -115,7 +115,9 @@ fn a_run_without_a_program_is_refused_visibly() {
             .unwrap();
         EventReader::new(&entries)
             .map(Result::unwrap)
-            .filter(|entry| matches!(entry.event, Event::Warning(w) if w.code == Code::NothingToRun))
+            .filter(
+                |entry| matches!(entry.event, Event::Warning(w) if w.code == Code::NothingToRun),
+            )
             .count()
     };
     gateway.order(&mut sim, Order::Run);
