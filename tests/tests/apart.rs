@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::board::{
-    Background, Calls, Command, Ends, Event, Events, Notice, Output, Segments, Settings, State,
-    Ticker,
+    Background, Calls, Command, Detours, Ends, Event, Events, Notice, Output, Segments, Settings,
+    State, Ticker,
 };
 use leadscrew_core::bus::Frame;
 use leadscrew_core::motion::Limits;
@@ -28,7 +28,7 @@ struct Apart {
     background: Background,
     calls: Calls,
     segments: Segments,
-    detours: Segments,
+    detours: Detours,
     events: Events,
     notices: VecDeque<Notice>,
     plant: Plant,
@@ -46,7 +46,7 @@ impl Apart {
             background: Background::new(Default::default()),
             calls: Calls::new(),
             segments: Segments::new(),
-            detours: Segments::new(),
+            detours: Detours::new(),
             events: Events::new(),
             notices: VecDeque::new(),
             plant: Plant::new(params, &PlantOptions::default()).expect("the plant works"),

@@ -16,14 +16,12 @@ use self::hole::{ends_hole, is_tap};
 use self::open::before;
 use self::route::plan_route;
 use super::guard::Guard;
-use super::queue::{CallOut, SegmentIn, filled, put, room, take};
+use super::queue::{CallOut, DetourIn, SegmentIn, take};
 use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves, Stage};
 use crate::journal::TapRecord;
-use crate::motion::{
-    Action, Epoch, FloatPlan, Limits, Segment, Stops, Tap, TapStep, dwell_ticks, plan,
-};
+use crate::motion::{Action, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
 use crate::params::Params;
 use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::signals::Signals;
@@ -46,12 +44,11 @@ pub struct Settings<'a> {
     pub tap: Option<&'a TapRecord>,
 }
 
-/// A tap whose strokes are being collected.
+/// The first stroke of a tap whose strokes are being collected.
 #[derive(Clone, Copy, Debug)]
 struct Collecting {
     number: u32,
     span: Span,
-    tap: Tap,
 }
 
 /// The state of the background.
@@ -75,10 +72,11 @@ pub struct Background {
     pass: Vec<Move, 3>,
     pass_start: Position,
     pass_number: u32,
-    /// The tap being collected: from R until it is back there.
+    /// The plan being made, or waiting to be queued; that of an ordinary tapping call stays for all its holes.
+    plan: Option<Plan>,
+    /// A tap is being collected in it: from R until it is back there.
     tap: Option<Collecting>,
-    /// The plan of an ordinary tapping call, and the number of the first stroke of the hole being collected.
-    float: Option<FloatPlan>,
+    /// The number of the first stroke of the ordinary hole being collected.
     float_number: Option<u32>,
     /// The move being taken is the last of its hole.
     hole_ends: bool,
@@ -112,8 +110,8 @@ impl Background {
             pass: Vec::new(),
             pass_start: position,
             pass_number: 0,
+            plan: None,
             tap: None,
-            float: None,
             float_number: None,
             hole_ends: false,
             planned: Deque::new(),
@@ -131,7 +129,7 @@ impl Background {
         &mut self,
         notice: &Notice,
         calls: &mut CallOut<'_>,
-        detours: &mut SegmentIn<'_>,
+        detours: &mut DetourIn<'_>,
         limits: &Limits,
         tap: Option<&TapRecord>,
     ) {
@@ -187,7 +185,7 @@ impl Background {
         }
         if calls
             .peek()
-            .is_some_and(|call| filled(segments) > before(call, settings))
+            .is_some_and(|call| segments.filled() > before(call, settings))
         {
             return (false, None);
         }
@@ -195,7 +193,7 @@ impl Background {
         if calls
             .peek()
             .is_some_and(|call| matches!(call.kind, CallKind::TapReturn(_)))
-            && filled(segments) > 0
+            && segments.filled() > 0
         {
             return (false, None);
         }
@@ -216,6 +214,7 @@ impl Background {
         self.moves = None;
         self.ending = None;
         self.pass.clear();
+        self.plan = None;
         self.tap = None;
         self.float_number = None;
         self.planned.clear();
@@ -223,14 +222,17 @@ impl Background {
     }
 
     fn hand_over(&mut self, segments: &mut SegmentIn<'_>) -> bool {
-        if room(segments) < self.planned.len() {
+        let has_plan = |segment: &Segment| matches!(segment.action, Action::Planned);
+        let needs_plan = self.planned.iter().any(has_plan);
+        if segments.room() < self.planned.len() || (needs_plan && !segments.takes_plan()) {
             return false;
         }
+        // There is room; the answer is always yes.
+        if needs_plan && let Some(plan) = &self.plan {
+            self.failed |= !segments.put_plan(plan);
+        }
         while let Some(segment) = self.planned.pop_front() {
-            // There is room; the answer is always yes.
-            if put(segments, segment).is_err() {
-                self.failed = true;
-            }
+            self.failed |= !segments.put(&segment);
         }
         self.complete = false;
         true
@@ -279,9 +281,9 @@ impl Background {
         if let MoveKind::Tap(tap) = &next.kind {
             return self.take_stroke(next, tap, settings);
         }
-        if let (MoveKind::Dwell(time), Some(collecting)) = (&next.kind, &mut self.tap) {
+        if let (MoveKind::Dwell(time), Some(tap)) = (&next.kind, self.collected()) {
             let ticks = dwell_ticks(*time, settings.params.tick_us());
-            if collecting.tap.push(TapStep::Dwell(ticks)) {
+            if tap.push(TapStep::Dwell(ticks)) {
                 return Ok(());
             }
         }

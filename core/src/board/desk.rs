@@ -14,7 +14,7 @@
 use super::background::{Background, Settings};
 use super::event::{Command, Event};
 use super::operator::Operator;
-use super::queue::{Calls, SegmentIn};
+use super::queue::{Calls, DetourIn, SegmentIn};
 use super::snapshot::Snapshot;
 use super::station::Station;
 use super::store::{Region, StoreError, StoreRequest};
@@ -110,7 +110,7 @@ impl Desk {
     }
 
     /// What the tick has said; it comes before everything else the desk does, and behind the entry of the same tick.
-    pub fn heed(&mut self, notice: &Notice, detours: &mut SegmentIn<'_>) {
+    pub fn heed(&mut self, notice: &Notice, detours: &mut DetourIn<'_>) {
         let (_, mut calls) = self.calls.split();
         let tap = self.journal.newest.as_ref();
         self.background

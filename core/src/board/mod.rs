@@ -54,14 +54,14 @@ use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
 use crate::spindle::EncoderSample;
-pub use queue::{Calls, Events, Segments};
+pub use queue::{Calls, DetourIn, DetourOut, Detours, Events, SegmentIn, SegmentOut, Segments};
 
 /// A motion board with both its contexts, called in turn from one thread (simulation, tests). Firmware takes the same
 /// two halves apart.
 #[derive(Debug)]
 pub struct Board {
     segments: Segments,
-    detours: Segments,
+    detours: Detours,
     events: Events,
     ticker: Ticker,
     desk: Desk,
@@ -123,7 +123,7 @@ impl Board {
             desk: Desk::new(params, remembered.unwrap_or_default(), tap, snapshot),
             reference: Reference::default(),
             segments: Segments::new(),
-            detours: Segments::new(),
+            detours: Detours::new(),
             events: Events::new(),
             ticker,
             notice: None,

@@ -7,7 +7,7 @@
 //! transmit() as often as the bus has room: behind the frames of the tick, they come first
 //! ```
 
-use super::queue::Segments;
+use super::queue::{Detours, Segments};
 use super::reference::Reference;
 use super::{Board, Snapshot};
 use crate::alarm::Alarm;
@@ -86,7 +86,7 @@ impl Board {
         };
         self.desk.begin_anew(position);
         self.segments = Segments::new();
-        self.detours = Segments::new();
+        self.detours = Detours::new();
         self.notice = None;
         self.reference = Reference::default();
     }

@@ -2,7 +2,7 @@
 //! been measured since.
 
 use super::ticker::Ticker;
-use crate::motion::{Helix, Segment, Setpoint, TapLine};
+use crate::motion::{Helix, Setpoint, TapLine, Task};
 use crate::program::{Position, TapAxis};
 use crate::units::Length;
 
@@ -51,7 +51,7 @@ impl Reference {
     pub fn error(
         &mut self,
         ticker: &Ticker,
-        head: Option<&Segment>,
+        head: Option<Task<'_>>,
         setpoint: &Setpoint,
     ) -> Option<Length> {
         let error = self.0.take().map(|held| held.error(ticker));
@@ -60,7 +60,7 @@ impl Reference {
     }
 
     /// The same where ticks were missed, or none was taken: nothing is judged.
-    pub fn renew(&mut self, ticker: &Ticker, head: Option<&Segment>, setpoint: &Setpoint) {
+    pub fn renew(&mut self, ticker: &Ticker, head: Option<Task<'_>>, setpoint: &Setpoint) {
         let law = || {
             ticker.helix(head).map(Law::Thread).or_else(|| {
                 let line = ticker.float_line(head).or_else(|| ticker.tap_line(head))?;

@@ -26,11 +26,11 @@ use super::detour::{Detour, Route};
 use super::drives::{Drives, Spindle};
 use super::event::{Command, Event};
 use super::operator::Operator;
-use super::queue::{EventIn, SegmentOut, has_second, put, take};
+use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
-use crate::motion::{Arrival, Conditions, Epoch, Executor, Segment, Setpoint, WaysOut};
+use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint, Task, WaysOut};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
 use crate::signals::Signals;
@@ -68,7 +68,7 @@ pub struct Ends<'a, 'q> {
     /// The program's segments.
     pub segments: &'a mut SegmentOut<'q>,
     /// The answer to a [`Route`].
-    pub detours: &'a mut SegmentOut<'q>,
+    pub detours: &'a mut DetourOut<'q>,
     /// What happened.
     pub events: &'a mut EventIn<'q>,
 }
@@ -87,11 +87,14 @@ enum Source {
 
 impl Ends<'_, '_> {
     /// The segment under way.
-    fn current(&self, source: Source) -> Option<&Segment> {
+    fn current(&self, source: Source) -> Option<Task<'_>> {
         match source {
             Source::None => None,
             Source::Program => self.segments.peek(),
-            Source::Detour => self.detours.peek(),
+            Source::Detour => self.detours.peek().map(|segment| Task {
+                segment,
+                plan: None,
+            }),
         }
     }
 }
@@ -296,7 +299,7 @@ impl Ticker {
             // The pass that was left stays: it is done again.
             Source::Program if self.detour == Detour::Leaving => {}
             Source::Program => {
-                take(ends.segments);
+                ends.segments.take();
             }
             Source::Detour => {
                 take(ends.detours);
@@ -312,7 +315,7 @@ impl Ticker {
             feed: self.operator.feed(),
             rapid: self.operator.rapid(),
             hold: self.operator.hold,
-            more: self.source == Source::Program && has_second(ends.segments),
+            more: self.source == Source::Program && ends.segments.has_second(),
         };
         let current = ends.current(self.source);
         if let Err(alarm) = self.executor.tick(&conditions, current, setpoint) {

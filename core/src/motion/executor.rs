@@ -12,7 +12,7 @@ mod pass;
 use super::plan::Timed;
 use super::rate::Rate;
 use super::run::Run;
-use super::segment::{Action, Segment, Stops};
+use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
 use crate::alarm::{Alarm, Span};
@@ -217,15 +217,9 @@ impl Executor {
 
     /// The line of the tap under way.
     #[must_use]
-    pub const fn tap_line(&self, current: Option<&Segment>) -> Option<TapLine> {
-        match (&self.active, current) {
-            (
-                Active::Tap(run),
-                Some(Segment {
-                    action: Action::Tap(tap),
-                    ..
-                }),
-            ) => Some(run.line(tap)),
+    pub fn tap_line(&self, current: Option<Task<'_>>) -> Option<TapLine> {
+        match (&self.active, current.and_then(Task::tap)) {
+            (Active::Tap(run), Some(tap)) => Some(run.line(tap)),
             _ => None,
         }
     }
@@ -250,29 +244,32 @@ impl Executor {
     }
 
     /// Begins a segment of motion; commands and marks are the board's. Ignored while another is under way.
-    pub fn begin(&mut self, segment: &Segment) {
+    pub fn begin(&mut self, task: Task<'_>) {
         if !self.is_free() {
             return;
         }
+        let segment = task.segment;
         self.number = segment.number;
         self.span = segment.span;
         self.stops = segment.stops;
         self.aborting = false;
-        match &segment.action {
-            Action::Timed(timed) if self.run.begin(timed) => self.active = Active::Timed,
-            Action::Thread(_) => {
+        match (&segment.action, task.plan) {
+            (Action::Timed(timed), _) if self.run.begin(timed) => self.active = Active::Timed,
+            (Action::Planned, Some(Plan::Thread(_))) => {
                 (self.settled, self.astray) = (0, 0);
                 self.active = Active::Waiting(Waited::default());
             }
-            Action::Tap(tap) => {
+            (Action::Planned, Some(Plan::Tap(tap))) => {
                 if let Some(angle) = self.spindle
                     && !tap.is_empty()
                 {
                     self.active = Active::Tap(TapRun::new(tap, self.position, angle));
                 }
             }
-            Action::Float(plan) => self.active = Active::Float(FloatRun::new(plan, self.position)),
-            Action::Dwell(ticks) => self.active = Active::Dwell(*ticks),
+            (Action::Planned, Some(Plan::Float(plan))) => {
+                self.active = Active::Float(FloatRun::new(plan, self.position));
+            }
+            (Action::Dwell(ticks), _) => self.active = Active::Dwell(*ticks),
             _ => {}
         }
     }
@@ -286,12 +283,12 @@ impl Executor {
 
     /// Emergency stop: whatever is under way (`current`) comes to rest on its path, both axes of a synchronised move
     /// together [D18]; what is left of it is forgotten.
-    pub fn stop(&mut self, current: Option<&Segment>) {
+    pub fn stop(&mut self, current: Option<Task<'_>>) {
         self.aborting = true;
-        match (&mut self.active, current.map(|segment| &segment.action)) {
+        match (&mut self.active, current.and_then(Task::pass)) {
             (Active::Free, _) => {}
             (Active::Timed, _) => self.run.abandon(),
-            (Active::Thread(run), Some(Action::Thread(pass))) => run.stop(&pass.plan),
+            (Active::Thread(run), Some(pass)) => run.stop(&pass.plan),
             (Active::Tap(tap), _) => {
                 if tap.stop(&mut self.run) {
                     self.active = Active::Free;
@@ -310,9 +307,9 @@ impl Executor {
 
     /// Reset, and feed hold with immediate retract: a stroke is left along the run-out's slope towards `target` on the
     /// short axis while the long one stays in lead; anything else stops as by [`stop`](Self::stop).
-    pub fn retract(&mut self, current: Option<&Segment>, target: Length) -> Retract {
+    pub fn retract(&mut self, current: Option<Task<'_>>, target: Length) -> Retract {
         if let Active::Thread(run) = &mut self.active
-            && let Some(pass) = current.and_then(Segment::pass)
+            && let Some(pass) = current.and_then(Task::pass)
         {
             self.aborting = true;
             return run.retract(&pass.plan, target);
@@ -331,7 +328,7 @@ impl Executor {
     pub fn tick(
         &mut self,
         now: &Conditions<'_>,
-        current: Option<&Segment>,
+        current: Option<Task<'_>>,
         setpoint: &mut Setpoint,
     ) -> Result<(), Alarm> {
         let number = self.number;
@@ -357,33 +354,40 @@ impl Executor {
     fn advance(
         &mut self,
         now: &Conditions<'_>,
-        current: Option<&Segment>,
+        current: Option<Task<'_>>,
     ) -> Result<Option<Done>, Alarm> {
-        Ok(Some(
-            match (&mut self.active, current.map(|segment| &segment.action)) {
-                (Active::Tap(_), Some(Action::Tap(tap))) => self.tap_on(now, tap),
-                (Active::Float(_), Some(Action::Float(plan))) => self.float_on(now, plan)?,
-                (Active::Timed, Some(Action::Timed(timed))) => self.move_on(now, timed),
-                (Active::Dwell(left), _) => {
-                    if now.hold {
-                        Done::of(Motion::Hold)
-                    } else {
-                        *left = left.saturating_sub(1);
-                        if *left == 0 {
-                            self.active = Active::Free;
-                        }
-                        Done::of(Motion::Dwell)
+        let plan = current.and_then(|task| task.plan);
+        Ok(Some(match (&mut self.active, plan) {
+            (Active::Tap(_), Some(Plan::Tap(tap))) => self.tap_on(now, tap),
+            (Active::Float(_), Some(Plan::Float(plan))) => self.float_on(now, plan)?,
+            (Active::Timed, _) => {
+                let Some(timed) = current.and_then(Task::timed) else {
+                    return Ok(self.lost());
+                };
+                self.move_on(now, timed)
+            }
+            (Active::Dwell(left), _) => {
+                if now.hold {
+                    Done::of(Motion::Hold)
+                } else {
+                    *left = left.saturating_sub(1);
+                    if *left == 0 {
+                        self.active = Active::Free;
                     }
+                    Done::of(Motion::Dwell)
                 }
-                (Active::Waiting(_), Some(Action::Thread(pass))) => self.wait(now, pass)?,
-                (Active::Thread(_), Some(Action::Thread(pass))) => self.cut_on(now, &pass.plan)?,
-                // Nothing is under way; or, which cannot be, it is not what was begun.
-                _ => {
-                    self.active = Active::Free;
-                    return Ok(None);
-                }
-            },
-        ))
+            }
+            (Active::Waiting(_), Some(Plan::Thread(pass))) => self.wait(now, pass)?,
+            (Active::Thread(_), Some(Plan::Thread(pass))) => self.cut_on(now, &pass.plan)?,
+            // Nothing is under way.
+            _ => return Ok(self.lost()),
+        }))
+    }
+
+    /// Nothing is under way; or, which cannot be, it is not what was begun.
+    const fn lost(&mut self) -> Option<Done> {
+        self.active = Active::Free;
+        None
     }
 
     /// A tick of a tap.
@@ -444,8 +448,8 @@ impl Executor {
 
     /// The exact helix of the pass under way; `None` outside.
     #[must_use]
-    pub fn helix(&self, current: Option<&Segment>) -> Option<Helix> {
-        let pass = current.and_then(Segment::pass)?;
+    pub fn helix(&self, current: Option<Task<'_>>) -> Option<Helix> {
+        let pass = current.and_then(Task::pass)?;
         self.thread().map(|run| run.helix(&pass.plan))
     }
 }

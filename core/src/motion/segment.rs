@@ -35,12 +35,48 @@ pub struct Segment {
     pub action: Action,
 }
 
-impl Segment {
+/// A segment with its plan beside it, as the tick sees the two: at the head of their queues.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// The segment.
+    pub segment: &'a Segment,
+    /// Of an [`Action::Planned`].
+    pub plan: Option<&'a Plan>,
+}
+
+impl<'a> Task<'a> {
     /// The pass of a thread, if it is one.
     #[must_use]
-    pub const fn pass(&self) -> Option<&Pass> {
-        match &self.action {
-            Action::Thread(pass) => Some(pass),
+    pub const fn pass(self) -> Option<&'a Pass> {
+        match self.plan {
+            Some(Plan::Thread(pass)) => Some(pass),
+            _ => None,
+        }
+    }
+
+    /// The strokes of a rigid tap, if it is one.
+    #[must_use]
+    pub const fn tap(self) -> Option<&'a Tap> {
+        match self.plan {
+            Some(Plan::Tap(tap)) => Some(tap),
+            _ => None,
+        }
+    }
+
+    /// The hole of an ordinary tap, if it is one.
+    #[must_use]
+    pub const fn float(self) -> Option<&'a FloatPlan> {
+        match self.plan {
+            Some(Plan::Float(plan)) => Some(plan),
+            _ => None,
+        }
+    }
+
+    /// The move, if it is one that time drives.
+    #[must_use]
+    pub const fn timed(self) -> Option<&'a Timed> {
+        match &self.segment.action {
+            Action::Timed(timed) => Some(timed),
             _ => None,
         }
     }
@@ -51,12 +87,8 @@ impl Segment {
 pub enum Action {
     /// Driven by time: rapid, feed, arc.
     Timed(Timed),
-    /// Driven by the spindle angle: a whole pass with run-in and run-out.
-    Thread(Pass),
-    /// Driven by time, the spindle geared to it: a whole way from R into a hole and back.
-    Tap(Tap),
-    /// Driven by the measured spindle angle, and turning the spindle: a whole hole of ordinary tapping.
-    Float(FloatPlan),
+    /// What is bound to the spindle: its [`Plan`] lies in a queue of its own.
+    Planned,
     /// The tap is out of its hole already: its journal is cleared.
     TapOut,
     /// Stand still for so many ticks.
@@ -71,6 +103,20 @@ pub enum Action {
     Alarm(Alarm),
     /// The program has ended.
     End,
+}
+
+/// The plan of a motion that is bound to the spindle. It is several times as large as a segment, and few of many segments
+/// have one [D139].
+// The largest is what a queue has room for, whichever it holds.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
+pub enum Plan {
+    /// Driven by the spindle angle: a whole pass with run-in and run-out.
+    Thread(Pass),
+    /// Driven by time, the spindle geared to it: a whole way from R into a hole and back.
+    Tap(Tap),
+    /// Driven by the measured spindle angle, and turning the spindle: a whole hole of ordinary tapping.
+    Float(FloatPlan),
 }
 
 /// A pass of a thread as the tick needs it.

@@ -4,7 +4,7 @@ use super::{Background, Collecting, Settings};
 use crate::alarm::{Alarm, Code};
 use crate::cycle::{Cycle, Move, MoveKind, Moves, Tag, TapMove};
 use crate::journal::TapHole;
-use crate::motion::{Action, Gear, Stops, Tap, TapStep, stroke};
+use crate::motion::{Action, Gear, Plan, Stops, Tap, TapStep, stroke};
 use crate::params::Params;
 use crate::program::TapMode;
 
@@ -19,13 +19,13 @@ impl Background {
         };
         let number = *self.float_number.get_or_insert(self.number);
         self.position = next.to;
-        if closes && let Some(plan) = self.float {
+        if closes {
             self.float_number = None;
             let stops = Stops {
                 hold_not_inside: !settings.params.tap_hold_allowed(),
                 ..self.tap_stops(settings.params)
             };
-            self.put(number, next.span, stops, Action::Float(plan));
+            self.put(number, next.span, stops, Action::Planned);
             self.complete = true;
         }
         true
@@ -41,40 +41,36 @@ impl Background {
         let travel = tap.axis.of(next.to) - tap.axis.of(self.position);
         let stroke = stroke(tap, travel, settings.params, settings.limits, next.span)?;
         let step = TapStep::Stroke(stroke);
-        let taken = match &mut self.tap {
-            Some(collecting) => collecting.tap.push(step),
-            None => {
-                let inward = (tap.bottom - tap.level).signum();
-                let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
-                    .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
-                let feed_override = settings.params.tap_feed_override();
-                let hole = TapHole {
-                    axis: tap.axis,
-                    level: tap.level,
-                    bottom: tap.bottom,
-                    lead: tap.lead,
-                    hand: tap.hand,
-                    spindle: tap.spindle,
-                    speed: self.infeed,
-                    notes: self.notes,
-                };
-                let mut collected = Tap::new(gear, hole, self.position, feed_override);
-                let taken = collected.push(step);
-                self.tap = Some(Collecting {
-                    number: self.number,
-                    span: next.span,
-                    tap: collected,
-                });
-                taken
-            }
-        };
+        if self.tap.is_none() {
+            let inward = (tap.bottom - tap.level).signum();
+            let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
+                .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
+            let feed_override = settings.params.tap_feed_override();
+            let hole = TapHole {
+                axis: tap.axis,
+                level: tap.level,
+                bottom: tap.bottom,
+                lead: tap.lead,
+                hand: tap.hand,
+                spindle: tap.spindle,
+                speed: self.infeed,
+                notes: self.notes,
+            };
+            let collected = Tap::new(gear, hole, self.position, feed_override);
+            self.plan = Some(Plan::Tap(collected));
+            self.tap = Some(Collecting {
+                number: self.number,
+                span: next.span,
+            });
+        }
+        let taken = self.collected().is_some_and(|tap| tap.push(step));
         if !taken {
             // Not reached: whatever the pecks, the way in and out has seven different steps at most.
             return Err(Alarm::new(Code::TapCallRange, next.span));
         }
-        if let Some(collecting) = &mut self.tap {
-            collecting.tap.part.closes |= tap.closes;
-            collecting.tap.part.returns |= is_return(next);
+        if let Some(collected) = self.collected() {
+            collected.part.closes |= tap.closes;
+            collected.part.returns |= is_return(next);
         }
         self.position = next.to;
         if tap.axis.of(next.to) == tap.level {
@@ -82,6 +78,14 @@ impl Background {
             self.complete = true;
         }
         Ok(())
+    }
+
+    /// The tap being collected.
+    pub(super) const fn collected(&mut self) -> Option<&mut Tap> {
+        match (&self.tap, &mut self.plan) {
+            (Some(_), Some(Plan::Tap(tap))) => Some(tap),
+            _ => None,
+        }
     }
 
     /// Lets the collected tap go to the queue.
@@ -93,12 +97,7 @@ impl Background {
             hold_not_inside: !settings.params.tap_hold_allowed(),
             ..self.tap_stops(settings.params)
         };
-        self.put(
-            collecting.number,
-            collecting.span,
-            stops,
-            Action::Tap(collecting.tap),
-        );
+        self.put(collecting.number, collecting.span, stops, Action::Planned);
     }
 
     /// Single block stops behind each hole with 5200.6 = 1, else behind the last one only ([G84/G88 sheet], its table).

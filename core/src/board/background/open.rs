@@ -4,7 +4,7 @@ use super::{Background, Settings, overridden};
 use crate::alarm::Alarm;
 use crate::cycle::{Context, MoveKind, expand};
 use crate::feasible;
-use crate::motion::{Action, FloatPlan, Stops};
+use crate::motion::{Action, FloatPlan, Plan, Stops};
 use crate::program::{
     Call, CallKind, HandChoice, SpindleCall, SpindleChoice, SpindleMode, TapMode, ThreadCall,
 };
@@ -18,6 +18,7 @@ impl Background {
         settings: &Settings<'_>,
     ) -> Result<Option<Alarm>, Alarm> {
         let mut warning = None;
+        self.plan = None;
         let signals = self.latch(call, settings.signals);
         match &call.kind {
             CallKind::Thread(thread) => {
@@ -35,11 +36,16 @@ impl Background {
                 (self.infeed, self.notes) = (tap.speed, tap.notes);
                 let report = feasible::tap(tap, signals, call.span, settings.params)?;
                 warning = report.warnings().next();
-                self.float = match tap.mode {
+                self.plan = match tap.mode {
                     TapMode::Rigid => None,
                     TapMode::Floating => {
                         let hand = signals.hand(tap.hand);
-                        Some(FloatPlan::new(tap, hand, call.span, settings.params)?)
+                        Some(Plan::Float(FloatPlan::new(
+                            tap,
+                            hand,
+                            call.span,
+                            settings.params,
+                        )?))
                     }
                 };
             }

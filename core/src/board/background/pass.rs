@@ -3,7 +3,7 @@
 use super::{Background, Settings, overridden};
 use crate::alarm::Alarm;
 use crate::cycle::{Move, MoveKind};
-use crate::motion::{Action, Pass, Stops, ThreadPlan, WaysOut, plan};
+use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
 use crate::units::{Length, Rpm, TurnRate};
 
 impl Background {
@@ -26,24 +26,22 @@ impl Background {
             frozen: Some(self.percent),
             ..Stops::default()
         };
-        let pass = Pass {
-            plan,
-            ways: WaysOut::new(
-                &plan,
-                self.home,
-                last.tag.map_or(Length::ZERO, |tag| tag.depth),
-                settings.params.thread_clearance(),
-            ),
-            rpm,
-        };
-        self.put(self.pass_number, last.span, stops, Action::Thread(pass));
+        let ways = WaysOut::new(
+            &plan,
+            self.home,
+            last.tag.map_or(Length::ZERO, |tag| tag.depth),
+            settings.params.thread_clearance(),
+        );
+        let end = plan.end();
+        self.plan = Some(Plan::Thread(Pass { plan, ways, rpm }));
+        self.put(self.pass_number, last.span, stops, Action::Planned);
         // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
-        if plan.end() != last.to {
+        if end != last.to {
             let rest = Move {
                 kind: MoveKind::Rapid,
                 ..*last
             };
-            if let Some(timed) = plan::timed(plan.end(), &rest, settings.limits)? {
+            if let Some(timed) = plan::timed(end, &rest, settings.limits)? {
                 let stops = Stops {
                     hold_not_before: true,
                     ..stops

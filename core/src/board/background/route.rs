@@ -2,12 +2,12 @@
 
 use crate::alarm::Span;
 use crate::board::detour::Route;
-use crate::board::queue::{SegmentIn, put};
+use crate::board::queue::{DetourIn, put};
 use crate::cycle::{Move, MoveKind};
 use crate::motion::{Action, Limits, Segment, Stops, plan};
 
 /// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
-pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut SegmentIn<'_>) {
+pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut DetourIn<'_>) {
     let mut at = route.from;
     let stops = Stops {
         hold_not_inside: true,

@@ -3,7 +3,7 @@
 use super::super::detour::{Detour, Route};
 use super::super::queue::take;
 use super::{Ends, Mode, Notice, Source, Ticker};
-use crate::motion::{Action, Phase, Retract};
+use crate::motion::{Action, Phase, Retract, Task};
 use crate::program::Position;
 
 impl Ticker {
@@ -43,7 +43,10 @@ impl Ticker {
             return;
         };
         if !matches!(leg.action, Action::End) {
-            self.executor.begin(leg);
+            self.executor.begin(Task {
+                segment: leg,
+                plan: None,
+            });
             self.source = Source::Detour;
             if let Some(pass) = &self.pass {
                 // It belongs to the pass that was left.

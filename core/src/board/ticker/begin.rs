@@ -3,7 +3,6 @@
 use super::{Detour, Ends, LastPass, Mode, Rigid, Source, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::event::Event;
-use crate::board::queue::take;
 use crate::motion::{Action, Motion, Stops};
 use crate::units::Rpm;
 
@@ -25,7 +24,10 @@ impl Ticker {
             return None;
         }
         let epoch = self.epoch;
-        let next = ends.segments.peek().filter(|next| next.epoch == epoch)?;
+        let next = ends.segments.peek()?.segment;
+        if next.epoch != epoch {
+            return None;
+        }
         if core::mem::take(&mut self.pauses_unless_hole) && !next.stops.tap_cycle {
             self.paused = self.operator.single_block;
             if self.paused {
@@ -53,32 +55,35 @@ impl Ticker {
 
     /// Begins the segment at the head of the program's queue.
     pub(super) fn start(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
-        let segment = ends.segments.peek()?;
+        let task = ends.segments.peek()?;
+        let segment = task.segment;
         let events = &mut *ends.events;
         let (number, line, stops) = (segment.number, segment.span.line, segment.stops);
         let instant = match segment.action {
-            Action::Tap(ref tap) if self.rigid != Rigid::On => {
+            Action::Planned
+                if let Some(tap) = task.tap()
+                    && self.rigid != Rigid::On =>
+            {
                 if self.engages_itself(tap, number, line) {
                     return Some((number, line, Motion::Wait));
                 }
                 // No program asks for this: its rigid mode comes first.
                 let alarm = Alarm::new(Code::TapModePlace, segment.span);
-                take(ends.segments);
+                ends.segments.take();
                 self.raise(&alarm, ends);
                 return None;
             }
-            Action::Tap(ref tap) if tap.hole.spindle != self.taps_with => {
+            Action::Planned
+                if let Some(tap) = task.tap()
+                    && tap.hole.spindle != self.taps_with =>
+            {
                 // E of the cycle: it changes over at standstill, and the hole begins then.
                 let spindle = tap.hole.spindle;
                 self.enter_with(spindle, number, line);
                 return Some((number, line, Motion::Wait));
             }
-            Action::Timed(_)
-            | Action::Thread(_)
-            | Action::Tap(_)
-            | Action::Float(_)
-            | Action::Dwell(_) => {
-                if let Some(pass) = segment.pass() {
+            Action::Timed(_) | Action::Planned | Action::Dwell(_) => {
+                if let Some(pass) = task.pass() {
                     self.pass = Some(LastPass {
                         number,
                         span: segment.span,
@@ -86,11 +91,11 @@ impl Ticker {
                         ways: pass.ways,
                     });
                 }
-                if let Action::Tap(tap) = &segment.action {
+                if let Some(tap) = task.tap() {
                     self.tap_begins(tap);
                 }
                 emit(events, Event::Started { number, line });
-                self.executor.begin(segment);
+                self.executor.begin(task);
                 // It stays where it is until it is done.
                 self.source = Source::Program;
                 return None;
@@ -115,13 +120,13 @@ impl Ticker {
             }
             Action::TapOut => {
                 self.tap_is_out();
-                take(ends.segments);
+                ends.segments.take();
                 emit(ends.events, Event::Started { number, line });
                 return Some((number, line, Motion::Run));
             }
             Action::Aux(aux) => Event::Aux(aux),
             Action::Alarm(alarm) => {
-                take(ends.segments);
+                ends.segments.take();
                 self.raise(&alarm, ends);
                 return None;
             }
@@ -130,11 +135,11 @@ impl Ticker {
                 self.commanded = Rpm::STOPPED;
                 self.mode = Mode::Idle;
                 emit(events, Event::Finished);
-                take(ends.segments);
+                ends.segments.take();
                 return None;
             }
         };
-        take(ends.segments);
+        ends.segments.take();
         emit(ends.events, Event::Started { number, line });
         emit(ends.events, instant);
         self.pause_behind(stops);
@@ -200,7 +205,9 @@ impl Ticker {
     /// A segment waits that still counts.
     pub(super) fn is_next(&self, ends: &Ends<'_, '_>) -> bool {
         let epoch = self.epoch;
-        ends.segments.peek().is_some_and(|next| next.epoch == epoch)
+        ends.segments
+            .peek()
+            .is_some_and(|next| next.segment.epoch == epoch)
     }
 
     /// The retract behind a stroke is next: nothing rests here.
@@ -209,6 +216,6 @@ impl Ticker {
             && ends
                 .segments
                 .peek()
-                .is_some_and(|next| next.stops.hold_not_before)
+                .is_some_and(|next| next.segment.stops.hold_not_before)
     }
 }

@@ -10,7 +10,7 @@ use super::super::store::StoreError;
 use super::{Ends, Mode, Output, Rigid, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::journal::{TapHole, TapRecord};
-use crate::motion::{Action, Motion, Segment, Tap, TapPart};
+use crate::motion::{Motion, Tap, TapPart, Task};
 use crate::program::Position;
 use crate::units::{Rpm, Turns};
 
@@ -196,10 +196,8 @@ impl Ticker {
         &mut self,
         ends: &mut Ends<'_, '_>,
     ) -> Option<(u32, u32, Motion)> {
-        let segment = ends.segments.peek()?;
-        let Action::Tap(tap) = &segment.action else {
-            return None;
-        };
+        let task = ends.segments.peek()?;
+        let (segment, tap) = (task.segment, task.tap()?);
         if tap.part.returns || tap.hole.spindle != self.taps_with {
             return None;
         }
@@ -275,12 +273,9 @@ impl Ticker {
             return;
         }
         let epoch = self.epoch;
-        let next = ends.segments.peek().filter(|next| next.epoch == epoch);
-        let Some(Segment {
-            action: Action::Tap(tap),
-            ..
-        }) = next
-        else {
+        let next = ends.segments.peek();
+        let next = next.filter(|next| next.segment.epoch == epoch);
+        let Some(tap) = next.and_then(Task::tap) else {
             return;
         };
         let here = tap.hole.spindle == self.taps_with;

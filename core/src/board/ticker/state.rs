@@ -4,7 +4,7 @@ use super::{Source, Ticker};
 use crate::alarm::Alarm;
 use crate::board::background::overridden;
 use crate::board::operator::Operator;
-use crate::motion::{Executor, Helix, Segment};
+use crate::motion::{Executor, Helix, Task};
 use crate::program::TapSpindle;
 use crate::spindle::Observer;
 use crate::units::{Rpm, Turns};
@@ -88,7 +88,7 @@ impl Ticker {
 
     /// The exact helix of the pass under way, if one is; `head` is the head of the program's queue.
     #[must_use]
-    pub fn helix(&self, head: Option<&Segment>) -> Option<Helix> {
+    pub fn helix(&self, head: Option<Task<'_>>) -> Option<Helix> {
         self.executor
             .helix(head.filter(|_| self.source == Source::Program))
     }

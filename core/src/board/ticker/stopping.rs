@@ -107,13 +107,13 @@ impl Ticker {
 
     /// Drops what was queued before the last start, one entry a tick.
     pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
-        for (queue, epoch) in [
-            (&mut *ends.segments, self.epoch),
-            (&mut *ends.detours, self.route_epoch),
-        ] {
-            if queue.peek().is_some_and(|oldest| oldest.epoch != epoch) {
-                take(queue);
-            }
+        let segment = ends.segments.peek().map(|oldest| oldest.segment.epoch);
+        if segment.is_some_and(|epoch| epoch != self.epoch) {
+            ends.segments.take();
+        }
+        let leg = ends.detours.peek().map(|oldest| oldest.epoch);
+        if leg.is_some_and(|epoch| epoch != self.route_epoch) {
+            take(ends.detours);
         }
     }
 }

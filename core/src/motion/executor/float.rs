@@ -2,7 +2,7 @@
 
 use super::{Active, Conditions, Done, Executor, Motion};
 use crate::alarm::Alarm;
-use crate::motion::segment::{Action, Segment};
+use crate::motion::segment::Task;
 use crate::motion::tap::{FloatPlan, FloatTick, TapLine};
 use crate::program::TapAxis;
 use crate::units::TurnRate;
@@ -23,9 +23,9 @@ impl Executor {
 
     /// The line that an ordinary tap under way (`current`) follows; `None` outside.
     #[must_use]
-    pub fn float_line(&self, current: Option<&Segment>) -> Option<TapLine> {
-        match (&self.active, current.map(|segment| &segment.action)) {
-            (Active::Float(run), Some(Action::Float(plan))) => run.line(plan),
+    pub fn float_line(&self, current: Option<Task<'_>>) -> Option<TapLine> {
+        match (&self.active, current.and_then(Task::float)) {
+            (Active::Float(run), Some(plan)) => run.line(plan),
             _ => None,
         }
     }
