@@ -563,6 +563,30 @@ codes! {
         "reset; if it comes again, report it as a fault of the program in the board",
         "驱动器 {0}（节点 {1}）使能后将跳动 {2}", "请复位；若再次出现，请作为控制板程序故障报告";
 
+    // 4370–4379: the bus as a whole.
+    /// The controller has left the bus; errors counted while sending and receiving.
+    BusOff = 4370, "bus-off: the board's CAN controller has left the bus ({0} errors sending, {1} receiving)",
+        "check wiring, termination (120 Ω at both ends) and bit rate; once the board is back on the bus, start its node and reset",
+        "总线脱离（bus-off）：控制板的 CAN 控制器已离开总线（发送错误 {0}，接收错误 {1}）",
+        "请检查接线、终端电阻（两端各 120 Ω）和波特率；控制板重新上线后，启动节点并复位";
+    /// The controller is error passive; errors counted while sending and receiving.
+    BusPassive = 4371, "the board's CAN controller is error passive ({0} errors sending, {1} receiving)",
+        "check wiring, termination (120 Ω at both ends) and bit rate, then reset",
+        "控制板的 CAN 控制器处于被动错误状态（发送错误 {0}，接收错误 {1}）", "请检查接线、终端电阻（两端各 120 Ω）和波特率，然后复位";
+    /// Setpoints came late for their SYNC; how many, and how many may.
+    SetpointsLate = 4372, "{0} setpoints came late for their SYNC within a second, limit {1} (parameter 9027)",
+        "take load off the bus and off the computer that is the board, or make the tick (9000) longer, then reset",
+        "1 秒内有 {0} 个位置指令晚于其 SYNC，极限 {1}（参数 9027）", "请降低总线负载及控制板计算机的负载，或加长周期（9000），然后复位";
+    /// Somebody else sends SYNC.
+    SecondSync = 4373, "another node on the bus sends SYNC", "switch off its SYNC (1005h bit 30): the board alone gives the beat; then reset",
+        "总线上另有节点发送 SYNC", "请关闭该节点的 SYNC（1005h 第 30 位）：节拍只能由控制板给出；然后复位";
+    /// Somebody else sends setpoints; the drive's letter and node.
+    SecondSetpoints = 4374, "another node sends setpoints to drive {0} (node {1})", "take the second master off the bus, then reset",
+        "另有节点向驱动器 {0}（节点 {1}）发送位置指令", "请将第二主站从总线上移除，然后复位";
+    /// Somebody else stops or restarts a drive while the machine works; its letter and node.
+    SecondManager = 4375, "another node has stopped or restarted drive {0} (node {1}) by NMT", "find who sends NMT commands to the drives, then reset",
+        "另有节点通过 NMT 停止或重启了驱动器 {0}（节点 {1}）", "请查明由谁向驱动器发送 NMT 命令，然后复位";
+
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.
     /// A parameter file that is not TOML; {0} what the reader says.

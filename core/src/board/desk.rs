@@ -20,7 +20,7 @@ use super::station::Station;
 use super::store::{Region, StoreError, StoreRequest};
 use super::ticker::Notice;
 use crate::alarm::Alarm;
-use crate::bus::{Frame, NodeId, Periods};
+use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::journal::TapRecord;
 use crate::motion::Limits;
 use crate::params::Params;
@@ -275,6 +275,12 @@ impl Desk {
     /// Says how many setpoints have come late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
         self.station.set_late(late);
+    }
+
+    /// Says how the CAN controller is; see [`Station::set_controller`]. What it asks for waits for
+    /// [`carry_out`](Self::carry_out).
+    pub fn set_controller(&mut self, controller: Controller) {
+        self.station.set_controller(controller, &self.params);
     }
 
     /// The board as a node.

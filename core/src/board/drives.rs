@@ -8,8 +8,8 @@ use super::spindles::Spindles;
 use super::ticker::FRAMES;
 use crate::alarm::Alarm;
 use crate::bus::{
-    DriveConfig, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId, Periods, Scale,
-    SyncProducer,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId,
+    Periods, Scale, SyncProducer,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -118,6 +118,26 @@ impl Drives {
             return self.axes.iter().find_map(DriveMaster::alarm);
         }
         self.spindles.failure()
+    }
+
+    /// Nothing reaches the drives any more: whatever they hear when they can be reached again, it moves none of them.
+    pub(super) fn cut_off(&mut self) {
+        for drive in self.all() {
+            drive.disable();
+        }
+    }
+
+    /// While the machine stops on an alarm, or stands on one (`at_rest`): drives that have failed lose their torque once all
+    /// axes stand; until then they are braked with the others [D62]. Where more than one has fallen silent, the wire is
+    /// broken: these do not hear how the others brake, and must not be pulled there when it is whole again [D124].
+    pub(super) fn let_go(&mut self, at_rest: bool) {
+        let silent = |drive: &DriveMaster| drive.failure() == Some(DriveFailure::Silent);
+        let many = self.all().filter(|drive| silent(drive)).count() > 1;
+        for drive in self.all() {
+            if drive.has_failed() && (at_rest || many && silent(drive)) {
+                drive.disable();
+            }
+        }
     }
 
     /// Forgets failures and resets faults; the drives have to be enabled again.

@@ -33,6 +33,7 @@ mod spindles;
 pub mod station;
 mod store;
 mod ticker;
+mod trouble;
 
 pub use background::{Background, Settings, overridden};
 pub use desk::{Desk, TickPort};
@@ -45,6 +46,7 @@ pub use snapshot::Snapshot;
 pub use station::Station;
 pub use store::{Region, StoreError, StoreRequest};
 pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
+pub use trouble::{BusTrouble, Intrusion};
 
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::Frame;

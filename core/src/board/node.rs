@@ -11,7 +11,7 @@ use super::queue::{Detours, Segments};
 use super::reference::Reference;
 use super::{Board, Snapshot};
 use crate::alarm::Alarm;
-use crate::bus::{Frame, NodeId, Periods};
+use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::motion::Setpoint;
 
 impl Board {
@@ -64,6 +64,18 @@ impl Board {
     /// Says how many setpoints have come late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
         self.desk.set_late(late);
+    }
+
+    /// Says how the CAN controller is; see [`Station::set_controller`](super::Station::set_controller).
+    pub fn bus_state(&mut self, controller: Controller) {
+        self.desk.set_controller(controller);
+        self.carry_out();
+    }
+
+    /// True where a controller that has left the bus may be started again.
+    #[must_use]
+    pub const fn may_rejoin(&self) -> bool {
+        self.desk.station().may_rejoin()
     }
 
     /// The board as a node.

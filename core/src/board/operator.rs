@@ -1,6 +1,7 @@
 //! What the operator has set, and what he asks for next.
 
 use super::event::Command;
+use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::motion::Rate;
 use crate::signals::Signals;
@@ -19,6 +20,10 @@ pub struct Operator {
     spindle: u8,
     /// An emergency stop, or a stop with an alarm of its own, for the next tick.
     stop: Option<Code>,
+    /// The same for what is wrong with the bus.
+    trouble: Option<BusTrouble>,
+    /// The drives cannot be reached any more; the tick has not heard of it.
+    cut_off: bool,
     /// A reset; it waits while the machine comes to rest on an alarm [D110].
     reset: bool,
     /// Go on, in the next tick.
@@ -36,6 +41,8 @@ impl Operator {
             rapid: 100,
             spindle: 100,
             stop: None,
+            trouble: None,
+            cut_off: false,
             reset: false,
             resume: false,
         }
@@ -55,6 +62,11 @@ impl Operator {
             }
             Command::Stop => self.ask_for_stop(Code::EmergencyStop),
             Command::Halt(code) => self.ask_for_stop(code),
+            Command::Trouble(trouble) => {
+                self.cut_off |= matches!(trouble, BusTrouble::Off(_));
+                self.trouble = Some(trouble);
+                self.reset = false;
+            }
             Command::SingleBlock(on) => self.single_block = on,
             Command::FeedOverride(percent) => self.feed = clamp(percent, 0, 150),
             Command::RapidOverride(percent) => self.rapid = clamp(percent, 0, 100),
@@ -71,6 +83,16 @@ impl Operator {
     /// The stop asked for, once.
     pub(super) const fn takes_stop(&mut self) -> Option<Code> {
         self.stop.take()
+    }
+
+    /// What is wrong with the bus, once.
+    pub(super) const fn takes_trouble(&mut self) -> Option<BusTrouble> {
+        self.trouble.take()
+    }
+
+    /// True, once, where the drives cannot be reached any more.
+    pub(super) const fn takes_cut_off(&mut self) -> bool {
+        core::mem::replace(&mut self.cut_off, false)
     }
 
     /// True where to go on was asked for, once.

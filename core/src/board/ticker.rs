@@ -344,7 +344,10 @@ impl Ticker {
 
     fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
         match self.mode {
-            Mode::Alarm | Mode::Stopping(Then::Alarm) => return,
+            Mode::Alarm | Mode::Stopping(Then::Alarm) => {
+                self.drives.let_go(self.mode == Mode::Alarm);
+                return;
+            }
             Mode::Starting if self.drives.enable() => {
                 let position = self.drives.position(self.remembered.take());
                 let (position, warning) = self.place_tap(position);
@@ -366,6 +369,12 @@ impl Ticker {
     fn obey(&mut self, ends: &mut Ends<'_, '_>) {
         if let Some(code) = self.operator.takes_stop() {
             self.raise(&Alarm::new(code, Span::default()), ends);
+        }
+        if let Some(trouble) = self.operator.takes_trouble() {
+            if self.operator.takes_cut_off() {
+                self.drives.cut_off();
+            }
+            self.raise(&trouble.alarm(), ends);
         }
         if self.operator.reset_waits() {
             self.reset(ends);

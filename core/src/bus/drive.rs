@@ -273,7 +273,10 @@ impl DriveMaster {
     }
 
     fn hear(&mut self, status: DriveStatus) {
+        // A frame that comes twice says nothing new.
+        let doubled = self.quiet == Periods::new(0);
         self.same = match self.status {
+            Some(last) if last.actual == status.actual && doubled => self.same,
             Some(last) if last.actual == status.actual => self.same.saturating_add(1),
             _ => 1,
         };
@@ -335,6 +338,9 @@ impl DriveMaster {
             .is_some_and(|limit| distance > limit.increments);
         if !astray {
             self.astray = Periods::new(0);
+        } else if self.failure == Some(DriveFailure::Silent) {
+            // It has not heard where it was to be, and would set out to be there now.
+            self.phase = Phase::Standby;
         } else if self.astray == Periods::new(0) {
             self.astray = Periods::new(1);
         }

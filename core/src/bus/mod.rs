@@ -12,6 +12,7 @@
 
 mod board_pdo;
 mod cia402;
+mod controller;
 mod drive;
 mod emcy;
 mod emcy_producer;
@@ -35,6 +36,7 @@ pub use board_pdo::{
     BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus, Order, OrderGate,
 };
 pub use cia402::{Controlword, State, Statusword};
+pub use controller::{BusState, Controller, ErrorCounts};
 pub use drive::{DriveConfig, DriveMaster, DriveOutput, FollowingLimit, Phase, Step};
 pub use emcy::Emcy;
 pub use emcy_producer::EmcyProducer;

@@ -1,7 +1,7 @@
 //! The master of a spindle drive: that of any drive, and the speed.
 //!
-//! Mode and speed go out on change (RPDO2). A drive keeps the last speed it was told, so it is told 0 before it gets
-//! torque and as soon as it has lost it: enabling never starts a spindle.
+//! Mode and speed go out on change (RPDO2), and once in [`REPEAT`] periods in case that frame was lost [D125]. A drive keeps
+//! the last speed it was told, so it is told 0 before it gets torque and as soon as it has lost it: enabling never starts a spindle.
 //!
 //! For tapping it is in position mode. That mode begins where the spindle stands: [`SpindleMaster::engage`] makes the
 //! drive's own position its target, and only then is the mode told, in one period with that target.
@@ -10,6 +10,9 @@ use super::drive::{DriveConfig, DriveMaster, DriveOutput, Phase, Step};
 use super::frame::Frame;
 use super::increments::Increments;
 use super::pdo::{MilliRpm, Mode, SpindleCommand};
+
+/// Periods after which mode and speed are told again.
+const REPEAT: u8 = 16;
 
 /// The frames a spindle's master wants sent, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +49,8 @@ pub struct SpindleMaster {
     drive: DriveMaster,
     /// What the drive was last told since it was started.
     told: Option<SpindleCommand>,
+    /// Periods since it was told.
+    since: u8,
 }
 
 impl SpindleMaster {
@@ -55,6 +60,7 @@ impl SpindleMaster {
         Self {
             drive: DriveMaster::new(config),
             told: None,
+            since: 0,
         }
     }
 
@@ -84,10 +90,12 @@ impl SpindleMaster {
     #[inline]
     pub(crate) fn follow_on(&mut self, demand: SpindleDemand) -> Option<Frame> {
         let (wish, position) = demand.parts();
-        if self.told != Some(wish) {
+        if self.told != Some(wish) || self.since >= REPEAT {
             return None;
         }
-        self.drive.follow_on(position)
+        let command = self.drive.follow_on(position)?;
+        self.since = self.since.saturating_add(1);
+        Some(command)
     }
 
     /// One SYNC period. While its drive is not enabled, it is told a speed of 0.
@@ -103,10 +111,13 @@ impl SpindleMaster {
                 velocity: MilliRpm::STOPPED,
             }),
         };
-        let changed = wanted.filter(|_| wanted != self.told);
+        let due = wanted != self.told || self.since >= REPEAT;
+        self.since = if due { 0 } else { self.since.saturating_add(1) };
         self.told = wanted;
         SpindleOutput {
-            speed: changed.map(|command| command.frame(self.drive.config().node)),
+            speed: wanted
+                .filter(|_| due)
+                .map(|command| command.frame(self.drive.config().node)),
             drive,
         }
     }
@@ -184,6 +195,37 @@ mod tests {
         assert_eq!(told(&mut m, 300), None);
         m.drive_mut().reset();
         assert_eq!(start(&mut m), expected);
+    }
+
+    #[test]
+    fn a_speed_that_was_lost_comes_again_in_time() {
+        let mut m = master();
+        start(&mut m);
+        let mut told_at = Vec::new();
+        for period in 0..60 {
+            answer(&mut m, 0x0237);
+            if let Some(speed) = told(&mut m, 300) {
+                assert_eq!(speed, (Mode::Velocity, 300));
+                told_at.push(period);
+            }
+        }
+        assert_eq!(told_at, [15, 32, 49]);
+    }
+
+    #[test]
+    fn a_status_that_comes_twice_is_no_second_one() {
+        let mut m = master();
+        start(&mut m);
+        told(&mut m, 0);
+        // It turns: two different frames, the second doubled on its way.
+        answer_at(&mut m, 5_000);
+        told(&mut m, 0);
+        answer_at(&mut m, 7_000);
+        answer_at(&mut m, 7_000);
+        assert_eq!(m.engage(), None);
+        told(&mut m, 0);
+        answer_at(&mut m, 7_000);
+        assert_eq!(m.engage(), Some(Increments::new(7_000)));
     }
 
     fn answer_at(master: &mut SpindleMaster, actual: i32) {

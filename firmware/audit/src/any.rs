@@ -6,12 +6,13 @@ use core::num::NonZeroU8;
 use core::time::Duration;
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::board::{Command, StoreError};
+use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError};
 use leadscrew_core::bus::{
     Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
-    CobId, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy, FollowingLimit, Frame,
-    HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand, NmtState, NodeId, Object, Order,
-    Periods, Scale, SdoProtocol, SpindleCommand, SpindleDemand, Statusword, SyncProducer,
+    BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy,
+    ErrorCounts, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand,
+    NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand, SpindleDemand,
+    Statusword, SyncProducer,
 };
 use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::journal::{TapHole, TapRecord};
@@ -138,6 +139,8 @@ records! {
     DriveCommand { control target }
     DriveStatus { status actual }
     SpindleCommand { mode velocity }
+    Controller { state errors }
+    ErrorCounts { sending receiving }
     Emcy { code register detail }
     FollowingLimit { increments time }
     Object { index sub }
@@ -196,9 +199,18 @@ choices! {
     TapForm { TapForm::Standard, TapForm::HighSpeed(any()) } or TapForm::Deep(any());
     TapRepeat { TapRepeat::Holes(NonZeroU8::MIN.saturating_add(any())) } or TapRepeat::Stay;
     Dialect { Dialect::Gsk980td } or Dialect::Gsk988;
+    BusState {
+        BusState::Active, BusState::Passive,
+    } or BusState::Off;
+    BusTrouble {
+        BusTrouble::Off(any()), BusTrouble::Passive(any()), BusTrouble::Late { count: any(), limit: any() },
+    } or BusTrouble::Intruder(any());
+    Intrusion {
+        Intrusion::Sync, Intrusion::Setpoint(any()),
+    } or Intrusion::Network(any());
     Command {
         Command::Hold, Command::Resume, Command::Reset, Command::Stop, Command::SingleBlock(any()),
-        Command::FeedOverride(any()), Command::RapidOverride(any()),
+        Command::FeedOverride(any()), Command::RapidOverride(any()), Command::Trouble(any()),
     } or Command::SpindleOverride(any());
     MoveKind {
         MoveKind::Rapid, MoveKind::Feed(any()),

@@ -37,10 +37,12 @@ use heapless::Deque;
 use self::shelf::{Served, Shelf};
 use super::event::{Command, Event};
 use super::snapshot::Snapshot;
+use super::ticker::State;
+use super::trouble::{BusTrouble, Intrusion};
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{
-    BlockSize, BoardCommand, CobId, Cycle, Emcy, Frame, HeartbeatEvent, NmtEvent, NmtSlave,
-    NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
+    BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
+    NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
 };
 use crate::params::Params;
 use crate::program::Call;
@@ -55,8 +57,12 @@ const ANSWERS: usize = 16;
 const PATIENCE_MS: u32 = 1000;
 /// Drives that get a setpoint in every tick: X, Z, C and one spindle.
 const DRIVES: u32 = 4;
-/// Emergency code "heartbeat error" of CiA 301.
+/// Emergency codes of CiA 301: "CAN in error passive mode", "heartbeat error", "recovered from bus-off".
+const ERROR_PASSIVE: u16 = 0x8120;
 const HEARTBEAT_ERROR: u16 = 0x8130;
+const RECOVERED: u16 = 0x8140;
+/// Setpoints that come late are counted against their limit for so long.
+const LATE_MS: u32 = 1000;
 
 /// What a running program does when the gateway is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +100,10 @@ pub struct Station {
     told: Option<Alarm>,
     /// A restart of the application is asked for; it waits until the machine stands.
     restarts: bool,
+    /// The CAN controller.
+    controller: Controller,
+    /// Late setpoints are counted from here: how many there had been, and how long ago.
+    lateness: (u32, Periods),
 }
 
 impl Station {
@@ -113,6 +123,8 @@ impl Station {
             answers: Deque::new(),
             told: None,
             restarts: false,
+            controller: Controller::default(),
+            lateness: (0, Periods::new(0)),
         }
     }
 
@@ -174,6 +186,9 @@ impl Station {
         if !self.has_joined() {
             return false;
         }
+        if let Some(intrusion) = Intrusion::of(frame) {
+            self.resist(intrusion);
+        }
         if frame.id() == CobId::NMT {
             if let Some(event) = self.nmt.receive(frame) {
                 self.obey(event, params);
@@ -233,6 +248,34 @@ impl Station {
         self.shelf.late = late;
     }
 
+    /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or bus-off
+    /// is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the bus must not
+    /// be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the node says so, with
+    /// the counters, and waits to be started anew [D124].
+    pub fn set_controller(&mut self, controller: Controller, params: &Params) {
+        let before = core::mem::replace(&mut self.controller, controller).state;
+        if !self.has_joined() || before == controller.state {
+            return;
+        }
+        if before == BusState::Off {
+            self.urgent.clear();
+            let boot_up = self.nmt.boot();
+            self.say(boot_up);
+        }
+        if controller.state == BusState::Off {
+            self.end_transfer(params);
+        }
+        self.tell_trouble(BusTrouble::of(controller));
+    }
+
+    /// True where a controller that has left the bus may be started again: the machine stands on an alarm, and the drives have
+    /// been let go.
+    #[must_use]
+    pub const fn may_rejoin(&self) -> bool {
+        matches!(self.controller.state, BusState::Off)
+            && matches!(self.shelf.snapshot.state, State::Alarm(_))
+    }
+
     /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
     /// one. True where a call went.
     pub fn poll(
@@ -256,6 +299,7 @@ impl Station {
         if !self.has_joined() {
             return worked;
         }
+        self.watch_bus(elapsed, params);
         self.tell_alarms(snapshot.alarm());
         self.transfer(elapsed, params);
         self.beat(elapsed, params);
@@ -291,6 +335,9 @@ impl Station {
 
     /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
     pub fn transmit(&mut self) -> Option<Frame> {
+        if self.controller.state == BusState::Off {
+            return None;
+        }
         self.urgent.pop_front().or_else(|| self.answers.pop_front())
     }
 
@@ -408,13 +455,53 @@ impl Station {
         match alarm {
             Some(alarm) => {
                 let mut emcy = Emcy::of_alarm(alarm.number());
-                if alarm.code == Code::GatewayLost {
-                    emcy.code = HEARTBEAT_ERROR;
+                emcy.code = match alarm.code {
+                    Code::GatewayLost => HEARTBEAT_ERROR,
+                    Code::BusPassive => ERROR_PASSIVE,
+                    Code::BusOff => RECOVERED,
+                    _ => emcy.code,
+                };
+                if let Code::BusPassive | Code::BusOff = alarm.code {
+                    let errors = self.controller.errors;
+                    let [low, high, ..] = emcy.detail;
+                    emcy.detail = [low, high, errors.sending, errors.receiving, 0];
                 }
                 self.shelf.emcy.raise(emcy);
             }
             None => self.shelf.emcy.clear(),
         }
+    }
+
+    /// Somebody else speaks to the drives. What keeps one from following is told by its own failure where nothing moves.
+    fn resist(&mut self, intrusion: Intrusion) {
+        if !matches!(intrusion, Intrusion::Network(_)) || !self.shelf.snapshot.is_at_rest() {
+            self.tell_trouble(Some(BusTrouble::Intruder(intrusion)));
+        }
+    }
+
+    /// The first trouble stays until it is reset; what is still there then is told again.
+    fn tell_trouble(&mut self, trouble: Option<BusTrouble>) {
+        if let Some(trouble) = trouble {
+            self.shelf.command(Command::Trouble(trouble));
+        }
+    }
+
+    fn watch_bus(&mut self, elapsed: Periods, params: &Params) {
+        let (from, since) = &mut self.lateness;
+        *since = since.plus(elapsed);
+        if Periods::from_ms(LATE_MS, params.tick_us()).is_none_or(|all| *since > all) {
+            *since = Periods::new(0);
+            *from = self.shelf.late;
+        }
+        let count = self.shelf.late.saturating_sub(*from);
+        let snapshot = &self.shelf.snapshot;
+        if elapsed == Periods::new(0) || snapshot.alarm().is_some() {
+            return;
+        }
+        let limit = params.late_setpoints();
+        let late = limit != 0 && count > limit && !snapshot.is_at_rest();
+        let late = late.then_some(BusTrouble::Late { count, limit });
+        self.tell_trouble(BusTrouble::of(self.controller).or(late));
     }
 
     fn transfer(&mut self, elapsed: Periods, params: &Params) {
@@ -442,6 +529,7 @@ impl Station {
         }
         self.shelf.emcy.elapse(elapsed);
         if self.nmt.state().allows_emcy()
+            && self.controller.state != BusState::Off
             && let Some(frame) = self.shelf.emcy.poll()
         {
             self.say(frame);

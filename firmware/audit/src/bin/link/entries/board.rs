@@ -34,6 +34,8 @@ fn board() {
         sink(board.serve(any(), &output.setpoint));
         sink((board.transmit(), board.awaits_program()));
         board.set_late(any());
+        board.bus_state(any());
+        sink(board.may_rejoin());
         sink(board.offer(&any()));
         sink(board.background());
         let frames: [Frame; 8] = any();
