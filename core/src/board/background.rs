@@ -143,6 +143,11 @@ impl Background {
         }
     }
 
+    /// What it plans is marked with this.
+    pub(super) const fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
     /// True while a call is not fully planned and queued.
     #[must_use]
     pub fn is_busy(&self) -> bool {

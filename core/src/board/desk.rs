@@ -22,7 +22,7 @@ use super::ticker::Notice;
 use crate::alarm::Alarm;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::journal::TapRecord;
-use crate::motion::Limits;
+use crate::motion::{Epoch, Limits};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
@@ -34,8 +34,8 @@ pub trait TickPort {
     fn has_room(&self) -> bool;
     /// As [`Ticker::takes_calls`](super::Ticker::takes_calls).
     fn takes_calls(&self) -> bool;
-    /// As [`Ticker::program_begins`](super::Ticker::program_begins).
-    fn program_begins(&mut self);
+    /// As [`Ticker::program_begins`](super::Ticker::program_begins), if what is planned in this epoch still counts.
+    fn program_begins(&mut self, epoch: Epoch);
     /// As [`Ticker::command`](super::Ticker::command).
     fn command(&mut self, command: Command);
     /// As [`Ticker::signals`](super::Ticker::signals).
@@ -69,10 +69,10 @@ struct Entries {
 }
 
 /// Puts a call on its way. False, and nothing changes, where that does not go.
-fn offer(port: &mut impl TickPort, calls: &mut Calls, call: &Call) -> bool {
+fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call) -> bool {
     let taken = port.takes_calls() && port.has_room() && calls.enqueue(*call).is_ok();
     if taken {
-        port.program_begins();
+        port.program_begins(epoch);
     }
     taken
 }
@@ -127,7 +127,7 @@ impl Desk {
     /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
     pub fn offer(&mut self, call: &Call, port: &mut impl TickPort) -> bool {
-        offer(port, &mut self.calls, call)
+        offer(port, &mut self.calls, self.background.epoch(), call)
     }
 
     /// One piece of planning: false where there is none that can be done now. A warning comes back too. `begun`: the oldest
@@ -169,8 +169,8 @@ impl Desk {
         if elapsed != Periods::new(0) {
             self.station.set_sync_error(error);
         }
-        let calls = &mut self.calls;
-        let mut offer = |call: &_| offer(port, calls, call);
+        let (calls, epoch) = (&mut self.calls, self.background.epoch());
+        let mut offer = |call: &_| offer(port, calls, epoch, call);
         self.station
             .poll(elapsed, snapshot, &self.params, &mut offer)
     }

@@ -26,7 +26,7 @@ mod event;
 mod guard;
 mod node;
 mod operator;
-mod queue;
+pub mod queue;
 mod reference;
 mod snapshot;
 mod spindles;
@@ -51,7 +51,7 @@ pub use trouble::{BusTrouble, Intrusion};
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
-use crate::motion::{Helix, Limits, Setpoint, TapLine};
+use crate::motion::{Epoch, Helix, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
@@ -83,8 +83,10 @@ impl TickPort for Ticker {
         Self::takes_calls(self)
     }
 
-    fn program_begins(&mut self) {
-        Self::program_begins(self);
+    fn program_begins(&mut self, epoch: Epoch) {
+        if epoch == self.epoch() {
+            Self::program_begins(self);
+        }
     }
 
     fn command(&mut self, command: Command) {

@@ -243,6 +243,12 @@ impl Ticker {
         self.in_program = true;
     }
 
+    /// What is planned in this epoch counts.
+    #[must_use]
+    pub const fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
     /// Takes an operator's command; it acts in the next tick.
     pub const fn command(&mut self, command: Command) {
         self.operator.take(command);

@@ -1,0 +1,142 @@
+//! The queues between the two sides, and how a board comes up.
+
+use core::mem::MaybeUninit;
+
+use heapless::spsc::Queue;
+use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::board::{Desk, Events, Notice, Segments, Snapshot, Ticker};
+use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::journal::TapRecord;
+use leadscrew_core::motion::Setpoint;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Position;
+
+use crate::background::{BackgroundSide, Ends as BackgroundEnds};
+use crate::report::{Order, Report};
+use crate::tick::{Ends as TickEnds, TickSide};
+
+// One place of a ring stays empty.
+const ORDERS: usize = 17;
+const REPORTS: usize = 4;
+const ENTRIES: usize = 3;
+const NOTICES: usize = 3;
+const STRANGERS: usize = 17;
+const LOANS: usize = 2;
+
+/// Everything that lies between the two sides. It is all that is shared, and belongs in a `static`.
+pub struct Queues {
+    segments: Segments,
+    detours: Segments,
+    events: Events,
+    orders: Queue<Order, ORDERS>,
+    reports: Queue<Report, REPORTS>,
+    entries: Queue<TapRecord, ENTRIES>,
+    notices: Queue<Notice, NOTICES>,
+    strangers: Queue<Frame, STRANGERS>,
+    given: Queue<&'static mut Ticker, LOANS>,
+    returned: Queue<&'static mut Ticker, LOANS>,
+}
+
+/// Where a ticker will be for good: also a `static`.
+pub type TickerPlace = MaybeUninit<Ticker>;
+
+/// What a board is told at power-up.
+#[derive(Clone, Copy, Debug)]
+pub struct PowerUp<'a> {
+    /// The parameter set.
+    pub params: &'a Params,
+    /// Where the machine stood, if known; see [`Ticker::new`].
+    pub remembered: Option<Position>,
+    /// The stored entry of the tap journal.
+    pub tap: Option<TapRecord>,
+    /// Its number on the bus.
+    pub node: NodeId,
+}
+
+impl Queues {
+    /// All of them empty.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            segments: Segments::new(),
+            detours: Segments::new(),
+            events: Events::new(),
+            orders: Queue::new(),
+            reports: Queue::new(),
+            entries: Queue::new(),
+            notices: Queue::new(),
+            strangers: Queue::new(),
+            given: Queue::new(),
+            returned: Queue::new(),
+        }
+    }
+
+    /// A board at power-up, in its two sides. It has joined the bus: an NMT master starts it.
+    ///
+    /// # Errors
+    /// [`Code::ParametersUnusable`] for a set that does not pass its own checks; [`Code::BusOverload`] where its cycle leaves
+    /// no room on the bus.
+    pub fn power_up(
+        &'static mut self,
+        place: &'static mut TickerPlace,
+        up: &PowerUp<'_>,
+    ) -> Result<(TickSide, BackgroundSide), Alarm> {
+        let Some(ticker) = Ticker::new(up.params, up.remembered, up.tap) else {
+            return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
+        };
+        let ticker = place.write(ticker);
+        let snapshot = Snapshot::new(ticker, &Setpoint::default());
+        let position = up.remembered.unwrap_or_default();
+        let mut desk = Desk::new(up.params, position, up.tap, snapshot);
+        desk.join(up.node)?;
+
+        let (segments_in, segments_out) = self.segments.split();
+        let (detours_in, detours_out) = self.detours.split();
+        let (events_in, events_out) = self.events.split();
+        let (orders_in, orders_out) = self.orders.split();
+        let (reports_in, reports_out) = self.reports.split();
+        let (entries_in, entries_out) = self.entries.split();
+        let (notices_in, notices_out) = self.notices.split();
+        let (strangers_in, strangers_out) = self.strangers.split();
+        let (given_in, given_out) = self.given.split();
+        let (returned_in, returned_out) = self.returned.split();
+        let tick = TickSide::new(
+            ticker,
+            TickEnds {
+                segments: segments_out,
+                detours: detours_out,
+                events: events_in,
+                orders: orders_out,
+                reports: reports_in,
+                entries: entries_in,
+                notices: notices_in,
+                strangers: strangers_in,
+                given: given_in,
+                returned: returned_out,
+            },
+        );
+        let background = BackgroundSide::new(
+            desk,
+            snapshot,
+            BackgroundEnds {
+                segments: segments_in,
+                detours: detours_in,
+                events: events_out,
+                orders: orders_in,
+                reports: reports_out,
+                entries: entries_out,
+                notices: notices_out,
+                strangers: strangers_out,
+                given: given_out,
+                returned: returned_in,
+            },
+        );
+        Ok((tick, background))
+    }
+}
+
+impl Default for Queues {
+    fn default() -> Self {
+        Self::new()
+    }
+}

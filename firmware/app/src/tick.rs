@@ -1,0 +1,273 @@
+//! The tick's side: one SYNC period of the whole board, in an interrupt.
+
+use heapless::Vec;
+use heapless::spsc::{Consumer, Producer};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::queue::{put, take};
+use leadscrew_core::board::{
+    Command, Ends as TickerEnds, Event, Notice, Output, Reference, Snapshot, Ticker,
+};
+use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::journal::TapRecord;
+use leadscrew_core::motion::Segment;
+use leadscrew_core::signals::Signals;
+use leadscrew_core::spindle::EncoderSample;
+
+use crate::report::{Order, Report};
+
+/// Frames a tick takes from the bus at most: two of each of seven drives, and some that are for the background. What is left
+/// waits for the next.
+const RECEIVED: usize = 24;
+
+/// SYNC periods for which the background may be silent before the watchdog is not fed any more.
+const PATIENCE: u32 = 250;
+
+/// What the pins of a board say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inputs {
+    /// The emergency stop is pressed, or its circuit is open.
+    pub stop: bool,
+    /// Feed hold is pressed.
+    pub hold: bool,
+    /// The machine's inputs, where this board has pins for them. They count instead of those set over the bus.
+    pub signals: Option<Signals>,
+    /// The machine has to stop with this alarm: the bus is off, or a part of the board does not work.
+    pub trouble: Option<Code>,
+}
+
+/// What a board brings for the tick. All of it is called in the timer interrupt; nothing may wait.
+pub trait TickMachine {
+    /// What the spindle's encoder shows at this SYNC. The first call of a tick.
+    fn sample(&mut self) -> EncoderSample;
+    /// What the pins say.
+    fn inputs(&mut self) -> Inputs;
+    /// The oldest frame from the bus not yet read. Those of drives have to come this way; whatever else comes goes to the
+    /// background.
+    fn receive(&mut self) -> Option<Frame>;
+    /// Sends the frames of a tick, in this order and before any other. False where some of the tick before have not left:
+    /// those are dropped, and their setpoints are late.
+    fn send(&mut self, frames: &[Frame]) -> bool;
+    /// Feeds the watchdog: both sides are alive.
+    fn feed_watchdog(&mut self);
+}
+
+/// The ends of the queues that this side owns.
+pub(crate) struct Ends {
+    pub segments: Consumer<'static, Segment>,
+    pub detours: Consumer<'static, Segment>,
+    pub events: Producer<'static, Event>,
+    pub orders: Consumer<'static, Order>,
+    pub reports: Producer<'static, Report>,
+    pub entries: Producer<'static, TapRecord>,
+    pub notices: Producer<'static, Notice>,
+    pub strangers: Producer<'static, Frame>,
+    pub given: Producer<'static, &'static mut Ticker>,
+    pub returned: Consumer<'static, &'static mut Ticker>,
+}
+
+/// The tick's side of a board.
+pub struct TickSide {
+    /// `None` while it is made anew.
+    ticker: Option<&'static mut Ticker>,
+    ends: Ends,
+    output: Output,
+    reference: Reference,
+    /// What still waits for room in its queue.
+    entry: Option<TapRecord>,
+    notice: Option<Notice>,
+    /// The pins at the last tick.
+    inputs: Inputs,
+    /// SYNC periods since the last report, and since the last sign of life of the background.
+    elapsed: u32,
+    silence: u32,
+    late: u32,
+}
+
+impl TickSide {
+    pub(crate) fn new(ticker: &'static mut Ticker, ends: Ends) -> Self {
+        Self {
+            ticker: Some(ticker),
+            ends,
+            output: Output::default(),
+            reference: Reference::default(),
+            entry: None,
+            notice: None,
+            inputs: Inputs::default(),
+            elapsed: 0,
+            silence: 0,
+            late: 0,
+        }
+    }
+
+    /// One SYNC period. While the ticker is with the background, which makes it anew, nothing is sent: the machine stands, and
+    /// its drives are brought up again.
+    pub fn tick(&mut self, machine: &mut impl TickMachine) {
+        let sample = machine.sample();
+        self.elapsed = self.elapsed.saturating_add(1);
+        self.silence = self.silence.saturating_add(1);
+        if let Some(ticker) = take(&mut self.ends.returned) {
+            self.ticker = Some(ticker);
+        }
+        let inputs = machine.inputs();
+        let received = self.receive(machine);
+        self.obey(&inputs);
+        if self.silence <= PATIENCE {
+            machine.feed_watchdog();
+        }
+        let Some(ticker) = &mut self.ticker else {
+            return;
+        };
+        let mut ends = TickerEnds {
+            segments: &mut self.ends.segments,
+            detours: &mut self.ends.detours,
+            events: &mut self.ends.events,
+        };
+        ticker.tick(sample, &received, &mut ends, &mut self.output);
+        if !machine.send(&self.output.frames) {
+            self.late = self.late.saturating_add(1);
+        }
+        self.report();
+    }
+
+    /// What the last tick gave.
+    #[must_use]
+    pub const fn output(&self) -> &Output {
+        &self.output
+    }
+
+    /// Frames since the last tick; what is not a drive's goes to the background.
+    fn receive(&mut self, machine: &mut impl TickMachine) -> Vec<Frame, RECEIVED> {
+        let mut received = Vec::new();
+        while !received.is_full()
+            && let Some(frame) = machine.receive()
+        {
+            if is_of_drive(&frame) {
+                // There is room.
+                let _ = received.push(frame);
+            } else {
+                // Where there is none, it is lost as on a bus that is flooded; whoever sent it repeats it.
+                let _ = put(&mut self.ends.strangers, frame);
+            }
+        }
+        received
+    }
+
+    /// Pins first: what was pressed last counts.
+    fn obey(&mut self, inputs: &Inputs) {
+        let before = core::mem::replace(&mut self.inputs, *inputs);
+        if let Some(ticker) = &mut self.ticker {
+            if inputs.stop {
+                ticker.command(Command::Stop);
+            }
+            if let Some(code) = inputs.trouble {
+                ticker.command(Command::Halt(code));
+            }
+            if inputs.hold && !before.hold {
+                ticker.command(Command::Hold);
+            }
+            if let Some(signals) = inputs.signals {
+                ticker.signals(signals);
+            }
+        }
+        while let Some(order) = take(&mut self.ends.orders) {
+            self.carry_out(order);
+        }
+    }
+
+    fn carry_out(&mut self, order: Order) {
+        if order == Order::Alive {
+            self.silence = 0;
+            return;
+        }
+        let Some(ticker) = &mut self.ticker else {
+            // The background asks for nothing before it has given it back.
+            return;
+        };
+        match order {
+            Order::Alive => {}
+            Order::Command(command) => ticker.command(command),
+            Order::Signals(signals) => {
+                if self.inputs.signals.is_none() {
+                    ticker.signals(signals);
+                }
+            }
+            Order::ProgramBegins(epoch) => {
+                if epoch == ticker.epoch() && ticker.takes_calls() {
+                    ticker.program_begins();
+                }
+            }
+            Order::DiscardTap => {
+                // Where there is no tap in a hole, or the machine moves, nothing changes.
+                let _ = ticker.discard_tap();
+            }
+            Order::Stored(sequence, result) => ticker.stored(sequence, result),
+            Order::HandOver => self.hand_over(),
+        }
+    }
+
+    /// The machine stands. What is still queued belongs to the ticker that goes; nothing is planned before the new one comes.
+    fn hand_over(&mut self) {
+        while take(&mut self.ends.segments).is_some() {}
+        while take(&mut self.ends.detours).is_some() {}
+        self.notice = None;
+        self.reference = Reference::default();
+        if let Some(ticker) = self.ticker.take()
+            && let Err(ticker) = put(&mut self.ends.given, ticker)
+        {
+            // There is one ticker and room for it.
+            self.ticker = Some(ticker);
+        }
+    }
+
+    fn report(&mut self) {
+        let Some(ticker) = &self.ticker else {
+            return;
+        };
+        if self.output.journal.is_some() {
+            self.entry = self.output.journal;
+        }
+        if self.output.notice.is_some() {
+            // A restart makes what was said before it void; nothing else is said while a way is still to be planned.
+            self.notice = self.output.notice;
+        }
+        if let Some(entry) = self.entry.take() {
+            self.entry = put(&mut self.ends.entries, entry).err();
+        }
+        // Behind the entry of the same tick.
+        if self.entry.is_none()
+            && let Some(notice) = self.notice.take()
+        {
+            self.notice = put(&mut self.ends.notices, notice).err();
+        }
+        let head = self.ends.segments.peek();
+        let setpoint = &self.output.setpoint;
+        let error = self.reference.error(ticker, head, setpoint);
+        let report = Report {
+            elapsed: self.elapsed,
+            snapshot: Snapshot::new(ticker, setpoint),
+            begun: ticker.has_begun(),
+            error,
+            late: self.late,
+        };
+        if put(&mut self.ends.reports, report).is_ok() {
+            self.elapsed = 0;
+        }
+    }
+}
+
+/// True for what a drive sends.
+fn is_of_drive(frame: &Frame) -> bool {
+    const DRIVES: [NodeId; 7] = [
+        NodeId::DRIVE_X,
+        NodeId::DRIVE_Z,
+        NodeId::DRIVE_C,
+        NodeId::SPINDLE_1,
+        NodeId::SPINDLE_2,
+        NodeId::SPINDLE_3,
+        NodeId::SPINDLE_4,
+    ];
+    frame
+        .id()
+        .service()
+        .is_some_and(|(_, node)| DRIVES.contains(&node))
+}

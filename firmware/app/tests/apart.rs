@@ -1,0 +1,338 @@
+//! The two sides of a board, joined by their queues only, against the same board in one piece: the same setpoints, whatever
+//! the program; and what only two sides can get wrong.
+
+use std::collections::VecDeque;
+
+use leadscrew_app::{
+    BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide, TickerPlace,
+};
+use leadscrew_board_sim::plant::{Plant, PlantOptions};
+use leadscrew_board_sim::{Doing, Sim};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::{Event, State, StoreError, StoreRequest};
+use leadscrew_core::bus::{BoardCommand, BoardState, CobId, Frame, NmtCommand, NodeId, Order};
+use leadscrew_core::link::SetpointHash;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{self, Call, Options};
+use leadscrew_core::spindle::EncoderSample;
+
+/// The plant and the pins, for both sides.
+struct Bench {
+    plant: Plant,
+    answers: VecDeque<Frame>,
+    /// Frames from others on the bus, for the background.
+    others: VecDeque<Frame>,
+    sent: Vec<Frame>,
+    syncs: u32,
+    inputs: Inputs,
+    events: Vec<Event>,
+    fed: u32,
+    writing: bool,
+}
+
+impl TickMachine for Bench {
+    fn sample(&mut self) -> EncoderSample {
+        self.plant.advance()
+    }
+
+    fn inputs(&mut self) -> Inputs {
+        self.inputs
+    }
+
+    fn receive(&mut self) -> Option<Frame> {
+        self.answers.pop_front()
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> bool {
+        self.syncs += frames
+            .iter()
+            .filter(|frame| frame.id() == CobId::SYNC)
+            .count() as u32;
+        let answers = &mut self.answers;
+        self.plant
+            .exchange(frames, |answer| answers.push_back(answer));
+        true
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.fed += 1;
+    }
+}
+
+impl Machine for Bench {
+    fn receive(&mut self) -> Option<Frame> {
+        self.others.pop_front()
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        self.sent.push(*frame);
+    }
+
+    fn store(&mut self, _: StoreRequest) {
+        assert!(!self.writing, "the one before is done");
+        self.writing = true;
+    }
+
+    fn stored(&mut self) -> Option<Result<(), StoreError>> {
+        std::mem::take(&mut self.writing).then_some(Ok(()))
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.events.push(*event);
+    }
+}
+
+/// A board on its bench.
+struct Apart {
+    tick: TickSide,
+    background: BackgroundSide,
+    bench: Bench,
+    hash: SetpointHash,
+    /// Of the last order.
+    count: u8,
+}
+
+impl Apart {
+    /// One that has come up, and then taken tick 0.
+    fn new(params: &Params) -> Self {
+        let mut apart = Self::off(params);
+        for _ in 0..1000 {
+            apart.step();
+            if apart.bench.events.contains(&Event::Ready) {
+                apart.step();
+                return apart;
+            }
+        }
+        panic!("the machine does not come up");
+    }
+
+    fn off(params: &Params) -> Self {
+        // For good, as in an image.
+        let queues = Box::leak(Box::new(Queues::new()));
+        let place = Box::leak(Box::new(TickerPlace::uninit()));
+        let options = PlantOptions::default();
+        let up = PowerUp {
+            params,
+            remembered: Some(options.at),
+            tap: None,
+            node: NodeId::BOARD,
+        };
+        let (tick, background) = queues.power_up(place, &up).expect("the parameters work");
+        Self {
+            tick,
+            background,
+            bench: Bench {
+                plant: Plant::new(params, &options).expect("the plant works"),
+                answers: VecDeque::new(),
+                others: VecDeque::new(),
+                sent: Vec::new(),
+                syncs: 0,
+                inputs: Inputs::default(),
+                events: Vec::new(),
+                fed: 0,
+                writing: false,
+            },
+            hash: SetpointHash::new(),
+            count: 0,
+        }
+    }
+
+    /// An order of the operator, over the bus.
+    fn order(&mut self, order: Order) {
+        self.count += 1;
+        let command = BoardCommand {
+            count: self.count,
+            order: Some(order),
+            ..BoardCommand::default()
+        };
+        let start = NmtCommand::Start.frame(None);
+        self.bench
+            .others
+            .extend([start, command.frame(NodeId::BOARD)]);
+    }
+
+    /// A tick, and all the background can do behind it.
+    fn step(&mut self) {
+        self.tick.tick(&mut self.bench);
+        self.rest();
+        let (setpoint, snapshot) = (&self.tick.output().setpoint, self.background.snapshot());
+        let spindle = setpoint
+            .spindle
+            .map(|angle| (snapshot.spindle_in_use, angle));
+        let runs = snapshot.board_state() == BoardState::Run;
+        self.hash.push(setpoint.position, spindle, runs);
+    }
+
+    fn rest(&mut self) {
+        while self.background.step(&mut self.bench) {}
+    }
+
+    /// Runs a program to its end, or to an alarm.
+    fn run(&mut self, text: &str, params: &Params) -> u64 {
+        self.hash = SetpointHash::new();
+        let mut calls: VecDeque<Call> = calls(text, params).into();
+        for _ in 0..1_000_000 {
+            while calls
+                .front()
+                .is_some_and(|call| self.background.offer(call))
+            {
+                calls.pop_front();
+                self.rest();
+            }
+            self.step();
+            let over = calls.is_empty() && !self.background.is_busy();
+            if over || matches!(self.background.snapshot().state, State::Alarm(_)) {
+                return self.hash.value();
+            }
+        }
+        panic!("the program does not come to an end");
+    }
+}
+
+fn calls(text: &str, params: &Params) -> Vec<Call> {
+    program::Events::new(text.as_bytes(), params, Options::default())
+        .filter_map(|event| match event.expect("a good program") {
+            program::Event::Call(call) => Some(call),
+            _ => None,
+        })
+        .collect()
+}
+
+/// The board in one piece.
+fn whole(sim: &mut Sim, text: &str, params: &Params) -> u64 {
+    let mut calls: VecDeque<Call> = calls(text, params).into();
+    let mut hash = SetpointHash::new();
+    let push = |hash: &mut SetpointHash, row: leadscrew_board_sim::Row| {
+        let spindle = program::TapSpindle::ALL
+            .iter()
+            .find_map(|spindle| Some((*spindle, row.angle(*spindle).set?)));
+        hash.push(row.position, spindle, row.doing == Doing::Run);
+    };
+    while !calls.is_empty() || sim.is_busy() {
+        while calls.front().is_some_and(|call| sim.offer(call)) {
+            calls.pop_front();
+        }
+        if let Some(row) = sim.step() {
+            push(&mut hash, row);
+        }
+        while sim.event().is_some() {}
+    }
+    sim.last_rows(|row| push(&mut hash, row));
+    hash.value()
+}
+
+fn sim(params: &Params) -> Sim {
+    Sim::new(params, &PlantOptions::default()).expect("the machine starts")
+}
+
+#[test]
+fn programs_give_the_same_setpoints_as_on_a_board_in_one_piece() {
+    let params = Params::slant_bed();
+    for name in ["shaft", "o0008-g75-grooves", "g84-tap", "g84-floating"] {
+        let (mut apart, mut sim) = (Apart::new(&params), sim(&params));
+        let path = format!("{}/../../examples/{name}.nc", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let hash = apart.run(&text, &params);
+        assert_ne!(hash, SetpointHash::new().value(), "{name} moves");
+        assert_eq!(hash, whole(&mut sim, &text, &params), "{name}");
+    }
+}
+
+#[test]
+fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
+    let params = Params::slant_bed();
+    let mut apart = Apart::new(&params);
+    let text = "G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n";
+    let mut calls: VecDeque<Call> = calls(text, &params).into();
+    for _ in 0..200 {
+        while calls
+            .front()
+            .is_some_and(|call| apart.background.offer(call))
+        {
+            calls.pop_front();
+        }
+        apart.step();
+    }
+    assert_eq!(apart.background.snapshot().state, State::Running);
+    apart.bench.inputs.stop = true;
+    // The background does nothing meanwhile.
+    for _ in 0..2000 {
+        apart.tick.tick(&mut apart.bench);
+    }
+    let stopped = apart.tick.output().setpoint.position;
+    apart.rest();
+    apart.step();
+    let State::Alarm(alarm) = apart.background.snapshot().state else {
+        panic!("{:?}", apart.background.snapshot().state);
+    };
+    assert_eq!(alarm.code, Code::EmergencyStop);
+    // A reset with the button still pressed does not help.
+    for pressed in [true, false] {
+        apart.bench.inputs.stop = pressed;
+        apart.order(Order::Reset);
+        for _ in 0..1000 {
+            apart.step();
+        }
+        let up = apart.background.snapshot().state == State::Idle;
+        assert_eq!(up, !pressed);
+        assert_eq!(apart.tick.output().setpoint.position, stopped);
+    }
+}
+
+#[test]
+fn a_background_that_hangs_is_not_covered_up() {
+    let params = Params::slant_bed();
+    let mut apart = Apart::new(&params);
+    for _ in 0..1000 {
+        apart.step();
+    }
+    let before = apart.bench.fed;
+    for _ in 0..1000 {
+        apart.tick.tick(&mut apart.bench);
+    }
+    let fed = apart.bench.fed - before;
+    assert!(
+        (249..=250).contains(&fed),
+        "{fed} ticks: a quarter of a second"
+    );
+    // Back again: the tick after it has said so feeds it.
+    apart.step();
+    apart.tick.tick(&mut apart.bench);
+    assert_eq!(apart.bench.fed, before + fed + 1);
+}
+
+#[test]
+fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
+    let params = Params::slant_bed();
+    let mut apart = Apart::new(&params);
+    let text = "G0 X60 Z5\nM30\n";
+    let first = apart.run(text, &params);
+    let syncs = apart.bench.syncs;
+    apart.bench.events.clear();
+    apart
+        .bench
+        .others
+        .push_back(NmtCommand::ResetNode.frame(Some(NodeId::BOARD)));
+    apart.rest();
+    apart.step();
+    assert_eq!(apart.background.snapshot().state, State::Starting);
+    for _ in 0..100 {
+        apart.step();
+    }
+    assert_eq!(apart.bench.events, [Event::Ready]);
+    assert_eq!(
+        apart.bench.syncs - syncs,
+        100,
+        "one period passes without a SYNC"
+    );
+    // It stands where it stood, and goes on from there as if nothing had been.
+    let mut sim = sim(&params);
+    assert_eq!(whole(&mut sim, text, &params), first);
+    for text in [text, "G0 X90 Z30\nM30\n"] {
+        assert_eq!(apart.run(text, &params), whole(&mut sim, text, &params));
+    }
+}
