@@ -154,6 +154,12 @@ impl SegmentOut<'_> {
         }
     }
 
+    /// Lets all of them go, and every plan. Nothing is put in meanwhile.
+    pub fn clear(&mut self) {
+        while take(&mut self.segments).is_some() {}
+        while take(&mut self.plans).is_some() {}
+    }
+
     /// True where something waits behind the oldest one.
     #[must_use]
     pub fn has_second(&self) -> bool {

@@ -3,12 +3,12 @@
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::board::queue::{put, room, take};
 use leadscrew_core::board::{
-    Command, Desk, Event, Notice, Region, Snapshot, State, StoreError, StoreRequest, TickPort,
-    Ticker,
+    Command, Desk, DetourIn, Event, Notice, Region, SegmentIn, Snapshot, State, StoreError,
+    StoreRequest, TickPort, Ticker,
 };
 use leadscrew_core::bus::{Frame, Periods};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::motion::{Epoch, Segment, Setpoint};
+use leadscrew_core::motion::{Epoch, Setpoint};
 use leadscrew_core::program::Call;
 use leadscrew_core::signals::Signals;
 
@@ -35,8 +35,8 @@ pub trait Machine {
 
 /// The ends of the queues that this side owns.
 pub(crate) struct Ends {
-    pub segments: Producer<'static, Segment>,
-    pub detours: Producer<'static, Segment>,
+    pub segments: SegmentIn<'static>,
+    pub detours: DetourIn<'static>,
     pub events: Consumer<'static, Event>,
     pub orders: Producer<'static, Order>,
     pub reports: Consumer<'static, Report>,

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use heapless::spsc::Queue;
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::{Desk, Events, Notice, Segments, Snapshot, Ticker};
+use leadscrew_core::board::{Desk, Detours, Events, Notice, Segments, Snapshot, Ticker};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
@@ -26,7 +26,7 @@ const LOANS: usize = 2;
 /// Everything that lies between the two sides. It is all that is shared, and belongs in a `static`.
 pub struct Queues {
     segments: Segments,
-    detours: Segments,
+    detours: Detours,
     events: Events,
     orders: Queue<Order, ORDERS>,
     reports: Queue<Report, REPORTS>,
@@ -59,7 +59,7 @@ impl Queues {
     pub const fn new() -> Self {
         Self {
             segments: Segments::new(),
-            detours: Segments::new(),
+            detours: Detours::new(),
             events: Events::new(),
             orders: Queue::new(),
             reports: Queue::new(),

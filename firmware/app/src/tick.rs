@@ -5,11 +5,11 @@ use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::queue::{put, take};
 use leadscrew_core::board::{
-    Command, Ends as TickerEnds, Event, Notice, Output, Reference, Snapshot, Ticker,
+    Command, DetourOut, Ends as TickerEnds, Event, Notice, Output, Reference, SegmentOut, Snapshot,
+    Ticker,
 };
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::motion::Segment;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 
@@ -53,8 +53,8 @@ pub trait TickMachine {
 
 /// The ends of the queues that this side owns.
 pub(crate) struct Ends {
-    pub segments: Consumer<'static, Segment>,
-    pub detours: Consumer<'static, Segment>,
+    pub segments: SegmentOut<'static>,
+    pub detours: DetourOut<'static>,
     pub events: Producer<'static, Event>,
     pub orders: Consumer<'static, Order>,
     pub reports: Producer<'static, Report>,
@@ -207,7 +207,7 @@ impl TickSide {
 
     /// The machine stands. What is still queued belongs to the ticker that goes; nothing is planned before the new one comes.
     fn hand_over(&mut self) {
-        while take(&mut self.ends.segments).is_some() {}
+        self.ends.segments.clear();
         while take(&mut self.ends.detours).is_some() {}
         self.notice = None;
         self.reference = Reference::default();
