@@ -480,6 +480,9 @@ codes! {
     /// RGTAP stays 1 where rigid mode ends.
     RigidNotReleased = 4306, "rigid tapping does not end: signal RGTAP has been 1 for a second", "take RGTAP away when the mode ends, or set 5200.2 to 0",
         "刚性攻丝方式无法解除：信号 RGTAP 持续为 1 已达 1 秒", "解除方式时请使 RGTAP 变为 0，或将 5200.2 设为 0";
+    /// The clamp of the C axis does not hold, or no longer [D137].
+    ClampOpen = 4307, "the clamp does not hold: its feedback is open", "check the clamp and its contact, then reset",
+        "夹紧装置未夹紧：反馈触点断开", "请检查夹紧装置及其触点，然后复位";
     /// The spindle does not come to a stand for tapping.
     SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";

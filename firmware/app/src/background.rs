@@ -6,9 +6,10 @@ use leadscrew_core::board::{
     Command, Desk, DetourIn, Event, Notice, Region, SegmentIn, Snapshot, State, StoreError,
     StoreRequest, TickPort, Ticker,
 };
-use leadscrew_core::bus::{Frame, Periods};
+use leadscrew_core::bus::{Controller, Frame, Periods};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Epoch, Setpoint};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::Call;
 use leadscrew_core::signals::Signals;
 
@@ -29,8 +30,14 @@ pub trait Machine {
     fn store(&mut self, request: StoreRequest);
     /// Goes on with it; once it is done, how it went.
     fn stored(&mut self) -> Option<Result<(), StoreError>>;
-    /// Something has happened: for a log.
+    /// Something has happened: for a log, and for what a board switches.
     fn event(&mut self, event: &Event);
+    /// How the CAN controller is.
+    fn controller(&mut self) -> Controller;
+    /// Takes part in the bus again, behind bus-off: the machine stands, and its drives have been let go.
+    fn rejoin(&mut self);
+    /// The application begins anew with these parameters, the time between two SYNCs among them.
+    fn begin_anew(&mut self, params: &Params);
 }
 
 /// The ends of the queues that this side owns.
@@ -120,13 +127,16 @@ impl BackgroundSide {
         let report = take(&mut self.ends.reports);
         // All that was said before that report, and perhaps more.
         self.hear(machine);
-        self.renew();
+        self.renew(machine);
         let mut worked = report.is_some();
         if worked && room(&self.ends.orders) > SPARE_ORDERS {
             // There is room.
             let _ = put(&mut self.ends.orders, Order::Alive);
         }
         worked |= self.receive(machine);
+        if report.is_some() {
+            self.look_at_bus(machine);
+        }
         worked |= self.serve(report);
         worked |= self.plan(machine);
         worked |= self.store(machine);
@@ -180,6 +190,15 @@ impl BackgroundSide {
         }
     }
 
+    /// A controller that has left the bus stays away until the machine stands [D124].
+    fn look_at_bus(&mut self, machine: &mut impl Machine) {
+        self.desk.set_controller(machine.controller());
+        self.carry_out();
+        if self.desk.station().may_rejoin() {
+            machine.rejoin();
+        }
+    }
+
     /// New entries of the tap journal.
     fn enter(&mut self) {
         while let Some(entry) = take(&mut self.ends.entries) {
@@ -188,7 +207,7 @@ impl BackgroundSide {
     }
 
     /// Makes the ticker anew where it has been handed over.
-    fn renew(&mut self) {
+    fn renew(&mut self, machine: &mut impl Machine) {
         let Some(ticker) = take(&mut self.ends.given) else {
             return;
         };
@@ -196,6 +215,7 @@ impl BackgroundSide {
         while take(&mut self.ends.notices).is_some() {}
         if let Some(position) = ticker.begin_anew(self.desk.params()) {
             self.desk.begin_anew(position);
+            machine.begin_anew(self.desk.params());
         }
         self.snapshot = Snapshot::new(ticker, &Setpoint::default());
         self.renewing = false;

@@ -8,7 +8,7 @@ use leadscrew_core::board::{
     Command, DetourOut, Ends as TickerEnds, Event, Notice, Output, Reference, SegmentOut, Snapshot,
     Ticker,
 };
-use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::bus::{Frame, NodeId, Service};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -255,7 +255,7 @@ impl TickSide {
     }
 }
 
-/// True for what a drive sends.
+/// True for what a drive sends. What is sent to one by somebody else is for the background, which knows who may.
 fn is_of_drive(frame: &Frame) -> bool {
     const DRIVES: [NodeId; 7] = [
         NodeId::DRIVE_X,
@@ -266,8 +266,16 @@ fn is_of_drive(frame: &Frame) -> bool {
         NodeId::SPINDLE_3,
         NodeId::SPINDLE_4,
     ];
+    const SPOKEN: [Service; 6] = [
+        Service::Tpdo1,
+        Service::Tpdo2,
+        Service::Tpdo3,
+        Service::Tpdo4,
+        Service::Emcy,
+        Service::Heartbeat,
+    ];
     frame
         .id()
         .service()
-        .is_some_and(|(_, node)| DRIVES.contains(&node))
+        .is_some_and(|(service, node)| SPOKEN.contains(&service) && DRIVES.contains(&node))
 }

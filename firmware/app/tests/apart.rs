@@ -10,7 +10,10 @@ use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Event, State, StoreError, StoreRequest};
-use leadscrew_core::bus::{BoardCommand, BoardState, CobId, Frame, NmtCommand, NodeId, Order};
+use leadscrew_core::bus::{
+    BoardCommand, BoardState, BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId,
+    Order, Service,
+};
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Call, Options};
@@ -28,6 +31,10 @@ struct Bench {
     events: Vec<Event>,
     fed: u32,
     writing: bool,
+    controller: Controller,
+    rejoined: u32,
+    /// The time between two SYNCs, as told at each new beginning.
+    periods: Vec<u32>,
 }
 
 impl TickMachine for Bench {
@@ -84,6 +91,19 @@ impl Machine for Bench {
     fn event(&mut self, event: &Event) {
         self.events.push(*event);
     }
+
+    fn controller(&mut self) -> Controller {
+        self.controller
+    }
+
+    fn rejoin(&mut self) {
+        self.controller = Controller::default();
+        self.rejoined += 1;
+    }
+
+    fn begin_anew(&mut self, params: &Params) {
+        self.periods.push(params.tick_us());
+    }
 }
 
 /// A board on its bench.
@@ -135,6 +155,9 @@ impl Apart {
                 events: Vec::new(),
                 fed: 0,
                 writing: false,
+                controller: Controller::default(),
+                rejoined: 0,
+                periods: Vec::new(),
             },
             hash: SetpointHash::new(),
             count: 0,
@@ -318,6 +341,7 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     apart.rest();
     apart.step();
     assert_eq!(apart.background.snapshot().state, State::Starting);
+    assert_eq!(apart.bench.periods, [params.tick_us()]);
     for _ in 0..100 {
         apart.step();
     }
@@ -332,5 +356,69 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     assert_eq!(whole(&mut sim, text, &params), first);
     for text in [text, "G0 X90 Z30\nM30\n"] {
         assert_eq!(apart.run(text, &params), whole(&mut sim, text, &params));
+    }
+}
+
+/// The alarm the machine stands on, behind so many ticks.
+fn alarm(apart: &mut Apart, ticks: u32) -> Option<Code> {
+    for _ in 0..ticks {
+        apart.step();
+    }
+    match apart.background.snapshot().state {
+        State::Alarm(alarm) => Some(alarm.code),
+        _ => None,
+    }
+}
+
+#[test]
+fn a_controller_that_leaves_the_bus_stops_the_machine_and_comes_back_once_it_stands() {
+    let params = Params::slant_bed();
+    let mut apart = Apart::new(&params);
+    let calls = calls("G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params);
+    let mut calls = calls.iter();
+    let mut next = calls.next();
+    for _ in 0..200 {
+        while next.is_some_and(|call| apart.background.offer(call)) {
+            next = calls.next();
+        }
+        apart.step();
+    }
+    assert_eq!(apart.background.snapshot().state, State::Running);
+    apart.bench.controller = Controller {
+        state: BusState::Off,
+        errors: ErrorCounts {
+            sending: 248,
+            receiving: 0,
+        },
+    };
+    for _ in 0..3 {
+        apart.step();
+    }
+    assert_eq!(apart.bench.rejoined, 0, "not while it moves");
+    assert_eq!(alarm(&mut apart, 1000), Some(Code::BusOff));
+    assert_eq!(apart.bench.rejoined, 1);
+    let boot_up = CobId::of(Service::Heartbeat, NodeId::BOARD);
+    assert!(
+        apart
+            .bench
+            .sent
+            .iter()
+            .any(|frame| frame.id() == boot_up && frame.payload() == [0])
+    );
+}
+
+#[test]
+fn a_second_master_is_noticed_whichever_side_hears_it() {
+    let params = Params::slant_bed();
+    let setpoint = CobId::of(Service::Rpdo1, NodeId::DRIVE_X);
+    let frame = Frame::new(setpoint, &[0x0F, 0, 0, 0, 0, 0, 0]).expect("a frame");
+    for heard_by_tick in [true, false] {
+        let mut apart = Apart::new(&params);
+        if heard_by_tick {
+            apart.bench.answers.push_back(frame);
+        } else {
+            apart.bench.others.push_back(frame);
+        }
+        assert_eq!(alarm(&mut apart, 1000), Some(Code::SecondSetpoints));
     }
 }
