@@ -10,4 +10,4 @@ mod sim;
 mod storage;
 
 pub use sim::{Direction, Doing, Row, Sim, SimError, SpindleAngle, TapPoint};
-pub use storage::{keep, stored_tap};
+pub use storage::{keep, stored_params, stored_tap};

@@ -8,8 +8,9 @@ mod network;
 
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::board::{Board, Command, Event, Outcome, Output, State};
+use leadscrew_core::board::{Board, Command, Event, Outcome, Output, PowerUp, State};
 use leadscrew_core::bus::{Frame, Periods};
+use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Helix, Motion, Setpoint, TapLine};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position, TapAxis, TapSpindle};
@@ -18,7 +19,7 @@ use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Rpm, Turns};
 
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
-use crate::storage::{keep, stored_tap};
+use crate::storage::{keep, stored_params, stored_tap};
 
 /// The longest latency of a drive, in ticks, that a row can wait for.
 const LATENCY_TICKS: usize = 128 + 64;
@@ -259,23 +260,34 @@ impl Sim {
     /// # Errors
     /// A plant or a board that cannot be; a drive that does not start.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, SimError> {
-        Self::with_flash(params, options, Flash::erased())
+        Self::start_with(&PowerUp::given(params), options, Flash::erased(), None)
     }
 
     /// The same with the flash of a board that has run before: [`flash`](Self::flash) gives it back. Its power is switched
-    /// on.
+    /// on. A parameter set that is stored in it counts; `built_in` is what the board has where there is none.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`TapJournalDamaged`](leadscrew_core::alarm::Code::TapJournalDamaged) for a flash that cannot be read.
     pub fn with_flash(
-        params: &Params,
+        built_in: &Params,
         options: &PlantOptions,
         mut flash: Flash,
     ) -> Result<Self, SimError> {
         flash.power(true);
         let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
+        let up = stored_params(&mut flash, built_in).map_err(SimError::Board)?;
+        Self::start_with(&up, options, flash, tap)
+    }
+
+    fn start_with(
+        up: &PowerUp,
+        options: &PlantOptions,
+        flash: Flash,
+        tap: Option<TapRecord>,
+    ) -> Result<Self, SimError> {
+        let params = &up.params;
         let plant = Plant::new(params, options).map_err(SimError::Plant)?;
-        let board = Board::new(params, Some(options.at), tap).map_err(SimError::Board)?;
+        let board = Board::power_up(up, Some(options.at), tap).map_err(SimError::Board)?;
         let tick_us = params.tick_us();
         let mut sim = Self {
             board,

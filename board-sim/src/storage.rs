@@ -1,9 +1,10 @@
 //! The storage of a simulated board: what it asks to be kept goes to a simulated flash, at once.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::Board;
+use leadscrew_core::board::{Board, PowerUp};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_store::{Region, Store, block_on};
+use leadscrew_core::params::Params;
+use leadscrew_store::{BUFFER, Region, Store, block_on};
 
 use crate::plant::Flash;
 
@@ -14,7 +15,7 @@ use crate::plant::Flash;
 /// [`Code::TapJournalDamaged`] for a flash that cannot be read.
 pub fn stored_tap(flash: &mut Flash) -> Result<Option<TapRecord>, Alarm> {
     let damaged = Alarm::new(Code::TapJournalDamaged, Span::default());
-    let mut buffer = [0; TapRecord::BYTES];
+    let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash).map_err(|_| damaged)?;
     block_on(store.recover()).map_err(|_| damaged)?;
     match block_on(store.read(Region::TapJournal, &mut buffer)).map_err(|_| damaged)? {
@@ -23,11 +24,30 @@ pub fn stored_tap(flash: &mut Flash) -> Result<Option<TapRecord>, Alarm> {
     }
 }
 
-/// Carries out the writes that a board asks for.
+/// The parameter set in a flash; `built_in` is what the board has of its own. For power-up, behind [`stored_tap`].
+///
+/// # Errors
+/// [`Code::ParametersLost`] for a flash that cannot be one.
+pub fn stored_params(flash: &mut Flash, built_in: &Params) -> Result<PowerUp, Alarm> {
+    let lost = Alarm::new(Code::ParametersLost, Span::default());
+    let mut store = Store::new(flash).map_err(|_| lost)?;
+    Ok(block_on(store.power_up(built_in)))
+}
+
+/// Carries out what a board asks of its storage.
 pub fn keep(board: &mut Board, flash: &mut Flash) {
-    while let Some(request) = board.store() {
-        let written = Store::new(&mut *flash)
-            .and_then(|mut store| block_on(store.write(request.region, request.bytes())));
-        board.stored(request.region, written);
+    loop {
+        if let Some(region) = board.load() {
+            let mut buffer = [0; BUFFER];
+            let held = Store::new(&mut *flash)
+                .and_then(|mut store| block_on(store.read(region, &mut buffer)));
+            board.loaded(held);
+        }
+        let Some(request) = board.store() else {
+            return;
+        };
+        let region = request.region;
+        let written = Store::new(&mut *flash).and_then(|mut store| block_on(store.keep(&request)));
+        board.stored(region, written);
     }
 }

@@ -252,6 +252,7 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
         Arg::GCode(tenths) if tenths % 10 == 0 => format!("G{:02}", tenths / 10),
         Arg::GCode(tenths) => format!("G{:02}.{}", tenths / 10, tenths % 10),
         Arg::Hex(value) => format!("{value:04X}h"),
+        Arg::Key(value) => format!("{value:08X}h"),
         Arg::Statusword(value) => match Statusword::from_raw(value).state() {
             Some(state) => format!("{value:04X}h ({})", state.name()),
             None => format!("{value:04X}h"),

@@ -9,13 +9,10 @@ use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::{Flash, ImageError};
 use leadscrew_core::journal::{RecordError, TapRecord};
-use leadscrew_store::{Region, Store, block_on};
+use leadscrew_store::{BUFFER, Region, Store, block_on};
 
 use crate::failure::{Doing, Failure, Outcome};
 use crate::words::both;
-
-/// Bytes for what a region holds.
-const REGION: usize = 128;
 
 /// A file with the flash of a simulated board.
 #[derive(Clone, Debug)]
@@ -173,7 +170,7 @@ enum Unreadable {
 
 /// The newest entry of the tap journal.
 fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
-    let mut buffer = [0; REGION];
+    let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash.clone()).map_err(|_| Unreadable::Store)?;
     let read = block_on(async {
         store.recover().await?;

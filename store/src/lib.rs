@@ -15,17 +15,23 @@
 mod patient;
 mod wait;
 
-pub use leadscrew_core::board::{Region, StoreError};
+mod value;
+
+pub use leadscrew_core::board::{Region, StoreError, StoreRequest};
 pub use patient::Patient;
 pub use wait::block_on;
 
 use embedded_storage_async::nor_flash::NorFlash;
+use leadscrew_core::board::{Held, PowerUp};
+use leadscrew_core::params::Params;
 use sequential_storage::Error;
 use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage};
+use sequential_storage::map::{MapConfig, MapStorage, Value};
 
-/// The longest value with its key and the padding of a flash word.
-const BUFFER: usize = 128;
+use value::Wanted;
+
+/// Bytes of a buffer for the longest value, with its key and the padding of a flash word.
+pub const BUFFER: usize = (Region::LONGEST + 1).next_multiple_of(WORD);
 
 /// Word and page of the largest flash this is made for.
 const WORD: usize = 32;
@@ -84,24 +90,16 @@ impl<F: NorFlash> Store<F> {
     /// The newest bytes of a region, in `buffer`; `None` where nothing was ever stored.
     ///
     /// # Errors
-    /// [`StoreError::Device`], [`StoreError::Damaged`]; [`StoreError::Full`] where they do not fit into `buffer`.
+    /// [`StoreError::Device`], [`StoreError::Damaged`].
     pub async fn read<'b>(
         &mut self,
         region: Region,
-        buffer: &'b mut [u8],
+        buffer: &'b mut [u8; BUFFER],
     ) -> Result<Option<&'b [u8]>, StoreError> {
-        let mut scratch = [0; BUFFER];
-        let found = self
-            .map
-            .fetch_item::<&[u8]>(&mut scratch, &region.key())
+        self.map
+            .fetch_item::<&[u8]>(buffer, &region.key())
             .await
-            .map_err(|error| reason(&error))?;
-        let Some(value) = found else {
-            return Ok(None);
-        };
-        let place = buffer.get_mut(..value.len()).ok_or(StoreError::Full)?;
-        place.copy_from_slice(value);
-        Ok(Some(place))
+            .map_err(|error| reason(&error))
     }
 
     /// Stores bytes in a region; they replace what was there.
@@ -109,9 +107,36 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// [`StoreError`]; the region then holds what it held before.
     pub async fn write(&mut self, region: Region, bytes: &[u8]) -> Result<(), StoreError> {
-        let mut scratch = [0; BUFFER];
+        self.put(region, &bytes).await
+    }
+
+    /// Stores what a board asks for.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub async fn keep(&mut self, request: &StoreRequest<'_>) -> Result<(), StoreError> {
+        self.put(request.region, &Wanted(request)).await
+    }
+
+    /// Reads what a board starts with; `built_in` is what it has of its own. Behind [`recover`](Self::recover).
+    pub async fn power_up(&mut self, built_in: &Params) -> PowerUp {
+        let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
+        let mark = self.mark(&mut a).await;
+        let a = self.read(Region::ParametersA, &mut a).await;
+        let b = self.read(Region::ParametersB, &mut b).await;
+        PowerUp::of(built_in, held(&mark), a, b)
+    }
+
+    async fn mark(&mut self, buffer: &mut [u8; BUFFER]) -> Result<Option<Few>, StoreError> {
+        let bytes = self.read(Region::ParametersMark, buffer).await?;
+        Ok(bytes.map(|bytes| bytes.first_chunk().copied().unwrap_or_default()))
+    }
+
+    /// The buffer is on the stack for as long as it is needed.
+    async fn put<'d, V: Value<'d>>(&mut self, region: Region, value: &V) -> Result<(), StoreError> {
+        let mut buffer = [0; BUFFER];
         self.map
-            .store_item(&mut scratch, &region.key(), &bytes)
+            .store_item(&mut buffer, &region.key(), value)
             .await
             .map_err(|error| reason(&error))
     }
@@ -157,6 +182,16 @@ impl<F: NorFlash> Store<F> {
         let end = start.saturating_add(F::ERASE_SIZE as u32);
         let done = self.map.flash().erase(start, end).await;
         done.map_err(|_| StoreError::Device)
+    }
+}
+
+/// A mark by itself, so that the buffer it came in is free again.
+type Few = [u8; Region::ParametersMark.bytes()];
+
+fn held(mark: &Result<Option<Few>, StoreError>) -> Held<'_> {
+    match mark {
+        Ok(mark) => Ok(mark.as_ref().map(<[u8; _]>::as_slice)),
+        Err(error) => Err(*error),
     }
 }
 

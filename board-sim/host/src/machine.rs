@@ -10,9 +10,9 @@ use leadscrew::source::SourceFile;
 use leadscrew::state::StateFile;
 use leadscrew::words::Both;
 use leadscrew_board_sim::plant::{Flash, Plant};
-use leadscrew_board_sim::{keep, stored_tap};
+use leadscrew_board_sim::{keep, stored_params, stored_tap};
 use leadscrew_core::alarm::{Alarm, Lang};
-use leadscrew_core::board::{Board, Event, Output, State};
+use leadscrew_core::board::{Board, Event, Output, PowerUp, State};
 use leadscrew_core::bus::{Frame, NodeId, Periods, Service};
 use leadscrew_core::signals::Signals;
 
@@ -57,16 +57,11 @@ pub struct Machine {
 impl Machine {
     /// A machine at power-up.
     pub fn new(args: &cli::Board) -> Outcome<Self> {
-        let params = args.common.load()?;
+        let built_in = args.common.load()?;
         let unusable = |why: String| Failure::WrongBecause(Both::same(why));
         let options = args
             .plant()
             .ok_or_else(|| unusable("the spindle cannot have this ripple".into()))?;
-        let plant = Plant::new(&params, &options).map_err(|error| {
-            unusable(format!(
-                "the parameters make no simulated machine: {error:?}"
-            ))
-        })?;
         let no_board = |alarm: Alarm| unusable(words(&alarm, None));
         let state = args.state.as_deref().map(StateFile::new);
         let mut flash = match &state {
@@ -75,7 +70,17 @@ impl Machine {
         };
         flash.power(true);
         let tap = stored_tap(&mut flash).map_err(no_board)?;
-        let mut board = Board::new(&params, Some(options.at), tap).map_err(no_board)?;
+        let up = match &state {
+            Some(_) => stored_params(&mut flash, &built_in).map_err(no_board)?,
+            None => PowerUp::given(&built_in),
+        };
+        let params = &up.params;
+        let plant = Plant::new(params, &options).map_err(|error| {
+            unusable(format!(
+                "the parameters make no simulated machine: {error:?}"
+            ))
+        })?;
+        let mut board = Board::power_up(&up, Some(options.at), tap).map_err(no_board)?;
         let node = NodeId::new(args.node).unwrap_or(NodeId::BOARD);
         board.join(node).map_err(no_board)?;
         let mut signals = Signals::default();
@@ -84,7 +89,7 @@ impl Machine {
         }
         board.signals(signals);
         let feeder = match &args.program {
-            Some(path) => Some(Feeder::open(path, &params, options.at)?),
+            Some(path) => Some(Feeder::open(path, params, options.at)?),
             None => None,
         };
         let nodes = [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C];
@@ -185,6 +190,7 @@ impl Machine {
             self.beat = Some((self.ticks, Instant::now()));
         }
         if count > 0 {
+            self.keep()?;
             self.serve(0)?;
         }
         Ok(count > 0)

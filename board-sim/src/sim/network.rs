@@ -20,6 +20,7 @@ impl Sim {
             // With the drives' own there is room for a few; a bus that is flooded loses frames too.
             let _ = self.answers.push(*frame);
         }
+        self.keep();
     }
 
     /// The next frame of the board as a node, on its way to the others.

@@ -75,6 +75,8 @@ pub enum Arg {
     GCode(u16),
     /// A number printed as four hexadecimal digits and an `h` (an error code).
     Hex(u16),
+    /// A key or a checksum, printed as eight hexadecimal digits and an `h`.
+    Key(u32),
     /// A CiA 402 statusword, printed like [`Arg::Hex`] with the name of its state behind it.
     Statusword(u16),
 }

@@ -497,7 +497,7 @@ codes! {
     TapJournalDamaged = 4312, "the tap journal is damaged: whether a tap is in a hole is not known", "look at the machine; if no tap is in a hole, erase the board's storage",
         "攻丝记录已损坏：不知道孔内是否有丝锥", "请查看机床；若孔内没有丝锥，请擦除控制板的存储器";
 
-    // 4330–4349: the board as a node.
+    // 4330–4339: the board as a node.
     /// The heartbeat of the gateway has stayed away (9025 = 1).
     GatewayLost = 4330, "the gateway has fallen silent while a program ran", "look at its cable and at the program that operates the board; reset, and begin again",
         "程序运行中网关失去联系", "请检查网关电缆和操作程序；复位后重新开始";
@@ -514,6 +514,44 @@ codes! {
     /// `run` has come where no program waits for it. A warning in the event log.
     NothingToRun = 4334, "`run` did nothing: no program waits for it", "load a program first, also after a reset or an alarm; `resume` goes on after a feed hold",
         "“运行”命令无效：没有等待运行的程序", "请先装入程序（复位或报警之后也是如此）；进给保持之后请用“恢复”";
+
+    // 4329, 4340–4349: the parameters that the board keeps.
+    /// An image of another parameter table: its key, and the board's.
+    ImageForeign = 4329, "the image is of parameter table {0}, and the board's is {1}: it has not been taken", "use the program and the board of one release, or migrate the file (`leadscrew params migrate`)",
+        "该映像属于参数表 {0}，而控制板的参数表为 {1}：未采用", "请使用同一版本的程序与控制板，或转换参数文件（`leadscrew params migrate`）";
+    /// The newest set stored is damaged, and the one before is whole.
+    ParametersOlder = 4340, "the newest parameter set stored in the board is damaged: the last good one before it is loaded, and nothing may move",
+        "compare it with the machine's file, then take it (5010h:05 = 1), or push another set",
+        "控制板中最新保存的参数集已损坏：已装入之前最后一份完好的参数集，禁止运动", "请与机床参数文件比较，然后采用该参数集（5010h:05 = 1），或写入另一参数集";
+    /// Nothing whole is stored, and something was.
+    ParametersLost = 4341, "the parameter sets stored in the board are damaged: the built-in set is loaded only to be talked to, and nothing may move",
+        "push the machine's parameter set; or take the built-in one (1011h:01 = \"load\") if this is such a machine",
+        "控制板中保存的参数集均已损坏：仅为通信装入了内置参数集，禁止运动", "请写入本机床的参数集；若机床与内置参数集相符，可采用内置参数集（1011h:01 = “load”）";
+    /// The newest set belongs to another parameter table: schema and key of it, and of this board.
+    ParametersForeign = 4342, "the stored parameter set has schema {0} (table {1}), this board has schema {2} (table {3}): it is not read, and nothing may move",
+        "migrate the machine's file (`leadscrew params migrate`), then push it; or put back the software that stored the set",
+        "保存的参数集为方案 {0}（表 {1}），本控制板为方案 {2}（表 {3}）：未读取，禁止运动", "请转换机床参数文件（`leadscrew params migrate`）后写入，或恢复写入该参数集时的软件";
+    /// A set that was taken could not be stored.
+    ParametersNotStored = 4343, "the parameter set could not be stored: the set before stays in force", "check the board's storage, then write it again",
+        "参数集保存失败：原参数集继续有效", "请检查控制板的存储器，然后重新写入";
+    /// A parameter is written while the machine works.
+    ParametersAtWork = 4344, "parameters cannot be written while the machine works, or while a change is still being stored", "wait for the end of the program, or reset; then write again",
+        "机床工作时或上一次修改尚未保存完时，不能写参数", "请等程序结束或复位后再写";
+    /// 9026.0 is 0.
+    ParametersProtected = 4345, "parameters are write-protected (9026.0 is 0)", "set 9026.0 to 1 first",
+        "参数写保护（9026.0 为 0）", "请先将 9026.0 设为 1";
+    /// A password is set, and was not given.
+    PasswordMissing = 4346, "writing parameters needs the password (9028), which has not been given", "give the password first (5010h:06, `--password`)",
+        "写参数需要密码（9028），尚未输入", "请先输入密码（5010h:06，`--password`）";
+    /// A wrong password, or one that comes too soon; {0} how many in a row, {1} seconds until the next is heard.
+    PasswordWrong = 4347, "wrong password, {0} in a row: the next one is heard after {1} s", "wait, then give the right one",
+        "密码错误，已连续 {0} 次：{1} 秒后才接受下一次输入", "请等待，然后输入正确的密码";
+    /// An image that is damaged, too short or too long.
+    ParametersIncomplete = 4348, "the parameter set came damaged or incomplete, and has not been taken", "send it again",
+        "收到的参数集损坏或不完整，未采用", "请重新发送";
+    /// A value of an image is outside its range; {0} the number.
+    ParametersOutOfRange = 4349, "parameter {0} of the set is outside its range; the set has not been taken", "correct the value (`leadscrew params validate`), then send the set again",
+        "参数集中的参数 {0} 超出范围，未采用该参数集", "请改正该值（`leadscrew params validate`），然后重新发送";
 
     // 4350–4399: drives. {0} is the drive's letter, {1} its node.
     /// No status from a drive after it was started.
@@ -746,6 +784,13 @@ codes! {
     TapInHoleSincePower = 4971, "the power went with a tap in its hole: {0} now counts from the bottom {1}",
         "run G30 P99: it turns the tap further out than it may need, in phase, which is harmless; then reference {0}",
         "断电时丝锥在孔内：{0} 轴以孔底 {1} 为当前位置", "请执行 G30 P99：丝锥同步退出的距离可能多于所需，无害；之后请重新对 {0} 轴回零";
+    /// Power-up of a board in which nothing was ever stored.
+    ParametersBuiltIn = 4972, "no parameter set is stored in the board: its built-in one is in force",
+        "push the machine's parameter set; or store the built-in one (1010h:01 = \"save\") if this is such a machine",
+        "控制板中未保存参数集：内置参数集有效", "请写入本机床的参数集；若机床与内置参数集相符，请保存内置参数集（1010h:01 = “save”）";
+    /// The set is stored, and the mark that would tell of its damage is not.
+    ParametersUnmarked = 4973, "the parameter set is stored; the note which set is the newest could not be stored", "check the board's storage, then write the set again",
+        "参数集已保存，但未能记下哪一份最新", "请检查控制板的存储器，然后重新写入参数集";
     /// A speed beyond what a setpoint can step: axis, tick in µs.
     RapidBeyondTick = 4964, "in one tick of {1} µs {0} cannot go as far as its rapid rate (1420.{0}) asks, and moves slower",
         "make the tick (9000) shorter, or lower 1420.{0}",

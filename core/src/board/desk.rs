@@ -13,11 +13,12 @@
 
 use super::background::{Background, Settings};
 use super::event::{Command, Event};
+use super::kept::{Held, PowerUp};
 use super::operator::Operator;
 use super::queue::{Calls, DetourIn, SegmentIn};
 use super::snapshot::Snapshot;
 use super::station::Station;
-use super::store::{Region, StoreError, StoreRequest};
+use super::store::{Content, Region, StoreError, StoreRequest};
 use super::ticker::Notice;
 use crate::alarm::Alarm;
 use crate::bus::{Controller, Frame, NodeId, Periods};
@@ -100,6 +101,12 @@ impl Desk {
         }
     }
 
+    /// Takes what was found of the parameters at power-up; the tick side is to
+    /// [withhold](super::Ticker::withhold) motion by it, now and whenever it begins anew.
+    pub fn power_up(&mut self, up: &PowerUp) {
+        self.station.power_up(up);
+    }
+
     /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
     ///
     /// # Errors
@@ -127,7 +134,7 @@ impl Desk {
     /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
     pub fn offer(&mut self, call: &Call, port: &mut impl TickPort) -> bool {
-        offer(port, &mut self.calls, self.background.epoch(), call)
+        !self.station.is_changing() && offer(port, &mut self.calls, self.background.epoch(), call)
     }
 
     /// One piece of planning: false where there is none that can be done now. A warning comes back too. `begun`: the oldest
@@ -209,20 +216,32 @@ impl Desk {
 
     /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
     /// write has not been answered yet; of entries that come meanwhile only the newest counts.
-    pub fn store(&mut self) -> Option<StoreRequest> {
-        let record = self.journal.newest.as_ref()?;
-        if !self.journal.wanted || self.journal.under_way.is_some() {
-            return None;
+    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
+        match self.journal.newest.as_ref() {
+            Some(record) if self.journal.wanted && self.journal.under_way.is_none() => {
+                self.journal.wanted = false;
+                self.journal.under_way = Some(record.sequence);
+                Some(StoreRequest {
+                    region: Region::TapJournal,
+                    content: Content::Tap(record.encode()),
+                })
+            }
+            _ => self.station.store(),
         }
-        self.journal.wanted = false;
-        self.journal.under_way = Some(record.sequence);
-        Some(StoreRequest {
-            region: Region::TapJournal,
-            bytes: record.encode(),
-        })
     }
 
-    /// The last write that [`store`](Self::store) asked for has been done, or could not be.
+    /// A region that is to be read now: what it holds is to be given back by [`loaded`](Self::loaded).
+    pub const fn load(&mut self) -> Option<Region> {
+        self.station.load()
+    }
+
+    /// What the region holds that [`load`](Self::load) asked for.
+    pub fn loaded(&mut self, held: Held<'_>) {
+        self.station.loaded(held);
+    }
+
+    /// The last write that [`store`](Self::store) asked for has been done, or could not be. A parameter set may come with it:
+    /// [`carry_out`](Self::carry_out) says so.
     pub fn stored(
         &mut self,
         region: Region,
@@ -234,6 +253,9 @@ impl Desk {
                 if let Some(sequence) = self.journal.under_way.take() {
                     port.stored(sequence, result);
                 }
+            }
+            Region::ParametersA | Region::ParametersB | Region::ParametersMark => {
+                self.station.has_stored(region, result);
             }
         }
     }
@@ -260,10 +282,10 @@ impl Desk {
         self.background.is_busy() || !self.calls.is_empty()
     }
 
-    /// True while an entry of the tap journal is not known to be stored.
+    /// True while an entry of the tap journal, or a change of the parameter set, is not known to be stored.
     #[must_use]
-    pub const fn is_storing(&self) -> bool {
-        self.journal.wanted || self.journal.under_way.is_some()
+    pub fn is_storing(&self) -> bool {
+        self.journal.wanted || self.journal.under_way.is_some() || self.station.is_changing()
     }
 
     /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.

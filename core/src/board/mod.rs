@@ -24,6 +24,7 @@ mod detour;
 mod drives;
 mod event;
 mod guard;
+mod kept;
 mod node;
 mod operator;
 pub mod queue;
@@ -40,6 +41,7 @@ pub use desk::{Desk, TickPort};
 pub use detour::Route;
 pub use event::{Command, Event};
 pub use guard::Guard;
+pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use operator::Operator;
 pub use reference::Reference;
 pub use snapshot::Snapshot;
@@ -134,6 +136,22 @@ impl Board {
         })
     }
 
+    /// A board at power-up with what it has kept. It starts with that set, and where something is wrong with it, an alarm
+    /// withholds all motion until a set has been taken. `remembered` and `tap`: as for [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn power_up(
+        up: &PowerUp,
+        remembered: Option<Position>,
+        tap: Option<TapRecord>,
+    ) -> Result<Self, Alarm> {
+        let mut board = Self::new(&up.params, remembered, tap)?;
+        board.desk.power_up(up);
+        board.ticker.withhold(up.found);
+        Ok(board)
+    }
+
     /// Hands a call over. False, and nothing changes, where there is no room for it now, or while the machine starts, stops
     /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
@@ -197,13 +215,24 @@ impl Board {
 
     /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
     /// write has not been answered yet; of entries that come meanwhile only the newest counts.
-    pub fn store(&mut self) -> Option<StoreRequest> {
+    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
         self.desk.store()
+    }
+
+    /// A region that is to be read now: what it holds is to be given back by [`loaded`](Self::loaded).
+    pub const fn load(&mut self) -> Option<Region> {
+        self.desk.load()
+    }
+
+    /// What the region holds that [`load`](Self::load) asked for.
+    pub fn loaded(&mut self, held: Held<'_>) {
+        self.desk.loaded(held);
     }
 
     /// The last write that [`store`](Self::store) asked for has been done, or could not be.
     pub fn stored(&mut self, region: Region, result: Result<(), StoreError>) {
         self.desk.stored(region, result, &mut self.ticker);
+        self.carry_out();
     }
 
     /// The newest entry of the tap journal, stored or on its way there.

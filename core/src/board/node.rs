@@ -84,7 +84,7 @@ impl Board {
         self.desk.station()
     }
 
-    fn carry_out(&mut self) {
+    pub(super) fn carry_out(&mut self) {
         if self.desk.carry_out(&mut self.ticker) {
             self.restart();
         }
@@ -92,7 +92,8 @@ impl Board {
 
     /// The application begins anew with the parameter set as it is now. Nothing moves; the drives are brought up again.
     fn restart(&mut self) {
-        let Some(position) = self.ticker.begin_anew(self.desk.params()) else {
+        let found = self.desk.station().found();
+        let Some(position) = self.ticker.begin_anew(self.desk.params(), found) else {
             // It has been checked before it was staged.
             return;
         };

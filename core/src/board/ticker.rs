@@ -16,6 +16,7 @@ mod journal;
 mod rigid;
 mod state;
 mod stopping;
+mod withheld;
 
 use heapless::Vec;
 
@@ -25,6 +26,7 @@ pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, Spindle};
 use super::event::{Command, Event};
+use super::kept::Found;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -172,6 +174,8 @@ pub struct Ticker {
     edge_time: bool,
     hold_retracts: bool,
     journal: Journal,
+    /// What was found of the stored parameters at power-up.
+    found: Found,
 }
 
 impl Ticker {
@@ -235,6 +239,7 @@ impl Ticker {
             edge_time: params.encoder_edge_time(),
             hold_retracts: params.thread_hold_retracts(),
             journal: Journal::new(tap, ticks_per_minute / 60),
+            found: Found::default(),
         })
     }
 
@@ -364,6 +369,7 @@ impl Ticker {
                 if let Some(warning) = warning {
                     emit(ends.events, Event::Warning(warning));
                 }
+                self.tell_found(ends);
             }
             _ => {}
         }

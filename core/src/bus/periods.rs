@@ -37,7 +37,7 @@ impl Periods {
     }
 
     /// What is left of this after `less`; 0 where nothing is.
-    pub(super) const fn minus(self, less: Self) -> Self {
+    pub(crate) const fn minus(self, less: Self) -> Self {
         Self(self.0.saturating_sub(less.0))
     }
 

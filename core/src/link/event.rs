@@ -4,6 +4,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::LinkError;
+use crate::alarm::Alarm;
 use crate::board::Event;
 
 /// An entry of the log.
@@ -25,6 +26,28 @@ pub fn encode_event(entry: &Logged, bytes: &mut [u8]) -> Result<usize, LinkError
     match postcard::to_slice(entry, bytes) {
         Ok(used) => Ok(used.len()),
         Err(_) => Err(LinkError::TooLong),
+    }
+}
+
+/// Puts an alarm, or that there is none, at the front of `bytes`; how many it takes comes back. 5010h:08.
+///
+/// # Errors
+/// [`LinkError::TooLong`] where it does not fit.
+pub fn encode_alarm(alarm: Option<&Alarm>, bytes: &mut [u8]) -> Result<usize, LinkError> {
+    match postcard::to_slice(&alarm, bytes) {
+        Ok(used) => Ok(used.len()),
+        Err(_) => Err(LinkError::TooLong),
+    }
+}
+
+/// The alarm of [`encode_alarm`].
+///
+/// # Errors
+/// [`LinkError::Malformed`].
+pub fn decode_alarm(bytes: &[u8]) -> Result<Option<Alarm>, LinkError> {
+    match postcard::take_from_bytes(bytes) {
+        Ok((alarm, &[])) => Ok(alarm),
+        _ => Err(LinkError::Malformed),
     }
 }
 

@@ -6,6 +6,9 @@
 //!
 //! All little-endian and of fixed length (`postcard` with fixed integers), so that any part of an image can be made from
 //! the set alone. An image is of one parameter table; that of another table is refused, never reinterpreted.
+//!
+//! The password of a set is not told: its place holds 1 where there is one. Whoever sends an image with that 1 keeps the
+//! password as it is; only an image that [`with_password`](ImageWriter::with_password) makes holds a new one.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
@@ -35,16 +38,51 @@ pub enum ImageError {
 #[derive(Debug)]
 pub struct ImageWriter<'a> {
     params: &'a Params,
+    /// The password itself goes into it.
+    password: bool,
 }
 
 impl<'a> ImageWriter<'a> {
     /// Bytes of every image.
     pub const BYTES: u32 = (END + TAIL) as u32;
 
-    /// The image of a set.
+    /// Bytes of it before the checksum.
+    pub(crate) const BODY: usize = END;
+
+    /// The image of a set, as a board tells it.
     #[must_use]
     pub const fn new(params: &'a Params) -> Self {
-        Self { params }
+        Self {
+            params,
+            password: false,
+        }
+    }
+
+    /// The same with the password itself: to store it, or to give a board a new one.
+    #[must_use]
+    pub const fn with_password(params: &'a Params) -> Self {
+        Self {
+            params,
+            password: true,
+        }
+    }
+
+    fn slot(&self, place: usize) -> i64 {
+        let slot = if self.password {
+            self.params.slot(place)
+        } else {
+            self.params.told_slot(place)
+        };
+        slot.unwrap_or(0)
+    }
+
+    fn checksum(&self) -> u32 {
+        let mut digest = CRC.digest();
+        digest.update(&head());
+        for place in 0..SLOTS {
+            digest.update(&self.slot(place).to_le_bytes());
+        }
+        digest.finalize()
     }
 
     /// Fills `into` with the bytes from `offset` on; how many there are comes back.
@@ -52,7 +90,7 @@ impl<'a> ImageWriter<'a> {
         let start = offset as usize;
         let rest = (Self::BYTES as usize).saturating_sub(start);
         let checksum = if start.saturating_add(into.len()) > END {
-            identity(self.params).to_le_bytes()
+            self.checksum().to_le_bytes()
         } else {
             [0; TAIL]
         };
@@ -70,7 +108,7 @@ impl<'a> ImageWriter<'a> {
         match at.checked_sub(HEAD) {
             None => head().get(at).copied().unwrap_or(0),
             Some(place) => {
-                let value = self.params.slot(place / VALUE).unwrap_or(0);
+                let value = self.slot(place / VALUE);
                 value.to_le_bytes().get(place % VALUE).copied().unwrap_or(0)
             }
         }
@@ -83,15 +121,11 @@ const fn head() -> [u8; HEAD] {
     [a, b, c, d, e, f]
 }
 
-/// The CRC-32 of a set's image: who has the same number has the same set of the same table.
+/// The CRC-32 of a set's image as it is told: who has the same number has the same set of the same table, but for the
+/// password.
 #[must_use]
 pub fn identity(params: &Params) -> u32 {
-    let mut digest = CRC.digest();
-    digest.update(&head());
-    for slot in 0..SLOTS {
-        digest.update(&params.slot(slot).unwrap_or(0).to_le_bytes());
-    }
-    digest.finalize()
+    ImageWriter::new(params).checksum()
 }
 
 /// Takes an image in pieces into a set that is not in force yet.
@@ -154,6 +188,11 @@ impl ImageReader {
         Ok(())
     }
 
+    /// All but the checksum has come, and nothing of that.
+    pub(crate) const fn has_body(&self) -> bool {
+        self.at == END
+    }
+
     /// Nothing more comes: is it a whole image, undamaged, with every value in its range?
     ///
     /// # Errors
@@ -162,7 +201,7 @@ impl ImageReader {
         if self.at != END + TAIL {
             return Err(ImageError::Length);
         }
-        if self.word != u64::from(identity(staged)) {
+        if self.word != u64::from(ImageWriter::with_password(staged).checksum()) {
             return Err(ImageError::Checksum);
         }
         match staged.first_out_of_range() {

@@ -24,7 +24,7 @@ pub use batch::{
     BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
 };
 pub use certificate::{Certificate, SetpointHash};
-pub use event::{EventReader, Logged, encode_event};
+pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;
 pub use version::{VERSION, Version};

@@ -42,6 +42,16 @@ impl Default for Params {
     }
 }
 
+/// Number of the parameter table, for people and for files: counted up by hand with every release whose table is another
+/// one.
+pub const SCHEMA: u16 = 1;
+
+/// Number of the parameter that holds the password: it is never told.
+pub const PASSWORD: u16 = 9028;
+
+/// What a password reads as where there is one, and what keeps it as it is where it is written.
+pub const PASSWORD_KEPT: i64 = 1;
+
 /// Key of the parameter table: numbers, units and ranges, in order. A set belongs to one table.
 pub const TABLE_KEY: u32 = table_key();
 
@@ -63,6 +73,20 @@ const fn table_key() -> u32 {
     }
     (key ^ (key >> 32)) as u32
 }
+
+/// Place of the password in a set.
+pub(crate) const PASSWORD_SLOT: usize = {
+    let mut slot = SLOTS;
+    let mut entries: &[Entry] = &ENTRIES;
+    while let [entry, rest @ ..] = entries {
+        if entry.no == PASSWORD {
+            slot = entry.slot as usize;
+        }
+        entries = rest;
+    }
+    assert!(slot < SLOTS, "the password is a parameter");
+    slot
+};
 
 /// FNV-1a over the bytes of a number.
 const fn hash(mut key: u64, value: i64) -> u64 {

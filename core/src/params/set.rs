@@ -1,6 +1,6 @@
 //! Reading and writing one value of a set, with its range.
 
-use super::{Entry, Params, Part, ValueError, Writing};
+use super::{Entry, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, ValueError, Writing};
 
 /// Why a value was not taken; the set is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +60,15 @@ impl Params {
     /// The value in a place of the set: what an image of the set is made of.
     pub(crate) fn slot(&self, place: usize) -> Option<i64> {
         self.raw.get(place).copied()
+    }
+
+    /// What may be told of the value in a place: of a password only whether there is one.
+    pub(crate) fn told_slot(&self, place: usize) -> Option<i64> {
+        let raw = self.slot(place)?;
+        if place == PASSWORD_SLOT && raw != 0 {
+            return Some(PASSWORD_KEPT);
+        }
+        Some(raw)
     }
 
     /// Puts any value into a place of the set. Whoever does so asks [`first_out_of_range`](Self::first_out_of_range)

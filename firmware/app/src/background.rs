@@ -3,7 +3,7 @@
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::board::queue::{put, room, take};
 use leadscrew_core::board::{
-    Command, Desk, DetourIn, Event, Notice, Region, SegmentIn, Snapshot, State, StoreError,
+    Command, Desk, DetourIn, Event, Held, Notice, Region, SegmentIn, Snapshot, State, StoreError,
     StoreRequest, TickPort, Ticker,
 };
 use leadscrew_core::bus::{Controller, Frame, Periods};
@@ -26,10 +26,12 @@ pub trait Machine {
     fn has_room(&self) -> bool;
     /// Sends a frame. There is room.
     fn send(&mut self, frame: &Frame);
-    /// Begins to store. The one before is done.
-    fn store(&mut self, request: StoreRequest);
+    /// Begins to store: its bytes are put into a buffer of the board's. The one before is done.
+    fn store(&mut self, request: &StoreRequest<'_>);
     /// Goes on with it; once it is done, how it went.
     fn stored(&mut self) -> Option<Result<(), StoreError>>;
+    /// Reads a region of the storage, and gives what it holds to `then`, once.
+    fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>));
     /// Something has happened: for a log, and for what a board switches.
     fn event(&mut self, event: &Event);
     /// How the CAN controller is.
@@ -213,7 +215,8 @@ impl BackgroundSide {
         };
         // What it has said last is part of what is forgotten.
         while take(&mut self.ends.notices).is_some() {}
-        if let Some(position) = ticker.begin_anew(self.desk.params()) {
+        let found = self.desk.station().found();
+        if let Some(position) = ticker.begin_anew(self.desk.params(), found) {
             self.desk.begin_anew(position);
             machine.begin_anew(self.desk.params());
         }
@@ -304,11 +307,14 @@ impl BackgroundSide {
             self.storing = None;
             self.desk.stored(region, result, &mut port);
         }
+        if let Some(region) = self.desk.load() {
+            machine.load(region, &mut |held| self.desk.loaded(held));
+        }
         let Some(request) = self.desk.store() else {
             return false;
         };
         self.storing = Some(request.region);
-        machine.store(request);
+        machine.store(&request);
         true
     }
 }

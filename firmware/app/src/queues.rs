@@ -4,11 +4,10 @@ use core::mem::MaybeUninit;
 
 use heapless::spsc::Queue;
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::{Desk, Detours, Events, Notice, Segments, Snapshot, Ticker};
+use leadscrew_core::board::{self, Desk, Detours, Events, Notice, Segments, Snapshot, Ticker};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
-use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 
 use crate::background::{BackgroundSide, Ends as BackgroundEnds};
@@ -43,8 +42,8 @@ pub type TickerPlace = MaybeUninit<Ticker>;
 /// What a board is told at power-up.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerUp<'a> {
-    /// The parameter set.
-    pub params: &'a Params,
+    /// The parameter set, and what is to be said about it.
+    pub set: &'a board::PowerUp,
     /// Where the machine stood, if known; see [`Ticker::new`].
     pub remembered: Option<Position>,
     /// The stored entry of the tap journal.
@@ -81,13 +80,16 @@ impl Queues {
         place: &'static mut TickerPlace,
         up: &PowerUp<'_>,
     ) -> Result<(TickSide, BackgroundSide), Alarm> {
-        let Some(ticker) = Ticker::new(up.params, up.remembered, up.tap) else {
+        let params = &up.set.params;
+        let Some(mut ticker) = Ticker::new(params, up.remembered, up.tap) else {
             return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
         };
+        ticker.withhold(up.set.found);
         let ticker = place.write(ticker);
         let snapshot = Snapshot::new(ticker, &Setpoint::default());
         let position = up.remembered.unwrap_or_default();
-        let mut desk = Desk::new(up.params, position, up.tap, snapshot);
+        let mut desk = Desk::new(params, position, up.tap, snapshot);
+        desk.power_up(up.set);
         desk.join(up.node)?;
 
         let (segments_in, segments_out) = self.segments.split();

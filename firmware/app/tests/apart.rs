@@ -9,7 +9,7 @@ use leadscrew_app::{
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{Event, State, StoreError, StoreRequest};
+use leadscrew_core::board::{self, Event, Held, Region, State, StoreError, StoreRequest};
 use leadscrew_core::bus::{
     BoardCommand, BoardState, BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId,
     Order, Service,
@@ -79,7 +79,11 @@ impl Machine for Bench {
         self.sent.push(*frame);
     }
 
-    fn store(&mut self, _: StoreRequest) {
+    fn load(&mut self, _: Region, then: &mut dyn FnMut(Held<'_>)) {
+        then(Ok(None));
+    }
+
+    fn store(&mut self, _: &StoreRequest<'_>) {
         assert!(!self.writing, "the one before is done");
         self.writing = true;
     }
@@ -136,7 +140,7 @@ impl Apart {
         let place = Box::leak(Box::new(TickerPlace::uninit()));
         let options = PlantOptions::default();
         let up = PowerUp {
-            params,
+            set: &board::PowerUp::given(params),
             remembered: Some(options.at),
             tap: None,
             node: NodeId::BOARD,

@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn a_board_keeps_its_regions_in_it_also_over_a_torn_word() {
         let mut flash = WordFlash(Chip::erased());
-        let mut buffer = [0; 128];
+        let mut buffer = [0; leadscrew_store::BUFFER];
         for round in 0..200_u8 {
             let mut store = Store::new(flash).unwrap();
             block_on(store.recover()).unwrap();

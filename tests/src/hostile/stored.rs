@@ -3,7 +3,7 @@
 use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::journal::TapRecord;
-use leadscrew_store::{Region, Store, block_on};
+use leadscrew_store::{BUFFER, Region, Store, block_on};
 
 /// The first byte chooses: an entry of the tap journal, the image of a flash in a file, or pages in the flash itself.
 ///
@@ -46,7 +46,7 @@ fn pages(bytes: &[u8]) {
     let Ok(mut store) = Store::new(flash) else {
         panic!("a flash of the right size");
     };
-    let mut buffer = [0; 256];
+    let mut buffer = [0; BUFFER];
     if block_on(store.recover()).is_err() {
         return;
     }

@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
-use leadscrew_store::{Region, Store, StoreError, block_on};
+use leadscrew_store::{BUFFER, Region, Store, StoreError, block_on};
 use leadscrew_tests::random::Random;
 
 const TEARS: [Tear; 4] = [
@@ -60,7 +60,7 @@ fn recover(flash: &mut Flash) -> Result<(), StoreError> {
 }
 
 fn read(flash: &mut Flash) -> Result<Option<TapRecord>, StoreError> {
-    let mut buffer = [0; 128];
+    let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash)?;
     let bytes = block_on(store.read(Region::TapJournal, &mut buffer))?;
     Ok(bytes.and_then(|bytes| TapRecord::decode(bytes).expect("a whole entry")))

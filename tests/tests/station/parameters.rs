@@ -8,13 +8,13 @@ use leadscrew_core::params::{Entry, Params};
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::{calls, machine};
 
-const IMAGE: Object = Object::new(0x5010, 1);
+pub const IMAGE: Object = Object::new(0x5010, 1);
 
-fn parameter(no: u16, sub: u8) -> Object {
+pub fn parameter(no: u16, sub: u8) -> Object {
     Object::new(0x2000 + no, sub)
 }
 
-fn write(
+pub fn write(
     gateway: &mut Gateway,
     sim: &mut Sim,
     object: Object,
@@ -29,12 +29,12 @@ fn write(
     })
 }
 
-fn refused(abort: Abort) -> Result<(), SdoError> {
+pub fn refused(abort: Abort) -> Result<(), SdoError> {
     Err(SdoError::Refused(abort.code()))
 }
 
 /// Lets the drives come up again.
-fn rest(gateway: &mut Gateway, sim: &mut Sim) {
+pub fn rest(gateway: &mut Gateway, sim: &mut Sim) {
     for _ in 0..2000 {
         sim.step();
         while sim.event().is_some() {}
@@ -194,20 +194,4 @@ fn an_image_is_read_written_and_taken_whole_or_not_at_all() {
     rest(&mut gateway, &mut sim);
     let before = sim.board().ticker().executor().position();
     assert_eq!(before, Default::default());
-}
-
-#[test]
-fn storing_is_refused_as_what_it_is() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
-    let mut gateway = Gateway::connect(&mut sim);
-    assert_eq!(gateway.number(&mut sim, 0x1010, 1), Ok(0));
-    assert_eq!(
-        gateway.write(
-            &mut sim,
-            Object::new(0x1010, 1),
-            b"save",
-            SdoProtocol::Short
-        ),
-        refused(Abort::NotStored)
-    );
 }

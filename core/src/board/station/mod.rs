@@ -12,8 +12,8 @@
 //! - What an operator wants (RPDO1, 5000h) becomes [`Command`]s at once: it never waits behind a transfer.
 //! - A program comes in small batches (5020h) and waits, encoded, in [`PROGRAM_BYTES`]; `run` lets its calls go to the
 //!   planner one by one [D98]. How many bytes fit is told in TPDO1, so a program of any size goes through [D99].
-//! - Parameters (2000h, 5010h) are staged, checked as a set, and come into force all or none, with a restart of the
-//!   application [D101].
+//! - Parameters (2000h, 5010h) are staged, checked as a set, stored, and come into force all or none, with a restart of
+//!   the application [D101], [D116].
 //!
 //! Whoever owns a station gives it every frame that is not a drive's, every event, and a snapshot of the tick side as
 //! often as he can, and takes commands, a changed parameter set and frames from it. [`Board`](super::Board) does all of
@@ -22,7 +22,9 @@
 //! It must not know motion, drives or what a call means.
 
 pub mod dictionary;
+mod door;
 mod inbox;
+mod keeper;
 mod ledger;
 mod log;
 mod ring;
@@ -30,13 +32,16 @@ mod shelf;
 mod table;
 
 pub use inbox::PROGRAM_BYTES;
-pub use table::{DROP, GROUPS, Group, HISTORY, PRODUCT};
+pub use keeper::CommitState;
+pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
 use heapless::Deque;
 
 use self::shelf::{Served, Shelf};
 use super::event::{Command, Event};
+use super::kept::{Found, PowerUp};
 use super::snapshot::Snapshot;
+use super::store::{Region, StoreError, StoreRequest};
 use super::ticker::State;
 use super::trouble::{BusTrouble, Intrusion};
 use crate::alarm::{Alarm, Code, Span};
@@ -128,6 +133,44 @@ impl Station {
         }
     }
 
+    /// Takes what was found at power-up. Once, before it joins.
+    pub fn power_up(&mut self, up: &PowerUp) {
+        self.shelf.keeper.power_up(up);
+    }
+
+    /// What was found at power-up, or has been decided since: the tick side withholds motion by it.
+    #[must_use]
+    pub const fn found(&self) -> Found {
+        self.shelf.keeper.found()
+    }
+
+    /// A change of the parameter set is being stored, or waits to be taken: no call goes to the planner.
+    #[must_use]
+    pub fn is_changing(&self) -> bool {
+        self.shelf.is_changing()
+    }
+
+    /// The region that has to be read now; its bytes are given back by [`loaded`](Self::loaded).
+    pub const fn load(&mut self) -> Option<Region> {
+        self.shelf.keeper.load()
+    }
+
+    /// What the region holds that [`load`](Self::load) asked for.
+    pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
+        self.shelf.loaded(held);
+    }
+
+    /// What is to be stored now; the end is told by [`has_stored`](Self::has_stored).
+    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
+        self.shelf.store()
+    }
+
+    /// The write that [`store`](Self::store) asked for has been done, or could not be. A set that is stored is behind
+    /// [`take_params`](Self::take_params).
+    pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
+        self.shelf.has_stored(region, result);
+    }
+
     /// Takes another number. Only before it joins.
     pub fn set_node(&mut self, node: NodeId) {
         if self.has_joined() {
@@ -198,6 +241,11 @@ impl Station {
         let Some((service, node)) = frame.id().service() else {
             return false;
         };
+        if node == NodeId::GATEWAY && service == Service::Heartbeat
+            || node == self.node() && service == Service::SdoRequest
+        {
+            self.shelf.door.hear();
+        }
         if let Some((_, event)) = self.shelf.watch.receive(frame) {
             match event {
                 // Whoever fed the program has forgotten it.
@@ -292,13 +340,15 @@ impl Station {
         if !snapshot.takes_calls() {
             self.shelf.inbox.close();
         }
-        let worked = self.shelf.inbox.hand_over(offer);
-        if self.restarts && snapshot.is_at_rest() {
+        // A set that is on its way comes into force while the machine stands.
+        let worked = !self.shelf.is_changing() && self.shelf.inbox.hand_over(offer);
+        if self.restarts && snapshot.is_at_rest() && !self.shelf.is_changing() {
             self.restart(params);
         }
         if !self.has_joined() {
             return worked;
         }
+        self.shelf.door.elapse(elapsed, params);
         self.watch_bus(elapsed, params);
         self.tell_alarms(snapshot.alarm());
         self.transfer(elapsed, params);

@@ -7,20 +7,25 @@
 use heapless::Deque;
 
 use super::dictionary::{Access, Initial, Item, Kind, find};
+use super::door::Door;
 use super::inbox::Inbox;
+use super::keeper::{Keeper, Progress};
 use super::ledger::Ledger;
 use super::log::Log;
-use super::table::{DROP, HISTORY};
-use crate::alarm::{Alarm, Code, Span};
+use super::table::{DROP, HISTORY, LOAD, SAVE};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::event::{Command, Event};
 use crate::board::snapshot::Snapshot;
+use crate::board::store::{Region, StoreError, StoreRequest};
 use crate::bus::{
     Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
     HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Objects, Order, PdoCommunication,
     Service,
 };
-use crate::link::{BATCH_BYTES, ImageReader, ImageWriter, Status, VERSION, identity};
-use crate::params::{Entry, Params, Part};
+use crate::link::{
+    BATCH_BYTES, ImageError, ImageReader, ImageWriter, Status, VERSION, encode_alarm, identity,
+};
+use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
 use crate::signals::Signals;
 use crate::units::{Length, TurnRate};
 
@@ -67,6 +72,9 @@ pub struct Shelf {
     pub signals: Option<Signals>,
     /// The tap journal's record is to be dropped.
     pub drops_tap: bool,
+    /// What is stored, and the change that is under way.
+    pub keeper: Keeper,
+    pub door: Door,
     /// The draft is good and comes into force: the owner takes it before the next frame.
     staged: bool,
     /// Where a changed set is put together, before all of it has been looked at.
@@ -139,6 +147,8 @@ impl Shelf {
             commands: Deque::new(),
             signals: None,
             drops_tap: false,
+            keeper: Keeper::default(),
+            door: Door::default(),
             staged: false,
             draft: params.clone(),
             image: ImageReader::new(),
@@ -265,15 +275,38 @@ impl Shelf {
         }
     }
 
-    /// Why parameters cannot change now.
-    fn parameters_locked(&self, params: &Params, entry: Option<&Entry>) -> Result<(), Abort> {
-        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.staged {
-            return Err(Abort::State);
+    /// A change of the set is under way: no call goes to the planner.
+    pub fn is_changing(&self) -> bool {
+        self.staged || self.keeper.is_busy()
+    }
+
+    /// A change of parameters is refused, and why.
+    fn refuse(&mut self, code: Code, abort: Abort) -> Result<(), Abort> {
+        self.refuse_with(&Alarm::new(code, Span::default()), abort)
+    }
+
+    fn refuse_with(&mut self, reason: &Alarm, abort: Abort) -> Result<(), Abort> {
+        self.keeper.refuse(reason);
+        Err(abort)
+    }
+
+    /// Whether parameters may change now.
+    fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
+        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.is_changing() {
+            return self.refuse(Code::ParametersAtWork, Abort::State);
         }
-        // The switch itself can be turned back.
-        let switch = entry.is_some_and(|entry| entry.is_number(PARAMETER_WRITE_ENABLE));
-        if !switch && !params.parameter_write_enable() {
-            return Err(Abort::LocalControl);
+        // What is loaded only to be talked to is no set to change: it is decided on as a whole.
+        let undecided = self.keeper.found().alarm();
+        if let (Change::Value | Change::Switch, Some(alarm)) = (change, undecided) {
+            return self.refuse_with(&alarm, Abort::State);
+        }
+        // The switch itself can be turned back, and what is loaded already can be taken as it is.
+        let free = change == Change::Switch || change == Change::Recall && undecided.is_some();
+        if !free && !params.parameter_write_enable() {
+            return self.refuse(Code::ParametersProtected, Abort::LocalControl);
+        }
+        if !self.door.is_open(params) {
+            return self.refuse(Code::PasswordMissing, Abort::LocalControl);
         }
         Ok(())
     }
@@ -296,11 +329,8 @@ impl Shelf {
     /// The number an item has now.
     fn number(&self, item: &Item, params: &Params) -> Result<i64, Abort> {
         if let Some(entry) = item.entry {
-            let params = self.current(params);
-            return Ok(match entry.part {
-                Part::Bit(_) => params.whole(entry),
-                Part::Whole | Part::Axis(_) => params.get(entry),
-            });
+            let told = self.current(params).told_slot(entry.place());
+            return Ok(told.unwrap_or(0));
         }
         let Object { index, sub } = item.object;
         if let Some(pdo) = self.pdos.of(index) {
@@ -315,6 +345,13 @@ impl Shelf {
             (0x1017, _) => i64::from(self.heartbeat.ms()),
             (0x1018, 4) => i64::from(self.serial),
             (0x1020, 1) => i64::from(identity(params)),
+            (0x5010, 2) => self.keeper.state() as i64,
+            (0x5010, 3) => i64::from(self.keeper.stored()),
+            (0x5010, 4) => i64::from(self.keeper.before()),
+            (0x5010, 7) => self
+                .keeper
+                .reason()
+                .map_or(0, |alarm| alarm.number().into()),
             (0x5000, 1) => i64::from(self.count),
             (0x5000, 3) => i64::from(operator.single_block) | i64::from(self.dry_run) << 1,
             (0x5000, 4) => i64::from(operator.feed_percent()),
@@ -372,8 +409,13 @@ impl Shelf {
         }
         match (index, sub) {
             (0x1003, sub) => self.emcy.write_history(sub, value)?,
-            // Parameters are kept by whoever made them: a board has no place of its own for them yet.
-            (0x1010 | 0x1011, _) => return Err(Abort::NotStored),
+            (0x1010, 1) => return self.save(value, params),
+            (0x1011, 1) => return self.restore(value, params),
+            (0x5010, 5) => {
+                self.admit(params, Change::Recall)?;
+                return self.keeper.recall();
+            }
+            (0x5010, 6) => return self.password(value, params),
             (0x1016, 1) => {
                 let watch = HeartbeatWatch::from_raw(value);
                 if watch.is_none() && value != 0 {
@@ -447,7 +489,12 @@ impl Shelf {
         number: i64,
         params: &Params,
     ) -> Result<(), Abort> {
-        self.parameters_locked(params, Some(entry))?;
+        let change = if entry.is_number(PARAMETER_WRITE_ENABLE) {
+            Change::Switch
+        } else {
+            Change::Value
+        };
+        self.admit(params, change)?;
         self.draft.clone_from(params);
         match entry.part {
             Part::Bit(_) => {
@@ -460,17 +507,128 @@ impl Shelf {
                 self.draft.set(entry, number).map_err(|_| Abort::Value)?;
             }
         }
-        self.stage()
+        self.stage(params)
     }
 
-    /// The draft comes into force, if it can work.
-    fn stage(&mut self) -> Result<(), Abort> {
-        if self.draft.validate().is_err() {
-            return Err(Abort::Incompatible);
+    /// The draft is stored and comes into force, if it can work.
+    fn stage(&mut self, params: &Params) -> Result<(), Abort> {
+        if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
+            let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
+            if kept == 0 {
+                return self.refuse_with(&out_of_range(PASSWORD), Abort::Value);
+            }
+            self.draft.put_slot(PASSWORD_SLOT, kept);
         }
-        self.staged = true;
+        if let Err(alarm) = self.draft.validate() {
+            return self.refuse_with(&alarm, Abort::Incompatible);
+        }
+        if self.draft == *params && self.keeper.is_stored() {
+            self.keeper.nothing_to_do();
+        } else {
+            self.keeper.begin();
+        }
         Ok(())
     }
+
+    fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {
+        let (alarm, abort) = match error {
+            ImageError::Table(key) => (
+                Alarm::new(Code::ImageForeign, Span::default()).with([
+                    Arg::Key(key),
+                    Arg::Key(TABLE_KEY),
+                    Arg::None,
+                    Arg::None,
+                ]),
+                Abort::Incompatible,
+            ),
+            ImageError::Length => (incomplete(), Abort::Length),
+            ImageError::Checksum => (incomplete(), Abort::Crc),
+            ImageError::Range(no) => (out_of_range(no), Abort::Value),
+        };
+        self.refuse_with(&alarm, abort)
+    }
+
+    /// 1010h: every change is stored by itself; only the built-in set of a new board can be left.
+    fn save(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
+        if signature != SAVE {
+            return Err(Abort::NotStored);
+        }
+        if let Some(alarm) = self.keeper.found().alarm() {
+            return self.refuse_with(&alarm, Abort::State);
+        }
+        if self.keeper.is_stored() || self.is_changing() {
+            return Ok(());
+        }
+        self.admit(params, Change::Whole)?;
+        self.draft.clone_from(params);
+        self.stage(params)
+    }
+
+    /// 1011h: the built-in set.
+    fn restore(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
+        if signature != LOAD {
+            return Err(Abort::NotStored);
+        }
+        self.admit(params, Change::Whole)?;
+        self.draft = Params::slant_bed();
+        // A password is not taken away by this.
+        let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
+        self.draft.put_slot(PASSWORD_SLOT, kept);
+        self.stage(params)
+    }
+
+    fn password(&mut self, password: u32, params: &Params) -> Result<(), Abort> {
+        self.door.knock(password, params).or_else(|alarm| {
+            self.log.push(self.tick, Event::Warning(alarm));
+            self.refuse_with(&alarm, Abort::LocalControl)
+        })
+    }
+
+    /// See [`Keeper::loaded`].
+    pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
+        let progress = self.keeper.loaded(held, &mut self.draft);
+        self.go_on(progress);
+    }
+
+    /// See [`Keeper::store`].
+    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
+        self.keeper.store(&self.draft)
+    }
+
+    /// See [`Keeper::has_stored`].
+    pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
+        let progress = self.keeper.has_stored(region, result, &self.draft);
+        self.go_on(progress);
+    }
+
+    fn go_on(&mut self, progress: Progress) {
+        self.staged |= progress.in_force;
+        if let Some(warning) = progress.warning {
+            self.log.push(self.tick, Event::Warning(warning));
+        }
+    }
+}
+
+/// What somebody wants to change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Change {
+    /// One value.
+    Value,
+    /// The write enable itself.
+    Switch,
+    /// All of them.
+    Whole,
+    /// Back to the last good set.
+    Recall,
+}
+
+fn incomplete() -> Alarm {
+    Alarm::new(Code::ParametersIncomplete, Span::default())
+}
+
+fn out_of_range(no: u16) -> Alarm {
+    let args = [Arg::Int(no.into()), Arg::None, Arg::None, Arg::None];
+    Alarm::new(Code::ParametersOutOfRange, Span::default()).with(args)
 }
 
 /// Number of the parameter that allows writing the others.
@@ -525,7 +683,11 @@ impl Objects for Served<'_> {
                 }
                 length
             }
-            (Kind::Domain, 0x5010) => return Ok(ImageWriter::BYTES),
+            (Kind::Domain, 0x5010) if object == IMAGE => return Ok(ImageWriter::BYTES),
+            (Kind::Domain, 0x5010) => {
+                let reason = shelf.keeper.reason();
+                encode_alarm(reason, &mut shelf.buffer).map_err(|_| Abort::Internal)?
+            }
             (Kind::Domain, 0x5001) => {
                 let status = shelf.record(self.params);
                 let bytes = status
@@ -587,7 +749,7 @@ impl Objects for Served<'_> {
         shelf.length = 0;
         shelf.buffer = [0; BATCH_BYTES];
         if object == IMAGE {
-            shelf.parameters_locked(self.params, None)?;
+            shelf.admit(self.params, Change::Whole)?;
             shelf.image = ImageReader::new();
         }
         let Some(size) = size else { return Ok(()) };
@@ -608,10 +770,8 @@ impl Objects for Served<'_> {
     fn write(&mut self, object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort> {
         let shelf = &mut *self.shelf;
         if object == IMAGE {
-            return shelf
-                .image
-                .take(bytes, &mut shelf.draft)
-                .map_err(image_abort);
+            let taken = shelf.image.take(bytes, &mut shelf.draft);
+            return taken.or_else(|error| shelf.refuse_image(error));
         }
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
         let end = start.saturating_add(bytes.len());
@@ -627,9 +787,11 @@ impl Objects for Served<'_> {
         let item = find(object)?;
         let shelf = &mut *self.shelf;
         if object == IMAGE {
-            shelf.parameters_locked(self.params, None)?;
-            shelf.image.finish(&shelf.draft).map_err(image_abort)?;
-            return shelf.stage();
+            shelf.admit(self.params, Change::Whole)?;
+            if let Err(error) = shelf.image.finish(&shelf.draft) {
+                return shelf.refuse_image(error);
+            }
+            return shelf.stage(self.params);
         }
         if object == BATCH {
             let snapshot = &shelf.snapshot;
@@ -661,15 +823,5 @@ impl Objects for Served<'_> {
 
     fn abandon(&mut self, _object: Object) {
         self.shelf.length = 0;
-    }
-}
-
-const fn image_abort(error: crate::link::ImageError) -> Abort {
-    use crate::link::ImageError::{Checksum, Length, Range, Table};
-    match error {
-        Table(_) => Abort::Incompatible,
-        Length => Abort::Length,
-        Checksum => Abort::Crc,
-        Range(_) => Abort::Value,
     }
 }

@@ -22,6 +22,18 @@ pub const PRODUCT: u32 = 0x4C53_4357;
 /// Written to 5030h:02, it drops the tap journal's record: the letters `drop`, little-endian.
 pub const DROP: u32 = u32::from_le_bytes(*b"drop");
 
+/// Written to 1010h:01: the letters `save`, little-endian.
+pub const SAVE: u32 = u32::from_le_bytes(*b"save");
+
+/// Written to 1011h:01: the letters `load`, little-endian.
+pub const LOAD: u32 = u32::from_le_bytes(*b"load");
+
+/// What 1010h:01 reads as: the device stores by itself.
+const STORES_ITSELF: i64 = 2;
+
+/// What 1011h:01 reads as: the device restores its own set.
+const RESTORES: i64 = 1;
+
 /// A record or array of the table: index, name, and whether its sub-indices are alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Group {
@@ -178,9 +190,15 @@ pub static ITEMS: &[Item] = &[
     text(0x1008, "Device name", "Leadscrew board"),
     text(0x100A, "Software version", env!("CARGO_PKG_VERSION")),
     highest(0x1010, 1),
-    item(0x1010, 1, "store all parameters", U32, Both),
+    Item {
+        initial: Initial::Number(STORES_ITSELF),
+        ..item(0x1010, 1, "store all parameters", U32, Both)
+    },
     highest(0x1011, 1),
-    item(0x1011, 1, "restore all parameters", U32, Both),
+    Item {
+        initial: Initial::Number(RESTORES),
+        ..item(0x1011, 1, "restore all parameters", U32, Both)
+    },
     of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80),
     highest(0x1016, 1),
     item(0x1016, 1, "gateway", U32, Both),
@@ -259,8 +277,15 @@ pub static ITEMS: &[Item] = &[
     mapped(0x5001, 10, "spindle angle", U16, Read),
     mapped(0x5001, 11, "spindle speed", I32, Read),
     mapped(0x5001, 12, "synchronism error", I16, Read),
-    highest(0x5010, 1),
+    highest(0x5010, 8),
     item(0x5010, 1, "image", Domain, Both),
+    item(0x5010, 2, "state of the last change", U8, Read),
+    item(0x5010, 3, "checksum of the stored set", U32, Read),
+    item(0x5010, 4, "checksum of the last good set before", U32, Read),
+    within(item(0x5010, 5, "command", U8, Write), 1, 1),
+    item(0x5010, 6, "password", U32, Write),
+    item(0x5010, 7, "why the last change was refused", U16, Read),
+    item(0x5010, 8, "why, with its figures", Domain, Read),
     highest(0x5020, 6),
     item(0x5020, 1, "batch of calls", Domain, Write),
     fixed(0x5020, 2, "version of the link", U64, VERSION.raw() as i64),

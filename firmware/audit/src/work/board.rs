@@ -268,7 +268,8 @@ impl Work for WholeBoard {
     fn finish(&self, machine: &mut Machine, _: &Seen) {
         // The storage is done at once.
         if let Some(request) = machine.board.store() {
-            machine.board.stored(request.region, Ok(()));
+            let region = request.region;
+            machine.board.stored(region, Ok(()));
         }
         machine.answered = 0;
         let (answers, answered) = (&mut machine.answers, &mut machine.answered);

@@ -2,7 +2,7 @@
 
 use audit::any::{any, sink};
 use leadscrew_core::board::station::dictionary;
-use leadscrew_core::board::{Board, Output, overridden};
+use leadscrew_core::board::{Board, Held, Output, PowerUp, Region, overridden};
 use leadscrew_core::bus::{Frame, Object};
 use leadscrew_core::params::Params;
 
@@ -51,8 +51,9 @@ fn board() {
             board.command(any());
         }
         if let Some(request) = board.store() {
-            sink(request.bytes());
-            board.stored(request.region, any());
+            let (region, mut buffer) = (request.region, [0; Region::LONGEST]);
+            sink(request.fill(&mut buffer));
+            board.stored(region, any());
         }
         sink(board.tap_record());
         if any() {

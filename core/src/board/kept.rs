@@ -1,0 +1,400 @@
+//! The parameter sets that a board keeps: their bytes, and which of them counts at power-up.
+//!
+//! ```text
+//! format (u16) · schema (u16) · number (u32) · image of the set (its table's key, values) · CRC-32 of all before
+//! ```
+//!
+//! Two places are used in turn. A set is stored beside the one in force, under the next number, and then a *mark* says
+//! which number is the newest. So a cut of the power leaves the old set or the new one, the set before it stays where it
+//! is, and a newest set that has been damaged is noticed, although what stored it may then show an older one in its
+//! place [D114].
+//!
+//! What is found wrong is never passed over: the board starts with the last good set, or with the built-in one, so that it
+//! can be talked to, and moves nothing until somebody has decided [D115]. A set of another parameter table is not read.
+//!
+//! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+
+use super::store::{Region, StoreError};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::link::{ImageReader, ImageWriter, identity};
+use crate::params::{Params, SCHEMA, TABLE_KEY};
+
+const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+
+/// Layout of these bytes.
+const FORMAT: u16 = 1;
+const HEAD: usize = 8;
+const SUM: usize = 4;
+
+/// One of the two places for a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// The one.
+    A,
+    /// The other.
+    B,
+}
+
+impl Slot {
+    /// The other one.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+
+    /// Where it is stored.
+    #[must_use]
+    pub const fn region(self) -> Region {
+        match self {
+            Self::A => Region::ParametersA,
+            Self::B => Region::ParametersB,
+        }
+    }
+}
+
+/// A set on its way into a place.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptSet<'a> {
+    /// Its number: the highest is the newest.
+    pub number: u32,
+    /// The set, password included.
+    pub params: &'a Params,
+}
+
+/// Bytes that are no set of this table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptError {
+    /// Damaged, or no set at all.
+    Damaged,
+    /// A whole one of another table: its number, schema and key.
+    Foreign {
+        /// Number of the set.
+        number: u32,
+        /// Number of its table.
+        schema: u16,
+        /// Key of its table.
+        key: u32,
+    },
+}
+
+impl KeptSet<'_> {
+    /// Bytes of a set.
+    pub const BYTES: usize = HEAD + ImageWriter::BODY + SUM;
+
+    /// Puts the bytes at the beginning of `into`; how many there were and had room comes back.
+    pub fn fill(&self, into: &mut [u8]) -> usize {
+        let [a, b] = FORMAT.to_le_bytes();
+        let [c, d] = SCHEMA.to_le_bytes();
+        let [e, f, g, h] = self.number.to_le_bytes();
+        let head = [a, b, c, d, e, f, g, h];
+        for (place, byte) in into.iter_mut().zip(head) {
+            *place = byte;
+        }
+        if let Some(body) = into.get_mut(HEAD..Self::BYTES.saturating_sub(SUM)) {
+            let _ = ImageWriter::with_password(self.params).read(0, body);
+        }
+        let sum = into
+            .get(..Self::BYTES.saturating_sub(SUM))
+            .map_or(0, |content| CRC.checksum(content));
+        let tail = into.iter_mut().skip(Self::BYTES.saturating_sub(SUM));
+        for (place, byte) in tail.zip(sum.to_le_bytes()) {
+            *place = byte;
+        }
+        Self::BYTES.min(into.len())
+    }
+
+    /// The number of the set that `bytes` are, which `params` is then; it has every value in its range, and has passed its
+    /// own checks.
+    ///
+    /// # Errors
+    /// [`KeptError`]; `params` is then no usable set.
+    pub fn decode(bytes: &[u8], params: &mut Params) -> Result<u32, KeptError> {
+        let (content, number) = open(bytes)?;
+        let body = content.get(HEAD..).ok_or(KeptError::Damaged)?;
+        let mut reader = ImageReader::new();
+        let whole = reader.take(body, params).is_ok() && reader.has_body();
+        if whole && params.first_out_of_range().is_none() && params.validate().is_ok() {
+            return Ok(number);
+        }
+        Err(KeptError::Damaged)
+    }
+}
+
+/// The bytes before the checksum, and the number of the set.
+fn open(bytes: &[u8]) -> Result<(&[u8], u32), KeptError> {
+    let (content, sum) = bytes.split_last_chunk::<SUM>().ok_or(KeptError::Damaged)?;
+    if CRC.checksum(content) != u32::from_le_bytes(*sum) {
+        return Err(KeptError::Damaged);
+    }
+    let (head, rest) = content
+        .split_first_chunk::<HEAD>()
+        .ok_or(KeptError::Damaged)?;
+    let [a, b, c, d, e, f, g, h] = *head;
+    let number = u32::from_le_bytes([e, f, g, h]);
+    let schema = u16::from_le_bytes([c, d]);
+    let key = rest
+        .first_chunk::<4>()
+        .map_or(0, |key| u32::from_le_bytes(*key));
+    let ours = u16::from_le_bytes([a, b]) == FORMAT && key == TABLE_KEY;
+    if !ours {
+        return Err(KeptError::Foreign {
+            number,
+            schema,
+            key,
+        });
+    }
+    if bytes.len() != KeptSet::BYTES {
+        return Err(KeptError::Damaged);
+    }
+    Ok((content, number))
+}
+
+/// The number of the newest set that has been stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mark(pub u32);
+
+impl Mark {
+    /// Bytes of it.
+    pub const BYTES: usize = 8;
+
+    /// As bytes: the number and its CRC-32.
+    #[must_use]
+    pub fn encode(self) -> [u8; Self::BYTES] {
+        let [a, b, c, d] = self.0.to_le_bytes();
+        let [e, f, g, h] = CRC.checksum(&[a, b, c, d]).to_le_bytes();
+        [a, b, c, d, e, f, g, h]
+    }
+
+    /// The mark of `bytes`; `None` for what is none.
+    #[must_use]
+    pub fn decode(bytes: &[u8]) -> Option<Self> {
+        let bytes = <[u8; Self::BYTES]>::try_from(bytes).ok()?;
+        let [a, b, c, d, ..] = bytes;
+        let mark = Self(u32::from_le_bytes([a, b, c, d]));
+        (mark.encode() == bytes).then_some(mark)
+    }
+}
+
+/// What a region held at power-up; `None`: nothing was ever stored in it.
+pub type Held<'a> = Result<Option<&'a [u8]>, StoreError>;
+
+/// What a board has found of its parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Found {
+    /// The newest set, whole.
+    #[default]
+    Newest,
+    /// Nothing was ever stored.
+    Nothing,
+    /// The newest is damaged; the one before is whole, and loaded.
+    Older,
+    /// What was stored is damaged; the built-in set is loaded.
+    Lost,
+    /// A set of another table; the built-in set is loaded.
+    Foreign {
+        /// Number of its table.
+        schema: u16,
+        /// Key of its table.
+        key: u32,
+    },
+}
+
+impl Found {
+    /// Why nothing may move; `None` where it may.
+    #[must_use]
+    pub fn alarm(self) -> Option<Alarm> {
+        let (code, args) = match self {
+            Self::Newest | Self::Nothing => return None,
+            Self::Older => (Code::ParametersOlder, [Arg::None; 4]),
+            Self::Lost => (Code::ParametersLost, [Arg::None; 4]),
+            Self::Foreign { schema, key } => (
+                Code::ParametersForeign,
+                [
+                    Arg::Int(schema.into()),
+                    Arg::Key(key),
+                    Arg::Int(SCHEMA.into()),
+                    Arg::Key(TABLE_KEY),
+                ],
+            ),
+        };
+        Some(Alarm::new(code, Span::default()).with(args))
+    }
+
+    /// What is told and stops nothing.
+    #[must_use]
+    pub fn warning(self) -> Option<Alarm> {
+        (self == Self::Nothing).then(|| Alarm::new(Code::ParametersBuiltIn, Span::default()))
+    }
+}
+
+/// What is stored, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Shelved {
+    /// The highest number given.
+    pub number: u32,
+    /// Where the set that counts is, and its identity.
+    pub stored: Option<(Slot, u32)>,
+    /// Where the last good one before it is, and its identity.
+    pub before: Option<(Slot, u32)>,
+    /// Where a set of another table is.
+    pub foreign: Option<Slot>,
+}
+
+impl Shelved {
+    /// Where the next set goes: never over the one that has to stay.
+    pub fn next(&self) -> Slot {
+        match (self.stored, self.before, self.foreign) {
+            (Some((slot, _)), ..) | (None, Some((slot, _)), _) | (None, None, Some(slot)) => {
+                slot.other()
+            }
+            (None, None, None) => Slot::A,
+        }
+    }
+}
+
+/// What a board starts with: its parameter set, and what is to be said about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PowerUp {
+    /// The set to start with. Where [`found`](Self::found) is an alarm, to be talked to and no more.
+    pub params: Params,
+    /// What was found.
+    pub found: Found,
+    pub(super) shelved: Shelved,
+}
+
+impl PowerUp {
+    /// A board that is told its set and has none stored: simulations and tests that begin with a machine of their own.
+    #[must_use]
+    pub fn given(params: &Params) -> Self {
+        Self {
+            params: params.clone(),
+            found: Found::Newest,
+            shelved: Shelved::default(),
+        }
+    }
+
+    /// The decision over what the regions hold; `built_in` is what the board has of its own.
+    #[must_use]
+    pub fn of(built_in: &Params, mark: Held<'_>, a: Held<'_>, b: Held<'_>) -> Self {
+        let mut params = built_in.clone();
+        let (shelved, found) = decide(mark, [a, b].map(|held| Place::of(held, &mut params)));
+        let source = match found {
+            Found::Newest => shelved.stored,
+            Found::Older => shelved.before,
+            Found::Nothing | Found::Lost | Found::Foreign { .. } => None,
+        };
+        let held = match source {
+            Some((Slot::A, _)) => a,
+            Some((Slot::B, _)) => b,
+            None => Ok(None),
+        };
+        let loaded = held
+            .ok()
+            .flatten()
+            .is_some_and(|bytes| KeptSet::decode(bytes, &mut params).is_ok());
+        if !loaded {
+            params.clone_from(built_in);
+        }
+        Self {
+            params,
+            found,
+            shelved,
+        }
+    }
+}
+
+fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
+    let unmarked = mark == Ok(None);
+    let mark = mark.ok().flatten().and_then(Mark::decode);
+    let number = [a.number(), b.number(), mark.map(|mark| mark.0)];
+    let number = number.into_iter().flatten().max().unwrap_or(0);
+
+    // None is below every number.
+    let (newest, slot, other) = if b.number() > a.number() {
+        (b, Slot::B, a)
+    } else {
+        (a, Slot::A, b)
+    };
+    let whole = |place: Place, slot: Slot| place.identity().map(|identity| (slot, identity));
+    let (first, second) = (whole(newest, slot), whole(other, slot.other()));
+    // A set that is stored and not yet marked is stored.
+    let is_newest = match mark {
+        Some(mark) => newest.number() >= Some(mark.0),
+        None => other != Place::Damaged,
+    };
+    let mut shelved = Shelved {
+        number,
+        ..Shelved::default()
+    };
+    let found = match newest {
+        Place::Empty if unmarked && other == Place::Empty => Found::Nothing,
+        Place::Empty | Place::Damaged => Found::Lost,
+        Place::Foreign { schema, key, .. } => {
+            shelved.before = second;
+            shelved.foreign = Some(slot);
+            Found::Foreign { schema, key }
+        }
+        Place::Whole { .. } if is_newest => {
+            (shelved.stored, shelved.before) = (first, second);
+            Found::Newest
+        }
+        Place::Whole { .. } => {
+            shelved.before = first;
+            Found::Older
+        }
+    };
+    (shelved, found)
+}
+
+/// What one of the two places holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Empty,
+    Damaged,
+    Foreign { number: u32, schema: u16, key: u32 },
+    Whole { number: u32, identity: u32 },
+}
+
+impl Place {
+    fn of(held: Held<'_>, params: &mut Params) -> Self {
+        match held {
+            Ok(None) => Self::Empty,
+            Err(_) => Self::Damaged,
+            Ok(Some(bytes)) => match KeptSet::decode(bytes, params) {
+                Ok(number) => Self::Whole {
+                    number,
+                    identity: identity(params),
+                },
+                Err(KeptError::Damaged) => Self::Damaged,
+                Err(KeptError::Foreign {
+                    number,
+                    schema,
+                    key,
+                }) => Self::Foreign {
+                    number,
+                    schema,
+                    key,
+                },
+            },
+        }
+    }
+
+    const fn number(self) -> Option<u32> {
+        match self {
+            Self::Empty | Self::Damaged => None,
+            Self::Foreign { number, .. } | Self::Whole { number, .. } => Some(number),
+        }
+    }
+
+    const fn identity(self) -> Option<u32> {
+        match self {
+            Self::Whole { identity, .. } => Some(identity),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The password before parameters are written [D118]: against mistakes, not against attackers, who read it on the wire.
+//!
+//! Opened by the right number, shut again when the gateway has been silent for its time, or the power goes. After a wrong
+//! one the door hears nothing for a second, after the next for two, then four, up to a minute.
+
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::bus::Periods;
+use crate::params::Params;
+
+/// The longest wait behind a wrong password.
+const LONGEST_WAIT_S: u32 = 60;
+
+/// Without supervision of the gateway's heartbeat (9024 = 0) it counts as silent after so long.
+const SILENCE_MS: u32 = 60_000;
+
+#[derive(Debug, Default)]
+pub struct Door {
+    open: bool,
+    /// Since the gateway was heard last.
+    silent: Periods,
+    /// Wrong passwords in a row.
+    wrong: u32,
+    /// Until the next one is heard.
+    wait: Periods,
+}
+
+impl Door {
+    /// The gateway has said something.
+    pub const fn hear(&mut self) {
+        self.silent = Periods::new(0);
+    }
+
+    /// Time goes by.
+    pub fn elapse(&mut self, by: Periods, params: &Params) {
+        self.wait = self.wait.minus(by);
+        self.silent = self.silent.plus(by);
+        let limit = match params.gateway_silence_ms() {
+            0 => SILENCE_MS,
+            ms => ms,
+        };
+        self.open &= periods(limit, params) > self.silent;
+    }
+
+    /// Whether parameters may be written.
+    pub const fn is_open(&self, params: &Params) -> bool {
+        self.open || params.parameter_password() == 0
+    }
+
+    /// Tries a password.
+    ///
+    /// # Errors
+    /// [`Code::PasswordWrong`], also for one that comes too soon.
+    pub fn knock(&mut self, password: u32, params: &Params) -> Result<(), Alarm> {
+        if self.wait == Periods::new(0) {
+            if password == params.parameter_password() || params.parameter_password() == 0 {
+                self.open = true;
+                self.wrong = 0;
+                return Ok(());
+            }
+            self.open = false;
+            self.wait = periods(wait_s(self.wrong).saturating_mul(1000), params);
+            self.wrong = self.wrong.saturating_add(1);
+        }
+        let seconds = wait_s(self.wrong.saturating_sub(1));
+        let args = [
+            Arg::Int(self.wrong.into()),
+            Arg::Int(seconds.into()),
+            Arg::None,
+            Arg::None,
+        ];
+        Err(Alarm::new(Code::PasswordWrong, Span::default()).with(args))
+    }
+}
+
+/// Seconds behind a wrong password, so many having been wrong before.
+fn wait_s(before: u32) -> u32 {
+    let seconds = 1_u32.checked_shl(before).unwrap_or(LONGEST_WAIT_S);
+    seconds.min(LONGEST_WAIT_S)
+}
+
+fn periods(ms: u32, params: &Params) -> Periods {
+    Periods::from_ms(ms, params.tick_us()).unwrap_or_default()
+}

@@ -1,0 +1,241 @@
+//! A change of the parameter set as a transaction [D116]: staged, looked at as a whole, stored, marked as the newest, in
+//! force. Who may begin one is looked at before; what fails on the way leaves the set before in force.
+//!
+//! ```text
+//! Idle ─► Load ─► Set ─► Mark ─► Idle, the draft comes into force
+//!   └──────────────┘
+//! ```
+//!
+//! Loading, storing and marking are effects: they are asked for, carried out by the owner, and answered. Meanwhile no call
+//! goes to the planner, so the machine still stands when the new set comes into force.
+//!
+//! Knows what is stored where; must not know flash, objects or frames.
+
+use crate::alarm::{Alarm, Code, Span};
+use crate::board::kept::{Found, KeptSet, Mark, PowerUp, Shelved, Slot};
+use crate::board::store::{Content, Region, StoreError, StoreRequest};
+use crate::bus::Abort;
+use crate::link::identity;
+use crate::params::Params;
+
+/// How the last change ended: 5010h:02.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum CommitState {
+    /// None since power-up.
+    #[default]
+    None = 0,
+    /// It is being stored.
+    UnderWay = 1,
+    /// Stored and in force.
+    Done = 2,
+    /// Refused, or it could not be stored: nothing has changed.
+    Refused = 3,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Step {
+    #[default]
+    Idle,
+    /// A set that is stored comes back as the draft.
+    Load(Slot, Effect),
+    /// The draft goes into its place.
+    Set(Slot, Effect),
+    /// The mark is made.
+    Mark(Effect),
+}
+
+/// Something for the owner to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    Wanted,
+    UnderWay,
+}
+
+/// The parameter sets of a board, and the change that is under way.
+#[derive(Debug, Default)]
+pub struct Keeper {
+    found: Found,
+    shelved: Shelved,
+    step: Step,
+    state: CommitState,
+    reason: Option<Alarm>,
+}
+
+/// What an effect has led to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// The draft comes into force.
+    pub in_force: bool,
+    /// To be told.
+    pub warning: Option<Alarm>,
+}
+
+impl Keeper {
+    /// As power-up has found it.
+    pub fn power_up(&mut self, up: &PowerUp) {
+        self.found = up.found;
+        self.shelved = up.shelved;
+    }
+
+    pub const fn found(&self) -> Found {
+        self.found
+    }
+
+    pub const fn state(&self) -> CommitState {
+        self.state
+    }
+
+    /// Why the last change was refused or failed.
+    pub const fn reason(&self) -> Option<&Alarm> {
+        self.reason.as_ref()
+    }
+
+    /// A change is under way.
+    pub fn is_busy(&self) -> bool {
+        self.step != Step::Idle
+    }
+
+    /// The identity of the set that is stored; 0: none.
+    pub fn stored(&self) -> u32 {
+        self.shelved.stored.map_or(0, |(_, identity)| identity)
+    }
+
+    /// The identity of the last good set before it; 0: none.
+    pub fn before(&self) -> u32 {
+        self.shelved.before.map_or(0, |(_, identity)| identity)
+    }
+
+    /// The set in force is also the one that is stored.
+    pub const fn is_stored(&self) -> bool {
+        self.shelved.stored.is_some()
+    }
+
+    /// A change is refused, for this reason. One that is under way is not touched.
+    pub fn refuse(&mut self, reason: &Alarm) {
+        if !self.is_busy() {
+            self.state = CommitState::Refused;
+            self.reason = Some(*reason);
+        }
+    }
+
+    /// The draft is good: it is to be stored.
+    pub fn begin(&mut self) {
+        self.step = Step::Set(self.shelved.next(), Effect::Wanted);
+        self.state = CommitState::UnderWay;
+        self.reason = None;
+    }
+
+    /// What is wanted is what is there already.
+    pub const fn nothing_to_do(&mut self) {
+        self.state = CommitState::Done;
+        self.reason = None;
+    }
+
+    /// The last good set is to become the draft.
+    ///
+    /// # Errors
+    /// [`Abort::NoData`] where there is none.
+    pub fn recall(&mut self) -> Result<(), Abort> {
+        let (slot, _) = self.shelved.before.ok_or(Abort::NoData)?;
+        self.step = Step::Load(slot, Effect::Wanted);
+        self.state = CommitState::UnderWay;
+        self.reason = None;
+        Ok(())
+    }
+
+    /// The region that has to be read, once.
+    pub const fn load(&mut self) -> Option<Region> {
+        let Step::Load(slot, Effect::Wanted) = self.step else {
+            return None;
+        };
+        self.step = Step::Load(slot, Effect::UnderWay);
+        Some(slot.region())
+    }
+
+    /// What the region holds that was to be read. It becomes the draft, if it is a set.
+    pub fn loaded(
+        &mut self,
+        held: Result<Option<&[u8]>, StoreError>,
+        draft: &mut Params,
+    ) -> Progress {
+        let Step::Load(..) = self.step else {
+            return Progress::default();
+        };
+        let bytes = held.ok().flatten().unwrap_or_default();
+        if KeptSet::decode(bytes, draft).is_ok() {
+            self.begin();
+            return Progress::default();
+        }
+        self.fail(Code::ParametersLost)
+    }
+
+    /// What is to be stored now, once.
+    pub fn store<'a>(&mut self, draft: &'a Params) -> Option<StoreRequest<'a>> {
+        let number = self.shelved.number.saturating_add(1);
+        let (step, region, content) = match self.step {
+            Step::Set(slot, Effect::Wanted) => (
+                Step::Set(slot, Effect::UnderWay),
+                slot.region(),
+                Content::Set(KeptSet {
+                    number,
+                    params: draft,
+                }),
+            ),
+            Step::Mark(Effect::Wanted) => (
+                Step::Mark(Effect::UnderWay),
+                Region::ParametersMark,
+                Content::Mark(Mark(self.shelved.number).encode()),
+            ),
+            _ => return None,
+        };
+        self.step = step;
+        Some(StoreRequest { region, content })
+    }
+
+    /// The owner has stored what was asked for, or could not.
+    pub fn has_stored(
+        &mut self,
+        region: Region,
+        result: Result<(), StoreError>,
+        draft: &Params,
+    ) -> Progress {
+        match self.step {
+            Step::Set(slot, Effect::UnderWay) if region == slot.region() => {
+                if result.is_err() {
+                    return self.fail(Code::ParametersNotStored);
+                }
+                let shelved = &mut self.shelved;
+                let before = shelved.stored.or(shelved.before);
+                shelved.before = before.filter(|(before, _)| *before != slot);
+                shelved.stored = Some((slot, identity(draft)));
+                shelved.foreign = None;
+                shelved.number = shelved.number.saturating_add(1);
+                self.step = Step::Mark(Effect::Wanted);
+                Progress::default()
+            }
+            Step::Mark(Effect::UnderWay) if region == Region::ParametersMark => {
+                self.step = Step::Idle;
+                self.found = Found::Newest;
+                self.state = CommitState::Done;
+                // The set itself is stored: without its mark it only could be damaged unnoticed.
+                let unmarked = || Alarm::new(Code::ParametersUnmarked, Span::default());
+                Progress {
+                    in_force: true,
+                    warning: result.is_err().then(unmarked),
+                }
+            }
+            _ => Progress::default(),
+        }
+    }
+
+    fn fail(&mut self, code: Code) -> Progress {
+        let alarm = Alarm::new(code, Span::default());
+        self.step = Step::Idle;
+        self.refuse(&alarm);
+        Progress {
+            in_force: false,
+            warning: Some(alarm),
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Motion that is withheld: a board whose stored parameters are damaged brings its drives up and stands on an alarm,
+//! behind every reset again, until a set has been taken [D115].
+
+use super::{Ends, Ticker, emit};
+use crate::board::event::Event;
+use crate::board::kept::Found;
+
+impl Ticker {
+    /// Says what was found of the stored parameters. To be said before the drives are up.
+    pub const fn withhold(&mut self, found: Found) {
+        self.found = found;
+    }
+
+    /// The drives have come up: what was found is told, and may end in an alarm.
+    pub(super) fn tell_found(&mut self, ends: &mut Ends<'_, '_>) {
+        if let Some(alarm) = self.found.alarm() {
+            self.raise(&alarm, ends);
+        } else if let Some(warning) = self.found.warning() {
+            // Once is enough.
+            self.found = Found::Newest;
+            emit(ends.events, Event::Warning(warning));
+        }
+    }
+}
