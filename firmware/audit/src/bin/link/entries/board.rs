@@ -21,10 +21,28 @@ fn objects() {
     sink(dictionary::find(Object::new(any(), any())));
 }
 
+fn held(bytes: &[u8]) -> Held<'_> {
+    if any() {
+        Ok(bytes.get(..any()))
+    } else {
+        Err(any())
+    }
+}
+
+#[inline(never)]
+fn kept(params: &Params) -> PowerUp {
+    let bytes: [u8; Region::LONGEST] = any();
+    let marked = held(&bytes);
+    sink(PowerUp::given(params));
+    PowerUp::of(params, marked, held(&bytes), held(&bytes))
+}
+
 #[inline(never)]
 fn board() {
     let params: Params = any();
-    let Ok(mut board) = Board::new(&params, any(), any()) else {
+    let found = kept(&params);
+    sink(Board::new(&params, any(), any()));
+    let Ok(mut board) = Board::power_up(&found, any(), any()) else {
         return;
     };
     let mut output = Output::default();
@@ -49,6 +67,11 @@ fn board() {
         ));
         if any() {
             board.command(any());
+        }
+        if let Some(region) = board.load() {
+            let bytes: [u8; Region::LONGEST] = any();
+            sink(region.key());
+            board.loaded(held(&bytes));
         }
         if let Some(request) = board.store() {
             let (region, mut buffer) = (request.region, [0; Region::LONGEST]);
