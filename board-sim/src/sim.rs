@@ -30,6 +30,9 @@ const TRUTHS: usize = LATENCY_TICKS + 2;
 /// Frames the drives send in one period at most.
 const ANSWERS: usize = 24;
 
+/// Answers of the drives to SDO requests that nobody has taken yet.
+const TO_OTHERS: usize = 16;
+
 /// What the machine is doing in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Doing {
@@ -227,6 +230,8 @@ pub struct Sim {
     truths: Deque<[FineTurns; 4], TRUTHS>,
     /// What is kept over a loss of power; off from that on.
     flash: Flash,
+    /// Answers of the drives to somebody else on the bus.
+    to_others: Deque<Frame, TO_OTHERS>,
 }
 
 /// Whole ticks, and the rest in µs.
@@ -303,6 +308,7 @@ impl Sim {
             line: None,
             truths: Deque::new(),
             flash,
+            to_others: Deque::new(),
         };
         sim.start()?;
         Ok(sim)

@@ -46,6 +46,7 @@ pub fn run(args: &Drives) -> Outcome {
                     drive.sync(None, |answer| answers.push(answer));
                 } else {
                     drive.receive(frame);
+                    drive.serve(frame, |answer| answers.push(answer));
                 }
             }
         })?;

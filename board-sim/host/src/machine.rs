@@ -176,9 +176,12 @@ impl Machine {
     /// once.
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
         let (board, waiting, away) = (&mut self.board, &mut self.waiting, &self.away);
+        let plant = &mut self.plant;
+        let mut answers = Vec::new();
         let mut beat = false;
         let count = self.wire.listen(patience, |frame| {
             beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
+            plant.hear(frame, |answer| answers.push(answer));
             if board.receive(frame)
                 && let Some((_, node)) = frame.id().service()
                 && away.contains(&node)
@@ -189,6 +192,7 @@ impl Machine {
         if beat {
             self.beat = Some((self.ticks, Instant::now()));
         }
+        self.wire.send(&answers)?;
         if count > 0 {
             self.keep()?;
             self.serve(0)?;

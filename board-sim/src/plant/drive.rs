@@ -1,14 +1,19 @@
 //! A CiA 402 drive on the bus: an axis in cyclic synchronous position, or a spindle in cyclic synchronous velocity or
 //! position. A spindle's drive changes its mode only while the spindle stands.
 //!
-//! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers.
+//! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers. What it is set up with
+//! can be read and written by SDO.
 
+use super::dictionary::{Dictionary, Now, Settings};
 use super::follower::Follower;
 use super::power::Power;
 use leadscrew_core::bus::{
-    DriveCommand, DriveStatus, Emcy, Frame, Increments, MilliRpm, Mode, NmtCommand, NmtState,
-    NodeId, SpindleCommand, Statusword,
+    BlockSize, DriveCommand, DriveStatus, Emcy, Frame, Increments, MilliRpm, Mode, NmtCommand,
+    NmtState, NodeId, Periods, SdoServer, SpindleCommand, Statusword,
 };
+
+/// SYNC periods for which a client of its SDO server may be silent.
+const PATIENCE: Periods = Periods::new(1000);
 
 /// What is wrong with a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,6 +77,12 @@ pub struct Drive {
     /// SYNCs until the power state may change again.
     busy: u16,
     trouble: Trouble,
+    server: SdoServer,
+    settings: Settings,
+    /// What it starts with.
+    kept: Settings,
+    /// The value of the SDO transfer that is going on.
+    value: [u8; 4],
 }
 
 impl Drive {
@@ -82,6 +93,12 @@ impl Drive {
             mode: Mode::Position,
             velocity: MilliRpm::STOPPED,
         };
+        // 0 counts as 1.
+        let transmission = match options.transmission {
+            0 => 1,
+            every => every,
+        };
+        let settings = Settings::new(node, transmission, options.start);
         Self {
             node,
             options,
@@ -96,6 +113,10 @@ impl Drive {
             syncs: 0,
             busy: 0,
             trouble: Trouble::None,
+            server: SdoServer::new(node, PATIENCE, BlockSize::MAX),
+            settings,
+            kept: settings,
+            value: [0; 4],
         }
     }
 
@@ -155,6 +176,8 @@ impl Drive {
         self.follower.stop();
         *self = Self {
             trouble: self.trouble,
+            settings: self.kept,
+            kept: self.kept,
             ..Self::new(self.node, self.options, self.follower)
         };
     }
@@ -168,13 +191,52 @@ impl Drive {
         } else if self.nmt != NmtState::Operational {
             // Process data counts only in operational.
         } else if let Some((node, command)) = DriveCommand::decode(frame) {
-            if node == self.node {
+            if node == self.node && self.settings.takes_commands() {
                 self.command = Some(command);
             }
         } else if let Some((node, command)) = SpindleCommand::decode(frame)
             && node == self.node
+            && self.settings.takes_speed()
         {
             self.next_spindle = command;
+        }
+    }
+
+    /// An SDO request; the answers go to `send`.
+    pub fn serve(&mut self, frame: &Frame, mut send: impl FnMut(Frame)) {
+        let silent = self.trouble == Trouble::Silent
+            || matches!(self.nmt, NmtState::BootUp | NmtState::Stopped);
+        if silent {
+            return;
+        }
+        let mut server = self.server;
+        let mut dictionary = self.dictionary();
+        if let Some(answer) = server.receive(frame, &mut dictionary) {
+            send(answer);
+        }
+        while let Some(segment) = server.poll(&mut dictionary) {
+            send(segment);
+        }
+        self.server = server;
+    }
+
+    fn dictionary(&mut self) -> Dictionary<'_> {
+        let now = Now {
+            node: self.node,
+            pre_operational: self.nmt == NmtState::PreOperational,
+            // The spindles' nodes come after the axes'.
+            spindle: self.node >= NodeId::SPINDLE_1,
+            control: self.control,
+            status: self.power.statusword(),
+            mode: self.spindle.mode as u8,
+            actual: self.follower.actual().get(),
+            target: self.command.map_or(0, |command| command.target.get()),
+        };
+        Dictionary {
+            settings: &mut self.settings,
+            kept: &mut self.kept,
+            value: &mut self.value,
+            now,
         }
     }
 
@@ -202,6 +264,11 @@ impl Drive {
             self.power = Power::Disabled;
             send(NmtState::BootUp.frame(self.node));
         }
+        let mut server = self.server;
+        if let Some(abort) = server.elapse(Periods::new(1), &mut self.dictionary()) {
+            send(abort);
+        }
+        self.server = server;
         let target = self.latch(&mut send);
         self.suffer(&mut send);
         self.drive(target);
@@ -264,16 +331,15 @@ impl Drive {
     }
 
     fn answer(&mut self, measured: Option<Increments>, mut send: impl FnMut(Frame)) {
+        let Some(every) = self.settings.answers_every() else {
+            return;
+        };
         if self.nmt != NmtState::Operational {
-            self.syncs = self
-                .options
-                .start
-                .checked_rem(self.options.transmission)
-                .unwrap_or(0);
+            self.syncs = self.settings.start().checked_rem(every).unwrap_or(0);
             return;
         }
         self.syncs = self.syncs.saturating_add(1);
-        if self.syncs < self.options.transmission {
+        if self.syncs < every {
             return;
         }
         self.syncs = 0;

@@ -26,6 +26,7 @@
 )]
 #![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::float_arithmetic))]
 
+mod dictionary;
 mod drive;
 mod encoder;
 mod flash;
@@ -45,7 +46,9 @@ pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 pub use tapper::Tapper;
 
-use leadscrew_core::bus::{Frame, Increments, MilliRpm, NodeId, Scale, is_sync};
+use leadscrew_core::bus::{
+    Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
+};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 use leadscrew_core::spindle::EncoderSample;
@@ -240,6 +243,33 @@ impl Plant {
             self.spindle_drive.receive(frame);
             for tapper in self.tappers.iter_mut().take(self.present) {
                 tapper.drive().receive(frame);
+            }
+        }
+    }
+
+    /// A frame of somebody else on the bus: NMT commands and SDO requests reach the drives, whose answers go to `to_bus`.
+    pub fn hear(&mut self, frame: &Frame, mut to_bus: impl FnMut(Frame)) {
+        let managed = NmtCommand::decode(frame).is_some();
+        let asked = matches!(frame.id().service(), Some((Service::SdoRequest, _)));
+        if !managed && !asked {
+            return;
+        }
+        let present = self.present;
+        let [second, third, fourth] = &mut self.tappers;
+        let tappers = [second, third, fourth].into_iter().take(present);
+        let axes = [&mut self.x, &mut self.z, &mut self.c];
+        let here = axes
+            .into_iter()
+            .zip(self.away)
+            .filter_map(|(drive, away)| (!away).then_some(drive));
+        let drives = here
+            .chain([&mut self.spindle_drive])
+            .chain(tappers.map(Tapper::drive));
+        for drive in drives {
+            if managed {
+                drive.receive(frame);
+            } else {
+                drive.serve(frame, &mut to_bus);
             }
         }
     }

@@ -1,2 +1,3 @@
+mod dictionary;
 mod drives;
 mod spindle;

@@ -14,8 +14,13 @@ impl Sim {
         self.board.join(node)
     }
 
-    /// Somebody else's frame reaches the board.
+    /// Somebody else's frame reaches the board and the drives.
     pub fn receive(&mut self, frame: &Frame) {
+        let others = &mut self.to_others;
+        self.plant.hear(frame, |answer| {
+            // A client waits for its answer before it asks again.
+            let _ = others.push_back(answer);
+        });
         if self.board.receive(frame) {
             // With the drives' own there is room for a few; a bus that is flooded loses frames too.
             let _ = self.answers.push(*frame);
@@ -23,9 +28,9 @@ impl Sim {
         self.keep();
     }
 
-    /// The next frame of the board as a node, on its way to the others.
+    /// The next frame of the board as a node, or of a drive to who asked it, on its way to the others.
     pub fn transmit(&mut self) -> Option<Frame> {
-        self.board.transmit()
+        self.to_others.pop_front().or_else(|| self.board.transmit())
     }
 
     /// Everything the background can do is done, and no time goes by.

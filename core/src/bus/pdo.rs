@@ -12,6 +12,7 @@
 use super::cia402::{Controlword, Statusword};
 use super::frame::{CobId, Frame, NodeId, Service};
 use super::increments::Increments;
+use super::mapping::Mapped;
 use crate::units::{Rpm, TurnRate};
 
 /// RPDO1 of a drive: what it is to do and where it is to be.
@@ -24,6 +25,9 @@ pub struct DriveCommand {
 }
 
 impl DriveCommand {
+    /// What the drive has to map into it.
+    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6040, 0, 16), Mapped::new(0x607A, 0, 32)];
+
     /// The frame to `node`.
     #[must_use]
     pub const fn frame(self, node: NodeId) -> Frame {
@@ -57,6 +61,9 @@ pub struct DriveStatus {
 }
 
 impl DriveStatus {
+    /// What the drive has to map into it.
+    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6041, 0, 16), Mapped::new(0x6064, 0, 32)];
+
     /// The frame from `node`.
     #[must_use]
     pub const fn frame(self, node: NodeId) -> Frame {
@@ -95,6 +102,9 @@ pub struct SpindleCommand {
 }
 
 impl SpindleCommand {
+    /// What the drive has to map into it.
+    pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6060, 0, 8), Mapped::new(0x60FF, 0, 32)];
+
     /// The frame to `node`.
     #[must_use]
     pub const fn frame(self, node: NodeId) -> Frame {

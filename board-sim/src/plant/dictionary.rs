@@ -1,0 +1,316 @@
+//! What a drive tells and takes by SDO: the few objects of CiA 301 and CiA 402 that a machine is set up with.
+//!
+//! PDO communication and mapping, and the interpolation period, are taken in pre-operational alone; limits in every state.
+//! The PDOs have the contents that CiA 402 gives them, and no others. What was written counts until the drive starts anew;
+//! `save` (1010h:01h) keeps it beyond that.
+
+use leadscrew_core::bus::{
+    Abort, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Objects, Service,
+    SpindleCommand,
+};
+
+/// `save`, as 1010h:01h takes it.
+const SAVE: u32 = u32::from_le_bytes(*b"save");
+
+/// A servo drive by CiA 402.
+const DEVICE_TYPE: u32 = 0x0002_0192;
+/// `LSDR`.
+const PRODUCT: u32 = 0x4C53_4452;
+/// COB-ID bit 31: the PDO is not used.
+const INVALID: u32 = 1 << 31;
+/// COB-ID bit 30: the PDO cannot be asked for.
+const NO_RTR: u32 = 1 << 30;
+
+/// The values that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Settings {
+    /// 1400h: which frames bring commands.
+    command: Pdo<2>,
+    /// 1401h, spindles only.
+    spindle: Pdo<2>,
+    /// 1800h: which frame tells the status, and when.
+    status: Pdo<2>,
+    /// 1800h:06h.
+    start: u8,
+    /// 607Fh.
+    velocity: u32,
+    /// 6083h.
+    acceleration: u32,
+    /// 60C2h.
+    period: (u8, i8),
+}
+
+/// A PDO's communication and mapping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Pdo<const N: usize> {
+    /// COB-ID, with the bit that switches it off.
+    cob_id: u32,
+    transmission: u8,
+    /// Objects in use; none while the mapping is being changed.
+    count: u8,
+    objects: [u32; N],
+}
+
+impl Pdo<2> {
+    const fn new(service: Service, node: NodeId, transmission: u8, mapping: &[Mapped; 2]) -> Self {
+        let rtr = match service {
+            Service::Tpdo1 => NO_RTR,
+            _ => 0,
+        };
+        let [first, second] = mapping;
+        Self {
+            cob_id: CobId::of(service, node).get() as u32 | rtr,
+            transmission,
+            count: 2,
+            objects: [first.raw(), second.raw()],
+        }
+    }
+
+    /// It is used, with what belongs into it.
+    const fn works(&self) -> bool {
+        self.cob_id & INVALID == 0 && self.count == 2
+    }
+
+    fn communication(&mut self, sub: u8, value: u32) -> Result<(), Abort> {
+        match sub {
+            // The identifier is fixed; the switch is not.
+            1 if (value ^ self.cob_id) & !INVALID == 0 => self.cob_id = value,
+            2 if (1..=240).contains(&value) => self.transmission = value as u8,
+            2 if value == 0 || value > 240 => return Err(Abort::Value),
+            _ => return Err(Abort::Value),
+        }
+        Ok(())
+    }
+
+    fn map(&mut self, sub: u8, value: u32, mapping: &[Mapped; 2]) -> Result<(), Abort> {
+        // As CiA 301 has it: switched off first, then emptied, then filled.
+        if self.cob_id & INVALID == 0 {
+            return Err(Abort::State);
+        }
+        let wanted = mapping.map(Mapped::raw);
+        match sub {
+            0 => match value {
+                0 => self.count = 0,
+                2 if self.objects == wanted => self.count = 2,
+                _ => return Err(Abort::PdoLength),
+            },
+            _ if self.count != 0 => return Err(Abort::State),
+            _ => {
+                let place = usize::from(sub.saturating_sub(1));
+                let slot = self.objects.get_mut(place).ok_or(Abort::NoSubIndex)?;
+                if wanted.get(place) != Some(&value) {
+                    return Err(Abort::NotMappable);
+                }
+                *slot = value;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Settings {
+    /// As delivered.
+    pub(super) const fn new(node: NodeId, transmission: u8, start: u8) -> Self {
+        Self {
+            command: Pdo::new(Service::Rpdo1, node, 1, &DriveCommand::MAPPING),
+            spindle: Pdo::new(Service::Rpdo2, node, 1, &SpindleCommand::MAPPING),
+            status: Pdo::new(Service::Tpdo1, node, transmission, &DriveStatus::MAPPING),
+            start,
+            velocity: 10_000_000,
+            acceleration: 100_000_000,
+            period: (1, -3),
+        }
+    }
+
+    /// It listens to its commands.
+    pub(super) const fn takes_commands(&self) -> bool {
+        self.command.works()
+    }
+
+    /// It listens to what a spindle is told.
+    pub(super) const fn takes_speed(&self) -> bool {
+        self.spindle.works()
+    }
+
+    /// It tells its status at every so many SYNCs; `None`: not at all.
+    pub(super) fn answers_every(&self) -> Option<u8> {
+        self.status.works().then_some(self.status.transmission)
+    }
+
+    /// By how many SYNCs its first answer comes earlier.
+    pub(super) const fn start(&self) -> u8 {
+        self.start
+    }
+}
+
+/// How a drive is at the moment a client asks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Now {
+    pub(super) node: NodeId,
+    /// Communication and mapping may change.
+    pub(super) pre_operational: bool,
+    pub(super) spindle: bool,
+    pub(super) control: u16,
+    pub(super) status: u16,
+    pub(super) mode: u8,
+    pub(super) actual: i32,
+    pub(super) target: i32,
+}
+
+/// What an SDO server serves.
+pub(super) struct Dictionary<'a> {
+    pub(super) settings: &'a mut Settings,
+    /// What it starts with the next time.
+    pub(super) kept: &'a mut Settings,
+    /// The value of the transfer that is going on.
+    pub(super) value: &'a mut [u8; 4],
+    pub(super) now: Now,
+}
+
+impl Dictionary<'_> {
+    /// Length in bytes and value of an object.
+    fn get(&self, object: Object) -> Result<(u8, u32), Abort> {
+        let settings = &self.settings;
+        let now = &self.now;
+        let communication = |pdo: &Pdo<2>, highest: u32, sub: u8| match sub {
+            0 => Ok((1, highest)),
+            1 => Ok((4, pdo.cob_id)),
+            2 => Ok((1, u32::from(pdo.transmission))),
+            _ => Err(Abort::NoSubIndex),
+        };
+        let mapping = |pdo: &Pdo<2>, sub: u8| match sub.checked_sub(1) {
+            None => Ok((1, u32::from(pdo.count))),
+            Some(place) => {
+                let raw = pdo.objects.get(usize::from(place));
+                raw.map(|raw| (4, *raw)).ok_or(Abort::NoSubIndex)
+            }
+        };
+        match (object.index, object.sub) {
+            (0x1000, 0) => Ok((4, DEVICE_TYPE)),
+            (0x1001, 0) => Ok((1, 0)),
+            (0x1010, 0) => Ok((1, 1)),
+            // Saves when told to.
+            (0x1010, 1) => Ok((4, 1)),
+            (0x1018, 0) => Ok((1, 4)),
+            (0x1018, 1 | 3) => Ok((4, 0)),
+            (0x1018, 2) => Ok((4, PRODUCT)),
+            (0x1018, 4) => Ok((4, u32::from(now.node.get()))),
+            (0x1400, sub) => communication(&settings.command, 2, sub),
+            (0x1401, sub) if now.spindle => communication(&settings.spindle, 2, sub),
+            (0x1600, sub) => mapping(&settings.command, sub),
+            (0x1601, sub) if now.spindle => mapping(&settings.spindle, sub),
+            (0x1800, 6) => Ok((1, u32::from(settings.start))),
+            (0x1800, sub) => communication(&settings.status, 6, sub),
+            (0x1A00, sub) => mapping(&settings.status, sub),
+            (0x6040, 0) => Ok((2, u32::from(now.control))),
+            (0x6041, 0) => Ok((2, u32::from(now.status))),
+            (0x6060 | 0x6061, 0) => Ok((1, u32::from(now.mode))),
+            (0x6064, 0) => Ok((4, now.actual as u32)),
+            (0x607A, 0) => Ok((4, now.target as u32)),
+            (0x607F, 0) => Ok((4, settings.velocity)),
+            (0x6083, 0) => Ok((4, settings.acceleration)),
+            (0x60C2, 0) => Ok((1, 2)),
+            (0x60C2, 1) => Ok((1, u32::from(settings.period.0))),
+            (0x60C2, 2) => Ok((1, u32::from(settings.period.1 as u8))),
+            (
+                0x1000 | 0x1001 | 0x1010 | 0x1018 | 0x6040 | 0x6041 | 0x6060 | 0x6061 | 0x6064
+                | 0x607A | 0x607F | 0x6083 | 0x60C2,
+                _,
+            ) => Err(Abort::NoSubIndex),
+            _ => Err(Abort::NoObject),
+        }
+    }
+
+    /// Puts a value into effect. The object is there, and the length is right.
+    fn set(&mut self, object: Object, value: u32) -> Result<(), Abort> {
+        let pre_operational = self.now.pre_operational;
+        let settings = &mut *self.settings;
+        if matches!(object.index, 0x1400..=0x1AFF | 0x60C2) && !pre_operational {
+            return Err(Abort::State);
+        }
+        match (object.index, object.sub) {
+            (0x1010, 1) if value == SAVE => *self.kept = *settings,
+            (0x1010, 1) => return Err(Abort::NotStored),
+            (0x1400, sub @ 1..) => settings.command.communication(sub, value)?,
+            (0x1401, sub @ 1..) => settings.spindle.communication(sub, value)?,
+            (0x1800, 6) if value <= 240 => settings.start = value as u8,
+            (0x1800, 6) => return Err(Abort::TooHigh),
+            (0x1800, sub @ 1..) => settings.status.communication(sub, value)?,
+            (0x1600, sub) => settings.command.map(sub, value, &DriveCommand::MAPPING)?,
+            (0x1601, sub) => settings.spindle.map(sub, value, &SpindleCommand::MAPPING)?,
+            (0x1A00, sub) => settings.status.map(sub, value, &DriveStatus::MAPPING)?,
+            (0x607F, 0) => settings.velocity = within(value, 1, 100_000_000)?,
+            (0x6083, 0) => settings.acceleration = within(value, 1, 1_000_000_000)?,
+            (0x60C2, 1) => settings.period.0 = within(value, 1, 255)? as u8,
+            (0x60C2, 2) => match value as u8 as i8 {
+                exponent @ -6..=0 => settings.period.1 = exponent,
+                ..-6 => return Err(Abort::TooLow),
+                _ => return Err(Abort::TooHigh),
+            },
+            // Commands come by PDO, and everything else is told alone.
+            _ => return Err(Abort::ReadOnly),
+        }
+        Ok(())
+    }
+}
+
+fn within(value: u32, low: u32, high: u32) -> Result<u32, Abort> {
+    if value < low {
+        Err(Abort::TooLow)
+    } else if value > high {
+        Err(Abort::TooHigh)
+    } else {
+        Ok(value)
+    }
+}
+
+impl Objects for Dictionary<'_> {
+    fn size(&mut self, object: Object) -> Result<u32, Abort> {
+        let (length, value) = self.get(object)?;
+        *self.value = value.to_le_bytes();
+        Ok(u32::from(length))
+    }
+
+    fn read(&mut self, object: Object, offset: u32, into: &mut [u8]) -> Result<usize, Abort> {
+        let (length, _) = self.get(object)?;
+        let start = usize::try_from(offset).unwrap_or(usize::MAX);
+        let bytes = self.value.get(start..usize::from(length)).unwrap_or(&[]);
+        for (place, &byte) in into.iter_mut().zip(bytes) {
+            *place = byte;
+        }
+        Ok(bytes.len().min(into.len()))
+    }
+
+    fn begin_write(&mut self, object: Object, size: Option<u32>) -> Result<(), Abort> {
+        let (length, _) = self.get(object)?;
+        *self.value = [0; 4];
+        match size.map(|size| size.cmp(&u32::from(length))) {
+            Some(core::cmp::Ordering::Less) => Err(Abort::TooShort),
+            Some(core::cmp::Ordering::Greater) => Err(Abort::TooLong),
+            _ => Ok(()),
+        }
+    }
+
+    fn write(&mut self, _object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort> {
+        let start = usize::try_from(offset).unwrap_or(usize::MAX);
+        let place = self
+            .value
+            .get_mut(start..start.saturating_add(bytes.len()))
+            .ok_or(Abort::TooLong)?;
+        for (place, &byte) in place.iter_mut().zip(bytes) {
+            *place = byte;
+        }
+        Ok(())
+    }
+
+    fn end_write(&mut self, object: Object, length: u32) -> Result<(), Abort> {
+        let (expected, _) = self.get(object)?;
+        match length.cmp(&u32::from(expected)) {
+            core::cmp::Ordering::Less => Err(Abort::TooShort),
+            core::cmp::Ordering::Greater => Err(Abort::TooLong),
+            core::cmp::Ordering::Equal => self.set(object, u32::from_le_bytes(*self.value)),
+        }
+    }
+
+    fn abandon(&mut self, _object: Object) {}
+}

@@ -1,0 +1,251 @@
+//! A drive's objects by SDO: what it tells, what it takes and when, and what it keeps.
+
+extern crate std;
+
+use core::time::Duration;
+use std::vec::Vec;
+
+use super::super::*;
+use leadscrew_core::bus::{
+    Abort, DriveStatus, NmtCommand, NmtState, Object, SdoBuffer, SdoDownload, SdoError,
+    SdoProtocol, SdoUpload, SyncProducer,
+};
+
+const NOW: Duration = Duration::ZERO;
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A plant whose drives have booted.
+struct Bench {
+    plant: Plant,
+    sync: SyncProducer,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let mut bench = Self {
+            plant: Plant::new(&Params::slant_bed(), &PlantOptions::default()).unwrap(),
+            sync: SyncProducer::new(),
+        };
+        assert_eq!(bench.tick().len(), 7, "boot-up messages");
+        bench
+    }
+
+    fn tick(&mut self) -> Vec<Frame> {
+        self.plant.advance();
+        let mut heard = Vec::new();
+        let sync = self.sync.next();
+        self.plant.exchange(&[sync], |frame| heard.push(frame));
+        heard
+    }
+
+    fn hear(&mut self, frame: &Frame) -> Vec<Frame> {
+        let mut heard = Vec::new();
+        self.plant.hear(frame, |frame| heard.push(frame));
+        heard
+    }
+
+    fn nmt(&mut self, command: NmtCommand) {
+        assert!(self.hear(&command.frame(None)).is_empty());
+    }
+
+    fn read(&mut self, node: NodeId, index: u16, sub: u8) -> Result<u32, Abort> {
+        let mut bytes = [0; 8];
+        let mut buffer = SdoBuffer::new(&mut bytes);
+        let object = Object::new(index, sub);
+        let mut upload =
+            SdoUpload::new(node, object, &mut buffer, SdoProtocol::Short, PATIENCE, NOW);
+        while let Some(request) = upload.poll(NOW) {
+            for answer in self.hear(&request) {
+                upload.receive(&answer, NOW);
+            }
+        }
+        result(upload.outcome())?;
+        let mut raw = [0; 4];
+        let read = buffer.bytes();
+        raw[..read.len()].copy_from_slice(read);
+        Ok(u32::from_le_bytes(raw))
+    }
+
+    fn write(
+        &mut self,
+        node: NodeId,
+        index: u16,
+        sub: u8,
+        value: u32,
+        bytes: usize,
+    ) -> Result<(), Abort> {
+        let data = value.to_le_bytes();
+        let object = Object::new(index, sub);
+        let mut download = SdoDownload::new(
+            node,
+            object,
+            &data[..bytes],
+            SdoProtocol::Short,
+            PATIENCE,
+            NOW,
+        );
+        while let Some(request) = download.poll(NOW) {
+            for answer in self.hear(&request) {
+                download.receive(&answer, NOW);
+            }
+        }
+        result(download.outcome())
+    }
+}
+
+fn result(outcome: Option<Result<(), SdoError>>) -> Result<(), Abort> {
+    match outcome.expect("answered at once") {
+        Ok(()) => Ok(()),
+        Err(SdoError::Refused(code)) => Err(Abort::from_code(code).unwrap()),
+        Err(error) => panic!("{error:?}"),
+    }
+}
+
+#[test]
+fn a_drive_says_what_it_is_and_how() {
+    let mut bench = Bench::new();
+    let x = NodeId::DRIVE_X;
+    for (index, sub, expected) in [
+        (0x1000, 0, Ok(0x0002_0192)),
+        (0x1018, 2, Ok(0x4C53_4452)),
+        (0x1018, 4, Ok(16)),
+        (0x1400, 1, Ok(0x210)),
+        (0x1600, 0, Ok(2)),
+        (0x1600, 1, Ok(0x6040_0010)),
+        (0x1600, 2, Ok(0x607A_0020)),
+        (0x1600, 3, Err(Abort::NoSubIndex)),
+        (0x1800, 1, Ok(0x4000_0190)),
+        (0x1800, 2, Ok(4)),
+        (0x1A00, 2, Ok(0x6064_0020)),
+        (0x6041, 0, Ok(0x0250)),
+        (0x6061, 0, Ok(8)),
+        (0x6064, 0, Ok(0)),
+        (0x60C2, 1, Ok(1)),
+        (0x60C2, 2, Ok(0xFD)),
+        (0x60C2, 3, Err(Abort::NoSubIndex)),
+        (0x1601, 0, Err(Abort::NoObject)),
+        (0x6099, 1, Err(Abort::NoObject)),
+    ] {
+        assert_eq!(bench.read(x, index, sub), expected, "{index:04X}h:{sub}");
+    }
+    // A spindle is told its mode and speed, too.
+    assert_eq!(bench.read(NodeId::SPINDLE_1, 0x1601, 2), Ok(0x60FF_0020));
+    assert_eq!(bench.read(NodeId::SPINDLE_4, 0x1018, 4), Ok(35));
+    // Block transfer serves other tools.
+    let mut bytes = [0; 8];
+    let mut buffer = SdoBuffer::new(&mut bytes);
+    let object = Object::new(0x1000, 0);
+    let mut upload = SdoUpload::new(x, object, &mut buffer, SdoProtocol::Block, PATIENCE, NOW);
+    while let Some(request) = upload.poll(NOW) {
+        for answer in bench.hear(&request) {
+            upload.receive(&answer, NOW);
+        }
+    }
+    assert_eq!(upload.outcome(), Some(Ok(())));
+}
+
+#[test]
+fn limits_change_in_every_state_communication_in_pre_operational_alone() {
+    let mut bench = Bench::new();
+    let z = NodeId::DRIVE_Z;
+    bench.nmt(NmtCommand::Start);
+    assert_eq!(bench.write(z, 0x607F, 0, 500_000, 4), Ok(()));
+    assert_eq!(bench.read(z, 0x607F, 0), Ok(500_000));
+    for (index, sub, value, bytes, abort) in [
+        (0x607F, 0, 0, 4, Abort::TooLow),
+        (0x607F, 0, u32::MAX, 4, Abort::TooHigh),
+        (0x607F, 0, 1, 2, Abort::TooShort),
+        (0x60C2, 1, 1, 2, Abort::TooLong),
+        (0x60C2, 1, 2, 1, Abort::State),
+        (0x1800, 2, 8, 1, Abort::State),
+        (0x6064, 0, 1, 4, Abort::ReadOnly),
+        (0x1000, 0, 1, 4, Abort::ReadOnly),
+        (0x2105, 3, 1, 1, Abort::NoObject),
+    ] {
+        assert_eq!(
+            bench.write(z, index, sub, value, bytes),
+            Err(abort),
+            "{index:04X}h:{sub}"
+        );
+    }
+    bench.nmt(NmtCommand::PreOperational);
+    assert_eq!(bench.write(z, 0x60C2, 1, 2, 1), Ok(()));
+    assert_eq!(bench.write(z, 0x60C2, 2, 0xF9, 1), Err(Abort::TooLow));
+    assert_eq!(bench.write(z, 0x60C2, 2, 1, 1), Err(Abort::TooHigh));
+    assert_eq!(bench.write(z, 0x1800, 2, 241, 1), Err(Abort::Value));
+    assert_eq!(bench.write(z, 0x1800, 2, 2, 1), Ok(()));
+    bench.nmt(NmtCommand::Start);
+    // It answers at every second SYNC from now on.
+    let answers = (0..8)
+        .flat_map(|_| bench.tick())
+        .filter(|frame| DriveStatus::decode(frame).is_some_and(|(node, _)| node == z));
+    assert_eq!(answers.count(), 4);
+    // The others are as they were.
+    assert_eq!(bench.read(NodeId::DRIVE_X, 0x1800, 2), Ok(4));
+}
+
+#[test]
+fn a_mapping_is_emptied_before_it_is_filled_and_takes_what_belongs_there() {
+    let mut bench = Bench::new();
+    let x = NodeId::DRIVE_X;
+    assert_eq!(bench.write(x, 0x1600, 0, 0, 1), Err(Abort::State), "in use");
+    assert_eq!(bench.write(x, 0x1400, 1, 0x8000_0211, 4), Err(Abort::Value));
+    assert_eq!(bench.write(x, 0x1400, 1, 0x8000_0210, 4), Ok(()));
+    assert_eq!(bench.write(x, 0x1600, 1, 0x6040_0010, 4), Err(Abort::State));
+    assert_eq!(bench.write(x, 0x1600, 0, 0, 1), Ok(()));
+    assert_eq!(
+        bench.write(x, 0x1600, 1, 0x6060_0008, 4),
+        Err(Abort::NotMappable)
+    );
+    assert_eq!(bench.write(x, 0x1600, 1, 0x6040_0010, 4), Ok(()));
+    assert_eq!(bench.write(x, 0x1600, 2, 0x607A_0020, 4), Ok(()));
+    assert_eq!(bench.write(x, 0x1600, 0, 1, 1), Err(Abort::PdoLength));
+    assert_eq!(bench.write(x, 0x1600, 0, 2, 1), Ok(()));
+    assert_eq!(bench.write(x, 0x1400, 1, 0x210, 4), Ok(()));
+}
+
+#[test]
+fn what_is_not_saved_is_gone_after_a_reset() {
+    let mut bench = Bench::new();
+    let c = NodeId::DRIVE_C;
+    let save = u32::from_le_bytes(*b"save");
+    assert_eq!(bench.write(c, 0x6083, 0, 1000, 4), Ok(()));
+    assert_eq!(
+        bench.write(c, 0x1010, 1, save ^ 1, 4),
+        Err(Abort::NotStored)
+    );
+    assert_eq!(bench.write(c, 0x1010, 1, save, 4), Ok(()));
+    assert_eq!(bench.write(c, 0x6083, 0, 2000, 4), Ok(()));
+    bench.nmt(NmtCommand::ResetNode);
+    let heard = bench.tick();
+    assert!(heard.contains(&NmtState::BootUp.frame(c)));
+    assert_eq!(bench.read(c, 0x6083, 0), Ok(1000));
+}
+
+#[test]
+fn a_client_that_falls_silent_is_told_so() {
+    let mut bench = Bench::new();
+    let x = NodeId::DRIVE_X;
+    let data = [0; 8];
+    let object = Object::new(0x1000, 0);
+    let mut download = SdoDownload::new(
+        x,
+        Object {
+            sub: 1,
+            index: 0x1010,
+        },
+        &data[..4],
+        SdoProtocol::Segmented,
+        PATIENCE,
+        NOW,
+    );
+    let first = download.poll(NOW).unwrap();
+    assert_eq!(bench.hear(&first).len(), 1);
+    let aborts: Vec<_> = (0..1100)
+        .flat_map(|_| bench.tick())
+        .filter(|frame| frame.id().get() == 0x590)
+        .collect();
+    assert_eq!(aborts.len(), 1);
+    assert_eq!(aborts[0].payload()[4..], 0x0504_0000_u32.to_le_bytes());
+    assert_eq!(bench.read(x, object.index, 0), Ok(0x0002_0192));
+}
