@@ -410,23 +410,81 @@ pub enum ParamsCommand {
         #[arg(long)]
         eds: bool,
     },
-    /// Write to a board's parameters (not available yet)
+    /// Write values: to a board, to the simulated flash in `--state`, or into the one file of `--params`
     #[command(name = "set")]
-    Write(NotYet),
-    /// Fetch the set of a board (not available yet)
-    Pull(NotYet),
-    /// Send a set to a board (not available yet)
-    Push(NotYet),
-    /// Compare two sets (not available yet)
-    Diff(NotYet),
-    /// Bring a set of an older version up to date (not available yet)
-    Migrate(NotYet),
+    Write(Write),
+    /// Fetch the set of a board as a machine file
+    Pull(Pull),
+    /// Send machine files to a board, and the drives' own objects to the drives: all or nothing
+    #[command(after_help = PUSH_EXAMPLES)]
+    Push(Push),
+    /// Compare: the board with a file, two files, or the board with the built-in machine
+    Diff(Diff),
+    /// Bring a file of an older version of the table up to date
+    Migrate(Migrate),
 }
 
-/// Whatever is typed behind a command that is not available yet.
+const PUSH_EXAMPLES: &str = "\
+Examples:
+  leadscrew params push lathe.toml --bus can0 --dry-run    what would change
+  leadscrew params push lathe.toml --bus can0
+  leadscrew params push lathe.toml --state board.flash     the simulated board's flash";
+
+/// `params set`.
 #[derive(Args, Debug)]
-pub struct NotYet {
-    /// Arguments
-    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
-    pub rest: Vec<String>,
+pub struct Write {
+    /// Number or name, with its bit or axis, and the value; its unit may be left out
+    #[arg(required = true, value_name = "NO[.BIT|.AXIS]=VALUE")]
+    pub values: Vec<String>,
+    /// Password of the board's parameters
+    #[arg(long, value_name = "N")]
+    pub password: Option<u32>,
+}
+
+/// `params pull`.
+#[derive(Args, Debug)]
+pub struct Pull {
+    /// Where it goes; standard output where this is left out. A file that is there already is not written over
+    #[arg(short, long, value_name = "FILE.toml")]
+    pub output: Option<PathBuf>,
+    /// A machine file that takes the values over, and keeps its comments, order and style
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "output")]
+    pub into: Option<PathBuf>,
+}
+
+/// `params push`.
+#[derive(Args, Debug)]
+pub struct Push {
+    /// Machine files, the later win; what they do not name stays as it is on the board
+    #[arg(value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// What is not named becomes the built-in machine's, instead of staying as it is
+    #[arg(long)]
+    pub built_in: bool,
+    /// Password of the board's parameters
+    #[arg(long, value_name = "N")]
+    pub password: Option<u32>,
+}
+
+/// `params diff`.
+#[derive(Args, Debug)]
+pub struct Diff {
+    /// None: the built-in machine against the set in force; one: the set in force against it with the file; two: each
+    /// over the built-in machine
+    #[arg(value_name = "FILE", num_args = 0..=2)]
+    pub files: Vec<PathBuf>,
+}
+
+/// `params migrate`.
+#[derive(Args, Debug)]
+pub struct Migrate {
+    /// A machine file of an older version
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Where the new file goes; nothing is written without
+    #[arg(short, long, value_name = "FILE.toml")]
+    pub output: Option<PathBuf>,
+    /// The version of a file that does not say its own
+    #[arg(long, value_name = "SCHEMA")]
+    pub from: Option<u32>,
 }

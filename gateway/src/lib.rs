@@ -29,6 +29,7 @@ pub mod params;
 pub mod plot;
 pub mod program;
 pub mod recording;
+pub mod replace;
 pub mod setup;
 pub mod source;
 pub mod state;

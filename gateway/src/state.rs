@@ -3,8 +3,8 @@
 //! A file that is no image, or a damaged one, is refused and never written over. A new image goes into a file beside it
 //! first and takes its place in one step, so that whatever happens there is the old image or the new one.
 
-use std::fs::{self, File};
-use std::io::{self, Read as _, Write as _};
+use std::fs::File;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::{Flash, ImageError};
@@ -102,24 +102,8 @@ impl StateFile {
     /// # Errors
     /// A file that cannot be written.
     pub fn save(&self, flash: &Flash) -> Outcome {
-        let replace = || -> io::Result<()> {
-            // A link stays a link, and the file behind it is replaced.
-            let target = fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
-            let mut beside = target.clone().into_os_string();
-            beside.push(format!(".new-{}", std::process::id()));
-            let beside = PathBuf::from(beside);
-            let written = File::create(&beside).and_then(|mut file| {
-                file.write_all(&flash.image())
-                    .and_then(|()| file.sync_all())
-            });
-            written
-                .and_then(|()| fs::rename(&beside, &target))
-                .inspect_err(|_| {
-                    // What is half done is of no use; that it cannot be removed either changes nothing.
-                    let _ = fs::remove_file(&beside);
-                })
-        };
-        replace().map_err(|error| Failure::file(Doing::Write, self.name(), &error))
+        let replaced = crate::replace::replace(&self.path, &flash.image());
+        replaced.map_err(|error| Failure::file(Doing::Write, self.name(), &error))
     }
 
     /// The tap journal in the flash of this file.
@@ -185,6 +169,8 @@ fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     struct Place(PathBuf);

@@ -156,20 +156,12 @@ fn what_the_command_line_gets_wrong_is_a_usage_error() {
         ),
         (
             &["params", "set", "182.7=1"],
-            "`params set` is not available yet",
+            "needs a place for the values",
         ),
-        (&["params", "pull"], "`params pull` is not available yet"),
+        (&["params", "diff", "a", "b", "c"], "unexpected value 'c'"),
         (
-            &["params", "push", "lathe.toml"],
-            "`params push` is not available yet",
-        ),
-        (
-            &["params", "diff", "a", "b"],
-            "`params diff` is not available yet",
-        ),
-        (
-            &["params", "migrate"],
-            "`params migrate` is not available yet",
+            &["params", "pull", "-o", "a", "--into", "b"],
+            "cannot be used with",
         ),
     ] {
         let out = leadscrew(args);
@@ -210,4 +202,145 @@ fn the_manual_comes_in_both_languages() {
             .count()
     };
     assert_eq!(rows(&english), rows(&chinese));
+}
+
+const LATHE: &str = "# My lathe, as delivered.\nschema = 1\n\n\"1420.X\" = \"12 m/min\"   # was 10\n[acceleration]\nX = \"2 m/s²\"\n\n\
+                     [drive.X]\nmax_profile_velocity = 500000\n";
+
+#[test]
+fn a_value_is_set_in_its_file_and_every_comment_stays() {
+    let file = machine("set.toml", LATHE);
+    let out = leadscrew(&[
+        "params",
+        "set",
+        "1420.X=11000",
+        "acceleration.Z=2.5",
+        "--params",
+        &file,
+    ]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert_eq!(
+        text(&out.stdout),
+        "1420.X  rapid_rate.X    12000 mm/min  → 11000 mm/min\n1620.Z  acceleration.Z  3 m/s²        → 2.5 m/s²\n"
+    );
+    let changed = LATHE
+        .replace("\"12 m/min\"", "\"11000 mm/min\"")
+        .replace("X = \"2 m/s²\"\n", "X = \"2 m/s²\"\nZ = \"2.5 m/s²\"\n");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), changed);
+    // What makes no working set changes nothing, and nor does a look.
+    let out = leadscrew(&["params", "set", "1430.X=13000", "--params", &file]);
+    assert_eq!(out.status.code(), Some(1));
+    assert!(text(&out.stderr).contains("alarm[4422]"));
+    let out = leadscrew(&[
+        "params",
+        "set",
+        "182.7=1",
+        "--dry-run",
+        "--json",
+        "--params",
+        &file,
+    ]);
+    assert_eq!(out.status.code(), Some(0));
+    let value: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(
+        value,
+        json!({"ok": true, "same": false, "drives": [], "changes": [
+            {"key": "182.7", "no": 182, "bit": 7, "name": "pq_in_mm", "old": 0, "new": 1, "unit": ""}
+        ]})
+    );
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), changed);
+}
+
+#[test]
+fn two_files_are_compared_as_whole_sets() {
+    let first = machine(
+        "first.toml",
+        "9007 = \"12 %\"\nrapid_rate.X = \"11 m/min\"\n",
+    );
+    let second = machine(
+        "second.toml",
+        "rapid_rate.X = \"11000 mm/min\"\n9101.X = \"0.5 mm\"\n",
+    );
+    let out = leadscrew(&["params", "diff", &first, &second]);
+    assert_eq!(out.status.code(), Some(1));
+    assert_eq!(
+        text(&out.stdout),
+        "9007    spindle_tolerance_percent  12 %  → 15 %\n9101.X  tool_offset_1.X            0 mm  → 0.5 mm\n"
+    );
+    let out = leadscrew(&["params", "diff", &first, &first, "--lang", "zh"]);
+    assert_eq!(out.status.code(), Some(0));
+    assert_eq!(text(&out.stdout), "没有差别\n");
+    // One file against the built-in machine, and options over it.
+    let out = leadscrew(&["params", "diff", &first, "--set", "9007=15", "--json"]);
+    assert_eq!(out.status.code(), Some(1));
+    let value: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(value["changes"][0]["key"], json!("1420.X"));
+    assert_eq!(value["changes"][0]["new"], json!(11000));
+    assert_eq!(value["changes"].as_array().unwrap().len(), 1);
+    let out = leadscrew(&["params", "diff"]);
+    assert_eq!(out.status.code(), Some(0));
+    assert_eq!(text(&out.stdout), "no difference\n");
+}
+
+#[test]
+fn a_pulled_file_is_the_set_and_takes_another_one_over() {
+    let file = machine("pulled.toml", "");
+    std::fs::remove_file(&file).unwrap();
+    let out = leadscrew(&["params", "pull", "-o", &file, "--set", "9007=12"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    let pulled = std::fs::read_to_string(&file).unwrap();
+    assert!(pulled.contains("\nspindle_tolerance_percent = \"12 %\"  # built in: 15 %\n"));
+    let out = leadscrew(&["params", "diff", "--set", "9007=12", &file]);
+    assert_eq!(out.status.code(), Some(1), "the file is the whole set");
+    assert_eq!(text(&out.stdout).lines().count(), 1);
+    // It is not written over, and takes values over where it is told to.
+    let out = leadscrew(&["params", "pull", "-o", &file]);
+    assert_eq!(out.status.code(), Some(2));
+    assert!(text(&out.stderr).contains("--into"));
+    let mine = machine("mine.toml", LATHE);
+    let out = leadscrew(&["params", "pull", "--into", &mine, "--set", "1420.X=9000"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    let expected = LATHE.replace("\"12 m/min\"", "\"9000 mm/min\"");
+    assert_eq!(std::fs::read_to_string(&mine).unwrap(), expected);
+}
+
+#[test]
+fn a_file_of_another_schema_is_refused_with_both_named() {
+    let file = machine("schema.toml", "# new\nschema = 9\nno_such = 1\n");
+    let out = leadscrew(&["params", "validate", "--params", &file]);
+    assert_eq!(out.status.code(), Some(1));
+    let expected = format!(
+        "alarm[4413]: the file is of schema 9, and this program reads schema 1
+ --> {file}:2:10
+  |
+2 | schema = 9
+  |          ^
+  |
+  = help: `leadscrew params migrate FILE` shows what has changed, and with `-o` writes a file of schema 1
+"
+    );
+    assert_eq!(text(&out.stderr), expected);
+    let out = leadscrew(&["params", "migrate", &file]);
+    assert_eq!(out.status.code(), Some(1));
+    assert!(text(&out.stderr).contains("schema 9, and this program knows the way to schema 1"));
+}
+
+#[test]
+fn a_file_without_a_schema_gets_one_in_a_file_of_its_own() {
+    let file = machine("plain.toml", "# mine\n9007 = \"12 %\"\n");
+    let new = machine("migrated.toml", "");
+    std::fs::remove_file(&new).unwrap();
+    let out = leadscrew(&["params", "migrate", &file, "-o", &new]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert_eq!(text(&out.stdout), "schema 1: up to date\n");
+    assert_eq!(
+        std::fs::read_to_string(&new).unwrap(),
+        "schema = 1\n# mine\n9007 = \"12 %\"\n"
+    );
+    assert_eq!(
+        std::fs::read_to_string(&file).unwrap(),
+        "# mine\n9007 = \"12 %\"\n"
+    );
+    let out = leadscrew(&["params", "migrate", &file, "-o", &new, "--json"]);
+    assert_eq!(out.status.code(), Some(2), "never over what is there");
 }

@@ -669,6 +669,11 @@ codes! {
     /// A value of a TOML kind that no parameter has; {0} the parameter, {1} an example.
     ParamKind = 4412, "{0}: a value is a whole number, or a text with a unit", "write a value such as {1}",
         "{0}：值应为整数，或带单位的文本", "请写如 {1} 的值";
+    /// A file for another version of the table; {0} its version, {1} this one.
+    ParamSchema = 4413, "the file is of schema {0}, and this program reads schema {1}",
+        "`leadscrew params migrate FILE` shows what has changed, and with `-o` writes a file of schema {1}",
+        "该文件的参数表版本（schema）是 {0}，本程序读取版本 {1}",
+        "`leadscrew params migrate FILE` 可查看有何变化，加 `-o` 可写出版本 {1} 的文件";
     /// A ramp does not fit a profile: axis with the longest part of it, ticks, most ticks.
     RampTooLong = 4420, "speeding up takes {1} ticks, {0} most of them, and a profile holds {2}",
         "raise 1620.{0} or 1622.{0}, lower 1420.{0}, or make the tick (9000) longer",
@@ -708,6 +713,37 @@ codes! {
     /// 5210 names a code with another meaning; {0} the code.
     TapCodeTaken = 4429, "M{0} cannot be the code of rigid tapping (5210): it means something else", "set 5210 to 0 (M29), or to a code that is free",
         "M{0} 不能作为刚性攻丝的 M 代码（5210）：它另有含义", "请将 5210 设为 0（M29）或未使用的代码";
+    // 4450–4457, drive sections of parameter files: the figures are texts.
+    /// `[drive.NAME]` of a drive that no machine has; {0} the name.
+    DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",
+        "没有驱动器 `{0}`", "请写 `[drive.X]`，或 Z、C，主轴为 S1 至 S4";
+    /// A name that no object of a drive has; {0} the drive, {1} the key.
+    DriveObjectUnknown = 4451, "drive {0}: there is no object called `{1}`",
+        "write one of the names that `leadscrew params docs` lists, or index and sub-index in hexadecimal: `\"60C2.1\"`",
+        "驱动器 {0}：没有名为 `{1}` 的对象",
+        "请写 `leadscrew params docs` 列出的名称，或十六进制的索引和子索引：`\"60C2.1\"`";
+    /// An object whose length nobody knows; {0} the drive, {1} the key.
+    DriveType = 4452, "drive {0}: `{1}` does not say its type",
+        "write type and value: `\"{1}\" = { type = \"u16\", value = 0 }`; types are u8 u16 u32 i8 i16 i32",
+        "驱动器 {0}：`{1}` 没有写明类型",
+        "请写类型和值：`\"{1}\" = { type = \"u16\", value = 0 }`；类型有 u8 u16 u32 i8 i16 i32";
+    /// What an object cannot be; {0} the drive, {1} the key, {2} what stands there, {3} what may stand there.
+    DriveValue = 4453, "drive {0}: `{1}` cannot be {2}", "write {3}",
+        "驱动器 {0}：`{1}` 的值不能是 {2}", "请写 {3}";
+    /// An object twice in one file; {0} the drive, {1} the object, {2} the line of the first.
+    DriveTwice = 4454, "drive {0}: {1} is already set in line {2}", "keep one of the two",
+        "驱动器 {0}：{1} 已在第 {2} 行设定", "请只保留其中一个";
+    /// A drive that would interpolate over another time than the tick; {0} the drive, {1} its period, {2} the tick.
+    DrivePeriod = 4455, "drive {0} would interpolate over {1} (60C2h), and a setpoint comes every {2} (9000)",
+        "give both the same time", "驱动器 {0} 的插补周期为 {1}（60C2h），而设定值每 {2} 到达一次（9000）",
+        "请把两者设为相同的时间";
+    /// A drive that would answer at another rate than the board expects; {0} the drive, {1} its, {2} the board's.
+    DriveRate = 4456, "drive {0} would send its status at every {1} SYNCs (1800h:02h), and the board expects it at every {2} (9021)",
+        "give both the same number", "驱动器 {0} 每 {1} 个 SYNC 发送一次状态（1800h:02h），而控制板要求每 {2} 个（9021）",
+        "请把两者设为相同的数";
+    /// A PDO with other contents than the board's; {0} the drive, {1} the mapping object, {2} its, {3} the board's.
+    DriveMapping = 4457, "drive {0}: {1} would be {2}, and the board needs {3}", "write {3}, or leave the mapping out",
+        "驱动器 {0}：{1} 的映射为 {2}，而控制板需要 {3}", "请写 {3}，或不写该映射";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.

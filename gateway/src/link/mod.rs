@@ -25,7 +25,7 @@ use leadscrew_core::bus::{
 
 pub use board::BoardParams;
 pub use feed::Feed;
-pub use trouble::{LinkResult, Trouble};
+pub use trouble::{LinkResult, Trouble, reason};
 
 /// The gateway's own node.
 pub const GATEWAY: u8 = 127;
@@ -137,8 +137,12 @@ impl Link {
     /// What is missing for it.
     pub fn open(address: &Address, node: NodeId) -> LinkResult<Self> {
         let mut can = leadscrew_can::open(address, BitRate::M1).map_err(Trouble::Can)?;
-        can.listen_for(&[Filter::node(node), Filter::service(Service::Heartbeat)])
-            .map_err(Trouble::Can)?;
+        can.listen_for(&[
+            Filter::node(node),
+            Filter::service(Service::Heartbeat),
+            Filter::service(Service::SdoReply),
+        ])
+        .map_err(Trouble::Can)?;
         Ok(Self::on(can, node))
     }
 
@@ -162,6 +166,12 @@ impl Link {
     /// How long an answer may take.
     pub const fn set_patience(&mut self, patience: Duration) {
         self.patience = patience;
+    }
+
+    /// What the user called the bus.
+    #[must_use]
+    pub fn bus(&self) -> &str {
+        &self.bus
     }
 
     /// The board's number.

@@ -1,4 +1,4 @@
-//! Whole values to and from objects of the board.
+//! Whole values to and from objects of the board, and of the drives.
 //!
 //! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
 //! transfer; then each begins anew after a pause of its own. What is not answered at all is asked twice more, and is an
@@ -7,7 +7,8 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{
-    Abort, CobId, Frame, Object, SdoDownload, SdoError, SdoProtocol, SdoSink, SdoUpload, Service,
+    Abort, CobId, Frame, NodeId, Object, SdoDownload, SdoError, SdoProtocol, SdoSink, SdoUpload,
+    Service,
 };
 
 use super::{Link, LinkResult, Trouble};
@@ -106,14 +107,22 @@ impl Link {
     /// # Errors
     /// [`Trouble::Transfer`]; the bus is gone.
     pub fn read(&mut self, object: Object) -> LinkResult<Vec<u8>> {
+        self.read_of(self.node, object)
+    }
+
+    /// Reads an object of any node.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_of(&mut self, node: NodeId, object: Object) -> LinkResult<Vec<u8>> {
         let protocol = match object.index {
             // Domains; the server takes the short way for what is short.
             0x5000..0x6000 => SdoProtocol::Block,
             _ => SdoProtocol::Short,
         };
         let mut bytes = Bytes::default();
-        self.again(object, false, |link| {
-            let (node, patience, now) = (link.node, link.patience, link.now());
+        self.again(node, object, false, |link| {
+            let (patience, now) = (link.patience, link.now());
             link.carry(&mut SdoUpload::new(
                 node, object, &mut bytes, protocol, patience, now,
             ))
@@ -140,13 +149,21 @@ impl Link {
     /// # Errors
     /// [`Trouble::Transfer`]; the bus is gone.
     pub fn write(&mut self, object: Object, data: &[u8]) -> LinkResult {
+        self.write_of(self.node, object, data)
+    }
+
+    /// Writes an object of any node.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_of(&mut self, node: NodeId, object: Object, data: &[u8]) -> LinkResult {
         let protocol = if data.len() > 14 {
             SdoProtocol::Block
         } else {
             SdoProtocol::Short
         };
-        self.again(object, true, |link| {
-            let (node, patience, now) = (link.node, link.patience, link.now());
+        self.again(node, object, true, |link| {
+            let (patience, now) = (link.patience, link.now());
             link.carry(&mut SdoDownload::new(
                 node, object, data, protocol, patience, now,
             ))
@@ -162,6 +179,7 @@ impl Link {
 
     fn again(
         &mut self,
+        node: NodeId,
         object: Object,
         write: bool,
         mut once: impl FnMut(&mut Self) -> LinkResult<Result<(), SdoError>>,
@@ -182,7 +200,7 @@ impl Link {
                 // A board that says nothing at all any more is more than a transfer that failed.
                 self.check_alive()?;
                 return Err(Trouble::Transfer {
-                    node: self.node.get(),
+                    node: node.get(),
                     object,
                     write,
                     error,

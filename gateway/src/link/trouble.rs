@@ -151,7 +151,8 @@ fn remedy(error: SdoError) -> Both {
 }
 
 /// The abort's code and text.
-fn reason(error: SdoError) -> Both {
+#[must_use]
+pub fn reason(error: SdoError) -> Both {
     let text = |lang| {
         error
             .abort()
@@ -203,6 +204,18 @@ impl Trouble {
     #[must_use]
     pub fn is_abort(&self, abort: Abort) -> bool {
         matches!(self, Self::Transfer { error, .. } if error.abort() == Some(abort))
+    }
+
+    /// The abort code with which the other side has refused; not those of a transfer that was disturbed.
+    #[must_use]
+    pub fn refusal(&self) -> Option<u32> {
+        match self {
+            Self::Transfer {
+                error: SdoError::Refused(code),
+                ..
+            } if *code != Abort::TimedOut.code() => Some(*code),
+            _ => None,
+        }
     }
 
     /// In words.

@@ -7,6 +7,9 @@
 //! [work_offset_g55]
 //! X = "120.5 mm"
 //! ```
+//!
+//! Two keys are no parameters: `schema`, the version of the table the file was written for, and `drive`, the sections of
+//! the drives.
 
 use std::io::Read as _;
 use std::ops::Range;
@@ -17,7 +20,7 @@ use leadscrew_core::params::{Entry, FindError, Writing};
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-use super::{Loader, mistake};
+use super::{Loader, drives, mistake, schema};
 use crate::diagnostics::Place;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::source::SourceFile;
@@ -49,16 +52,26 @@ pub fn apply(loader: &mut Loader, name: &str, text: &str) {
 }
 
 /// The text of a file, and its name in messages.
-struct Source<'a> {
+pub struct Source<'a> {
     name: &'a str,
     text: &'a str,
 }
 
 impl Source<'_> {
     fn table(&self, loader: &mut Loader, table: &DeTable) {
+        // A file of another version would only make reasons that are none.
+        if let Some(value) = table.get(schema::KEY)
+            && schema::version(self.text) != Ok(Some(schema::SCHEMA))
+        {
+            let found = self.text.get(value.span()).unwrap_or_default();
+            let figures = [mistake::shown(found), schema::SCHEMA.to_string()];
+            return loader.report(Code::ParamSchema, &figures, &self.place(&value.span()));
+        }
         for (key, value) in in_order(table) {
             let name = key.get_ref().as_ref();
             match value.get_ref() {
+                _ if name == schema::KEY => {}
+                _ if name == drives::KEY => drives::apply(loader, self, key, value),
                 DeValue::Table(parts) => self.parts(loader, key, parts),
                 _ => match Entry::find_text(name) {
                     Ok(entry) => self.value(loader, entry, &key.span(), value),
@@ -122,7 +135,7 @@ impl Source<'_> {
     }
 
     /// Line and columns of a span; what goes on over the end of its first line is cut there.
-    fn place(&self, span: &Range<usize>) -> Place {
+    pub fn place(&self, span: &Range<usize>) -> Place {
         let before = self.text.get(..span.start).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         let rest = self.text.get(line_start..).unwrap_or_default();
@@ -142,7 +155,7 @@ impl Source<'_> {
 }
 
 /// The keys as they stand in the file; the table itself is in alphabetical order.
-fn in_order<'a, 'i>(
+pub fn in_order<'a, 'i>(
     table: &'a DeTable<'i>,
 ) -> Vec<(&'a Spanned<DeString<'i>>, &'a Spanned<DeValue<'i>>)> {
     let mut items: Vec<_> = table.iter().collect();

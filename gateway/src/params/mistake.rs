@@ -135,7 +135,7 @@ fn distance(a: &str, b: &str) -> usize {
 }
 
 /// A key or value as a message can show it: on one line, and not endless.
-fn shown(text: &str) -> String {
+pub fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut out: String = text
         .chars()

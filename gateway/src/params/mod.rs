@@ -4,11 +4,17 @@
 //! A mistake never hides another: everything that is wrong is told at once, each with its place, cause and remedy.
 //! Nothing is ignored and nothing is rounded.
 
+pub mod difference;
+pub mod drives;
+pub mod edit;
 mod file;
 mod mistake;
 mod option;
+pub mod schema;
 #[cfg(test)]
 mod tests;
+mod text;
+pub mod whole;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -21,7 +27,9 @@ use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
 use crate::json::Json;
 
+pub use file::read;
 pub use mistake::unknown_key;
+pub use text::{CHAPTERS, literal, meaning, name, value_text};
 
 /// A set of parameters, where its values come from, and what is wrong with it.
 #[derive(Debug)]
@@ -30,8 +38,13 @@ pub struct Loaded {
     pub params: Params,
     /// Alarms and warnings, in the order in which they were found.
     pub diagnostics: Vec<Diagnostic>,
+    /// What the drives' own objects are to be, in the order in which it was written.
+    pub drives: Vec<drives::Setting>,
     sources: BTreeMap<Key, Source>,
 }
+
+/// Keys at the top of a file that are no parameters.
+const OTHER_KEYS: [&str; 2] = [schema::KEY, drives::KEY];
 
 /// The number and part of an entry, in an order.
 type Key = (u16, u8);
@@ -77,7 +90,7 @@ pub fn load_over(
 ) -> Outcome<Loaded> {
     let mut loader = Loader::new(base, lang);
     for path in files {
-        let text = file::read(path)?;
+        let text = read(path)?;
         loader.file(&path.display().to_string(), &text);
     }
     for text in options {
@@ -98,11 +111,7 @@ pub fn load_text(name: &str, text: &str, lang: Lang) -> Loaded {
 impl Loader {
     fn new(base: Option<Params>, lang: Lang) -> Self {
         Self {
-            loaded: Loaded {
-                params: base.unwrap_or_else(Params::slant_bed),
-                diagnostics: Vec::new(),
-                sources: BTreeMap::new(),
-            },
+            loaded: Loaded::of(base.unwrap_or_else(Params::slant_bed)),
             lang,
             layer: 0,
             count: 0,
@@ -124,6 +133,17 @@ impl Loader {
 }
 
 impl Loaded {
+    /// A set that comes from nowhere.
+    #[must_use]
+    pub const fn of(params: Params) -> Self {
+        Self {
+            params,
+            diagnostics: Vec::new(),
+            drives: Vec::new(),
+            sources: BTreeMap::new(),
+        }
+    }
+
     /// Tells a person everything that was found.
     pub fn tell(&self, colour: bool) {
         for diagnostic in &self.diagnostics {
@@ -136,17 +156,32 @@ impl Loaded {
         let mut json = Json::new();
         json.object(|o| {
             o.flag("ok", self.is_good());
-            for (key, warning) in [("alarms", false), ("warnings", true)] {
-                o.array_at(key, |list| {
-                    for diagnostic in self.diagnostics.iter().filter(|d| d.warning == warning) {
-                        list.object(|o| diagnostic.fields(o, true));
-                    }
-                });
-            }
+            self.report_fields(o);
         });
         let mut bytes = json.into_bytes();
         bytes.push(b'\n');
         bytes
+    }
+
+    /// `"alarms"` and `"warnings"` of it.
+    pub fn report_fields(&self, json: &mut Json) {
+        for (key, warning) in [("alarms", false), ("warnings", true)] {
+            json.array_at(key, |list| {
+                for diagnostic in self.diagnostics.iter().filter(|d| d.warning == warning) {
+                    list.object(|o| diagnostic.fields(o, true));
+                }
+            });
+        }
+    }
+
+    /// The values that options have set, in the order of the table.
+    pub fn by_options(&self) -> Vec<(&'static Entry, i64)> {
+        let by_option = |entry: &&Entry| {
+            let source = self.sources.get(&key(entry));
+            source.is_some_and(|source| source.place.file == option::NAME)
+        };
+        let all = Entry::all().iter().filter(by_option);
+        all.map(|entry| (entry, self.params.get(entry))).collect()
     }
 
     /// True where nothing but warnings was found.
@@ -171,6 +206,11 @@ impl Loaded {
             let figures = alarm.args.map(|arg| figure(arg, lang, false));
             let place = self.blame(&alarm);
             let diagnostic = Diagnostic::of_option(alarm.code, &figures, &place, lang);
+            self.diagnostics.push(diagnostic);
+        }
+        for conflict in drives::conflicts(&self.drives, &self.params) {
+            let (code, figures) = (conflict.code, &conflict.figures);
+            let diagnostic = Diagnostic::of_option(code, figures, &conflict.place, lang);
             self.diagnostics.push(diagnostic);
         }
     }

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params};
 
-use super::{json_list, meaning, name, print, unit_text, value_text};
+use super::{json_list, print, unit_text};
 use crate::cli::Global;
 use crate::failure::Outcome;
+use crate::params::{CHAPTERS, meaning, name, value_text};
 use crate::setup;
 
 /// Prints the manual.
@@ -21,36 +22,6 @@ pub fn run(global: &Global, eds: bool) -> Outcome {
     }
     print(markdown(global.lang()).as_bytes())
 }
-
-/// A chapter: which numbers, and its head in both languages.
-struct Chapter {
-    numbers: fn(u16) -> bool,
-    en: &'static str,
-    zh: &'static str,
-}
-
-const CHAPTERS: [Chapter; 4] = [
-    Chapter {
-        numbers: |no| no < 1000,
-        en: "Cycles: numbers of the 980TD",
-        zh: "循环：980TD 参数号",
-    },
-    Chapter {
-        numbers: |no| (5000..9000).contains(&no),
-        en: "Cycles: numbers of the 988",
-        zh: "循环：988 参数号",
-    },
-    Chapter {
-        numbers: |no| (1000..5000).contains(&no),
-        en: "Machine: FANUC numbers",
-        zh: "机床：FANUC 参数号",
-    },
-    Chapter {
-        numbers: |no| no >= 9000,
-        en: "Machine: our own numbers",
-        zh: "机床：自有参数号",
-    },
-];
 
 const INTRO_EN: &str = "# Parameters
 
@@ -99,15 +70,10 @@ pub fn markdown(lang: Lang) -> String {
         Lang::Zh => INTRO_ZH,
     });
     for chapter in &CHAPTERS {
-        let (title, head) = match lang {
-            Lang::En => (
-                chapter.en,
-                "| No. | Alias | Name | Unit | Range | Built in | Meaning | Source |",
-            ),
-            Lang::Zh => (
-                chapter.zh,
-                "| 号 | 别号 | 名称 | 单位 | 范围 | 内置值 | 含义 | 出处 |",
-            ),
+        let title = chapter.title(lang);
+        let head = match lang {
+            Lang::En => "| No. | Alias | Name | Unit | Range | Built in | Meaning | Source |",
+            Lang::Zh => "| 号 | 别号 | 名称 | 单位 | 范围 | 内置值 | 含义 | 出处 |",
         };
         // Writing into a string cannot fail.
         let _ = writeln!(

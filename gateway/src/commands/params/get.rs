@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, FindError, Params};
 
-use super::{json_list, meaning, name, print, value_text};
+use super::{json_list, print};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
-use crate::params::{Loaded, unknown_key};
+use crate::params::{Loaded, meaning, name, unknown_key, value_text};
 use crate::setup;
 use crate::words::Both;
 

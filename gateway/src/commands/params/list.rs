@@ -3,10 +3,10 @@
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Entry;
 
-use super::{json_list, meaning, name, print, value_text};
+use super::{json_list, print};
 use crate::cli::Global;
 use crate::failure::Outcome;
-use crate::params::Loaded;
+use crate::params::{Loaded, meaning, name, value_text};
 use crate::setup;
 
 /// Prints the table.

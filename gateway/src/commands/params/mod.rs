@@ -1,10 +1,17 @@
 //! `params`: one file a verb, and what they share: a value as text and as JSON.
 
+mod diff;
 mod docs;
+mod drive;
 mod eds;
 mod get;
+mod home;
 mod list;
+mod migrate;
+mod pull;
+mod push;
 mod validate;
+mod write;
 
 use std::io::Write as _;
 
@@ -14,28 +21,21 @@ use leadscrew_core::params::{Entry, Params, Part};
 use crate::cli::{Global, ParamsCommand};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
-use crate::params::Loaded;
-use crate::words::both;
+use crate::params::{Loaded, meaning};
+use crate::setup;
 
 /// Does what was typed.
 pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
-    let not_yet = |name: &str| {
-        Err(Failure::Usage(both!(
-            "`params {name}` is not available yet: it needs a board that keeps its parameters; `--params FILE` and \
-             `--set NO=VALUE` give a set to every command",
-            "`params {name}` 尚未提供：它需要一块自己保存参数的控制板；可以用 `--params FILE` 和 `--set NO=VALUE` 给任何命令一组参数"
-        )))
-    };
     match command {
         ParamsCommand::List { filter } => list::run(global, filter.as_deref()),
         ParamsCommand::Get { keys } => get::run(global, keys),
         ParamsCommand::Validate => validate::run(global),
         ParamsCommand::Docs { eds } => docs::run(global, *eds),
-        ParamsCommand::Write(_) => not_yet("set"),
-        ParamsCommand::Pull(_) => not_yet("pull"),
-        ParamsCommand::Push(_) => not_yet("push"),
-        ParamsCommand::Diff(_) => not_yet("diff"),
-        ParamsCommand::Migrate(_) => not_yet("migrate"),
+        ParamsCommand::Write(args) => write::run(global, args),
+        ParamsCommand::Pull(args) => pull::run(global, args),
+        ParamsCommand::Push(_) => push::run(),
+        ParamsCommand::Diff(args) => diff::run(global, args),
+        ParamsCommand::Migrate(args) => migrate::run(global, args),
     }
 }
 
@@ -46,13 +46,16 @@ fn print(bytes: &[u8]) -> Outcome {
         .map_err(|error| Failure::stdout(&error))
 }
 
-/// A raw value with its unit, as machine files take it.
-fn value_text(entry: &Entry, raw: i64) -> String {
-    if entry.none == Some(raw) {
-        "none".into()
-    } else {
-        entry.unit.text(raw).to_string()
+/// The set, with what is wrong with it told; a wrong one ends the command.
+fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
+    loaded.tell(setup::colour());
+    if loaded.is_good() {
+        return Ok(loaded);
     }
+    if global.json {
+        print(&loaded.report())?;
+    }
+    Err(Failure::Wrong)
 }
 
 /// The unit as a table shows it: a diameter says that it is one.
@@ -61,22 +64,6 @@ fn unit_text(entry: &Entry, lang: Lang) -> String {
         (false, _) => entry.unit.symbol().into(),
         (true, Lang::En) => format!("{} (diameter)", entry.unit.symbol()),
         (true, Lang::Zh) => format!("{}（直径值）", entry.unit.symbol()),
-    }
-}
-
-/// What the parameter is.
-fn meaning(entry: &Entry, lang: Lang) -> &'static str {
-    match lang {
-        Lang::En => entry.text().en,
-        Lang::Zh => entry.text().zh,
-    }
-}
-
-/// `thread_angle`, `rapid_rate.X`: what a machine file may write for the number.
-fn name(entry: &Entry) -> String {
-    match entry.part {
-        Part::Axis(axis) => format!("{}.{}", entry.text().name, char::from(axis.letter())),
-        Part::Whole | Part::Bit(_) => entry.text().name.into(),
     }
 }
 

@@ -1,0 +1,156 @@
+//! The drives' own objects: read, and compared with what they are to be.
+
+use leadscrew_core::bus::{Mapped, Object};
+
+use crate::failure::{Failure, Outcome};
+use crate::link::{Link, Trouble, reason};
+use crate::params::difference::DriveChange;
+use crate::params::drives::{DriveName, Kind, Setting, Wanted, mapping_text, object_text};
+use crate::words::both;
+
+/// What an object is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// A number.
+    Number(i64),
+    /// The mapping of a PDO.
+    Mapping(Vec<Mapped>),
+}
+
+/// An object that is another one than wanted.
+#[derive(Clone, Debug)]
+pub struct Pending {
+    /// Of which drive.
+    pub drive: DriveName,
+    /// What it is to be.
+    pub wanted: Wanted,
+    /// What it is.
+    pub found: Found,
+}
+
+impl Pending {
+    /// In words.
+    pub fn change(&self) -> DriveChange {
+        let (old, new) = match (&self.found, &self.wanted) {
+            (Found::Number(old), Wanted::Number { value, .. }) => {
+                (old.to_string(), value.to_string())
+            }
+            (Found::Mapping(old), Wanted::Mapping { objects, .. }) => {
+                (mapping_text(old), mapping_text(objects))
+            }
+            // A number is read as a number.
+            _ => (String::new(), String::new()),
+        };
+        DriveChange {
+            drive: self.drive.name(),
+            object: object_text(self.wanted.object()),
+            old,
+            new,
+        }
+    }
+}
+
+/// What each of these is on its drive.
+///
+/// # Errors
+/// A drive that does not answer, does not have the object, or has another type.
+pub fn found(link: &mut Link, settings: &[Setting]) -> Outcome<Vec<Found>> {
+    settings
+        .iter()
+        .map(|setting| read(link, setting.drive, &setting.wanted))
+        .collect()
+}
+
+/// Everything that is not as it is wanted.
+///
+/// # Errors
+/// As [`found`].
+pub fn pending(link: &mut Link, settings: &[Setting]) -> Outcome<Vec<Pending>> {
+    let found = found(link, settings)?;
+    let differ = |(setting, found): (&Setting, Found)| {
+        (!is(&setting.wanted, &found)).then(|| Pending {
+            drive: setting.drive,
+            wanted: setting.wanted.clone(),
+            found,
+        })
+    };
+    Ok(settings.iter().zip(found).filter_map(differ).collect())
+}
+
+fn is(wanted: &Wanted, found: &Found) -> bool {
+    match (wanted, found) {
+        (Wanted::Number { value, .. }, Found::Number(is)) => value == is,
+        (Wanted::Mapping { objects, .. }, Found::Mapping(are)) => objects == are,
+        _ => false,
+    }
+}
+
+fn read(link: &mut Link, drive: DriveName, wanted: &Wanted) -> Outcome<Found> {
+    let node = drive.node();
+    let mut number = |object: Object, kind: Kind| -> Outcome<i64> {
+        let bytes = link
+            .read_of(node, object)
+            .map_err(|trouble| refused(drive, &trouble))?;
+        kind.decode(&bytes)
+            .ok_or_else(|| other_type(drive, object, kind, bytes.len()))
+    };
+    match wanted {
+        Wanted::Number { object, kind, .. } => Ok(Found::Number(number(*object, *kind)?)),
+        Wanted::Mapping { mapping, .. } => {
+            let count = number(Object::new(*mapping, 0), Kind::U8)?;
+            let objects: Outcome<Vec<Mapped>> = (1..=u8::try_from(count).unwrap_or(0))
+                .map(|sub| {
+                    let raw = number(Object::new(*mapping, sub), Kind::U32)?;
+                    let [bits, sub, low, high] = (raw as u32).to_le_bytes();
+                    Ok(Mapped::new(u16::from_le_bytes([low, high]), sub, bits))
+                })
+                .collect();
+            Ok(Found::Mapping(objects?))
+        }
+    }
+}
+
+/// A drive says no, or nothing.
+fn refused(drive: DriveName, trouble: &Trouble) -> Failure {
+    let Trouble::Transfer {
+        object,
+        write,
+        error,
+        ..
+    } = trouble
+    else {
+        return Failure::Bus(trouble.words());
+    };
+    let doing = if *write {
+        both!("writing", "写")
+    } else {
+        both!("reading", "读")
+    };
+    let (reason, node) = (reason(*error), drive.node().get());
+    let words = both!(
+        "drive {drive} (node {node}): {doing_en} object {object} {en}",
+        "驱动器 {drive}（节点 {node}）：{doing_zh}对象 {object} {zh}",
+        object = object_text(*object),
+        doing_en = doing.en,
+        doing_zh = doing.zh,
+        en = reason.en,
+        zh = reason.zh
+    );
+    match trouble.refusal() {
+        Some(_) => Failure::WrongBecause(words),
+        None => Failure::Bus(words),
+    }
+}
+
+fn other_type(drive: DriveName, object: Object, kind: Kind, bytes: usize) -> Failure {
+    Failure::WrongBecause(both!(
+        "drive {drive} (node {node}): object {object} has {bytes} bytes there, and {kind} has {wanted}: correct its type in \
+         `[drive.{drive}]`; nothing has been changed",
+        "驱动器 {drive}（节点 {node}）：对象 {object} 在驱动器上有 {bytes} 字节，而 {kind} 有 {wanted} 字节：请改正 \
+         `[drive.{drive}]` 中的类型；未作任何改动",
+        node = drive.node().get(),
+        object = object_text(object),
+        kind = kind.name(),
+        wanted = kind.bytes()
+    ))
+}

@@ -1,0 +1,101 @@
+//! `params pull`: the set in force as a machine file.
+
+use std::path::Path;
+
+use leadscrew_core::link::identity;
+use leadscrew_core::params::Params;
+
+use super::home::Home;
+use super::{json_list, print};
+use crate::cli::{Global, Pull};
+use crate::diagnostics::say;
+use crate::failure::{Doing, Failure, Outcome};
+use crate::params::difference::changes;
+use crate::params::{self, Loaded, edit, whole};
+use crate::replace::replace;
+use crate::setup;
+use crate::words::{Both, both};
+
+/// Fetches it.
+pub fn run(global: &Global, args: &Pull) -> Outcome {
+    let mut home = Home::open(global)?;
+    let params = match &home {
+        // Without a board it is the set that the options make.
+        Home::BuiltIn(_) => setup::load(global)?.params,
+        Home::Board(machine) => machine.params.clone(),
+    };
+    if let Some(path) = &args.into {
+        return into(global, &mut home, &params, path);
+    }
+    if global.json && args.output.is_none() {
+        let loaded = Loaded::of(params);
+        return print(&json_list(
+            leadscrew_core::params::Entry::all().iter(),
+            &loaded,
+            global.lang(),
+        ));
+    }
+    let origin = both!(
+        "Parameters of {en}, identity {id:08x}; written by `leadscrew params pull`.",
+        "{zh}的参数，标识 {id:08x}；由 `leadscrew params pull` 写出。",
+        en = home.name().en,
+        zh = home.name().zh,
+        id = identity(&params)
+    );
+    let text = whole::file(
+        &params,
+        &[origin.get(global.lang()).to_owned()],
+        global.lang(),
+    );
+    let Some(path) = &args.output else {
+        return print(text.as_bytes());
+    };
+    if path.exists() {
+        return Err(Failure::Usage(both!(
+            "`{path}` is there already: `--into {path}` takes the values over and keeps its comments",
+            "`{path}` 已存在：`--into {path}` 可更新其中的值并保留注释",
+            path = path.display()
+        )));
+    }
+    put(path, &text)?;
+    told(global, path, &home.name())
+}
+
+/// The values go into a file that is there, which otherwise stays as it is.
+fn into(global: &Global, home: &mut Home, params: &Params, path: &Path) -> Outcome {
+    let text = params::read(path)?;
+    let files = [path.to_owned()];
+    let loaded = params::load(&files, &[], global.lang())?;
+    if !loaded.is_good() {
+        loaded.tell(setup::colour());
+        return Err(Failure::Wrong);
+    }
+    // What the file does not name is the built-in machine's, and has to be named where the board has another value.
+    let values: Vec<_> = changes(&loaded.params, params)
+        .into_iter()
+        .map(|change| (change.entry, change.new))
+        .collect();
+    let new = home.drives_into(text.clone(), &loaded.drives)?;
+    let new = edit::with_values(&new, &values);
+    if new != text {
+        put(path, &new)?;
+    }
+    told(global, path, &home.name())
+}
+
+fn put(path: &Path, text: &str) -> Outcome {
+    replace(path, text.as_bytes())
+        .map_err(|error| Failure::file(Doing::Write, path.display(), &error))
+}
+
+fn told(global: &Global, path: &Path, from: &Both) -> Outcome {
+    let words = both!(
+        "`{path}` has the parameters of {en}\n",
+        "`{path}` 已有{zh}的参数\n",
+        path = path.display(),
+        en = from.en,
+        zh = from.zh
+    );
+    say(words.get(global.lang()));
+    Ok(())
+}

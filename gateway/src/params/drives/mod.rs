@@ -1,0 +1,237 @@
+//! Drive sections of machine files: objects that are written to the drives themselves.
+//!
+//! ```toml
+//! [drive.X]
+//! rpdo1 = ["6040/16", "607A/32"]
+//! interpolation_period = "1 ms"
+//! max_profile_velocity = 500000
+//! "2105.3" = { type = "u16", value = 7 }
+//! ```
+//!
+//! A drive keeps its values in units of its own, so they are plain numbers here; what has to agree with the board's set
+//! is compared with it before anything is sent.
+
+mod objects;
+mod section;
+
+use std::ops::Range;
+
+use leadscrew_core::bus::{DriveCommand, DriveStatus, Mapped, Object, SpindleCommand};
+use leadscrew_core::params::Params;
+
+use crate::diagnostics::Place;
+
+pub use objects::{
+    DriveName, KNOWN, Kind, Known, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE, mapping_text,
+    object_text,
+};
+pub(super) use section::apply;
+
+/// The key of all sections.
+pub const KEY: &str = "drive";
+
+/// What an object of a drive is to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// A number.
+    Number {
+        /// Where.
+        object: Object,
+        /// How it travels.
+        kind: Kind,
+        /// What.
+        value: i64,
+    },
+    /// The mapping of a PDO.
+    Mapping {
+        /// 1600h … 1A01h.
+        mapping: u16,
+        /// 1400h … 1801h.
+        communication: u16,
+        /// What.
+        objects: Vec<Mapped>,
+    },
+}
+
+impl Wanted {
+    /// The object that it is about; of a mapping, its number of entries.
+    #[must_use]
+    pub const fn object(&self) -> Object {
+        match self {
+            Self::Number { object, .. } => *object,
+            Self::Mapping { mapping, .. } => Object::new(*mapping, 0),
+        }
+    }
+}
+
+/// A line of a section.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// Of which drive.
+    pub drive: DriveName,
+    /// What is wanted.
+    pub wanted: Wanted,
+    /// Which file, from 1.
+    pub(super) layer: usize,
+    /// Where it stands.
+    pub place: Place,
+    /// The bytes of the file that are its value; both halves of `interpolation_period` share them.
+    pub span: Range<usize>,
+}
+
+/// The value of a mapping as a file has it.
+#[must_use]
+pub fn mapping_literal(objects: &[Mapped]) -> String {
+    let piece = |mapped: &Mapped| {
+        let Object { index, sub } = mapped.object;
+        match sub {
+            0 => format!("\"{index:04X}/{}\"", mapped.bits),
+            sub => format!("\"{index:04X}:{sub:02X}/{}\"", mapped.bits),
+        }
+    };
+    let pieces: Vec<_> = objects.iter().map(piece).collect();
+    format!("[{}]", pieces.join(", "))
+}
+
+/// The value of `interpolation_period` as a file has it; `None` for less than a microsecond.
+#[must_use]
+pub fn period_literal(value: i64, exponent: i64) -> Option<String> {
+    let ns = period_ns(value, exponent)?;
+    match (ns % 1_000_000, ns % 1000) {
+        (0, _) => Some(format!("\"{} ms\"", ns / 1_000_000)),
+        (_, 0) => Some(format!("\"{} µs\"", ns / 1000)),
+        _ => None,
+    }
+}
+
+/// A period of 60C2h in nanoseconds; `None` for one that no tick can have.
+#[must_use]
+pub fn period_ns(value: i64, exponent: i64) -> Option<i64> {
+    let power = u32::try_from(exponent.checked_add(9)?).ok()?;
+    value.checked_mul(10_i64.checked_pow(power)?)
+}
+
+/// What 60C2h has to be for a tick; `None` where no 8 bits hold it.
+#[must_use]
+pub fn period_of(us: i64) -> Option<(u8, i8)> {
+    let (mut value, mut exponent) = (us, -6);
+    while value % 10 == 0 && value > 0 {
+        value /= 10;
+        exponent += 1;
+    }
+    Some((u8::try_from(value).ok()?, exponent))
+}
+
+/// A conflict of the drives' objects with the board's set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Conflict {
+    /// Which alarm.
+    pub code: leadscrew_core::alarm::Code,
+    /// Its figures.
+    pub figures: Vec<String>,
+    /// Where it was written.
+    pub place: Place,
+}
+
+/// Everything in the sections that the board with this set could not work with.
+#[must_use]
+pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
+    use leadscrew_core::alarm::Code;
+    let mut found = Vec::new();
+    for setting in settings {
+        let drive = setting.drive;
+        let mut conflict = |code, figures: [String; 3]| {
+            let mut all = vec![drive.to_string()];
+            all.extend(figures.into_iter().filter(|figure| !figure.is_empty()));
+            found.push(Conflict {
+                code,
+                figures: all,
+                place: setting.place.clone(),
+            });
+        };
+        match &setting.wanted {
+            Wanted::Number { object, value, .. } if *object == RATE => {
+                let board = params.drive_status_syncs();
+                if *value != i64::from(board) {
+                    conflict(
+                        Code::DriveRate,
+                        [value.to_string(), board.to_string(), String::new()],
+                    );
+                }
+            }
+            Wanted::Number { object, value, .. } if *object == PERIOD_VALUE => {
+                // The power of ten may be the drive's own: then the drive is asked before anything is written.
+                let exponent = settings.iter().find_map(|other| match other.wanted {
+                    Wanted::Number { object, value, .. }
+                        if other.drive == drive && object == PERIOD_EXPONENT =>
+                    {
+                        Some(value)
+                    }
+                    _ => None,
+                });
+                if let Some(exponent) = exponent
+                    && let Some((period, tick)) = period_conflict(*value, exponent, params)
+                {
+                    conflict(Code::DrivePeriod, [period, tick, String::new()]);
+                }
+            }
+            Wanted::Mapping {
+                mapping, objects, ..
+            } => {
+                let board: &[Mapped] = match mapping {
+                    0x1600 => &DriveCommand::MAPPING,
+                    0x1601 if drive.is_spindle() => &SpindleCommand::MAPPING,
+                    0x1A00 => &DriveStatus::MAPPING,
+                    _ => continue,
+                };
+                if objects != board {
+                    conflict(
+                        Code::DriveMapping,
+                        [
+                            format!("{mapping:04X}h"),
+                            mapping_text(objects),
+                            mapping_text(board),
+                        ],
+                    );
+                }
+            }
+            Wanted::Number { .. } => {}
+        }
+    }
+    found
+}
+
+/// Both times in words, where a period is not the tick.
+#[must_use]
+pub fn period_conflict(value: i64, exponent: i64, params: &Params) -> Option<(String, String)> {
+    let tick = i64::from(params.tick_us());
+    if period_ns(value, exponent) == tick.checked_mul(1000) {
+        return None;
+    }
+    Some((format!("{value} × 10^{exponent} s"), format!("{tick} µs")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_tick_that_eight_bits_hold_has_a_period() {
+        for (us, expected) in [
+            (250, Some((25, -5))),
+            (1000, Some((1, -3))),
+            (10_000, Some((1, -2))),
+            (2550, Some((255, -5))),
+            (2560, None),
+            (255, Some((255, -6))),
+            (257, None),
+        ] {
+            assert_eq!(period_of(us), expected, "{us}");
+            if let Some((value, exponent)) = expected {
+                assert_eq!(period_ns(value.into(), exponent.into()), Some(us * 1000));
+            }
+        }
+        assert_eq!(period_ns(1, -10), None);
+        assert_eq!(period_ns(255, 63), None);
+    }
+}

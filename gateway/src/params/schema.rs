@@ -1,0 +1,393 @@
+//! Which version of the parameter table a file was written for, and how an older file becomes one of this version.
+//!
+//! A version counts up when a key that was right becomes wrong, or comes to mean something else: a number renamed or dropped,
+//! another unit, a narrower range. A new number changes nothing for the files there are. A file without `schema` counts as
+//! one of this version: what it says wrongly is told key by key [D119].
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::Entry;
+
+use super::edit::{Leaf, Replacement, leaves, replaced};
+use super::value_text;
+use crate::words::{Both, both};
+
+/// The version of this program's table.
+pub const SCHEMA: u32 = 1;
+
+/// The key in a file.
+pub const KEY: &str = "schema";
+
+/// What has changed from one version to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Migration {
+    /// The version it leads to; it begins at the one before.
+    pub to: u32,
+    /// What has changed.
+    pub steps: &'static [Step],
+}
+
+/// One change of the table. Keys are written as in a file; a number and its names are one each.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// Any of these is called that now; bits and axes stay.
+    Renamed {
+        /// Number, second number and name as they were.
+        from: &'static [&'static str],
+        /// As it is now.
+        to: &'static str,
+    },
+    /// Any of these is no more.
+    Dropped {
+        /// Number, second number and name as they were.
+        keys: &'static [&'static str],
+        /// Why, in English.
+        en: &'static str,
+        /// Why, in Chinese.
+        zh: &'static str,
+    },
+    /// It was not there before.
+    New {
+        /// Its key.
+        key: &'static str,
+    },
+    /// It takes other values than before.
+    Range {
+        /// Its key.
+        key: &'static str,
+    },
+}
+
+/// Every migration there is, oldest first.
+pub const MIGRATIONS: &[Migration] = &[];
+
+/// What a migration would do to a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Migrated {
+    /// The version it had.
+    pub from: u32,
+    /// The version it has now.
+    pub to: u32,
+    /// What was done, step by step.
+    pub notes: Vec<Note>,
+    /// The file as it is then.
+    pub text: String,
+}
+
+/// One thing that was done, or that somebody has to look at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// `renamed`, `dropped`, `new`, `range`.
+    pub kind: &'static str,
+    /// The key it is about, as it is written in the file.
+    pub key: String,
+    /// In words.
+    pub words: Both,
+    /// Somebody has to look at it before the file can be used.
+    pub open: bool,
+}
+
+/// Why a file cannot be brought to this version.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unmigratable {
+    /// It is not TOML, or its `schema` is no whole number.
+    Unreadable,
+    /// Nobody knows the way from its version.
+    Version(u32),
+}
+
+/// Brings the text of a file to the last version of `migrations`, or says why not. One without a version counts as one of
+/// `first`.
+///
+/// # Errors
+/// [`Unmigratable`].
+pub fn migrate(
+    text: &str,
+    migrations: &[Migration],
+    current: u32,
+    first: Option<u32>,
+) -> Result<Migrated, Unmigratable> {
+    let from = match version(text)? {
+        Some(version) => version,
+        None => first.unwrap_or(current),
+    };
+    let mut notes = Vec::new();
+    let mut text = text.to_owned();
+    let mut at = from;
+    while at != current {
+        let next = migrations.iter().find(|m| at.checked_add(1) == Some(m.to));
+        let Some(next) = next.filter(|_| at < current) else {
+            return Err(Unmigratable::Version(from));
+        };
+        text = step(&text, next.steps, &mut notes).ok_or(Unmigratable::Unreadable)?;
+        at = next.to;
+    }
+    let text = with_version(&text, current);
+    Ok(Migrated {
+        from,
+        to: current,
+        notes,
+        text,
+    })
+}
+
+/// The version a file says it has.
+///
+/// # Errors
+/// [`Unmigratable::Unreadable`].
+pub fn version(text: &str) -> Result<Option<u32>, Unmigratable> {
+    use toml::de::{DeTable, DeValue};
+    let table = DeTable::parse(text).map_err(|_| Unmigratable::Unreadable)?;
+    match table.get_ref().get(KEY).map(|value| value.get_ref()) {
+        None => Ok(None),
+        Some(DeValue::Integer(number)) if number.radix() == 10 => number
+            .as_str()
+            .parse()
+            .map(Some)
+            .map_err(|_| Unmigratable::Unreadable),
+        Some(_) => Err(Unmigratable::Unreadable),
+    }
+}
+
+fn with_version(text: &str, version: u32) -> String {
+    let table = toml::de::DeTable::parse(text).ok();
+    let span = table.and_then(|table| Some(table.get_ref().get(KEY)?.span()));
+    let end = if text.contains("\r\n") { "\r\n" } else { "\n" };
+    match span {
+        Some(span) => replaced(
+            text,
+            vec![Replacement {
+                span,
+                by: version.to_string(),
+            }],
+        ),
+        None => format!("{KEY} = {version}{end}{text}"),
+    }
+}
+
+fn step(text: &str, steps: &[Step], notes: &mut Vec<Note>) -> Option<String> {
+    let mut replacements: Vec<Replacement> = Vec::new();
+    let leaves = leaves(text, &super::OTHER_KEYS)?;
+    let named = |key: &'static str| leaves.iter().filter(move |leaf| is(leaf, key));
+    let mut note = |kind, key: String, words, open| {
+        notes.push(Note {
+            kind,
+            key,
+            words,
+            open,
+        });
+    };
+    for step in steps {
+        match *step {
+            Step::Renamed { from, to } => {
+                for leaf in from.iter().flat_map(|key| named(key)) {
+                    let whole = leaf.part.is_none() && leaf.head.contains('.');
+                    let by = match leaf.head.split_once('.') {
+                        Some((_, part)) if whole => format!("\"{to}.{part}\""),
+                        _ => to.to_owned(),
+                    };
+                    let replacement = Replacement {
+                        span: leaf.head_span.clone(),
+                        by,
+                    };
+                    // Several axes under one header have one head.
+                    if !replacements.contains(&replacement) {
+                        replacements.push(replacement);
+                    }
+                    let words = both!("is called {to} now", "现在叫 {to}");
+                    note("renamed", leaf.key(), words, false);
+                }
+            }
+            Step::Dropped { keys, en, zh } => {
+                for leaf in keys.iter().flat_map(|key| named(key)) {
+                    // The line stays to be read, as a comment.
+                    let line = text[..leaf.value_span.start]
+                        .rfind('\n')
+                        .map_or(0, |at| at + 1);
+                    let replacement = Replacement {
+                        span: line..line,
+                        by: "# ".into(),
+                    };
+                    if !replacements.contains(&replacement) {
+                        replacements.push(replacement);
+                    }
+                    let words = both!(
+                        "is no more ({en}); its line is a comment now",
+                        "已取消（{zh}）；该行已改为注释"
+                    );
+                    note("dropped", leaf.key(), words, false);
+                }
+            }
+            Step::New { key } => {
+                if named(key).next().is_none() {
+                    let words = match Entry::find_text(key) {
+                        Ok(entry) => {
+                            let built_in = leadscrew_core::params::Params::slant_bed().get(entry);
+                            let value = value_text(entry, built_in);
+                            let (en, zh) = (
+                                super::meaning(entry, Lang::En),
+                                super::meaning(entry, Lang::Zh),
+                            );
+                            both!(
+                                "is new and stays at {value}: {en}",
+                                "是新参数，取内置值 {value}：{zh}"
+                            )
+                        }
+                        Err(_) => both!("is new", "是新参数"),
+                    };
+                    note("new", key.to_owned(), words, false);
+                }
+            }
+            Step::Range { key } => {
+                for leaf in named(key) {
+                    let words = match Entry::find_text(&leaf.key()) {
+                        Ok(entry) => {
+                            let (low, high) =
+                                (entry.unit.number(entry.min), entry.unit.text(entry.max));
+                            both!(
+                                "goes from {low} to {high} now: look at its value",
+                                "范围现为 {low} 至 {high}：请检查它的值"
+                            )
+                        }
+                        Err(_) => both!(
+                            "takes other values now: look at its value",
+                            "取值范围已改变：请检查它的值"
+                        ),
+                    };
+                    note("range", leaf.key(), words, true);
+                }
+            }
+        }
+    }
+    Some(replaced(text, replacements))
+}
+
+/// A leaf is the one that a key of the table names; a key without a part names all parts.
+fn is(leaf: &Leaf, key: &str) -> bool {
+    let plain = |text: &str| text.trim_start_matches('0').to_ascii_lowercase();
+    let split = |text: &str| match text.split_once('.') {
+        Some((head, part)) => (plain(head), Some(part.to_ascii_lowercase())),
+        None => (plain(text), None),
+    };
+    let (head, part) = split(key);
+    let (leaf_head, leaf_part) = split(&leaf.key());
+    head == leaf_head && (part.is_none() || part == leaf_part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Version 8 called 1420 `fast` (or 1400), and had 1401, which no version has; version 9 came between.
+    const SYNTHETIC: &[Migration] = &[
+        Migration {
+            to: 9,
+            steps: &[Step::Renamed {
+                from: &["fast", "1400"],
+                to: "rapid",
+            }],
+        },
+        Migration {
+            to: 10,
+            steps: &[
+                Step::Renamed {
+                    from: &["rapid"],
+                    to: "1420",
+                },
+                Step::Dropped {
+                    keys: &["1401", "fan"],
+                    en: "there is no fan",
+                    zh: "没有风扇",
+                },
+                Step::New { key: "9007" },
+                Step::Range { key: "058" },
+            ],
+        },
+    ];
+
+    const OLD: &str = "# lathe\nschema = 8 # as delivered\n01400.X = \"12 m/min\" # X\nfast.Z=\"16 m/min\"\n\
+                       \"1401.0\" = 1 # off\n\"thread_angle\" = \"55 °\"\n58 = \"55 °\"\n[9101]\nX = \"1 mm\"\n";
+    const NEW: &str = "# lathe\nschema = 10 # as delivered\n1420.X = \"12 m/min\" # X\n1420.Z=\"16 m/min\"\n\
+                       # \"1401.0\" = 1 # off\n\"thread_angle\" = \"55 °\"\n58 = \"55 °\"\n[9101]\nX = \"1 mm\"\n";
+
+    #[test]
+    fn an_older_file_goes_through_every_version() {
+        let migrated = migrate(OLD, SYNTHETIC, 10, None).unwrap();
+        assert_eq!((migrated.from, migrated.to), (8, 10));
+        assert_eq!(migrated.text, NEW);
+        let notes: Vec<_> = migrated
+            .notes
+            .iter()
+            .map(|note| (note.kind, note.key.as_str(), note.words.en.as_str()))
+            .collect();
+        assert_eq!(
+            notes,
+            [
+                ("renamed", "fast.Z", "is called rapid now"),
+                ("renamed", "01400.X", "is called rapid now"),
+                ("renamed", "rapid.X", "is called 1420 now"),
+                ("renamed", "rapid.Z", "is called 1420 now"),
+                (
+                    "dropped",
+                    "1401.0",
+                    "is no more (there is no fan); its line is a comment now"
+                ),
+                (
+                    "new",
+                    "9007",
+                    "is new and stays at 15 %: Measured spindle speed counts as arrived within this of the commanded one"
+                ),
+                ("range", "58", "goes from 0 to 99 ° now: look at its value"),
+            ]
+        );
+        assert!(
+            migrated
+                .notes
+                .iter()
+                .all(|note| note.open == (note.kind == "range"))
+        );
+    }
+
+    #[test]
+    fn heads_are_renamed_wherever_they_stand() {
+        let one = &SYNTHETIC[..1];
+        for (old, new) in [
+            ("\"fast.X\" = 1\n", "schema = 9\n\"rapid.X\" = 1\n"),
+            (
+                "[fast]\nX = 1\nZ = 2\n",
+                "schema = 9\n[rapid]\nX = 1\nZ = 2\n",
+            ),
+            (
+                "1400 = { X = 1, Z = 2 }\n",
+                "schema = 9\nrapid = { X = 1, Z = 2 }\n",
+            ),
+            ("FAST . X = 1\r\n", "schema = 9\r\nrapid . X = 1\r\n"),
+        ] {
+            assert_eq!(migrate(old, one, 9, Some(8)).unwrap().text, new);
+        }
+    }
+
+    #[test]
+    fn versions_nobody_knows_are_named() {
+        for (text, expected) in [
+            ("schema = 11\n", Unmigratable::Version(11)),
+            ("schema = 7\n", Unmigratable::Version(7)),
+            ("schema = 0\n", Unmigratable::Version(0)),
+            ("schema = -1\n", Unmigratable::Unreadable),
+            ("schema = \"8\"\n", Unmigratable::Unreadable),
+            ("schema = ", Unmigratable::Unreadable),
+        ] {
+            assert_eq!(migrate(text, SYNTHETIC, 10, None), Err(expected), "{text}");
+        }
+        let same = migrate("schema = 10\n9007 = 1\n", SYNTHETIC, 10, None).unwrap();
+        assert_eq!(same.text, "schema = 10\n9007 = 1\n");
+        assert!(same.notes.is_empty());
+    }
+
+    #[test]
+    fn the_table_leads_to_this_version_without_a_gap() {
+        for (before, after) in MIGRATIONS.iter().zip(MIGRATIONS.iter().skip(1)) {
+            assert_eq!(before.to + 1, after.to);
+        }
+        assert_eq!(MIGRATIONS.last().map_or(1, |last| last.to), SCHEMA);
+    }
+}
