@@ -5,6 +5,7 @@
 //! Integers only and no allocation, so that the same plant gives the same bits wherever it runs. It knows the board only
 //! by its frames.
 
+pub mod line;
 pub mod plant;
 mod sim;
 mod storage;

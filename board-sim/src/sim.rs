@@ -4,6 +4,7 @@
 //! the calls, the parameters and the options. The simulation sees the truth and judges the board by it; the board sees
 //! frames and encoder samples alone.
 
+mod faults;
 mod network;
 
 use heapless::{Deque, Vec};
@@ -18,6 +19,7 @@ use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Length, Rpm, Turns};
 
+use crate::line::Line;
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
 
@@ -32,6 +34,9 @@ const ANSWERS: usize = 24;
 
 /// Answers of the drives to SDO requests that nobody has taken yet.
 const TO_OTHERS: usize = 16;
+
+/// Frames that one becomes on its way at most, and those that waited for it.
+const OUT: usize = 8;
 
 /// What the machine is doing in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -232,6 +237,10 @@ pub struct Sim {
     flash: Flash,
     /// Answers of the drives to somebody else on the bus.
     to_others: Deque<Frame, TO_OTHERS>,
+    /// What goes wrong with frames.
+    wire: Line,
+    /// On their way to whoever else is on the bus.
+    out: Deque<Frame, OUT>,
 }
 
 /// Whole ticks, and the rest in µs.
@@ -309,6 +318,8 @@ impl Sim {
             truths: Deque::new(),
             flash,
             to_others: Deque::new(),
+            wire: Line::default(),
+            out: Deque::new(),
         };
         sim.start()?;
         Ok(sim)
@@ -351,10 +362,14 @@ impl Sim {
 
     /// What the board sends reaches the drives, and they answer.
     fn exchange(&mut self, frames: &[Frame], wire: &mut dyn FnMut(Direction, &Frame)) {
+        self.answers.clear();
+        if !self.wire.is_quiet() {
+            self.exchange_on_bad_wire(frames, wire);
+            return;
+        }
         for frame in frames {
             wire(Direction::FromBoard, frame);
         }
-        self.answers.clear();
         let answers = &mut self.answers;
         self.plant.exchange(frames, |frame| {
             wire(Direction::ToBoard, &frame);
@@ -457,6 +472,9 @@ impl Sim {
             return None;
         }
         self.advance();
+        if !self.wire.is_good() {
+            self.suffer();
+        }
         let ready = self.release();
         while self.board.background() {}
         let mut output = Output::default();

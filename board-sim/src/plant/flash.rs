@@ -62,6 +62,10 @@ pub struct Flash {
     off: bool,
     /// Every write is refused.
     broken: bool,
+    /// Writes that can still be made before it refuses them all.
+    writes_left: Option<u32>,
+    /// Pages that can still be erased before it refuses to erase.
+    erases_left: Option<u32>,
     written: u32,
 }
 
@@ -97,6 +101,8 @@ impl Flash {
             left: None,
             off: false,
             broken: false,
+            writes_left: None,
+            erases_left: None,
             written: 0,
         }
     }
@@ -173,6 +179,16 @@ impl Flash {
     /// Refuses every write and erase, or takes them again.
     pub const fn set_broken(&mut self, broken: bool) {
         self.broken = broken;
+    }
+
+    /// Refuses every write and erase after so many more writes.
+    pub const fn fail_after(&mut self, writes: u32) {
+        self.writes_left = Some(writes);
+    }
+
+    /// Is worn: refuses to erase after so many more pages, and goes on being written where it is erased.
+    pub const fn wear_out_after(&mut self, pages: u32) {
+        self.erases_left = Some(pages);
     }
 
     /// Bytes written and erased so far, by which to choose where to cut.
@@ -304,19 +320,27 @@ impl NorFlash for Flash {
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         let length = to.checked_sub(from).ok_or(FlashError::Address)?;
         let from = self.check(from, length as usize, Self::PAGE)?;
-        if self.broken {
+        if self.broken || self.writes_left == Some(0) {
             return Err(FlashError::NotErased);
         }
         (from..from.wrapping_add(length as usize))
             .step_by(Self::PAGE)
-            .try_for_each(|page| self.erase_page(page))
+            .try_for_each(|page| {
+                let left = &mut self.erases_left;
+                if *left == Some(0) {
+                    return Err(FlashError::NotErased);
+                }
+                *left = left.map(|left| left.saturating_sub(1));
+                self.erase_page(page)
+            })
     }
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         let from = self.check(offset, bytes.len(), Self::WORD)?;
-        if self.broken {
+        if self.broken || self.writes_left == Some(0) {
             return Err(FlashError::NotErased);
         }
+        self.writes_left = self.writes_left.map(|left| left.saturating_sub(1));
         let words = (from..).step_by(Self::WORD).zip(bytes.chunks(Self::WORD));
         for (at, word) in words {
             self.write_word(at, word)?;

@@ -16,6 +16,14 @@ impl Sim {
 
     /// Somebody else's frame reaches the board and the drives.
     pub fn receive(&mut self, frame: &Frame) {
+        if self.wire.is_quiet() {
+            self.hear(frame);
+        } else {
+            self.receive_on_bad_wire(frame);
+        }
+    }
+
+    pub(super) fn hear(&mut self, frame: &Frame) {
         let others = &mut self.to_others;
         self.plant.hear(frame, |answer| {
             // A client waits for its answer before it asks again.
@@ -30,6 +38,13 @@ impl Sim {
 
     /// The next frame of the board as a node, or of a drive to who asked it, on its way to the others.
     pub fn transmit(&mut self) -> Option<Frame> {
+        if !self.wire.is_quiet() || !self.out.is_empty() {
+            return self.transmit_on_bad_wire();
+        }
+        self.next_out()
+    }
+
+    pub(super) fn next_out(&mut self) -> Option<Frame> {
         self.to_others.pop_front().or_else(|| self.board.transmit())
     }
 

@@ -539,17 +539,18 @@ impl Station {
     fn watch_bus(&mut self, elapsed: Periods, params: &Params) {
         let (from, since) = &mut self.lateness;
         *since = since.plus(elapsed);
-        if Periods::from_ms(LATE_MS, params.tick_us()).is_none_or(|all| *since > all) {
+        let over = Periods::from_ms(LATE_MS, params.tick_us()).is_none_or(|all| *since > all);
+        // What is late while nothing moves does no harm.
+        if over || self.shelf.snapshot.is_at_rest() {
             *since = Periods::new(0);
             *from = self.shelf.late;
         }
         let count = self.shelf.late.saturating_sub(*from);
-        let snapshot = &self.shelf.snapshot;
-        if elapsed == Periods::new(0) || snapshot.alarm().is_some() {
+        if elapsed == Periods::new(0) || self.shelf.snapshot.alarm().is_some() {
             return;
         }
         let limit = params.late_setpoints();
-        let late = limit != 0 && count > limit && !snapshot.is_at_rest();
+        let late = limit != 0 && count > limit;
         let late = late.then_some(BusTrouble::Late { count, limit });
         self.tell_trouble(BusTrouble::of(self.controller).or(late));
     }

@@ -1,0 +1,324 @@
+//! A machine on a network, what is still to be handed over, and what it has done.
+
+use std::collections::VecDeque;
+
+use leadscrew_board_sim::line::{Faults, Span};
+use leadscrew_board_sim::plant::{PlantOptions, Power};
+use leadscrew_board_sim::{Row, Sim};
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::{Command, Event, State};
+use leadscrew_core::bus::Scale;
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Call, Position};
+use leadscrew_core::units::Axis;
+use leadscrew_tests::gateway::Gateway;
+use leadscrew_tests::limits::first_excess_with;
+use leadscrew_tests::machine::{calls, machine};
+
+/// A thread without a run-out, two passes, then a groove of one column, short ways.
+pub const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
+                        G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
+
+/// A rigid tap in one stroke.
+pub const TAP: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-12 R-5 F2000\nG80\nM30\n";
+
+/// What comes after: it must do what it would have done first.
+const NEXT: &str =
+    "M3 S600\nG0 X63 Z5\nG76 P010560 Q800 R0.1\nG76 X61 Z-4 P4000 Q4000 F1\nG0 X80 Z10\nM30\n";
+
+/// Ticks within which any stop must be over.
+const PATIENCE: u64 = 6_000;
+
+/// The built-in machine with other values.
+pub fn with(values: &[(&str, i64)]) -> Params {
+    let mut params = Params::slant_bed();
+    for (key, raw) in values {
+        let entry = Entry::find_text(key).expect("a parameter");
+        params.set(entry, *raw).expect("in its range");
+    }
+    params
+}
+
+/// Ticks without an end.
+pub const fn from(tick: u64) -> Span {
+    Span {
+        from: tick,
+        to: u64::MAX,
+    }
+}
+
+/// So many ticks.
+pub const fn span(from: u64, ticks: u64) -> Span {
+    Span {
+        from,
+        to: from + ticks,
+    }
+}
+
+pub struct Bench {
+    pub sim: Sim,
+    pub gateway: Gateway,
+    pub params: Params,
+    pub waiting: VecDeque<Call>,
+    pub rows: Vec<Row>,
+    pub events: Vec<Event>,
+    pub alarm: Option<Alarm>,
+    pub ticks: u64,
+    /// Where the drives of X and Z are, by tick, in nm.
+    pub stood: Vec<[i64; 2]>,
+    scales: [Scale; 2],
+}
+
+impl Bench {
+    /// Switched on, and on a network that has started it.
+    pub fn new(params: &Params) -> Self {
+        let mut sim = machine(params, &PlantOptions::default());
+        let gateway = Gateway::connect(&mut sim);
+        let scale = |axis| {
+            Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))
+                .expect("a scale")
+        };
+        Self {
+            sim,
+            gateway,
+            params: params.clone(),
+            waiting: VecDeque::new(),
+            rows: Vec::new(),
+            events: Vec::new(),
+            alarm: None,
+            ticks: 0,
+            stood: Vec::new(),
+            scales: [scale(Axis::X), scale(Axis::Z)],
+        }
+    }
+
+    /// The same at work on a program whose wire has these faults.
+    pub fn at_work(params: &Params, text: &str, faults: Faults) -> Self {
+        let mut bench = Self::new(params);
+        bench.sim.spoil(faults);
+        bench.load(text);
+        bench
+    }
+
+    pub fn load(&mut self, text: &str) {
+        self.waiting = calls(text, &self.params).into();
+    }
+
+    pub fn state(&self) -> State {
+        self.sim.board().ticker().state()
+    }
+
+    /// Where the board says the machine is.
+    pub fn at(&self) -> Position {
+        self.sim.board().ticker().executor().position()
+    }
+
+    /// Where the drives of X and Z are, in nm.
+    pub fn drives(&mut self) -> [i64; 2] {
+        let positions = [Axis::X, Axis::Z].map(|axis| self.sim.plant().drive(axis).actual());
+        let [x, z] = self.scales;
+        [x.position(positions[0]), z.position(positions[1])]
+    }
+
+    pub fn power(&mut self, axis: Axis) -> Power {
+        self.sim.plant().drive(axis).power()
+    }
+
+    pub fn tick(&mut self) {
+        while self
+            .waiting
+            .front()
+            .is_some_and(|call| self.sim.offer(call))
+        {
+            self.waiting.pop_front();
+        }
+        self.rows.extend(self.sim.step());
+        self.ticks += 1;
+        let drives = self.drives();
+        self.stood.push(drives);
+        while let Some(event) = self.sim.event() {
+            if let Event::Alarm(alarm) = event {
+                assert_eq!(self.alarm, None, "a second alarm without a reset");
+                self.alarm = Some(alarm);
+                self.waiting.clear();
+            }
+            self.events.push(event);
+        }
+        self.gateway.listen(&mut self.sim);
+    }
+
+    pub fn ticks(&mut self, count: u64) {
+        for _ in 0..count {
+            self.tick();
+        }
+    }
+
+    /// Ticks until `done`, at most `most`.
+    pub fn until(&mut self, what: &str, most: u64, mut done: impl FnMut(&Self) -> bool) {
+        let begun = self.ticks;
+        while !done(self) {
+            self.tick();
+            assert!(
+                self.ticks - begun <= most,
+                "{what}: still {:?} after {most} ticks",
+                self.state()
+            );
+        }
+    }
+
+    /// Waits for an alarm with this number, and until the machine stands on it. It keeps its limits all the time.
+    pub fn stops_with(&mut self, what: &str, number: u16, within: u64) -> Alarm {
+        self.until(what, within, |bench| bench.alarm.is_some());
+        let alarm = self.alarm.expect("an alarm");
+        assert_eq!(alarm.number(), number, "{what}");
+        self.until(what, PATIENCE, |bench| {
+            matches!(bench.state(), State::Alarm(_))
+        });
+        assert_eq!(
+            first_excess_with(&self.rows, &self.params, 2.0),
+            None,
+            "{what}"
+        );
+        self.stands(what);
+        alarm
+    }
+
+    /// Stands for a while: the board commands no motion, and no spindle.
+    pub fn stands(&mut self, what: &str) {
+        let at = self.at();
+        for _ in 0..50 {
+            self.tick();
+            assert_eq!(self.at(), at, "{what}: it moves again");
+            assert_eq!(self.sim.spindle_command().get(), 0, "{what}: the spindle");
+        }
+    }
+
+    /// Nothing moves for so many ticks, whatever the board says.
+    pub fn drives_stand(&mut self, what: &str, ticks: u64) {
+        let at = self.drives();
+        for _ in 0..ticks {
+            self.tick();
+            assert_eq!(self.drives(), at, "{what}: a drive moves");
+        }
+    }
+
+    /// Clears an alarm and comes up again. The machine is then where its drives are, to half an increment, and none of them
+    /// has moved for it.
+    pub fn reset(&mut self, what: &str) {
+        self.sim.command(Command::Reset);
+        self.alarm = None;
+        let drives = self.drives();
+        self.tick();
+        self.until(what, 2_000, |bench| bench.state() == State::Idle);
+        assert_eq!(self.alarm, None, "{what}");
+        self.drives_stand(what, 20);
+        assert_eq!(self.drives(), drives, "{what}: the reset moves a drive");
+        let at = self.at();
+        for (said, is) in [(at.x.nm(), drives[0]), (at.z.nm(), drives[1])] {
+            assert!(
+                (said - is).abs() <= 1_000,
+                "{what}: at {is} nm, says {said}"
+            );
+        }
+    }
+
+    /// A reset is no use: the same alarm comes again, and nothing moves.
+    pub fn reset_is_in_vain(&mut self, what: &str) {
+        let number = self.alarm.map(|alarm| alarm.number());
+        self.alarm = None;
+        self.sim.command(Command::Reset);
+        self.tick();
+        self.until(what, 5_000, |bench| bench.alarm.is_some());
+        assert_eq!(self.alarm.map(|alarm| alarm.number()), number, "{what}");
+        self.until(what, 5_000, |bench| {
+            matches!(bench.state(), State::Alarm(_))
+        });
+        self.drives_stand(what, 20);
+    }
+
+    /// Runs a program that must end well at `x`, `z` (nm), its drives too, and never jump on the way.
+    pub fn runs(&mut self, what: &str, text: &str, x: i64, z: i64) {
+        self.load(text);
+        let begun = self.ticks;
+        let from = self.stood.len();
+        while !self.waiting.is_empty() || self.sim.is_busy() {
+            self.tick();
+            assert!(
+                self.ticks - begun < 60_000,
+                "{what}: stuck in {:?}",
+                self.state()
+            );
+        }
+        self.ticks(5);
+        assert_eq!(self.alarm, None, "{what}");
+        assert_eq!((self.at().x.nm(), self.at().z.nm()), (x, z), "{what}");
+        let drives = self.drives();
+        assert!(
+            (drives[0] - x).abs() <= 1_000 && (drives[1] - z).abs() <= 1_000,
+            "{what}: {drives:?}"
+        );
+        self.never_jumps(what, from, 1);
+    }
+
+    /// Since this tick no drive has made a greater step than `periods` of its rapid rate.
+    pub fn never_jumps(&self, what: &str, from: usize, periods: i64) {
+        for (axis, which) in [(Axis::X, 0), (Axis::Z, 1)] {
+            let rapid = self.params.rapid(axis).nm_per_min();
+            let step = rapid * i64::from(self.params.tick_us()) / 60_000_000 + 2_000;
+            for (tick, pair) in self.stood[from..].windows(2).enumerate() {
+                let moved = (pair[1][which] - pair[0][which]).abs();
+                assert!(
+                    moved <= step * periods,
+                    "{what}: {axis:?} jumps by {moved} nm at {}",
+                    from + tick
+                );
+            }
+        }
+    }
+
+    /// The next program, thread and all: in phase and on its helix.
+    pub fn next(&mut self, what: &str) {
+        let from = self.rows.len();
+        self.runs(what, NEXT, 40_000_000, 10_000_000);
+        let errors = self.rows[from..].iter().filter_map(|row| row.error);
+        let worst = errors.map(|error| error.nm().abs()).max();
+        let worst = worst.unwrap_or_else(|| panic!("{what}: no thread"));
+        assert!(worst <= 1_000, "{what}: {worst} nm off the helix");
+    }
+}
+
+/// The rows of `WORK` where nothing goes wrong.
+pub fn calm(params: &Params, text: &str) -> Vec<Row> {
+    let mut bench = Bench::new(params);
+    bench.load(text);
+    while !bench.waiting.is_empty() || bench.sim.is_busy() {
+        bench.tick();
+    }
+    assert_eq!(bench.alarm, None);
+    bench.rows
+}
+
+/// Places in `WORK` worth a fault: on the way, in the first stroke of the thread at three depths of it, in the groove.
+pub fn places(rows: &[Row]) -> Vec<u64> {
+    let locked: Vec<u64> = rows
+        .iter()
+        .filter(|row| row.error.is_some())
+        .map(|row| row.tick)
+        .collect();
+    let in_line = |line: u32| {
+        let ticks: Vec<u64> = rows
+            .iter()
+            .filter(|row| row.line == line)
+            .map(|row| row.tick)
+            .collect();
+        ticks[ticks.len() / 2]
+    };
+    vec![
+        in_line(2),
+        locked[0],
+        locked[locked.len() / 4],
+        locked[locked.len() / 2],
+        in_line(7),
+        in_line(8),
+    ]
+}

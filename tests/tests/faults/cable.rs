@@ -1,0 +1,126 @@
+//! A cable that comes off and is put back: the board's, or a single drive's.
+
+use leadscrew_board_sim::line::Faults;
+use leadscrew_board_sim::plant::{Power, Trouble};
+use leadscrew_core::alarm::Arg;
+use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
+
+use crate::bench::{Bench, WORK, calm, places, span};
+
+/// Out for so long that it is noticed: nothing is pulled to where the board has braked to meanwhile.
+#[test]
+fn a_cable_out_anywhere_is_a_drive_that_is_silent_and_no_jump_when_it_is_back() {
+    let params = Params::slant_bed();
+    for tick in places(&calm(&params, WORK)) {
+        for ticks in [20, 35, 60, 120, 1_000] {
+            let what = format!("cable out at {tick} for {ticks}");
+            let faults = Faults {
+                cable_out: Some(span(tick, ticks)),
+                ..Faults::NONE
+            };
+            let mut bench = Bench::at_work(&params, WORK, faults);
+            bench.until(&what, tick, |bench| bench.ticks == tick);
+            let before = bench.stood.len();
+            let alarm = bench.stops_with(&what, 4360, 20);
+            // Twelve periods, of whichever drive was to be heard first.
+            assert_eq!(alarm.args[2], Arg::Int(12), "{what}");
+            bench.until(&what, 2_000, |bench| bench.ticks > tick + ticks);
+            bench.ticks(50);
+            bench.never_jumps(&what, before, 1);
+            bench.drives_stand(&what, 100);
+            for axis in Axis::ALL {
+                assert_ne!(
+                    bench.power(axis),
+                    Power::Enabled,
+                    "{what}: {axis:?} has torque"
+                );
+            }
+            bench.reset(&what);
+            bench.next(&what);
+        }
+    }
+}
+
+/// Out for less than that: positions are absolute, and nothing is lost but time.
+#[test]
+fn a_loose_contact_that_nobody_notices_loses_nothing() {
+    let params = Params::slant_bed();
+    for tick in places(&calm(&params, WORK)) {
+        let what = format!("out for 3 at {tick}");
+        let faults = Faults {
+            cable_out: Some(span(tick, 3)),
+            ..Faults::NONE
+        };
+        let mut bench = Bench::new(&params);
+        bench.sim.spoil(faults);
+        bench.load(WORK);
+        while !bench.waiting.is_empty() || bench.sim.is_busy() {
+            bench.tick();
+        }
+        assert_eq!(bench.alarm, None, "{what}");
+        bench.ticks(5);
+        bench.never_jumps(&what, 0, 4);
+        assert_eq!(bench.drives(), [35_000_000, 8_000_000], "{what}");
+        bench.next(&what);
+    }
+}
+
+/// A drive that is silent and follows is braked with the others, and loses its torque when all stand.
+#[test]
+fn a_drive_that_is_silent_follows_until_all_stand() {
+    let params = Params::slant_bed();
+    for tick in places(&calm(&params, WORK)) {
+        let what = format!("Z silent at {tick}");
+        let mut bench = Bench::at_work(&params, WORK, Faults::NONE);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        bench.sim.plant().drive(Axis::Z).trouble(Trouble::Silent);
+        let alarm = bench.stops_with(&what, 4360, 20);
+        assert_eq!(
+            alarm.args[..3],
+            [Arg::Letter(b'Z'), Arg::Int(17), Arg::Int(12)]
+        );
+        let (at, drives) = (bench.at(), bench.drives());
+        assert!(
+            (at.z.nm() - drives[1]).abs() <= 1_000,
+            "{what}: {at:?}, {drives:?}"
+        );
+        assert_eq!(bench.power(Axis::Z), Power::Ready, "{what}");
+        assert_eq!(bench.power(Axis::X), Power::Enabled, "{what}");
+        bench.sim.plant().drive(Axis::Z).trouble(Trouble::None);
+        bench.ticks(10);
+        bench.reset(&what);
+        bench.next(&what);
+    }
+}
+
+/// A blocked axis does not go on pushing once all stand, and does not leap when what blocks it is gone.
+#[test]
+fn an_axis_that_is_blocked_loses_its_torque_when_all_stand() {
+    let params = Params::slant_bed();
+    let places = places(&calm(&params, WORK));
+    for (tick, axis, letter, node) in [
+        (places[0], Axis::Z, b'Z', 17),
+        (places[2], Axis::Z, b'Z', 17),
+        (places[4], Axis::X, b'X', 16),
+    ] {
+        let what = format!("{axis:?} blocked at {tick}");
+        let mut bench = Bench::at_work(&params, WORK, Faults::NONE);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        bench.sim.plant().drive(axis).trouble(Trouble::Stuck);
+        let alarm = bench.stops_with(&what, 4361, 400);
+        assert_eq!(
+            alarm.args[..2],
+            [Arg::Letter(letter), Arg::Int(node)],
+            "{what}"
+        );
+        assert!(
+            matches!(alarm.args[2], Arg::Length(error) if error.nm() > 0),
+            "{what}: {alarm:?}"
+        );
+        bench.sim.plant().drive(axis).trouble(Trouble::None);
+        bench.drives_stand(&what, 100);
+        bench.reset(&what);
+        bench.next(&what);
+    }
+}

@@ -1,0 +1,86 @@
+//! A second master on the wire.
+
+use leadscrew_board_sim::line::{Faults, Intruder};
+use leadscrew_core::alarm::Arg;
+use leadscrew_core::board::{Command, State};
+use leadscrew_core::bus::NodeId;
+use leadscrew_core::params::Params;
+
+use crate::bench::{Bench, WORK, calm, places, span};
+
+fn second(what: Intruder, tick: u64, ticks: u64) -> Faults {
+    Faults {
+        intruder: Some((what, span(tick, ticks))),
+        ..Faults::NONE
+    }
+}
+
+#[test]
+fn another_that_gives_the_beat_stops_the_machine_as_long_as_it_is_there() {
+    let params = Params::slant_bed();
+    for tick in places(&calm(&params, WORK)) {
+        let what = format!("a second SYNC from {tick} on");
+        let faults = second(Intruder::Sync, tick, 2_000);
+        let mut bench = Bench::at_work(&params, WORK, faults);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        bench.stops_with(&what, 4373, 3);
+        // Whoever resets now is told nothing new: the alarm stays.
+        bench.sim.command(Command::Reset);
+        bench.drives_stand(&what, 500);
+        assert!(matches!(bench.state(), State::Alarm(_)), "{what}");
+        bench.until(&what, 2_000, |bench| bench.ticks > tick + 2_000);
+        bench.reset(&what);
+        bench.next(&what);
+    }
+}
+
+#[test]
+fn another_that_moves_a_drive_is_named_with_the_drive() {
+    let params = Params::slant_bed();
+    let tick = places(&calm(&params, WORK))[2];
+    for (node, letter) in [
+        (NodeId::DRIVE_X, b'X'),
+        (NodeId::DRIVE_Z, b'Z'),
+        (NodeId::DRIVE_C, b'C'),
+        (NodeId::SPINDLE_1, b'S'),
+    ] {
+        let what = format!("setpoints for {}", char::from(letter));
+        let mut bench = Bench::at_work(&params, WORK, second(Intruder::Setpoint(node), tick, 1));
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        let alarm = bench.stops_with(&what, 4374, 3);
+        let number = i64::from(node.get());
+        assert_eq!(
+            alarm.args[..2],
+            [Arg::Letter(letter), Arg::Int(number)],
+            "{what}"
+        );
+        bench.reset(&what);
+        bench.next(&what);
+    }
+}
+
+#[test]
+fn a_drive_that_is_stopped_by_nmt_is_known_at_once_and_brought_up_again() {
+    let params = Params::slant_bed();
+    for tick in places(&calm(&params, WORK)) {
+        let what = format!("drive Z stopped by NMT at {tick}");
+        let faults = second(Intruder::Stop(NodeId::DRIVE_Z), tick, 1);
+        let mut bench = Bench::at_work(&params, WORK, faults);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        let alarm = bench.stops_with(&what, 4375, 3);
+        assert_eq!(alarm.args[..2], [Arg::Letter(b'Z'), Arg::Int(17)], "{what}");
+        bench.ticks(50);
+        bench.reset(&what);
+        bench.next(&what);
+    }
+}
+
+/// At rest somebody may mean it, to write to a drive; the drive's own silence tells.
+#[test]
+fn at_rest_a_stopped_drive_is_only_missed() {
+    let faults = second(Intruder::Stop(NodeId::DRIVE_X), 20, 1);
+    let mut bench = Bench::at_work(&Params::slant_bed(), "", faults);
+    bench.ticks(20);
+    let alarm = bench.stops_with("stopped", 4360, 20);
+    assert_eq!(alarm.args[..2], [Arg::Letter(b'X'), Arg::Int(16)]);
+}
