@@ -1,6 +1,7 @@
 //! A machine on a network, what is still to be handed over, and what it has done.
 
 use std::collections::VecDeque;
+use std::sync::OnceLock;
 
 use leadscrew_board_sim::line::{Faults, Span};
 use leadscrew_board_sim::plant::{PlantOptions, Power};
@@ -67,6 +68,8 @@ pub struct Bench {
     /// Where the drives of X and Z are, by tick, in nm.
     pub stood: Vec<[i64; 2]>,
     scales: [Scale; 2],
+    /// Rows since the last reset, which may have found the drives elsewhere.
+    judged: usize,
 }
 
 impl Bench {
@@ -89,6 +92,7 @@ impl Bench {
             ticks: 0,
             stood: Vec::new(),
             scales: [scale(Axis::X), scale(Axis::Z)],
+            judged: 0,
         }
     }
 
@@ -166,6 +170,26 @@ impl Bench {
         }
     }
 
+    /// What has been done before is not looked at again.
+    pub fn judge_from_here(&mut self) {
+        self.judged = self.rows.len();
+        self.stood.clear();
+    }
+
+    /// The program has begun and ended.
+    pub fn state_is_idle_again(&self) -> bool {
+        self.events.contains(&Event::Finished)
+    }
+
+    /// Lines that have been begun, in order.
+    pub fn started(&self) -> Vec<u32> {
+        let lines = self.events.iter().filter_map(|event| match event {
+            Event::Started { line, .. } => Some(*line),
+            _ => None,
+        });
+        lines.collect()
+    }
+
     /// Waits for an alarm with this number, and until the machine stands on it. It keeps its limits all the time.
     pub fn stops_with(&mut self, what: &str, number: u16, within: u64) -> Alarm {
         self.until(what, within, |bench| bench.alarm.is_some());
@@ -175,7 +199,7 @@ impl Bench {
             matches!(bench.state(), State::Alarm(_))
         });
         assert_eq!(
-            first_excess_with(&self.rows, &self.params, 2.0),
+            first_excess_with(&self.rows[self.judged..], &self.params, 2.0),
             None,
             "{what}"
         );
@@ -202,9 +226,8 @@ impl Bench {
         }
     }
 
-    /// Clears an alarm and comes up again. The machine is then where its drives are, to half an increment, and none of them
-    /// has moved for it.
-    pub fn reset(&mut self, what: &str) {
+    /// Clears an alarm and comes up again; no drive moves for it.
+    pub fn clear(&mut self, what: &str) {
         self.sim.command(Command::Reset);
         self.alarm = None;
         let drives = self.drives();
@@ -213,7 +236,13 @@ impl Bench {
         assert_eq!(self.alarm, None, "{what}");
         self.drives_stand(what, 20);
         assert_eq!(self.drives(), drives, "{what}: the reset moves a drive");
-        let at = self.at();
+        self.judge_from_here();
+    }
+
+    /// The same; the machine is then where its drives are, to half an increment.
+    pub fn reset(&mut self, what: &str) {
+        self.clear(what);
+        let (at, drives) = (self.at(), self.drives());
         for (said, is) in [(at.x.nm(), drives[0]), (at.z.nm(), drives[1])] {
             assert!(
                 (said - is).abs() <= 1_000,
@@ -276,15 +305,34 @@ impl Bench {
         }
     }
 
-    /// The next program, thread and all: in phase and on its helix.
+    /// The next program, thread and all: on its helix, and where the index of the spindle says that this begins.
     pub fn next(&mut self, what: &str) {
         let from = self.rows.len();
         self.runs(what, NEXT, 40_000_000, 10_000_000);
-        let errors = self.rows[from..].iter().filter_map(|row| row.error);
-        let worst = errors.map(|error| error.nm().abs()).max();
+        let expected = PHASES.get_or_init(|| {
+            let rows = calm(&Params::slant_bed(), NEXT);
+            rows.iter().filter_map(phase).collect()
+        });
+        let apart = |a: i64, b: i64| ((a - b + LEAD / 2).rem_euclid(LEAD) - LEAD / 2).abs();
+        // Each pass begins a little farther along the flank.
+        let nearest = |phase| expected.iter().map(|one| apart(*one, phase)).min();
+        let phases = self.rows[from..].iter().filter_map(phase);
+        let worst = phases.filter_map(nearest).max();
         let worst = worst.unwrap_or_else(|| panic!("{what}: no thread"));
         assert!(worst <= 1_000, "{what}: {worst} nm off the helix");
     }
+}
+
+/// Of the thread in `NEXT`, in nm.
+const LEAD: i64 = 1_000_000;
+
+static PHASES: OnceLock<Vec<i64>> = OnceLock::new();
+
+/// Where Z would be at the index, of a row held to the helix; the same within whole leads for every row of a pass.
+fn phase(row: &Row) -> Option<i64> {
+    row.error?;
+    let turned = i128::from(row.spindle.turns().raw()) * i128::from(LEAD);
+    Some(row.position.z.nm() + (turned >> 32) as i64)
 }
 
 /// The rows of `WORK` where nothing goes wrong.

@@ -5,5 +5,9 @@
 mod bench;
 mod cable;
 mod controller;
+mod flash;
+mod frames;
+mod gateway;
 mod late;
 mod masters;
+mod power;
