@@ -185,6 +185,21 @@ impl Upload {
         }
     }
 
+    /// One call more.
+    ///
+    /// # Panics
+    /// For a call that is none.
+    pub fn push(&mut self, call: &Call) {
+        self.calls
+            .push_back(encode_call(call).expect("a call fits").to_vec());
+    }
+
+    /// Calls that have not been sent.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.calls.len()
+    }
+
     /// Nothing is left to send.
     #[must_use]
     pub fn is_done(&self) -> bool {

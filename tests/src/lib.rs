@@ -3,5 +3,7 @@
 pub mod gateway;
 pub mod hostile;
 pub mod limits;
+pub mod long_program;
 pub mod machine;
 pub mod random;
+pub mod stream;

@@ -6,6 +6,7 @@
 mod audit;
 mod bench;
 mod bench_can;
+mod bench_long;
 mod bits;
 mod callgraph;
 mod canopen;
@@ -33,6 +34,7 @@ usage: cargo xtask COMMAND
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   bench can  the cost of receiving and recording a CAN frame, likewise
+  bench long a program of a hundred megabytes through a board with 4 KiB for it, likewise; takes minutes
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
   bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
@@ -52,6 +54,8 @@ fn main() -> ExitCode {
         ["bench"] => bench::bench(false),
         ["bench", "can"] => bench_can::bench(false),
         ["bench", "can", "--write"] => bench_can::bench(true),
+        ["bench", "long"] => bench_long::bench(false),
+        ["bench", "long", "--write"] => bench_long::bench(true),
         ["bench", "--write"] => bench::bench(true),
         ["ci"] => test::ci(),
         ["vcan"] => test::vcan(""),

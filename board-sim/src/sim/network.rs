@@ -59,6 +59,12 @@ impl Sim {
         self.board.awaits_program()
     }
 
+    /// True while a transfer is under way: where virtual time is fast, a client with nothing but real time needs it to wait.
+    #[must_use]
+    pub const fn is_transferring(&self) -> bool {
+        self.board.is_transferring()
+    }
+
     pub(super) fn serve(&mut self, elapsed: Periods) {
         let mut worked = self.board.serve(elapsed, &self.setpoint);
         while worked {

@@ -288,6 +288,12 @@ impl Desk {
         self.journal.wanted || self.journal.under_way.is_some() || self.station.is_changing()
     }
 
+    /// True while a transfer is under way.
+    #[must_use]
+    pub const fn is_transferring(&self) -> bool {
+        self.station.is_transferring()
+    }
+
     /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {

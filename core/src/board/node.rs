@@ -55,6 +55,12 @@ impl Board {
         self.desk.transmit()
     }
 
+    /// True while a transfer is under way.
+    #[must_use]
+    pub const fn is_transferring(&self) -> bool {
+        self.desk.is_transferring()
+    }
+
     /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {

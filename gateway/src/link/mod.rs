@@ -55,8 +55,10 @@ pub struct Seen {
     pub nodes: BTreeSet<u8>,
     /// When the board was heard last.
     pub last: Option<Instant>,
-    /// When another client asked the board's SDO server for something. What this side asks it does not hear.
+    /// When another client's transfer with the board was heard. What this side asks it does not hear.
     other_client: Option<Instant>,
+    /// Answers of the board's SDO server are for this side.
+    own_transfer: bool,
 }
 
 impl Seen {
@@ -91,7 +93,11 @@ impl Seen {
         } else if let Some((Service::SdoRequest, _)) = frame.id().service() {
             self.other_client = Some(Instant::now());
             return;
-        } else if !matches!(frame.id().service(), Some((Service::SdoReply, _))) {
+        } else if let Some((Service::SdoReply, _)) = frame.id().service() {
+            if !self.own_transfer {
+                self.other_client = Some(Instant::now());
+            }
+        } else {
             // What others say to the board is no sign of life.
             return;
         }
@@ -119,6 +125,12 @@ pub struct Link {
     patience: Duration,
     /// The next transfer belongs to the one before: no other client is let in between.
     keeps_turn: bool,
+    /// The last transfer was spoilt by another client.
+    disturbed: bool,
+    /// When this side began to hear the bus.
+    opened: Instant,
+    /// When its last transfer ended.
+    turn_ended: Instant,
     /// What has been heard.
     pub seen: Seen,
 }
@@ -149,16 +161,20 @@ impl Link {
     /// The same on a bus that is open.
     #[must_use]
     pub fn on(can: Box<dyn Can>, node: NodeId) -> Self {
+        let now = Instant::now();
         Self {
             bus: can.name().to_owned(),
             can,
             node,
-            began: Instant::now(),
+            began: now,
             packets: Vec::new(),
             health: Health::default(),
             beat: None,
             patience: Duration::from_secs(1),
             keeps_turn: false,
+            disturbed: false,
+            opened: now,
+            turn_ended: now,
             seen: Seen::default(),
         }
     }

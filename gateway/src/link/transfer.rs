@@ -1,8 +1,9 @@
 //! Whole values to and from objects of the board, and of the drives.
 //!
 //! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
-//! transfer; then each begins anew after a pause of its own. What is not answered at all is asked twice more, and is an
-//! error then.
+//! transfer. So clients listen for each other and take turns [D111]: who has had his transfer, or has only just come, waits
+//! longer for silence than who has been disturbed, and so lets him go first. What is not answered at all, without anybody
+//! else being heard, is asked twice more, and is an error then.
 
 use std::time::{Duration, Instant};
 
@@ -13,12 +14,24 @@ use leadscrew_core::bus::{
 
 use super::{Link, LinkResult, Trouble};
 
-/// Tries where somebody else is in the way.
+/// Tries where frames get lost and nobody else is heard.
 const TRIES: u32 = 12;
-/// So long after another client's last request its transfer is over.
+/// So long after another client's last request its transfer is over; somebody who has been disturbed goes on then.
 const QUIET: Duration = Duration::from_millis(8);
-/// The longest wait for that.
+/// Somebody who has had his turn leaves this much more to the others.
+const YIELD: Duration = Duration::from_millis(16);
+/// Clients that wait equally long would meet again: each adds up to this.
+const JITTER: Duration = Duration::from_millis(8);
+/// The longest wait for silence: another client that never pauses is interrupted.
 const TURN: Duration = Duration::from_millis(300);
+/// Another client that has been heard so lately may be waiting for its turn.
+const PRESENT: Duration = Duration::from_secs(1);
+/// Where another client was heard in a transfer and no answer comes, the answer went to that one.
+const SPOILT: Duration = Duration::from_millis(60);
+/// For so long answers to a broken transfer may still come.
+const STALE: Duration = Duration::from_millis(10);
+/// With other clients in the way a transfer may take so long.
+const CONTENTION: Duration = Duration::from_secs(30);
 /// The longest value that is read.
 const LONGEST: usize = 1 << 20;
 
@@ -184,19 +197,30 @@ impl Link {
         write: bool,
         mut once: impl FnMut(&mut Self) -> LinkResult<Result<(), SdoError>>,
     ) -> LinkResult {
+        let begun = Instant::now();
         let mut tries = 0;
         let mut silences = 0;
         loop {
             if !std::mem::take(&mut self.keeps_turn) {
-                self.wait_for_silence()?;
+                self.wait_for_turn()?;
             }
+            let attempt = Instant::now();
             let error = match once(self)? {
-                Ok(()) => return Ok(()),
+                Ok(()) => {
+                    self.disturbed = false;
+                    return Ok(());
+                }
                 Err(error) => error,
             };
-            tries += 1;
-            silences += u32::from(error == SdoError::TimedOut);
-            if tries == TRIES || silences == 3 || !may_be_another_client(error) {
+            let spoilt = self.seen.other_client.is_some_and(|last| last > attempt);
+            let over = if spoilt {
+                begun.elapsed() > CONTENTION
+            } else {
+                tries += 1;
+                silences += u32::from(error == SdoError::TimedOut);
+                tries == TRIES || silences == 3
+            };
+            if over || !may_be_another_client(error) {
                 // A board that says nothing at all any more is more than a transfer that failed.
                 self.check_alive()?;
                 return Err(Trouble::Transfer {
@@ -206,29 +230,59 @@ impl Link {
                     error,
                 });
             }
-            // Two clients that wait equally long would meet again.
-            let pause =
-                5 + u64::from(std::process::id() % 7) + u64::from(self.now().subsec_nanos() % 16);
-            self.idle(Duration::from_millis(pause * u64::from(tries)))?;
+            self.disturbed = true;
+            // What is still under way for the broken transfer may be answered: that is not for the next one.
+            self.seen.own_transfer = true;
+            let idled = self.idle(STALE);
+            self.seen.own_transfer = false;
+            idled?;
         }
     }
 
-    /// Lets another client finish, but not for ever.
-    fn wait_for_silence(&mut self) -> LinkResult {
-        let end = Instant::now() + TURN;
+    /// A time between nothing and [`JITTER`], another one for every client and every call.
+    fn jitter(&self) -> Duration {
+        let seed = u64::from(std::process::id()) << 32 | u64::from(self.now().subsec_nanos());
+        // The upper half of a product with an odd number depends on all of the lower.
+        let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        let span = u64::try_from(JITTER.as_micros()).unwrap_or(1);
+        Duration::from_micros(mixed % span)
+    }
+
+    /// Lets other clients finish, and have their turn, but not for ever.
+    pub(super) fn wait_for_turn(&mut self) -> LinkResult {
+        let begun = Instant::now();
+        let mut quiet = QUIET + self.jitter();
+        if !self.disturbed {
+            quiet += YIELD;
+        }
+        let end = begun + TURN + quiet;
         self.idle(Duration::ZERO)?;
-        while let Some(last) = self.seen.other_client
-            && last.elapsed() < QUIET
-            && Instant::now() < end
-        {
+        loop {
+            let last = match self.seen.other_client {
+                // This side's own last transfer was its turn.
+                Some(last) if last.elapsed() < PRESENT => last.max(self.turn_ended),
+                Some(_) => return Ok(()),
+                // Whoever has only just come does not know yet who else is there.
+                None => self.opened,
+            };
+            if last.elapsed() >= quiet || Instant::now() >= end {
+                return Ok(());
+            }
             self.idle(Duration::from_millis(1))?;
         }
-        Ok(())
     }
 
     /// Carries a transfer to its end.
     fn carry(&mut self, transfer: &mut dyn Transfer) -> LinkResult<Result<(), SdoError>> {
-        let began = self.began;
+        self.seen.own_transfer = true;
+        let outcome = self.carry_on(transfer);
+        self.seen.own_transfer = false;
+        self.turn_ended = Instant::now();
+        outcome
+    }
+
+    fn carry_on(&mut self, transfer: &mut dyn Transfer) -> LinkResult<Result<(), SdoError>> {
+        let (began, attempt) = (self.began, Instant::now());
         let mut out = Vec::new();
         loop {
             out.extend(std::iter::from_fn(|| transfer.poll(began.elapsed())));
@@ -240,12 +294,20 @@ impl Link {
                 return Ok(outcome);
             }
             // Just beyond the deadline: then the transfer says itself that it is over.
-            let until = began + transfer.deadline() + Duration::from_millis(1);
-            self.listen(until, &mut |frame| {
+            let mut until = began + transfer.deadline() + Duration::from_millis(1);
+            let spoilt = self.seen.other_client.filter(|last| *last > attempt);
+            if let Some(last) = spoilt {
+                until = until.min(last + SPOILT);
+            }
+            let requests = CobId::of(Service::SdoRequest, self.node);
+            let heard = self.listen(until, &mut |frame| {
                 transfer.receive(frame, began.elapsed());
                 out.extend(transfer.poll(began.elapsed()));
-                !out.is_empty() || transfer.outcome().is_some()
+                !out.is_empty() || transfer.outcome().is_some() || frame.id() == requests
             })?;
+            if !heard && spoilt.is_some() && transfer.outcome().is_none() && out.is_empty() {
+                return Ok(Err(SdoError::TimedOut));
+            }
         }
     }
 
@@ -259,11 +321,21 @@ impl Link {
         let [low, high] = object.index.to_le_bytes();
         let asked = [0x40, low, high, object.sub, 0, 0, 0, 0];
         let request = Frame::new(CobId::of(Service::SdoRequest, node), &asked);
-        let (questions, reply) = (
-            CobId::of(Service::SdoRequest, node),
-            CobId::of(Service::SdoReply, node),
-        );
+        self.wait_for_turn()?;
+        self.seen.own_transfer = true;
+        let count = self.count_answers(object, request);
+        self.seen.own_transfer = false;
+        self.turn_ended = Instant::now();
+        count
+    }
+
+    fn count_answers(&mut self, object: Object, request: Option<Frame>) -> LinkResult<usize> {
+        let [low, high] = object.index.to_le_bytes();
         self.send(request.as_slice())?;
+        let (questions, reply) = (
+            CobId::of(Service::SdoRequest, self.node),
+            CobId::of(Service::SdoReply, self.node),
+        );
         let (mut count, mut others) = (0_usize, 0);
         let mut heard = |frame: &Frame| {
             let same = frame.payload().get(1..4) == Some(&[low, high, object.sub]);

@@ -1,9 +1,13 @@
 //! The command line against a board: the built binary, a serial-line adapter on a TCP port, and a whole machine behind it.
 
+mod long;
+#[path = "../../../tests/src/long_program.rs"]
+mod long_program;
 mod server;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use leadscrew::link::Link;
@@ -332,4 +336,46 @@ fn two_clients_read_the_event_log_without_losing_any_of_it() {
     let output = run.end();
     let ran = json(&output);
     assert_eq!(output.status.code(), Some(0), "{ran}");
+}
+
+/// Several clients share one server on the board: one that asks without a pause does not keep another from its turn, and
+/// is answered itself.
+#[test]
+fn a_program_is_fed_while_others_ask_without_a_pause() {
+    let server = Server::start(&Options::default());
+    let bus = server.bus();
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        // One that stays and asks on and on, and one that comes anew each time.
+        let stays = scope.spawn(|| {
+            let address = bus.parse().unwrap();
+            let mut link = Link::open(&address, NodeId::BOARD).unwrap();
+            let mut looks = 0_u32;
+            while !over.load(Ordering::Relaxed) {
+                link.status().unwrap();
+                looks += 1;
+            }
+            looks
+        });
+        let comes = scope.spawn(|| {
+            let mut looks = 0_u32;
+            while !over.load(Ordering::Relaxed) {
+                good(&leadscrew(&["status", "--json"], &bus));
+                looks += 1;
+            }
+            looks
+        });
+        let output = leadscrew(&["run", "examples/shaft.nc", "--json"], &bus);
+        over.store(true, Ordering::Relaxed);
+        let ran = json(&output);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{ran}{}",
+            text(&output.stderr)
+        );
+        assert_eq!(ran["setpoint_hash"], server.hash());
+        assert!(stays.join().unwrap() > 0);
+        assert!(comes.join().unwrap() > 0);
+    });
 }

@@ -18,6 +18,9 @@ use leadscrew_core::params::{Entry, Params};
 /// Ticks taken in one go at most, before clients are heard again.
 const BURST: u32 = 20;
 
+/// A client that is silent in a transfer for so long is not waited for any more.
+const GONE: Duration = Duration::from_secs(1);
+
 /// What stands behind the port.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -101,6 +104,7 @@ impl Drop for Server {
 
 /// A client of the adapter.
 struct Client {
+    number: u64,
     line: TcpStream,
     adapter: Adapter,
     lines: Lines,
@@ -108,10 +112,11 @@ struct Client {
 }
 
 impl Client {
-    fn new(line: TcpStream) -> Self {
+    fn new(number: u64, line: TcpStream) -> Self {
         line.set_nonblocking(true).unwrap();
         line.set_nodelay(true).unwrap();
         Self {
+            number,
             line,
             adapter: Adapter::new(0x10, 0x10, *b"TEST"),
             lines: Lines::new(),
@@ -119,13 +124,13 @@ impl Client {
         }
     }
 
-    /// What it sends to the bus; `None` where it is gone.
-    fn hear(&mut self) -> Option<Vec<Frame>> {
+    /// What it sends to the bus; false where it is gone behind that.
+    fn hear(&mut self) -> (Vec<Frame>, bool) {
         let mut frames = Vec::new();
         let mut bytes = [0; 4096];
         loop {
             match self.line.read(&mut bytes) {
-                Ok(0) => return None,
+                Ok(0) => return (frames, false),
                 Ok(count) => {
                     for byte in &bytes[..count] {
                         let Some(heard) = self.lines.push(*byte) else {
@@ -141,9 +146,9 @@ impl Client {
                         }
                     }
                 }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => return Some(frames),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return (frames, true),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(_) => return None,
+                Err(_) => return (frames, false),
             }
         }
     }
@@ -185,26 +190,28 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
         .collect();
     let mut clients: Vec<Client> = Vec::new();
     let began = Instant::now();
+    let mut last_heard = began;
+    let mut came = 0;
     let mut due = 0_u64;
     let mut ticks = 0_u64;
     while !ends.load(Ordering::Relaxed) {
         while let Ok((line, _)) = listener.accept() {
-            clients.push(Client::new(line));
+            came += 1;
+            clients.push(Client::new(came, line));
         }
         let plugged = options.unplugged_at.is_none_or(|at| ticks < at);
         let mut busy = false;
         let mut heard = Vec::new();
-        let mut number = 0;
         clients.retain_mut(|client| {
-            let frames = client.hear();
-            heard.extend(frames.iter().flatten().map(|frame| (number, *frame)));
-            number += 1;
-            frames.is_some()
+            let (frames, stays) = client.hear();
+            heard.extend(frames.into_iter().map(|frame| (client.number, frame)));
+            stays
         });
         for (from, frame) in heard {
             busy = true;
-            for (n, client) in clients.iter_mut().enumerate() {
-                if n != from {
+            last_heard = Instant::now();
+            for client in &mut clients {
+                if client.number != from {
                     client.tell(&frame);
                 }
             }
@@ -220,8 +227,14 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             / u64::from(params.tick_us());
         due = due.max(now.saturating_sub(1000));
         let mut burst = 0;
-        // Lock-step: no tick while the program's next call has not come.
-        while due < now && burst < BURST && !boards.iter().any(|sim| sim.awaits_program()) {
+        // Lock-step: no tick while the program's next call has not come, nor in the middle of a transfer, whose client has
+        // real time only.
+        let waits = |boards: &[Box<Sim>]| {
+            let transfers = last_heard.elapsed() < GONE;
+            let waits = |sim: &Sim| sim.awaits_program() || transfers && sim.is_transferring();
+            boards.iter().any(|sim| waits(sim))
+        };
+        while due < now && burst < BURST && !waits(&boards) {
             for (n, sim) in boards.iter_mut().enumerate() {
                 let row = sim.step();
                 while sim.event().is_some() {}
@@ -239,11 +252,16 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             due += 1;
             burst += 1;
         }
-        due = due.max(if boards.iter().any(|sim| sim.awaits_program()) {
-            now
-        } else {
-            due
-        });
+        if waits(&boards) {
+            due = due.max(now);
+            // A transfer goes on without time.
+            for sim in &mut boards {
+                sim.settle();
+                if plugged {
+                    say(sim, &mut clients);
+                }
+            }
+        }
         clients.retain_mut(Client::flush);
         if !busy && burst == 0 {
             std::thread::sleep(Duration::from_micros(100));

@@ -363,6 +363,12 @@ impl Station {
         self.shelf.inbox.awaits_more()
     }
 
+    /// True while a transfer is under way: in virtual time, its client can only be as fast as it is.
+    #[must_use]
+    pub const fn is_transferring(&self) -> bool {
+        self.sdo.is_busy()
+    }
+
     /// The next command for the tick. Read all of them after every [`receive`](Self::receive) and [`poll`](Self::poll).
     pub fn command(&mut self) -> Option<Command> {
         self.shelf.commands.pop_front()

@@ -1,0 +1,48 @@
+//! A program of a hundred megabytes through a board with 4 KiB for it, in virtual time: four ways, one hash.
+
+use std::fs;
+
+use anyhow::{Context, Result};
+
+use crate::bench::put_in;
+use crate::run;
+
+/// The part of `docs/performance.md` that is renewed stands between these lines.
+const MARKS: (&str, &str) = (
+    "<!-- measured long: begin -->",
+    "<!-- measured long: end -->",
+);
+
+/// Bytes of program.
+const BYTES: &str = "100000000";
+
+/// Measures and prints, or (`write`) puts it into the document.
+pub fn bench(write: bool) -> Result<()> {
+    let root = run::root();
+    let build = ["build", "--quiet", "--release", "-p"];
+    run::show(run::cargo(&root, &[&build[..], &["leadscrew"]].concat()))?;
+    let example = ["leadscrew-tests", "--example", "long_program"];
+    run::show(run::cargo(&root, &[&build[..], &example].concat()))?;
+    let release = root.join("target").join("release");
+    let program = release.join("examples").join("long_program");
+    let leadscrew = release.join("leadscrew");
+    let folder = run::scratch("bench")?;
+    let text = run::read(run::command(
+        &root,
+        &program.to_string_lossy(),
+        &[
+            BYTES,
+            &leadscrew.to_string_lossy(),
+            &folder.to_string_lossy(),
+        ],
+    ))?;
+    println!("{text}");
+    if write {
+        let path = root.join("docs").join("performance.md");
+        let document =
+            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        fs::write(&path, put_in(&document, &text, MARKS)?)?;
+        println!("written to {}", path.display());
+    }
+    Ok(())
+}
