@@ -33,6 +33,9 @@ use value::Wanted;
 /// Bytes of a buffer for the longest value, with its key and the padding of a flash word.
 pub const BUFFER: usize = (Region::LONGEST + 1).next_multiple_of(WORD);
 
+/// Bits of a word that are zero where it marks its page.
+const MARK_BITS: u32 = 4;
+
 /// Word and page of the largest flash this is made for.
 const WORD: usize = 32;
 
@@ -152,8 +155,8 @@ impl<F: NorFlash> Store<F> {
         let word = F::WRITE_SIZE as u32;
         let page = F::ERASE_SIZE as u32;
         let last = start.saturating_add(page.saturating_sub(word));
-        let first = self.is_erased(start, word).await?;
-        let closed = !self.is_erased(last, word).await?;
+        let first = !self.is_marked(start).await?;
+        let closed = self.is_marked(last).await?;
         Ok(match (first, closed) {
             (true, true) => Page::Cut,
             (false, true) => Page::Closed,
@@ -161,6 +164,18 @@ impl<F: NorFlash> Store<F> {
             (true, false) if self.is_erased(start, page).await? => Page::Erased,
             (true, false) => Page::Cut,
         })
+    }
+
+    /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not
+    /// make one.
+    async fn is_marked(&mut self, address: u32) -> Result<bool, StoreError> {
+        use embedded_storage_async::nor_flash::ReadNorFlash;
+        let mut word = [0xFF; WORD];
+        let read = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
+        let read = self.map.flash().read(address, read).await;
+        read.map_err(|_| StoreError::Device)?;
+        let zeros = word.iter().map(|byte| byte.count_zeros()).sum::<u32>();
+        Ok(zeros >= MARK_BITS)
     }
 
     /// True where so many bytes from an address on are erased.

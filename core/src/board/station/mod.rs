@@ -150,6 +150,12 @@ impl Station {
         self.shelf.is_changing()
     }
 
+    /// How the last change of the parameter set ended: 5010h:02.
+    #[must_use]
+    pub const fn commit_state(&self) -> CommitState {
+        self.shelf.keeper.state()
+    }
+
     /// The region that has to be read now; its bytes are given back by [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
         self.shelf.keeper.load()

@@ -1,0 +1,218 @@
+//! Power that goes at every byte of a change of parameters, with entries of the tap journal in between: the old set or the
+//! new one, the old entry or the new one, and never anything to say about it.
+
+use core::time::Duration;
+
+use leadscrew_board_sim::plant::Flash;
+use leadscrew_core::board::station::CommitState;
+use leadscrew_core::board::{Board, Output, StoreError};
+use leadscrew_core::bus::{Object, Periods, SdoDownload, SdoProtocol};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_store::{Store, block_on};
+use leadscrew_tests::gateway::NODE;
+use leadscrew_tests::random::Random;
+
+use super::flash::{TEARS, in_force, note, noted, power_up, set};
+
+/// Changes until every page has been erased more than once.
+const CHANGES: u32 = 14;
+
+/// A board without a machine around it, which stands.
+struct Bench {
+    board: Board,
+    output: Output,
+}
+
+impl Bench {
+    fn new(flash: &mut Flash) -> Self {
+        let up = power_up(flash);
+        let mut board = Board::power_up(&up, None, None).expect("a set that works");
+        board.join(NODE).expect("there is room on the bus");
+        Self {
+            board,
+            output: Output::default(),
+        }
+    }
+
+    /// Asks for a set over the bus. It is not stored by that.
+    fn ask(&mut self, number: u32) {
+        let offset = Entry::find_text("1221.Z").expect("a work offset");
+        let data = set(number).get(offset).to_le_bytes();
+        let object = Object::new(0x2000 + 1221, 2);
+        let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
+        let protocol = SdoProtocol::Segmented;
+        let mut transfer = SdoDownload::new(NODE, object, &data, protocol, patience, now);
+        while transfer.outcome().is_none() {
+            while let Some(frame) = transfer.poll(now) {
+                assert!(!self.board.receive(&frame), "for the board");
+            }
+            self.board.serve(Periods::new(0), &self.output.setpoint);
+            while let Some(frame) = self.board.transmit() {
+                transfer.receive(&frame, now);
+            }
+        }
+        assert_eq!(transfer.outcome(), Some(Ok(())));
+    }
+
+    /// Carries out what it asks for, with an entry of the journal behind each write; true where all of it is stored. The
+    /// number of the newest entry that may be there comes back too.
+    fn store(&mut self, flash: &mut Flash, mut sequence: u32) -> (bool, u32) {
+        let mut whole = true;
+        while let Some(request) = self.board.store() {
+            let region = request.region;
+            let written =
+                Store::new(&mut *flash).and_then(|mut store| block_on(store.keep(&request)));
+            whole &= written.is_ok();
+            self.board.stored(region, written);
+            sequence += 1;
+            if note(flash, sequence).is_err() {
+                return (false, sequence);
+            }
+        }
+        (whole, sequence)
+    }
+}
+
+/// A change to this set, from power-up on. As [`Bench::store`].
+fn change(flash: &mut Flash, number: u32, sequence: u32) -> (bool, u32) {
+    let mut bench = Bench::new(flash);
+    bench.ask(number);
+    bench.store(flash, sequence)
+}
+
+/// What a cut of the change to set `number` may leave; the newest entry of the journal comes back.
+fn after_cut(flash: &mut Flash, number: u32, entries: core::ops::RangeInclusive<u32>) -> u32 {
+    let old = number.checked_sub(1).filter(|old| *old > 0);
+    let found = in_force(flash);
+    assert!(
+        found == old || found == Some(number),
+        "{found:?} after the power went while {number} was stored"
+    );
+    let newest = noted(flash).unwrap_or(0);
+    assert!(entries.contains(&newest), "{newest} of {entries:?}");
+    newest
+}
+
+/// What a change begins with, and the bytes it writes and erases.
+struct Step {
+    before: Flash,
+    sequence: u32,
+    bytes: u32,
+}
+
+fn history(tear: usize) -> Vec<Step> {
+    let mut flash = Flash::erased();
+    flash.set_tear(TEARS[tear]);
+    let mut sequence = 0;
+    let mut history = Vec::new();
+    for number in 1..=CHANGES {
+        let before = flash.clone();
+        let (whole, newest) = change(&mut flash, number, sequence);
+        assert!(whole, "set {number}");
+        assert_eq!(newest, sequence + 2, "behind the set and behind its mark");
+        history.push(Step {
+            bytes: flash.written() - before.written(),
+            before,
+            sequence,
+        });
+        sequence = newest;
+    }
+    history
+}
+
+#[test]
+fn a_cut_at_every_byte_leaves_the_old_set_or_the_new_one() {
+    let stride = if cfg!(debug_assertions) { 7 } else { 1 };
+    let (mut cuts, mut erases, mut new) = (0, 0, 0);
+    for tear in 0..TEARS.len() {
+        for (step, number) in history(tear).iter().zip(1..) {
+            erases += u32::from(step.bytes > Flash::PAGE as u32);
+            for cut in (tear as u32..step.bytes).step_by(stride) {
+                let mut flash = step.before.clone();
+                let mut bench = Bench::new(&mut flash);
+                bench.ask(number);
+                flash.cut_after(cut);
+                let (whole, newest) = bench.store(&mut flash, step.sequence);
+                assert!(!whole, "cut at {cut}");
+                let newest = after_cut(&mut flash, number, step.sequence..=newest);
+                new += u32::from(in_force(&mut flash) == Some(number));
+                cuts += 1;
+                // Everything works again, now and then: it is the slowest part.
+                if cut.is_multiple_of(11) {
+                    assert!(change(&mut flash, number + 1, newest).0);
+                    assert_eq!(in_force(&mut flash), Some(number + 1));
+                }
+            }
+        }
+    }
+    assert!(erases >= 20, "{erases}");
+    assert!(new > cuts / 20, "{new} of {cuts} behind the set itself");
+    assert!(cuts >= 100_000 / stride as u32, "{cuts}");
+}
+
+/// Power that goes again and again, also in the repair; sets and entries in no order.
+#[test]
+fn cuts_upon_cuts_lose_nothing() {
+    let mut random = Random(11);
+    let rounds = if cfg!(debug_assertions) { 8 } else { 80 };
+    let mut cuts = 0;
+    for round in 0..rounds {
+        let mut flash = Flash::erased();
+        flash.set_tear(TEARS[round % TEARS.len()]);
+        let (mut stored, mut newest) = (None, 0);
+        for _ in 0..100 {
+            for _ in 0..random.within(0, 12) {
+                newest += 1;
+                note(&mut flash, newest).expect("written");
+            }
+            let number = stored.unwrap_or(0) + 1;
+            let mut bench = Bench::new(&mut flash);
+            bench.ask(number);
+            if random.chance(60) {
+                flash.cut_after(random.within(0, 5000) as u32);
+            }
+            let (whole, most) = bench.store(&mut flash, newest);
+            if !whole {
+                cuts += 1;
+                flash.power(true);
+                while random.chance(40) {
+                    flash.cut_after(random.within(0, 2300) as u32);
+                    let repaired = Store::new(&mut flash).map(|mut store| {
+                        block_on(async {
+                            store.recover().await?;
+                            let up = store.power_up(&Params::slant_bed()).await;
+                            drop(up);
+                            Ok::<_, StoreError>(())
+                        })
+                    });
+                    cuts += u32::from(repaired != Ok(Ok(())));
+                    flash.power(true);
+                }
+            }
+            flash.power(true);
+            let found = in_force(&mut flash);
+            assert!(
+                found == stored || found == Some(number),
+                "round {round}: {found:?} where {stored:?} was stored"
+            );
+            assert!(!whole || found == Some(number));
+            stored = found;
+            let entry = noted(&mut flash).unwrap_or(0);
+            assert!((newest..=most).contains(&entry));
+            newest = entry;
+        }
+    }
+    assert!(cuts > 30 * rounds as u32, "{cuts}");
+}
+
+#[test]
+fn a_change_that_is_told_as_done_is_there() {
+    let mut flash = Flash::erased();
+    let mut bench = Bench::new(&mut flash);
+    bench.ask(1);
+    assert!(bench.board.station().is_changing());
+    assert!(bench.store(&mut flash, 0).0);
+    assert!(!bench.board.station().is_changing());
+    assert_eq!(bench.board.station().commit_state(), CommitState::Done);
+    assert_eq!(in_force(&mut flash), Some(1));
+}

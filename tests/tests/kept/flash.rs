@@ -1,0 +1,108 @@
+//! The flash of a board whose parameters are changed, without the board: the same requests, written by the same store.
+
+use leadscrew_board_sim::plant::{Flash, Tear};
+use leadscrew_core::board::{Found, PowerUp, Region, StoreError};
+use leadscrew_core::journal::{TapHole, TapRecord};
+use leadscrew_core::link::identity;
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
+use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
+use leadscrew_store::{BUFFER, Store, block_on};
+
+pub const TEARS: [Tear; 4] = [
+    Tear {
+        unreadable: false,
+        from_the_end: false,
+    },
+    Tear {
+        unreadable: true,
+        from_the_end: false,
+    },
+    Tear {
+        unreadable: false,
+        from_the_end: true,
+    },
+    Tear {
+        unreadable: true,
+        from_the_end: true,
+    },
+];
+
+/// Set number so many: told apart by an offset.
+pub fn set(number: u32) -> Params {
+    let mut params = Params::slant_bed();
+    let offset = Entry::find_text("1221.Z").expect("a work offset");
+    params
+        .set(offset, i64::from(number) * 1000)
+        .expect("in its range");
+    params
+}
+
+/// Entry number so many of the tap journal.
+pub fn entry(sequence: u32) -> TapRecord {
+    let depth = i64::from(sequence) * 750_000;
+    TapRecord {
+        sequence,
+        in_hole: !sequence.is_multiple_of(28),
+        hole: TapHole {
+            axis: TapAxis::Z,
+            level: Length::ZERO,
+            bottom: Length::from_nm(-50_000_000),
+            lead: Lead::new(2_000_000_000, 1000).expect("a lead"),
+            hand: Hand::Right,
+            spindle: TapSpindle::First,
+            speed: CentiRpm::new(100_000),
+            notes: TapNotes::default(),
+        },
+        position: Length::from_nm(-depth),
+        angle: Turns::from_raw(depth << 12),
+    }
+}
+
+/// Stores the next entry of the tap journal.
+pub fn note(flash: &mut Flash, sequence: u32) -> Result<(), StoreError> {
+    let mut store = Store::new(flash)?;
+    block_on(store.write(Region::TapJournal, &entry(sequence).encode()))
+}
+
+/// The newest entry of the tap journal.
+pub fn noted(flash: &mut Flash) -> Option<u32> {
+    let mut buffer = [0; BUFFER];
+    let mut store = Store::new(flash).expect("a store");
+    let bytes = block_on(store.read(Region::TapJournal, &mut buffer)).expect("readable")?;
+    let record = TapRecord::decode(bytes).expect("an entry")?;
+    assert_eq!(record, entry(record.sequence), "a mixture");
+    Some(record.sequence)
+}
+
+/// What a board finds when the power comes back.
+pub fn power_up(flash: &mut Flash) -> PowerUp {
+    flash.power(true);
+    let mut store = Store::new(flash).expect("a store");
+    block_on(store.recover()).expect("recovered");
+    block_on(store.power_up(&Params::slant_bed()))
+}
+
+/// The number of the set that is in force; `None`: nothing was ever stored.
+///
+/// # Panics
+/// Where it is no whole set of these tests, or the board says that something is wrong.
+pub fn in_force(flash: &mut Flash) -> Option<u32> {
+    let up = power_up(flash);
+    match up.found {
+        Found::Nothing => None,
+        Found::Newest => {
+            let number = number(&up.params).expect("one of the sets");
+            assert_eq!(identity(&up.params), identity(&set(number)));
+            Some(number)
+        }
+        wrong => panic!("{wrong:?}"),
+    }
+}
+
+/// Which of the sets this is, if it is one.
+pub fn number(params: &Params) -> Option<u32> {
+    let offset = Entry::find_text("1221.Z").expect("a work offset");
+    let number = u32::try_from(params.get(offset) / 1000).ok()?;
+    (*params == set(number)).then_some(number)
+}

@@ -1,0 +1,5 @@
+//! Parameters over a loss of power: cut at every byte of a change, and damaged at every bit of what is stored.
+
+mod cuts;
+mod damage;
+mod flash;
