@@ -6,6 +6,7 @@ use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
+use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Dialect, Options, Position};
 use leadscrew_core::signals::Signals;
@@ -16,7 +17,8 @@ use crate::commands::board;
 use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
 use crate::params::{self, Loaded};
-use crate::state::StateFile;
+use crate::state::{StateFile, stored_set};
+use crate::words::both;
 
 /// The start of a command.
 #[derive(Debug)]
@@ -48,16 +50,17 @@ impl<'a> Setup<'a> {
 
     /// The same over a set that is known already; `None`: the built-in machine.
     pub fn over(global: &'a Global, base: Option<Params>) -> Outcome<Self> {
-        Self::of(global, load_over(global, base, None)?.params)
+        Self::of(global, base, None)
     }
 
     /// The same for a simulated machine that is to run with `drive`'s tick.
     pub fn with_drive(global: &'a Global, drive: &Drive) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
-        Self::of(global, load_over(global, None, tick)?.params)
+        Self::of(global, None, tick)
     }
 
-    fn of(global: &'a Global, params: Params) -> Outcome<Self> {
+    /// A set that is stored in the flash of a simulated board is that board's own, as with a real one [D107].
+    fn of(global: &'a Global, base: Option<Params>, last: Option<String>) -> Outcome<Self> {
         let kept = match &global.state {
             None => None,
             Some(path) => {
@@ -66,6 +69,23 @@ impl<'a> Setup<'a> {
                 Some((state, flash))
             }
         };
+        let stored = match &kept {
+            Some((_, flash)) => stored_set(flash),
+            None => None,
+        };
+        let base = base.or_else(|| stored.clone());
+        let params = load_over(global, base, last)?.params;
+        if let (Some(path), Some(stored)) = (&global.state, stored)
+            && identity(&stored) != identity(&params)
+        {
+            return Err(Failure::Usage(both!(
+                "`--params` and `--set` make another machine than the one stored in `{file}`: leave them out, or change \
+                 that board's parameters first (`leadscrew params push --state {file}`)",
+                "`--params` 和 `--set` 给出的机床与 `{file}` 中保存的不同：请去掉这些选项，或先修改该控制板的参数（`leadscrew \
+                 params push --state {file}`）",
+                file = path.display()
+            )));
+        }
         let tap = match &kept {
             Some((state, flash)) => state.journal(flash)?,
             None => None,

@@ -8,7 +8,9 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::{Flash, ImageError};
+use leadscrew_core::board::Found;
 use leadscrew_core::journal::{RecordError, TapRecord};
+use leadscrew_core::params::Params;
 use leadscrew_store::{BUFFER, Region, Store, block_on};
 
 use crate::failure::{Doing, Failure, Outcome};
@@ -165,6 +167,19 @@ fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
         Ok(None) => Ok(None),
         Ok(Some(bytes)) => TapRecord::decode(bytes).map_err(Unreadable::Record),
     }
+}
+
+/// The set that a board with this flash begins with, where one was ever stored; damaged ones make its alarm, and their
+/// place has what it talks with.
+#[must_use]
+pub fn stored_set(flash: &Flash) -> Option<Params> {
+    let mut flash = flash.clone();
+    let mut store = Store::new(&mut flash).ok()?;
+    let up = block_on(async {
+        store.recover().await.ok()?;
+        Some(store.power_up(&Params::slant_bed()).await)
+    })?;
+    (up.found != Found::Nothing).then_some(up.params)
 }
 
 #[cfg(test)]
