@@ -14,7 +14,7 @@ use leadscrew_tests::machine::calls;
 
 use super::parameters::{IMAGE, parameter, refused, rest, write};
 
-fn with(values: &[(&str, i64)]) -> Params {
+pub fn with(values: &[(&str, i64)]) -> Params {
     let mut params = Params::slant_bed();
     for (key, raw) in values {
         let entry = Entry::find_text(key).expect("a parameter");
@@ -24,18 +24,18 @@ fn with(values: &[(&str, i64)]) -> Params {
 }
 
 /// Sets that are told apart by the tolerance of the spindle's speed.
-fn set(tolerance: i64) -> Params {
+pub fn set(tolerance: i64) -> Params {
     with(&[("9007", tolerance)])
 }
 
-fn image(params: &Params) -> Vec<u8> {
+pub fn image(params: &Params) -> Vec<u8> {
     let mut image = vec![0; ImageWriter::BYTES as usize];
     ImageWriter::with_password(params).read(0, &mut image);
     image
 }
 
 /// A board with this flash, and what it says at power-up.
-fn power_up(flash: Flash) -> (Sim, Gateway, Vec<Event>) {
+pub fn power_up(flash: Flash) -> (Sim, Gateway, Vec<Event>) {
     let mut sim =
         Sim::with_flash(&Params::slant_bed(), &PlantOptions::default(), flash).expect("it starts");
     let mut gateway = Gateway::connect(&mut sim);
@@ -48,7 +48,7 @@ fn power_up(flash: Flash) -> (Sim, Gateway, Vec<Event>) {
     (sim, gateway, told)
 }
 
-fn push(gateway: &mut Gateway, sim: &mut Sim, params: &Params) -> Result<(), SdoError> {
+pub fn push(gateway: &mut Gateway, sim: &mut Sim, params: &Params) -> Result<(), SdoError> {
     let pushed = gateway.write(sim, IMAGE, &image(params), SdoProtocol::Block);
     if pushed.is_ok() {
         assert_eq!(state(gateway, sim), CommitState::Done as u8);
@@ -61,16 +61,16 @@ fn number(gateway: &mut Gateway, sim: &mut Sim, index: u16, sub: u8) -> u32 {
     u32::try_from(gateway.number(sim, index, sub).expect("a number")).expect("of 32 bits")
 }
 
-fn state(gateway: &mut Gateway, sim: &mut Sim) -> u8 {
+pub fn state(gateway: &mut Gateway, sim: &mut Sim) -> u8 {
     number(gateway, sim, 0x5010, 2) as u8
 }
 
-fn in_force(gateway: &mut Gateway, sim: &mut Sim) -> u32 {
+pub fn in_force(gateway: &mut Gateway, sim: &mut Sim) -> u32 {
     number(gateway, sim, 0x1020, 1)
 }
 
 /// Why the last change was refused.
-fn reason(gateway: &mut Gateway, sim: &mut Sim) -> Option<Alarm> {
+pub fn reason(gateway: &mut Gateway, sim: &mut Sim) -> Option<Alarm> {
     let object = Object::new(0x5010, 8);
     let bytes = gateway
         .read(sim, object, SdoProtocol::Block)
@@ -81,11 +81,11 @@ fn reason(gateway: &mut Gateway, sim: &mut Sim) -> Option<Alarm> {
     alarm
 }
 
-fn reason_code(gateway: &mut Gateway, sim: &mut Sim) -> Option<Code> {
+pub fn reason_code(gateway: &mut Gateway, sim: &mut Sim) -> Option<Code> {
     reason(gateway, sim).map(|alarm| alarm.code)
 }
 
-fn command(
+pub fn command(
     gateway: &mut Gateway,
     sim: &mut Sim,
     index: u16,
@@ -97,7 +97,7 @@ fn command(
 }
 
 /// A flash in which these sets have been stored, one after the other.
-fn flash_with(sets: &[Params]) -> Flash {
+pub fn flash_with(sets: &[Params]) -> Flash {
     let (mut sim, mut gateway, _) = power_up(Flash::erased());
     for params in sets {
         push(&mut gateway, &mut sim, params).expect("taken");

@@ -5,3 +5,4 @@ mod network;
 mod objects;
 mod parameters;
 mod programs;
+mod protection;
