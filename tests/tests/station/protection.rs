@@ -93,7 +93,7 @@ fn a_protected_board_can_take_what_it_has_loaded() {
     use leadscrew_core::board::{KeptSet, Region};
     use leadscrew_store::{Store, block_on};
     let protected = with(&[("9007", 12), ("9026.0", 0)]);
-    let mut flash = flash_with(&[protected.clone()]);
+    let mut flash = flash_with(std::slice::from_ref(&protected));
     // Another one, which is damaged.
     let mut bytes = [0; Region::LONGEST];
     KeptSet {
@@ -118,7 +118,7 @@ fn a_password_is_asked_for_and_never_told() {
     push(&mut gateway, &mut sim, &locked(1234)).expect("it has none yet");
     let (mut sim, mut gateway, _) = power_up(sim.flash().clone());
     // Of all that can be read only that there is one.
-    let object = u16::from(PASSWORD) + 0x2000;
+    let object = 0x2000 + PASSWORD;
     assert_eq!(gateway.number(&mut sim, object, 0), Ok(1));
     assert_eq!(
         in_force(&mut gateway, &mut sim),
