@@ -1,4 +1,4 @@
-//! Linker arguments of the two images.
+//! Linker arguments of the images.
 
 fn main() {
     let here = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
@@ -6,6 +6,7 @@ fn main() {
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bin=link=-eentry");
+    println!("cargo:rustc-link-arg-bin=board=-eentry");
     println!("cargo:rustc-link-arg-bin=ticks=-Tlink.x");
     if std::env::var_os("CARGO_FEATURE_DIAGNOSE").is_some() {
         // Keeps what calls what in the image.

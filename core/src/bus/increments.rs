@@ -5,6 +5,7 @@
 //! carried from tick to tick that could be lost: after any path the drive stands within half an increment of the exact
 //! position.
 
+use crate::units::div_wide;
 use core::num::NonZeroU32;
 
 /// A position in drive increments, as objects 607Ah and 6064h hold it.
@@ -57,7 +58,7 @@ impl Scale {
             return None;
         }
         // numerator · 2⁵⁹ is below 2⁹¹, and the quotient below 16 · 2⁵⁹.
-        match ((numerator as u128) << Self::PLACES).checked_div(denominator as u128) {
+        match div_wide((numerator as u128) << Self::PLACES, denominator as u128) {
             Some(reciprocal) => Some(Self {
                 numerator: n,
                 denominator: d,
@@ -146,10 +147,8 @@ impl Scale {
         if distance <= 0 {
             return 0;
         }
-        match (distance as u128)
-            .wrapping_mul(self.numerator.get() as u128)
-            .checked_div(self.denominator.get() as u128)
-        {
+        let scaled = (distance as u128).wrapping_mul(self.numerator.get() as u128);
+        match div_wide(scaled, self.denominator.get() as u128) {
             Some(increments) if increments <= u32::MAX as u128 => increments as u32,
             _ => u32::MAX,
         }

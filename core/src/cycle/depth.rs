@@ -5,7 +5,7 @@
 use core::num::NonZero;
 
 use crate::program::Infeed;
-use crate::units::Length;
+use crate::units::{Length, div_wide};
 
 /// Rough passes of one cycle at most; more is an alarm.
 pub(crate) const MOST_PASSES: u32 = 9999;
@@ -177,8 +177,9 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
     // 4·n·first² < 2² · 2¹⁴ · 2⁸⁴; the root of a floor is the floor of the root.
     let square = u128::from(first).wrapping_mul(u128::from(first));
     let value = square.wrapping_mul(u128::from(n)).wrapping_mul(4);
-    let wide = NonZero::<u128>::from(increment);
-    let twice = (value / wide / wide).isqrt() as u64;
+    let wide = u128::from(increment.get());
+    let rounded = div_wide(value, wide).and_then(|once| div_wide(once, wide));
+    let twice = rounded.unwrap_or(0).isqrt() as u64;
     (twice.wrapping_add(1) >> 1).wrapping_mul(increment.get())
 }
 
@@ -198,7 +199,7 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     let right = d.wrapping_mul(m).wrapping_mul(2);
     // Wanted: the smallest c = n − 1 with left² < c · right². The ratio with 16 fractional bits, rounded down, puts
     // (left/right)² into a gap of less than 1.004 above `whole`: the answer is one of two, and long products tell which.
-    let ratio = (left << 16).checked_div(right).unwrap_or(0);
+    let ratio = div_wide(left << 16, right).unwrap_or(0);
     if ratio >= 100 << 16 {
         // √(n − 1) stays below 100.
         return u32::MAX;

@@ -4,7 +4,7 @@
 
 use core::num::NonZero;
 
-use crate::units::Lead;
+use crate::units::{Lead, div_wide};
 
 /// Millionths of a degree in a turn.
 pub(crate) const TURN_UDEG: u32 = 360_000_000;
@@ -27,11 +27,12 @@ impl Helix {
         let nm = NonZero::new(lead.numerator().unsigned_abs()).unwrap_or(NonZero::<u64>::MIN);
         let turns = lead.denominator().unsigned_abs();
         let per_nm = (nm.get() < 1 << 34).then(|| {
-            let wide = NonZero::<u128>::from(nm);
+            let wide = u128::from(nm.get());
             let part = u128::from(turns % nm) << 64;
-            let (high, rest) = (part / wide, part % wide);
+            let high = div_wide(part, wide).unwrap_or(0);
+            let rest = part.wrapping_sub(high.wrapping_mul(wide));
             // rest < nm < 2³⁴, so one more does not carry.
-            let low = ((rest << 64) / wide).wrapping_add(1);
+            let low = div_wide(rest << 64, wide).unwrap_or(0).wrapping_add(1);
             (high as u64, low as u64)
         });
         Self { nm, turns, per_nm }
@@ -60,10 +61,12 @@ impl Helix {
     /// The same by division.
     #[cold]
     fn wide_angle(&self, distance: u64) -> u32 {
-        let nm = NonZero::<u128>::from(self.nm);
-        let part = u128::from(distance).wrapping_mul(u128::from(self.turns)) % nm;
+        let nm = u128::from(self.nm.get());
+        let turned = u128::from(distance).wrapping_mul(u128::from(self.turns));
+        let whole = div_wide(turned, nm).unwrap_or(0);
+        let part = turned.wrapping_sub(whole.wrapping_mul(nm));
         let scaled = part.wrapping_mul(u128::from(TURN_UDEG));
-        (scaled.wrapping_add(nm.get() >> 1) / nm) as u32
+        div_wide(scaled.wrapping_add(nm >> 1), nm).unwrap_or(0) as u32
     }
 }
 

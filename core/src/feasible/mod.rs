@@ -15,5 +15,7 @@ mod time;
 
 pub use limits::within_limits;
 pub use tap::{TapJoin, TapReport, tap, tap_return, tap_spindle};
-pub use thread::{FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_findings};
+pub use thread::{
+    FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_can_run, thread_findings,
+};
 pub use time::time;

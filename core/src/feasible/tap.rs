@@ -10,7 +10,7 @@ use crate::program::{
     Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, div_wide, mul_div};
 
 /// What a tapping cycle does on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,10 +207,11 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
     let nm = mul_div(feed, 1, divisor);
     let half = lead.numerator().unsigned_abs() >> 1;
     let scaled = u128::from(nm).saturating_mul(u128::from(lead.denominator().unsigned_abs()));
-    let rounded = scaled
-        .saturating_add(u128::from(half))
-        .checked_div(u128::from(lead.numerator().unsigned_abs()))
-        .unwrap_or(0);
+    let rounded = div_wide(
+        scaled.saturating_add(u128::from(half)),
+        u128::from(lead.numerator().unsigned_abs()),
+    )
+    .unwrap_or(0);
     CentiRpm::new(i32::try_from(rounded).unwrap_or(i32::MAX))
 }
 

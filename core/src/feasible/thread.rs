@@ -2,7 +2,7 @@
 
 use super::pass::{Gather, Pass};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{MoveKind, ThreadMoves};
+use crate::cycle::{MoveKind, ThreadMoves, ThreadSummary};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
 use crate::program::ThreadCall;
@@ -65,6 +65,61 @@ pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadRe
     }
 }
 
+/// The first of what [`thread_findings`] finds, in little memory: what a board asks.
+///
+/// # Errors
+/// As [`thread`].
+pub fn thread_can_run(call: &ThreadCall, span: Span, params: &Params) -> Result<(), Alarm> {
+    let mut first = None;
+    examine(call, span, params, &mut |alarm| {
+        first.get_or_insert(alarm);
+    })?;
+    first.map_or(Ok(()), Err)
+}
+
+/// Plans the passes that ask most of the machine, and says everything that is wrong.
+fn examine(
+    call: &ThreadCall,
+    span: Span,
+    params: &Params,
+    wrong: &mut impl FnMut(Alarm),
+) -> Result<(ThreadSummary, Figures), Alarm> {
+    let summary = summary(call, span)?;
+    let speed = call.rpm.abs();
+    if speed == 0 {
+        wrong(Alarm::new(Code::SpindleStopped, span));
+    } else if speed > params.spindle_max_rpm() {
+        let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
+        let args = [
+            Arg::Rpm(positive(call.rpm)),
+            Arg::Rpm(Rpm::new(most)),
+            Arg::None,
+            Arg::None,
+        ];
+        wrong(Alarm::new(Code::SpeedAboveSpindle, span).with(args));
+    }
+    if let Some(alarm) = pitch(call, summary.shortest_stroke) {
+        wrong(alarm);
+    }
+    let mut figures = Figures::default();
+    if speed != 0 {
+        let extremes = Extremes::of(call, span)?;
+        for pass in extremes.passes() {
+            if let Err(alarm) = figures.take(call, &pass, params) {
+                wrong(alarm);
+                break;
+            }
+        }
+    }
+    Ok((summary, figures))
+}
+
+// Each of these has the moves of a cycle on its stack; who plans a pass has not, at the same time [D140].
+#[inline(never)]
+fn summary(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
+    ThreadMoves::new(call, span).map(|moves| moves.summary())
+}
+
 /// As [`thread`], but goes on after the first thing that is wrong.
 ///
 /// # Errors
@@ -74,37 +129,8 @@ pub fn thread_findings(
     span: Span,
     params: &Params,
 ) -> Result<ThreadFindings, Alarm> {
-    let summary = ThreadMoves::new(call, span)?.summary();
     let mut alarms = List::default();
-    let speed = call.rpm.abs();
-    if speed == 0 {
-        alarms.push(Alarm::new(Code::SpindleStopped, span));
-    } else if speed > params.spindle_max_rpm() {
-        let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
-        let args = [
-            Arg::Rpm(positive(call.rpm)),
-            Arg::Rpm(Rpm::new(most)),
-            Arg::None,
-            Arg::None,
-        ];
-        alarms.push(Alarm::new(Code::SpeedAboveSpindle, span).with(args));
-    }
-    if let Some(alarm) = pitch(call, summary.shortest_stroke) {
-        alarms.push(alarm);
-    }
-    let extremes = Extremes::of(call, span)?;
-    let mut figures = Figures::default();
-    if speed != 0 {
-        for pass in extremes.passes() {
-            match plan(call, &pass, params, call.rpm) {
-                Ok(plan) => figures.take(&plan),
-                Err(alarm) => {
-                    alarms.push(alarm);
-                    break;
-                }
-            }
-        }
-    }
+    let (summary, figures) = examine(call, span, params, &mut |alarm| alarms.push(alarm))?;
     if alarms.first().is_some() {
         return Ok(ThreadFindings {
             alarms: alarms.0,
@@ -304,44 +330,58 @@ fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
 }
 
 /// The passes that ask most of the machine: the first (shortest run-in, smallest J), the last (largest J), and the one
-/// with the shortest stroke. All passes share slope, K and lead, and J and run-in grow with depth.
+/// with the shortest stroke. All passes share slope, K and lead, and J and run-in grow with depth. Known by their numbers
+/// and made anew when they are wanted: a pass is large.
 struct Extremes {
-    first: Option<Pass>,
-    last: Option<Pass>,
-    shortest: Option<Pass>,
+    /// All starts of a depth are the same pass at another angle.
+    one_start: ThreadCall,
+    span: Span,
+    last: usize,
+    shortest: usize,
 }
 
 impl Extremes {
+    #[inline(never)]
     fn of(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
-        // All starts of a depth are the same pass at another angle.
-        let mut one_start = *call;
-        one_start.starts.value = 1;
         let mut all = Self {
-            first: None,
-            last: None,
-            shortest: None,
+            one_start: *call,
+            span,
+            last: 0,
+            shortest: 0,
         };
-        let mut gather = Gather::default();
-        let mut at = call.start;
-        for next in ThreadMoves::new(&one_start, span)? {
-            if let Some(pass) = gather.take(at, next) {
-                all.first.get_or_insert(pass);
-                if all
-                    .shortest
-                    .is_none_or(|least| pass.stroke() < least.stroke())
-                {
-                    all.shortest = Some(pass);
-                }
-                all.last = Some(pass);
+        all.one_start.starts.value = 1;
+        let mut least = None;
+        for (number, pass) in gathered(&all.one_start, span)?.enumerate() {
+            if least.is_none_or(|least| pass.stroke() < least) {
+                least = Some(pass.stroke());
+                all.shortest = number;
             }
-            at = next.to;
+            all.last = number;
         }
         Ok(all)
     }
 
-    fn passes(&self) -> impl Iterator<Item = Pass> {
-        [self.last, self.shortest, self.first].into_iter().flatten()
+    #[inline(never)]
+    fn pass(&self, number: usize) -> Option<Pass> {
+        gathered(&self.one_start, self.span).ok()?.nth(number)
     }
+
+    fn passes(&self) -> impl Iterator<Item = Pass> {
+        [self.last, self.shortest, 0]
+            .into_iter()
+            .filter_map(|number| self.pass(number))
+    }
+}
+
+/// The passes of a cycle.
+fn gathered(call: &ThreadCall, span: Span) -> Result<impl Iterator<Item = Pass>, Alarm> {
+    let mut gather = Gather::default();
+    let mut at = call.start;
+    Ok(ThreadMoves::new(call, span)?.filter_map(move |next| {
+        let pass = gather.take(at, next);
+        at = next.to;
+        pass
+    }))
 }
 
 /// The worst figures over the passes.
@@ -355,12 +395,15 @@ struct Figures {
 }
 
 impl Figures {
-    fn take(&mut self, plan: &ThreadPlan) {
+    #[inline(never)]
+    fn take(&mut self, call: &ThreadCall, pass: &Pass, params: &Params) -> Result<(), Alarm> {
+        let plan = plan(call, pass, params, call.rpm)?;
         self.lead_in = self.lead_in.max(plan.lead_in());
         self.braking = self.braking.max(plan.braking());
         self.falling = self.falling.max(plan.falling_lead());
         self.lag = self.lag.max(plan.run_out_lag().abs());
         self.needed = self.needed.max(plan.run_out_needed());
+        Ok(())
     }
 }
 

@@ -3,7 +3,7 @@
 use super::line::ceil_sqrt;
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Direction, Length, mul_div, mul_high};
+use crate::units::{Direction, Length, div_wide, mul_div, mul_high};
 
 /// How far the end may be from the circle through the start, at most; see [`Arc::new`].
 pub const ARC_TOLERANCE: Length = Length::from_nm(10_000);
@@ -110,9 +110,7 @@ impl Arc {
         .max(1);
         let travel = length << 16;
         let shift = travel.leading_zeros();
-        let inverse = (u128::MAX >> 1)
-            .checked_div(u128::from(travel << shift))
-            .unwrap_or(0);
+        let inverse = div_wide(u128::MAX >> 1, u128::from(travel << shift)).unwrap_or(0);
         Ok(Self {
             from,
             to,

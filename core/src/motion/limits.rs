@@ -6,7 +6,7 @@ use super::arc::Bend;
 use super::line::Line;
 use super::rate::PathRate;
 use crate::params::Params;
-use crate::units::{Acceleration, Axis, Feed, Jerk, mul_div};
+use crate::units::{Acceleration, Axis, Feed, Jerk, div_wide, mul_div};
 
 /// Whether a move is a rapid or cuts; they have different top speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -214,7 +214,7 @@ fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
 }
 
 fn over(value: u128, divisor: u128) -> u128 {
-    value.checked_div(divisor).unwrap_or(u128::MAX)
+    div_wide(value, divisor).unwrap_or(u128::MAX)
 }
 
 /// The largest integer whose cube is not above `value`; `u32::MAX` at most.
@@ -234,7 +234,7 @@ fn cube_root(value: u128) -> u32 {
 fn per_tick(value: i64, tick_us: u32, power: u32) -> u64 {
     let mut scaled = u128::from(u64::try_from(value).unwrap_or(0)) << 32;
     for _ in 0..power {
-        scaled = scaled.saturating_mul(u128::from(tick_us)) / 1_000_000;
+        scaled = over(scaled.saturating_mul(u128::from(tick_us)), 1_000_000);
     }
     u64::try_from(scaled).unwrap_or(u64::MAX)
 }

@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Angle, Length, mul_high};
+use crate::units::{Angle, Length, div_wide, mul_high};
 
 /// A straight path in X, Z and C.
 ///
@@ -103,7 +103,7 @@ const fn nm(value: u64) -> Length {
 /// `part / whole` in 2⁻⁶³, rounded to the nearest; `part` is not above `whole`.
 const fn share(part: u64, whole: u64) -> u64 {
     let scaled = ((part as u128) << 63).saturating_add((whole >> 1) as u128);
-    match scaled.checked_div(whole as u128) {
+    match div_wide(scaled, whole as u128) {
         Some(share) => share as u64,
         None => 0,
     }

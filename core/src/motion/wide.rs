@@ -2,22 +2,25 @@
 //!
 //! Every function saturates: at the end of the range where a result does not fit, and where a divisor is zero.
 
+use crate::units::div_wide;
+
 /// a · b / c rounded up.
+#[inline(never)]
 pub(crate) fn mul_div_up(a: u64, b: u64, c: u64) -> u64 {
     let product = u128::from(a).wrapping_mul(u128::from(b));
     // c < 2⁶⁴ and product ≤ (2⁶⁴ − 1)²: the sum fits.
-    narrow(
-        product
-            .wrapping_add(u128::from(c.saturating_sub(1)))
-            .checked_div(u128::from(c)),
-    )
+    narrow(div_wide(
+        product.wrapping_add(u128::from(c.saturating_sub(1))),
+        u128::from(c),
+    ))
 }
 
 /// a · 2^`shift` / b rounded to the nearest, for a signed a; `shift` ≤ 62.
+#[inline(never)]
 pub(crate) fn ratio(a: i64, b: u64, shift: u32) -> i64 {
     let scaled = u128::from(a.unsigned_abs()).wrapping_shl(shift);
     let half = u128::from(b >> 1);
-    let magnitude = narrow(scaled.wrapping_add(half).checked_div(u128::from(b)));
+    let magnitude = narrow(div_wide(scaled.wrapping_add(half), u128::from(b)));
     let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
     if a < 0 {
         magnitude.wrapping_neg()
@@ -27,11 +30,10 @@ pub(crate) fn ratio(a: i64, b: u64, shift: u32) -> i64 {
 }
 
 /// √(a · b / c) rounded up.
+#[inline(never)]
 pub(crate) fn root_mul_div_up(a: u64, b: u64, c: u64) -> u64 {
-    let Some(square) = u128::from(a)
-        .wrapping_mul(u128::from(b))
-        .checked_div(u128::from(c))
-    else {
+    let product = u128::from(a).wrapping_mul(u128::from(b));
+    let Some(square) = div_wide(product, u128::from(c)) else {
         return u64::MAX;
     };
     narrow(Some(square.isqrt().wrapping_add(1)))

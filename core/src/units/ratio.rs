@@ -1,5 +1,6 @@
 //! Turns of a geared spindle, exactly ([`TurnRatio`]).
 
+use super::wide::div_wide;
 use super::{Lead, Length};
 
 /// Signed spindle turns as an exact ratio; the denominator is positive.
@@ -52,10 +53,7 @@ impl TurnRatio {
         // |rest| is below the denominator, itself below 2⁵⁰ for every lead that F can give: the product needs 128 bits.
         let twice = (rest.unsigned_abs() as u128).wrapping_mul(2_000_000);
         let denominator = self.denominator.unsigned_abs() as u128;
-        let part = match twice
-            .wrapping_add(denominator)
-            .checked_div(denominator.wrapping_mul(2))
-        {
+        let part = match div_wide(twice.wrapping_add(denominator), denominator.wrapping_mul(2)) {
             Some(part) => part as i64,
             None => 0,
         };

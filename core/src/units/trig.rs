@@ -4,6 +4,7 @@
 //! a quarter turn, from a short series. Good to 2⁻⁵⁸: on a circle of 1 m radius that is 4·10⁻⁹ nm.
 
 use super::Turns;
+use super::wide::div_wide;
 use super::wide::mul_high;
 
 /// A direction: an angle in 2⁻⁶⁴ turns, wrapping.
@@ -146,9 +147,7 @@ impl Direction {
         }
         // An eighth turn is taken to be straight: 0.07 rad wrong at most.
         let eighth = |part: u64, whole: u64| -> u64 {
-            (u128::from(part) << 61)
-                .checked_div(u128::from(whole))
-                .map_or(0, |q| q as u64)
+            div_wide(u128::from(part) << 61, u128::from(whole)).map_or(0, |q| q as u64)
         };
         let guess = if b <= a {
             eighth(b, a)
@@ -172,10 +171,11 @@ impl Direction {
             let v = u128::from(v << shift);
             v.saturating_mul(v)
         };
-        let radius = square(a).saturating_add(square(b)).isqrt() as i128;
+        let radius = square(a).saturating_add(square(b)).isqrt();
         let unit = |v: i64| {
-            let v = i128::from(v) << (shift.saturating_add(62));
-            v.checked_div(radius).unwrap_or(0)
+            let size = u128::from(v.unsigned_abs()) << (shift.saturating_add(62));
+            let size = div_wide(size, radius).unwrap_or(0) as i128;
+            if v < 0 { size.wrapping_neg() } else { size }
         };
         let (unit_along, unit_across) = (unit(along), unit(across));
         // The sine of what the guess lacks gives the angle: asin s = s + s³/6 + 3·s⁵/40 + …: after two rounds nothing

@@ -1,4 +1,7 @@
 //! Products that need 128 bits, for places that keep 64: the high half of a product, and `a · b / c`.
+//!
+//! A 128-bit division is two kilobytes of code, and the linker puts it in wherever it is written; so it is written here, and
+//! nowhere else [D140].
 
 /// The high 64 bits of `a · b`.
 ///
@@ -11,12 +14,19 @@ pub const fn mul_high(a: u64, b: u64) -> u64 {
 /// `a · b / c` rounded down; `u64::MAX` where that does not fit or `c` is zero. A 128-bit division: for the background,
 /// not for the tick.
 #[must_use]
+#[inline(never)]
 pub const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     let product = (a as u128).wrapping_mul(b as u128);
-    match product.checked_div(c as u128) {
+    match div_wide(product, c as u128) {
         Some(q) if q <= u64::MAX as u128 => q as u64,
         _ => u64::MAX,
     }
+}
+
+/// `a / b` rounded down; `None` where `b` is zero. For the background, not for the tick.
+#[inline(never)]
+pub(crate) const fn div_wide(a: u128, b: u128) -> Option<u128> {
+    a.checked_div(b)
 }
 
 /// A divisor with its reciprocal, so that the tick divides by multiplying.

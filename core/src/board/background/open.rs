@@ -22,14 +22,14 @@ impl Background {
         let signals = self.latch(call, settings.signals);
         match &call.kind {
             CallKind::Thread(thread) => {
-                feasible::thread(thread, call.span, settings.params)?;
+                feasible::thread_can_run(thread, call.span, settings.params)?;
                 if settings.spindle_percent > 100 {
                     // The override makes it faster than the block says.
                     let faster = ThreadCall {
                         rpm: overridden(thread.rpm, settings.spindle_percent),
                         ..*thread
                     };
-                    feasible::thread(&faster, call.span, settings.params)?;
+                    feasible::thread_can_run(&faster, call.span, settings.params)?;
                 }
             }
             CallKind::Tap(tap) => {

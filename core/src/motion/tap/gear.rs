@@ -3,7 +3,7 @@
 //! Knows a lead, a hand and a level; knows nothing of time.
 
 use crate::program::{Hand, Position, TapAxis};
-use crate::units::{Lead, Length, Turns, mul_high};
+use crate::units::{Lead, Length, Turns, div_wide, mul_high};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
 /// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
@@ -36,7 +36,7 @@ impl Gear {
         let scaled = u128::from(turns.unsigned_abs()) << shift.wrapping_add(32).min(127);
         let nm = u128::from(nm.unsigned_abs());
         let up = scaled.checked_add(nm.checked_sub(1)?)?;
-        let factor = u64::try_from(up.checked_div(nm)?).ok()?;
+        let factor = u64::try_from(div_wide(up, nm)?).ok()?;
         Some(Self {
             axis,
             level,

@@ -13,7 +13,7 @@ use crate::motion::rate::{PathRate, Rate};
 use crate::motion::shape;
 use crate::params::Params;
 use crate::program::{Position, TapAxis};
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Millis, mul_div};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div};
 
 /// One stroke along the tap axis, from rest to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -276,7 +276,7 @@ fn spindle_acceleration(lead: Lead, ramp_ms: u32, tick_us: u32) -> Option<u64> {
     let divisor = u128::from(lead.denominator().unsigned_abs())
         .saturating_mul(u128::from(ramp_ms))
         .saturating_mul(60_000_000);
-    let acceleration = nm.saturating_mul(square).checked_div(divisor)?;
+    let acceleration = div_wide(nm.saturating_mul(square), divisor)?;
     let acceleration = u64::try_from(acceleration).unwrap_or(u64::MAX);
     Some(acceleration.saturating_sub(4 << 16).max(1))
 }

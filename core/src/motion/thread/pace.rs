@@ -26,6 +26,7 @@ pub(super) struct Pace {
 
 impl Pace {
     /// The pace of a pass, its feeds checked.
+    #[inline(never)]
     pub fn new(
         shape: &Shape,
         params: &Params,
@@ -101,6 +102,7 @@ impl Pace {
     }
 
     /// The join, and the run-in that brings the short axis from beside the line's extension onto it: a ramp mirrored.
+    #[inline(never)]
     pub fn run_in(&self, shape: &Shape, machine: &Machine) -> Result<(Ease, Ramp), Alarm> {
         if shape.run_in == 0 {
             return Ok((machine.plain(), Ramp::NONE));
@@ -125,6 +127,7 @@ impl Pace {
 
     /// The brake and the run-out; where the short axis cannot make it inside K, the K in which it could. The margin on
     /// the speed is given up, step by step, before the run-out is.
+    #[inline(never)]
     pub fn run_out(
         &self,
         shape: &Shape,
@@ -158,6 +161,7 @@ impl Pace {
     }
 
     /// A retract in mid-thread: the run-out's slope, 45° where there is none.
+    #[inline(never)]
     pub fn retract(&self, shape: &Shape, machine: &Machine) -> Ramp {
         let mean = if shape.run_out > 0 {
             slope(shape.run_out_rise, shape.run_out).unsigned_abs()

@@ -88,6 +88,7 @@ impl Machine {
     }
 
     /// The long axis' ease where the short one follows a slope beside the taper, away from its corners.
+    #[inline(never)]
     pub fn straight(&self, slope: u64) -> Ease {
         let slope = slope.saturating_add(self.taper);
         let bounds = self.long.least(through(self.short, slope));
@@ -99,6 +100,7 @@ impl Machine {
     /// While only one of both works each has the short axis' limits to itself. Where the ramp's corner reaches into
     /// the join or the brake, they share: half of the acceleration each, a third of the jerk each, and the last third
     /// for the product of both.
+    #[inline(never)]
     pub fn corner(&self, rise: Fine, way: Fine) -> Corner {
         let alone = self.fit(rise, way, false);
         let used = alone

@@ -1,0 +1,94 @@
+#![no_std]
+#![no_main]
+//! What a board takes of flash: everything that runs on one, and nothing else of the core. Never run; its size is in the
+//! table, and each step is a function of its own, so that its stack can be read from the image.
+
+use core::panic::PanicInfo;
+use core::ptr::addr_of_mut;
+
+use audit::any::{any, sink};
+use leadscrew_core::board::{Board, Output};
+use leadscrew_core::bus::Frame;
+use leadscrew_core::params::Params;
+
+static mut BOARD: Option<Board> = None;
+static mut OUTPUT: Option<Output> = None;
+
+/// Where the image begins.
+#[unsafe(no_mangle)]
+pub extern "C" fn entry() {
+    start();
+    // SAFETY: nothing else has a reference to either.
+    let (board, output) = unsafe { (&mut *addr_of_mut!(BOARD), &mut *addr_of_mut!(OUTPUT)) };
+    let (Some(board), Some(output)) = (board, output) else {
+        return;
+    };
+    while any() {
+        tick(board, output);
+        hear(board);
+        serve(board, output);
+        plan(board);
+        say(board);
+        store(board);
+    }
+}
+
+#[inline(never)]
+fn start() {
+    // The set a board is delivered with; any other comes over the bus.
+    let board = Board::new(&Params::slant_bed(), any(), any());
+    // SAFETY: nothing has a reference to them yet.
+    unsafe {
+        *addr_of_mut!(BOARD) = board.ok();
+        *addr_of_mut!(OUTPUT) = Some(Output::default());
+    }
+}
+
+#[inline(never)]
+fn tick(board: &mut Board, output: &mut Output) {
+    let frames: [Frame; 8] = any();
+    board.tick(any(), frames.get(..any()).unwrap_or(&frames), output);
+    sink(&*output);
+}
+
+#[inline(never)]
+fn hear(board: &mut Board) {
+    sink(board.join(any()));
+    sink(board.receive(&any()));
+    if any() {
+        board.signals(any());
+    }
+}
+
+#[inline(never)]
+fn serve(board: &mut Board, output: &Output) {
+    sink(board.serve(any(), &output.setpoint));
+    board.set_late(any());
+}
+
+#[inline(never)]
+fn plan(board: &mut Board) {
+    sink(board.background());
+}
+
+#[inline(never)]
+fn say(board: &mut Board) {
+    sink((board.event(), board.transmit(), board.awaits_program()));
+}
+
+#[inline(never)]
+fn store(board: &mut Board) {
+    if let Some(request) = board.store() {
+        sink(request.bytes());
+        board.stored(request.region, any());
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    unsafe extern "C" {
+        fn a_panic_is_reachable() -> !;
+    }
+    // SAFETY: never called; an image that could call it does not link.
+    unsafe { a_panic_is_reachable() }
+}
