@@ -171,7 +171,7 @@ impl Background {
             if let Some(next) = moves.next() {
                 self.hole_ends = ends_hole(&next, moves);
                 if let Err(alarm) = self.take(&next, settings) {
-                    self.fail(alarm);
+                    self.fail(&alarm);
                 }
             } else {
                 self.moves = None;
@@ -202,19 +202,22 @@ impl Background {
         {
             return (false, None);
         }
-        let Some(call) = take(calls) else {
+        let Some(call) = calls.peek() else {
             return (false, None);
         };
-        match self.open(&call, settings) {
+        let opened = self.open(call, settings);
+        take(calls);
+        match opened {
             Ok(warning) => (true, warning),
             Err(alarm) => {
-                self.fail(alarm);
+                self.fail(&alarm);
                 (true, None)
             }
         }
     }
 
-    fn fail(&mut self, alarm: Alarm) {
+    #[inline(never)]
+    fn fail(&mut self, alarm: &Alarm) {
         self.failed = true;
         self.moves = None;
         self.ending = None;
@@ -223,9 +226,10 @@ impl Background {
         self.tap = None;
         self.float_number = None;
         self.planned.clear();
-        self.queue(alarm.span, Stops::default(), Action::Alarm(alarm));
+        self.queue(alarm.span, Stops::default(), Action::Alarm(*alarm));
     }
 
+    #[inline(never)]
     fn hand_over(&mut self, segments: &mut SegmentIn<'_>) -> bool {
         let has_plan = |segment: &Segment| matches!(segment.action, Action::Planned);
         let needs_plan = self.planned.iter().any(has_plan);
@@ -243,12 +247,16 @@ impl Background {
         true
     }
 
+    // What is large on the stack is kept out of each other's frames here and in the files below: the planner of a pass is at
+    // the bottom of all of them [D140].
+
     /// Puts a segment behind what is planned and lets it all go to the queue.
     fn queue(&mut self, span: Span, stops: Stops, action: Action) {
         self.put(self.number, span, stops, action);
         self.complete = true;
     }
 
+    #[inline(never)]
     fn put(&mut self, number: u32, span: Span, stops: Stops, action: Action) {
         let segment = Segment {
             number,
@@ -263,6 +271,7 @@ impl Background {
         }
     }
 
+    #[inline(never)]
     fn take(&mut self, next: &Move, settings: &Settings<'_>) -> Result<(), Alarm> {
         self.number = self.number.saturating_add(1);
         if let MoveKind::Thread(thread) = next.kind {
@@ -295,12 +304,7 @@ impl Background {
         let stops = self.stops(next, settings.params);
         let action = match next.kind {
             MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
-                let timed = plan::timed(self.position, next, settings.limits)?;
-                self.position = next.to;
-                match timed {
-                    Some(timed) => Action::Timed(timed),
-                    None => return Ok(()),
-                }
+                return self.take_timed(next, stops, settings);
             }
             MoveKind::Dwell(time) => match dwell_ticks(time, settings.params.tick_us()) {
                 0 => return Ok(()),
@@ -315,6 +319,22 @@ impl Background {
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
         };
         self.queue(next.span, stops, action);
+        Ok(())
+    }
+
+    /// A move that time drives.
+    #[inline(never)]
+    fn take_timed(
+        &mut self,
+        next: &Move,
+        stops: Stops,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let timed = plan::timed(self.position, next, settings.limits)?;
+        self.position = next.to;
+        if let Some(timed) = timed {
+            self.queue(next.span, stops, Action::Timed(timed));
+        }
         Ok(())
     }
 

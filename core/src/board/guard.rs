@@ -29,6 +29,7 @@ impl Guard {
     ///
     /// # Errors
     /// [`Code::TapInHole`] for a call that moves an axis or commands a spindle.
+    #[inline(never)]
     pub fn admit(&mut self, call: &Call, moves: &Moves) -> Result<(), Alarm> {
         let Some(hole) = &self.0 else {
             return Ok(());

@@ -135,8 +135,7 @@ pub struct Ticker {
     drives: Drives,
     /// Where the machine stood when the power went.
     remembered: Option<Position>,
-    ahead_x: Ticks,
-    ahead_z: Ticks,
+    given: Given,
     /// S with M03/M04, before override.
     commanded: Rpm,
     /// Percent in force; frozen inside a thread cycle.
@@ -145,14 +144,8 @@ pub struct Ticker {
     rigid: Rigid,
     /// The spindle that is in it, or on the way.
     taps_with: TapSpindle,
-    /// Leaving it waits for RGTAP = 0 (5200.2).
-    waits_for_rgtap: bool,
-    /// Ticks it has waited.
+    /// Ticks that leaving it has waited.
     waited: u32,
-    /// Ticks of a second.
-    second: u32,
-    /// Ticks the spindle may take to come to a stand.
-    stop_ticks: u32,
     /// Single block has stopped between two segments.
     paused: bool,
     /// Single block stops before the next segment unless that belongs to a hole.
@@ -171,22 +164,29 @@ pub struct Ticker {
     epoch: Epoch,
     /// Of the way asked for last.
     route_epoch: Epoch,
-    edge_time: bool,
-    hold_retracts: bool,
     journal: Journal,
     /// What was found of the stored parameters at power-up.
     found: Found,
 }
 
-impl Ticker {
-    /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
-    /// pass its own checks.
-    #[must_use]
-    pub fn new(
-        params: &Params,
-        remembered: Option<Position>,
-        tap: Option<TapRecord>,
-    ) -> Option<Self> {
+/// What the parameters say.
+#[derive(Clone, Copy, Debug)]
+struct Given {
+    /// How far ahead of the sample a setpoint takes effect, on X and on Z.
+    ahead_x: Ticks,
+    ahead_z: Ticks,
+    arrival: Arrival,
+    /// Ticks of a second.
+    second: u32,
+    /// Leaving position mode waits for RGTAP = 0 (5200.2).
+    waits_for_rgtap: bool,
+    edge_time: bool,
+    hold_retracts: bool,
+}
+
+impl Given {
+    /// `None` for a tick of nothing.
+    fn of(params: &Params) -> Option<Self> {
         let tick_us = params.tick_us();
         let ticks_per_minute = 60_000_000_u32.checked_div(tick_us)?;
         let ramp_ms = u64::from(params.spindle_ramp_ms())
@@ -200,32 +200,46 @@ impl Ticker {
             / 1000;
         let ahead = |axis| Ticks::one_and(params.latency_us(axis), tick_us);
         Some(Self {
+            ahead_x: ahead(Axis::X),
+            ahead_z: ahead(Axis::Z),
+            arrival: Arrival {
+                tolerance_percent: params.spindle_tolerance_percent(),
+                speed_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
+                ticks_per_minute,
+            },
+            second: ticks_per_minute / 60,
+            waits_for_rgtap: params.tap_wait_rgtap(),
+            edge_time: params.encoder_edge_time(),
+            hold_retracts: params.thread_hold_retracts(),
+        })
+    }
+}
+
+impl Ticker {
+    /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
+    /// pass its own checks.
+    #[must_use]
+    pub fn new(
+        params: &Params,
+        remembered: Option<Position>,
+        tap: Option<TapRecord>,
+    ) -> Option<Self> {
+        let given = Given::of(params)?;
+        Some(Self {
             mode: Mode::Starting,
             // Read in a mode that has one only.
             alarm: Alarm::new(Code::EmergencyStop, Span::default()),
             operator: Operator::new(),
-            executor: Executor::new(Arrival {
-                tolerance_percent: params.spindle_tolerance_percent(),
-                speed_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
-                ticks_per_minute,
-            }),
-            observer: Observer::new(
-                params.encoder_counts(),
-                params.observer_bandwidth_hz(),
-                tick_us,
-            ),
+            executor: Executor::new(given.arrival),
+            observer: Self::observer_of(params),
             drives: Drives::new(params)?,
             remembered,
-            ahead_x: ahead(Axis::X),
-            ahead_z: ahead(Axis::Z),
+            given,
             commanded: Rpm::STOPPED,
             spindle_percent: 100,
             rigid: Rigid::Off,
             taps_with: TapSpindle::First,
-            waits_for_rgtap: params.tap_wait_rgtap(),
             waited: 0,
-            second: ticks_per_minute / 60,
-            stop_ticks: u32::try_from(speed_ticks).unwrap_or(u32::MAX),
             paused: false,
             pauses_unless_hole: false,
             in_program: false,
@@ -236,11 +250,17 @@ impl Ticker {
             notice: None,
             epoch: Epoch::default(),
             route_epoch: Epoch::default(),
-            edge_time: params.encoder_edge_time(),
-            hold_retracts: params.thread_hold_retracts(),
-            journal: Journal::new(tap, ticks_per_minute / 60),
+            journal: Journal::new(tap, given.second),
             found: Found::default(),
         })
+    }
+
+    fn observer_of(params: &Params) -> Observer {
+        Observer::new(
+            params.encoder_counts(),
+            params.observer_bandwidth_hz(),
+            params.tick_us(),
+        )
     }
 
     /// A program begins: until its end an empty queue is a wait, not idleness.
@@ -321,8 +341,8 @@ impl Ticker {
     fn execute(&mut self, setpoint: &mut Setpoint, ends: &mut Ends<'_, '_>) {
         let conditions = Conditions {
             observer: &self.observer,
-            ahead_x: self.ahead_x,
-            ahead_z: self.ahead_z,
+            ahead_x: self.given.ahead_x,
+            ahead_z: self.given.ahead_z,
             feed: self.operator.feed(),
             rapid: self.operator.rapid(),
             hold: self.operator.hold,
@@ -335,7 +355,7 @@ impl Ticker {
     }
 
     fn observe(&mut self, mut sample: EncoderSample, ends: &mut Ends<'_, '_>) {
-        if !self.edge_time {
+        if !self.given.edge_time {
             sample.edge_age_ns = None;
         }
         let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) else {
@@ -402,7 +422,7 @@ impl Ticker {
                 self.route([Some(start), None]);
             }
         }
-        if self.operator.hold && self.hold_retracts {
+        if self.operator.hold && self.given.hold_retracts {
             self.leave_stroke(ends);
         }
     }

@@ -62,27 +62,22 @@ impl Pass {
 /// Gathers passes: takes each move with the position it begins at, and gives a pass when its last move has come.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gather {
-    open: Option<Pass>,
+    pass: Option<Pass>,
+    /// It has all its moves.
+    closed: bool,
 }
 
 impl Gather {
-    pub fn take(&mut self, from: Position, next: Move) -> Option<Pass> {
+    pub fn take(&mut self, from: Position, next: &Move) -> Option<&Pass> {
         let MoveKind::Thread(thread) = next.kind else {
-            self.open = None;
+            self.pass = None;
             return None;
         };
-        let pass = match self.open.take() {
-            Some(mut pass) => {
-                pass.push(next);
-                pass
-            }
-            None => Pass::new(from, next),
-        };
-        if thread.last {
-            Some(pass)
-        } else {
-            self.open = Some(pass);
-            None
+        match &mut self.pass {
+            Some(pass) if !self.closed => pass.push(*next),
+            pass => *pass = Some(Pass::new(from, *next)),
         }
+        self.closed = thread.last;
+        self.pass.as_ref().filter(|_| thread.last)
     }
 }

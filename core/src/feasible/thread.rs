@@ -1,5 +1,7 @@
 //! G76 and G78 against the machine: spindle, feeds, lead-in, run-out (cycles.md section 7).
 
+use core::ops::ControlFlow;
+
 use super::pass::{Gather, Pass};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{MoveKind, ThreadMoves, ThreadSummary};
@@ -336,8 +338,8 @@ struct Extremes {
     /// All starts of a depth are the same pass at another angle.
     one_start: ThreadCall,
     span: Span,
-    last: usize,
-    shortest: usize,
+    last: u32,
+    shortest: u32,
 }
 
 impl Extremes {
@@ -351,19 +353,32 @@ impl Extremes {
         };
         all.one_start.starts.value = 1;
         let mut least = None;
-        for (number, pass) in gathered(&all.one_start, span)?.enumerate() {
+        let (mut last, mut shortest) = (0, 0);
+        each_pass(&all.one_start, span, |number, pass| {
             if least.is_none_or(|least| pass.stroke() < least) {
                 least = Some(pass.stroke());
-                all.shortest = number;
+                shortest = number;
             }
-            all.last = number;
-        }
+            last = number;
+            ControlFlow::Continue(())
+        })?;
+        (all.last, all.shortest) = (last, shortest);
         Ok(all)
     }
 
     #[inline(never)]
-    fn pass(&self, number: usize) -> Option<Pass> {
-        gathered(&self.one_start, self.span).ok()?.nth(number)
+    fn pass(&self, wanted: u32) -> Option<Pass> {
+        let mut found = None;
+        let each = |number, pass: &Pass| {
+            if number < wanted {
+                return ControlFlow::Continue(());
+            }
+            found = Some(*pass);
+            ControlFlow::Break(())
+        };
+        // What has expanded once expands a second time.
+        each_pass(&self.one_start, self.span, each).ok()?;
+        found
     }
 
     fn passes(&self) -> impl Iterator<Item = Pass> {
@@ -373,15 +388,27 @@ impl Extremes {
     }
 }
 
-/// The passes of a cycle.
-fn gathered(call: &ThreadCall, span: Span) -> Result<impl Iterator<Item = Pass>, Alarm> {
+/// Gives each pass of a cycle with its number, from 0.
+fn each_pass(
+    call: &ThreadCall,
+    span: Span,
+    mut each: impl FnMut(u32, &Pass) -> ControlFlow<()>,
+) -> Result<(), Alarm> {
+    let mut moves = ThreadMoves::new(call, span);
+    let moves = moves.as_mut().map_err(|alarm| *alarm)?;
     let mut gather = Gather::default();
     let mut at = call.start;
-    Ok(ThreadMoves::new(call, span)?.filter_map(move |next| {
-        let pass = gather.take(at, next);
+    let mut number = 0_u32;
+    for next in moves {
+        if let Some(pass) = gather.take(at, &next) {
+            if each(number, pass).is_break() {
+                break;
+            }
+            number = number.saturating_add(1);
+        }
         at = next.to;
-        pass
-    }))
+    }
+    Ok(())
 }
 
 /// The worst figures over the passes.

@@ -37,7 +37,7 @@ pub fn time(
     let mut spindle = None;
     for next in moves {
         let more = match next.kind {
-            MoveKind::Thread(thread) => match gather.take(at, next) {
+            MoveKind::Thread(thread) => match gather.take(at, &next) {
                 Some(pass) => {
                     let plan = ThreadPlan::new(pass.from, pass.moves(), params, TurnRate::ZERO)?;
                     let speed = TurnRate::of_rpm(thread.rpm).abs().raw().unsigned_abs();

@@ -3,7 +3,7 @@
 use super::line::ceil_sqrt;
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Direction, Length, div_wide, mul_div, mul_high};
+use crate::units::{Direction, Length, div_wide, mul_div, mul_high, mul_wide};
 
 /// How far the end may be from the circle through the start, at most; see [`Arc::new`].
 pub const ARC_TOLERANCE: Length = Length::from_nm(10_000);
@@ -103,11 +103,7 @@ impl Arc {
             u128::from(arc.div_ceil(1 << 15)),
             u128::from(off.div_ceil(1 << 20)),
         );
-        let length = ceil_sqrt(
-            arc.saturating_mul(arc)
-                .saturating_add(off.saturating_mul(off)),
-        )
-        .max(1);
+        let length = ceil_sqrt(arc.wrapping_mul(arc).saturating_add(off.wrapping_mul(off))).max(1);
         let travel = length << 16;
         let shift = travel.leading_zeros();
         let inverse = div_wide(u128::MAX >> 1, u128::from(travel << shift)).unwrap_or(0);
@@ -225,7 +221,7 @@ impl Ray {
 
     /// Its length in 2⁻²⁰ nm: below 2⁶³, of a square below 2¹²⁶.
     fn radius(&self) -> u64 {
-        (self.dot(self) as u128).saturating_mul(1 << 40).isqrt() as u64
+        mul_wide(self.dot(self) as u128, 1 << 40).isqrt() as u64
     }
 
     fn phase(&self) -> Direction {
@@ -233,13 +229,13 @@ impl Ray {
     }
 
     fn dot(&self, other: &Self) -> i128 {
-        let product = |a: i64, b: i64| i128::from(a).saturating_mul(i128::from(b));
+        let product = |a: i64, b: i64| i128::from(a).wrapping_mul(i128::from(b));
         product(self.x, other.x).saturating_add(product(self.z, other.z))
     }
 
     /// Positive where `other` lies from this one towards a turn from +Z to +X.
     fn cross(&self, other: &Self) -> i128 {
-        let product = |a: i64, b: i64| i128::from(a).saturating_mul(i128::from(b));
+        let product = |a: i64, b: i64| i128::from(a).wrapping_mul(i128::from(b));
         product(self.z, other.x).saturating_sub(product(self.x, other.z))
     }
 

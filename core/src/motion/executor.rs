@@ -139,40 +139,63 @@ pub struct Executor {
 }
 
 impl Executor {
+    const ZERO: Position = Position {
+        x: Length::ZERO,
+        z: Length::ZERO,
+        c: crate::units::Angle::ZERO,
+    };
+
+    const NOWHERE: Span = Span {
+        line: 0,
+        column: 0,
+        end: 0,
+    };
+
     /// At rest at the machine's zero.
     #[must_use]
     pub const fn new(arrival: Arrival) -> Self {
-        const ZERO: Position = Position {
-            x: Length::ZERO,
-            z: Length::ZERO,
-            c: crate::units::Angle::ZERO,
-        };
         Self {
             run: Run::new(),
             active: Active::Free,
-            position: ZERO,
+            position: Self::ZERO,
             spindle: None,
             spindle_speed: None,
             number: 0,
-            span: Span {
-                line: 0,
-                column: 0,
-                end: 0,
-            },
-            stops: Stops {
-                hold_not_inside: false,
-                hold_not_before: false,
-                single_block: false,
-                frozen: None,
-                tap_cycle: false,
-                stops_after_last_hole: false,
-            },
+            span: Self::NOWHERE,
+            stops: Stops::NONE,
             arrival,
             aborting: false,
             astray: 0,
             settled: 0,
             turned: false,
         }
+    }
+
+    /// As [`new`](Self::new), in place: what is under way is forgotten, and where it stood.
+    pub const fn begin_anew(&mut self, arrival: Arrival) {
+        let Self {
+            run,
+            active,
+            position,
+            spindle,
+            spindle_speed,
+            number,
+            span,
+            stops,
+            arrival: expected,
+            aborting,
+            astray,
+            settled,
+            turned,
+        } = self;
+        run.begin_anew();
+        *active = Active::Free;
+        *position = Self::ZERO;
+        *spindle = None;
+        *spindle_speed = None;
+        (*number, *span, *stops) = (0, Self::NOWHERE, Stops::NONE);
+        *expected = arrival;
+        (*aborting, *astray, *settled, *turned) = (false, 0, 0, false);
     }
 
     /// Says where the machine stands. Only while nothing is under way.

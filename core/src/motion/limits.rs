@@ -6,7 +6,7 @@ use super::arc::Bend;
 use super::line::Line;
 use super::rate::PathRate;
 use crate::params::Params;
-use crate::units::{Acceleration, Axis, Feed, Jerk, div_wide, mul_div};
+use crate::units::{Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide};
 
 /// Whether a move is a rapid or cuts; they have different top speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,30 +143,24 @@ impl Limits {
         let wide = |value: u64| u128::from(value);
 
         // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick; beyond 2³⁶ nm of radius the second cannot matter.
-        let by_acceleration = (wide(acceleration).saturating_mul(radius) >> 17).isqrt();
+        let by_acceleration = (mul_wide(wide(acceleration), radius) >> 17).isqrt();
         let near = radius.min(1 << 36);
-        let by_jerk = cube_root(wide(jerk).saturating_mul(near.saturating_mul(near)) >> 10);
+        let by_jerk = cube_root(mul_wide(wide(jerk), mul_wide(near, near)) >> 10);
         let speed = wide(u64::from(speed.min(top.raw())))
             .min(by_acceleration)
             .min(wide(by_jerk.into()))
-            .min(radius.saturating_mul(256 / 8))
+            .min(radius << 5)
             .max(2);
 
-        let across = over(speed.saturating_mul(speed) << 16, radius);
+        let across = over(mul_wide(speed, speed) << 16, radius);
         // A ≤ j·R / (12·V).
-        let by_cross = over(
-            wide(jerk).saturating_mul(radius) << 8,
-            speed.saturating_mul(12),
-        );
+        let by_cross = over(mul_wide(wide(jerk), radius) << 8, mul_wide(speed, 12));
         let along = wide(acceleration).saturating_sub(across).min(by_cross);
         let turning = over(
-            over(
-                speed.saturating_mul(speed).saturating_mul(speed) << 8,
-                radius,
-            ),
+            over(mul_wide(mul_wide(speed, speed), speed) << 8, radius),
             radius,
         );
-        let crossing = over(speed.saturating_mul(along).saturating_mul(3) >> 8, radius);
+        let crossing = over(mul_wide(mul_wide(speed, along), 3) >> 8, radius);
         PathLimits {
             speed: PathRate::from_raw(u32::try_from(speed).unwrap_or(u32::MAX)),
             acceleration: u64::try_from(along).unwrap_or(u64::MAX),
@@ -209,7 +203,7 @@ impl AxisLimits {
 
 /// `limit` · `ratio` / 2^`shift`, saturating.
 fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
-    let product = u128::from(limit).saturating_mul(u128::from(ratio)) >> shift.min(63);
+    let product = u128::from(limit).wrapping_mul(u128::from(ratio)) >> shift.min(63);
     u64::try_from(product).unwrap_or(u64::MAX)
 }
 
@@ -223,7 +217,7 @@ fn cube_root(value: u128) -> u32 {
     for bit in (0..32).rev() {
         let next = root | 1 << bit;
         let wide = u128::from(next);
-        if wide.saturating_mul(wide).saturating_mul(wide) <= value {
+        if mul_wide(wide.wrapping_mul(wide), wide) <= value {
             root = next;
         }
     }
@@ -234,7 +228,7 @@ fn cube_root(value: u128) -> u32 {
 fn per_tick(value: i64, tick_us: u32, power: u32) -> u64 {
     let mut scaled = u128::from(u64::try_from(value).unwrap_or(0)) << 32;
     for _ in 0..power {
-        scaled = over(scaled.saturating_mul(u128::from(tick_us)), 1_000_000);
+        scaled = over(mul_wide(scaled, u128::from(tick_us)), 1_000_000);
     }
     u64::try_from(scaled).unwrap_or(u64::MAX)
 }

@@ -28,7 +28,7 @@ impl Line {
         let dx = magnitude(from.x.nm(), to.x.nm());
         let dz = magnitude(from.z.nm(), to.z.nm());
         let dc = magnitude(from.c.udeg(), to.c.udeg());
-        let square = |d: u64| u128::from(d).saturating_mul(u128::from(d));
+        let square = |d: u64| u128::from(d).wrapping_mul(u128::from(d));
         // Rounded up, so that no share is above one.
         let flat = ceil_sqrt(square(dx).saturating_add(square(dz)));
         let length = flat.max(dc);
@@ -122,7 +122,7 @@ const fn along(from: i64, to: i64, way: u64, share: u64) -> i64 {
 /// The least integer whose square is not below `value`.
 pub(super) const fn ceil_sqrt(value: u128) -> u64 {
     let root = value.isqrt();
-    if root.saturating_mul(root) < value {
+    if root.wrapping_mul(root) < value {
         root.saturating_add(1) as u64
     } else {
         root as u64

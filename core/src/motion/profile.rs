@@ -179,6 +179,16 @@ impl Profile {
         }
     }
 
+    /// At rest with nothing to do, as [`new`](Self::new): what is in the ring counts no more.
+    pub const fn begin_anew(&mut self) {
+        self.filled = 0;
+        self.left = 0;
+        self.level = 0;
+        (self.accel, self.speed) = (0, 0);
+        self.forget_peaks();
+        self.abandoned = true;
+    }
+
     /// Starts a motion of `length` from rest; at [`Rate::FULL`] it goes at `nominal`, or at the ramp's cap where that is
     /// less. False, and nothing changes, while the last motion is not done.
     #[must_use]

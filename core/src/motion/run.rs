@@ -49,6 +49,13 @@ impl Run {
         }
     }
 
+    /// As [`new`](Self::new), in place: whatever is under way is forgotten.
+    pub const fn begin_anew(&mut self) {
+        self.profile.begin_anew();
+        (self.moving, self.joined) = (false, false);
+        self.origin = Travel::ZERO;
+    }
+
     /// Starts a motion from rest. False, and nothing changes, while the last one is not done.
     #[must_use]
     pub fn begin(&mut self, motion: &Timed) -> bool {

@@ -177,6 +177,18 @@ impl WaysOut {
     }
 }
 
+impl Stops {
+    /// Whatever is asked for may happen.
+    pub const NONE: Self = Self {
+        hold_not_inside: false,
+        hold_not_before: false,
+        single_block: false,
+        frozen: None,
+        tap_cycle: false,
+        stops_after_last_hole: false,
+    };
+}
+
 /// Where an operator's stop may take effect, and what is frozen meanwhile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stops {

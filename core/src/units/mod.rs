@@ -24,5 +24,5 @@ pub use length::{Diameter, Length, Remainder};
 pub use rate::{Ticks, TurnRate};
 pub use ratio::TurnRatio;
 pub use trig::Direction;
-pub(crate) use wide::div_wide;
 pub use wide::{Divisor, mul_div, mul_high};
+pub(crate) use wide::{div_wide, mul_wide};

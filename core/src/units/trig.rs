@@ -169,7 +169,7 @@ impl Direction {
         let shift = a.max(b).leading_zeros().saturating_sub(2);
         let square = |v: u64| {
             let v = u128::from(v << shift);
-            v.saturating_mul(v)
+            v.wrapping_mul(v)
         };
         let radius = square(a).saturating_add(square(b)).isqrt();
         let unit = |v: i64| {

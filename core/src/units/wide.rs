@@ -29,6 +29,12 @@ pub(crate) const fn div_wide(a: u128, b: u128) -> Option<u128> {
     a.checked_div(b)
 }
 
+/// `a · b`; `u128::MAX` where that does not fit. Likewise of one copy.
+#[inline(never)]
+pub(crate) const fn mul_wide(a: u128, b: u128) -> u128 {
+    a.saturating_mul(b)
+}
+
 /// A divisor with its reciprocal, so that the tick divides by multiplying.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Divisor {

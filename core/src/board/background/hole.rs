@@ -32,6 +32,7 @@ impl Background {
     }
 
     /// A stroke of a tap. Back at R the way through the hole is complete and goes to the queue as one segment.
+    #[inline(never)]
     pub(super) fn take_stroke(
         &mut self,
         next: &Move,

@@ -1,85 +1,117 @@
 //! Taking up a call: when it may be, and refusing what cannot be done before any of its moves.
 
 use super::{Background, Settings, overridden};
-use crate::alarm::Alarm;
-use crate::cycle::{Context, MoveKind, expand};
+use crate::alarm::{Alarm, Span};
+use crate::cycle::{Context, Move, MoveKind, Moves, expand};
 use crate::feasible;
 use crate::motion::{Action, FloatPlan, Plan, Stops};
+use crate::params::Params;
 use crate::program::{
-    Call, CallKind, HandChoice, SpindleCall, SpindleChoice, SpindleMode, TapMode, ThreadCall,
+    Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
+    TapMode, ThreadCall,
 };
 use crate::signals::Signals;
 
 impl Background {
     /// Checks a call and makes it the one under expansion; a warning of it comes back.
+    #[inline(never)]
     pub(super) fn open(
         &mut self,
         call: &Call,
         settings: &Settings<'_>,
     ) -> Result<Option<Alarm>, Alarm> {
-        let mut warning = None;
-        self.plan = None;
         let signals = self.latch(call, settings.signals);
-        match &call.kind {
+        self.plan = None;
+        let warning = match &call.kind {
             CallKind::Thread(thread) => {
-                feasible::thread_can_run(thread, call.span, settings.params)?;
-                if settings.spindle_percent > 100 {
-                    // The override makes it faster than the block says.
-                    let faster = ThreadCall {
-                        rpm: overridden(thread.rpm, settings.spindle_percent),
-                        ..*thread
-                    };
-                    feasible::thread_can_run(&faster, call.span, settings.params)?;
-                }
+                can_cut(thread, call.span, settings)?;
+                None
             }
-            CallKind::Tap(tap) => {
-                (self.infeed, self.notes) = (tap.speed, tap.notes);
-                let report = feasible::tap(tap, signals, call.span, settings.params)?;
-                warning = report.warnings().next();
-                self.plan = match tap.mode {
-                    TapMode::Rigid => None,
-                    TapMode::Floating => {
-                        let hand = signals.hand(tap.hand);
-                        Some(Plan::Float(FloatPlan::new(
-                            tap,
-                            hand,
-                            call.span,
-                            settings.params,
-                        )?))
-                    }
-                };
+            CallKind::Tap(tap) => self.prepare_tap(tap, signals, call.span, settings)?,
+            _ => {
+                feasible::tap_spindle(call, signals, settings.params)?;
+                None
             }
-            _ => feasible::tap_spindle(call, signals, settings.params)?,
+        };
+        self.expand(call, signals, settings)?;
+        if let CallKind::TapReturn(_) = call.kind {
+            self.prepare_return(call, settings)?;
         }
+        let Some(moves) = &self.moves else {
+            return Ok(warning);
+        };
+        let warning = moves.warning().or(warning);
+        self.guard.admit(call, moves)?;
+        // Before anything of the call moves; what has expanded once expands a second time to the same.
+        within_limits(moves, self.position, settings.params)?;
+        self.home = self.position;
+        self.percent = settings.spindle_percent;
+        if let CallKind::End(_) | CallKind::Over = call.kind {
+            self.ending = Some(call.span);
+        }
+        Ok(warning)
+    }
+
+    #[inline(never)]
+    fn expand(
+        &mut self,
+        call: &Call,
+        signals: Signals,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
         let context = Context {
             at: self.position,
             signals,
             tap: settings.tap,
         };
-        let moves = expand(call, &context)?;
-        if let CallKind::TapReturn(_) = call.kind {
-            if let Some(record) = settings.tap {
-                (self.infeed, self.notes) = (record.hole.speed, record.hole.notes);
-            }
-            match moves.clone().next().map(|next| next.kind) {
-                Some(MoveKind::Tap(out)) => {
-                    feasible::tap_return(&out, call.span, settings.params)?;
-                }
-                // It was stopped where it is out.
-                _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
-            }
+        self.moves = Some(expand(call, &context)?);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn prepare_tap(
+        &mut self,
+        tap: &TapCall,
+        signals: Signals,
+        span: Span,
+        settings: &Settings<'_>,
+    ) -> Result<Option<Alarm>, Alarm> {
+        (self.infeed, self.notes) = (tap.speed, tap.notes);
+        let report = feasible::tap(tap, signals, span, settings.params)?;
+        if tap.mode == TapMode::Floating {
+            self.plan_float(tap, signals, span, settings)?;
         }
-        let warning = moves.warning().or(warning);
-        self.guard.admit(call, &moves)?;
-        // Before anything of the call moves; what has expanded once expands a second time to the same.
-        feasible::within_limits(moves.clone(), self.position, settings.params)?;
-        self.home = self.position;
-        self.percent = settings.spindle_percent;
-        self.moves = Some(moves);
-        if let CallKind::End(_) | CallKind::Over = call.kind {
-            self.ending = Some(call.span);
+        Ok(report.warnings().next())
+    }
+
+    #[inline(never)]
+    fn plan_float(
+        &mut self,
+        tap: &TapCall,
+        signals: Signals,
+        span: Span,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let plan = FloatPlan::new(tap, signals.hand(tap.hand), span, settings.params)?;
+        self.plan = Some(Plan::Float(plan));
+        Ok(())
+    }
+
+    /// The way out of a hole, which the journal knows.
+    #[inline(never)]
+    fn prepare_return(&mut self, call: &Call, settings: &Settings<'_>) -> Result<(), Alarm> {
+        if let Some(record) = settings.tap {
+            (self.infeed, self.notes) = (record.hole.speed, record.hole.notes);
         }
-        Ok(warning)
+        match &self.moves {
+            Some(Moves::One(Some(Move {
+                kind: MoveKind::Tap(out),
+                ..
+            }))) => feasible::tap_return(out, call.span, settings.params)?,
+            // It was stopped where it is out.
+            _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
+        }
+        Ok(())
     }
 
     /// The inputs with which a call is carried out, whatever they do meanwhile.
@@ -94,11 +126,30 @@ impl Background {
     }
 }
 
+/// A thread at the speed of its block, and at the override's where that makes it faster.
+#[inline(never)]
+fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(), Alarm> {
+    feasible::thread_can_run(thread, span, settings.params)?;
+    if settings.spindle_percent <= 100 {
+        return Ok(());
+    }
+    let faster = ThreadCall {
+        rpm: overridden(thread.rpm, settings.spindle_percent),
+        ..*thread
+    };
+    feasible::thread_can_run(&faster, span, settings.params)
+}
+
+#[inline(never)]
+fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
+    feasible::within_limits(&mut moves.clone(), from, params)
+}
+
 /// How many segments may be left in the queue when a call is taken up. The override of a thread cycle is that of its
 /// beginning: only the move before it may be, and that under way. The signals of a hole are those of its beginning, too:
 /// nothing may be left.
 pub(super) fn before(call: &Call, settings: &Settings<'_>) -> usize {
-    pub(super) const fn by_signal(spindle: SpindleChoice) -> bool {
+    const fn by_signal(spindle: SpindleChoice) -> bool {
         matches!(spindle, SpindleChoice::Signals { .. })
     }
     let heeds_signals = match &call.kind {

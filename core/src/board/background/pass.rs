@@ -4,10 +4,12 @@ use super::{Background, Settings, overridden};
 use crate::alarm::Alarm;
 use crate::cycle::{Move, MoveKind};
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
+use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate};
 
 impl Background {
     /// Plans the strokes collected, of which `last` is the last.
+    #[inline(never)]
     pub(super) fn plan_pass(
         &mut self,
         last: &Move,
@@ -37,17 +39,29 @@ impl Background {
         self.put(self.pass_number, last.span, stops, Action::Planned);
         // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
         if end != last.to {
-            let rest = Move {
-                kind: MoveKind::Rapid,
-                ..*last
+            let stops = Stops {
+                hold_not_before: true,
+                ..stops
             };
-            if let Some(timed) = plan::timed(end, &rest, settings.limits)? {
-                let stops = Stops {
-                    hold_not_before: true,
-                    ..stops
-                };
-                self.put(self.number, last.span, stops, Action::Timed(timed));
-            }
+            self.plan_rest(end, last, stops, settings)?;
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn plan_rest(
+        &mut self,
+        from: Position,
+        last: &Move,
+        stops: Stops,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let rest = Move {
+            kind: MoveKind::Rapid,
+            ..*last
+        };
+        if let Some(timed) = plan::timed(from, &rest, settings.limits)? {
+            self.put(self.number, last.span, stops, Action::Timed(timed));
         }
         Ok(())
     }

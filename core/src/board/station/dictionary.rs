@@ -130,8 +130,8 @@ pub enum Initial {
 pub struct Item {
     /// Where.
     pub object: Object,
-    /// What it is, in English; of a parameter, the key of its axis or `value`.
-    pub name: &'static str,
+    /// What it is, in English; of a parameter with axes, the axis.
+    pub(super) name: &'static str,
     /// How it travels.
     pub kind: Kind,
     /// Who may do what.
@@ -147,6 +147,16 @@ pub struct Item {
 }
 
 impl Item {
+    /// What it is, in English; of a parameter, its axis or its key in machine files. A board does not ask: its image is
+    /// without the texts.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self.entry {
+            Some(entry) if self.name.is_empty() => entry.text().name,
+            _ => self.name,
+        }
+    }
+
     /// Sub-index 0 of an object with several: the highest there is.
     const fn count(index: u16, highest: u8) -> Self {
         Self {
@@ -237,7 +247,7 @@ fn of_entry(index: u16, entry: &'static Entry) -> Item {
         Part::Axis(axis) => (sub_of(axis), (entry.min, entry.max)),
     };
     let name = match entry.part {
-        Part::Whole | Part::Bit(_) => entry.text().name,
+        Part::Whole | Part::Bit(_) => "",
         Part::Axis(Axis::X) => "X",
         Part::Axis(Axis::Z) => "Z",
         Part::Axis(Axis::C) => "C",

@@ -39,7 +39,7 @@ impl Ticker {
         }
         self.mode = Mode::Running;
         self.in_program = true;
-        if self.waits_for_rgtap && self.rigid == Rigid::On {
+        if self.given.waits_for_rgtap && self.rigid == Rigid::On {
             let wait = self.wait_for_release(ends);
             if wait.is_some() {
                 return wait;

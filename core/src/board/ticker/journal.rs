@@ -59,6 +59,13 @@ impl Journal {
         }
     }
 
+    /// The tick begins anew, the power being on: what is known of a hole stays.
+    pub(super) const fn begin_anew(&mut self, ticks_per_second: u32) {
+        self.part = None;
+        self.returned = false;
+        self.patience = ticks_per_second;
+    }
+
     /// A hole is about to begin, or to go deeper.
     fn name(&mut self, hole: TapHole, stand: &Stand) {
         self.write(hole, true, stand);
@@ -99,18 +106,6 @@ impl Ticker {
     #[must_use]
     pub const fn tap_record(&self) -> Option<&TapRecord> {
         self.journal.record.as_ref()
-    }
-
-    /// Takes over from a tick side that made way for this one, the power being on: what it knew of holes and of axes whose
-    /// reference was lost.
-    pub fn succeed(&mut self, before: &Self) {
-        self.journal = Journal {
-            patience: self.journal.patience,
-            part: None,
-            returned: false,
-            ..before.journal
-        };
-        self.drives.take_places(&before.drives);
     }
 
     /// The owner has stored the entry with this number, or could not.

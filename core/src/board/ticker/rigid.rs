@@ -47,7 +47,7 @@ impl Ticker {
             self.drives.spindles().select(self.taps_with);
             self.executor.set_spindle(Some(angle));
             self.rigid = Rigid::On;
-        } else if ticks > self.stop_ticks {
+        } else if ticks > self.given.arrival.speed_ticks {
             let span = Span {
                 line,
                 ..Span::default()
@@ -96,7 +96,7 @@ impl Ticker {
         }
         let (number, span) = (next.number, next.span);
         self.waited = self.waited.saturating_add(1);
-        if self.waited > self.second {
+        if self.waited > self.given.second {
             self.raise(&Alarm::new(Code::RigidNotReleased, span), ends);
         }
         Some((number, span.line, Motion::Wait))

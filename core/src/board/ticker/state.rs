@@ -102,7 +102,11 @@ impl Ticker {
     /// The spindle's angle when the setpoint of the tick before takes effect, on X or on Z.
     #[must_use]
     pub fn effective_angle(&self, on_x: bool) -> Turns {
-        let ahead = if on_x { self.ahead_x } else { self.ahead_z };
+        let ahead = if on_x {
+            self.given.ahead_x
+        } else {
+            self.given.ahead_z
+        };
         self.observer.predict(ahead.less_one())
     }
 

@@ -13,7 +13,7 @@ use crate::motion::rate::{PathRate, Rate};
 use crate::motion::shape;
 use crate::params::Params;
 use crate::program::{Position, TapAxis};
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div, mul_wide};
 
 /// One stroke along the tap axis, from rest to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -272,11 +272,10 @@ fn spindle_acceleration(lead: Lead, ramp_ms: u32, tick_us: u32) -> Option<u64> {
     }
     // 1000 / 60 turns a second in ramp_ms / 1000 seconds; the tick is tick_us / 10⁶ seconds.
     let nm = u128::from(lead.numerator().unsigned_abs()) << 32;
-    let square = u128::from(tick_us).saturating_mul(u128::from(tick_us));
-    let divisor = u128::from(lead.denominator().unsigned_abs())
-        .saturating_mul(u128::from(ramp_ms))
-        .saturating_mul(60_000_000);
-    let acceleration = div_wide(nm.saturating_mul(square), divisor)?;
+    let square = u128::from(tick_us).wrapping_mul(u128::from(tick_us));
+    let ramp = u128::from(ramp_ms).wrapping_mul(60_000_000);
+    let divisor = mul_wide(u128::from(lead.denominator().unsigned_abs()), ramp);
+    let acceleration = div_wide(mul_wide(nm, square), divisor)?;
     let acceleration = u64::try_from(acceleration).unwrap_or(u64::MAX);
     Some(acceleration.saturating_sub(4 << 16).max(1))
 }

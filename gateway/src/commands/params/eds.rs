@@ -43,7 +43,7 @@ fn write(out: &mut String) -> fmt::Result {
             [alone] => {
                 let index = alone.object.index;
                 writeln!(out, "[{index:04X}]")?;
-                value(out, alone, alone.name)?;
+                value(out, alone, alone.name())?;
             }
             _ => group(out, object)?,
         }
@@ -132,11 +132,11 @@ fn group(out: &mut String, object: &[Item]) -> fmt::Result {
     for item in object {
         let sub = item.object.sub;
         writeln!(out, "[{index:04X}sub{sub:X}]")?;
-        let namesakes = object.iter().filter(|other| other.name == item.name);
+        let namesakes = object.iter().filter(|other| other.name() == item.name());
         if namesakes.count() > 1 {
-            value(out, item, &format!("{} {sub}", item.name))?;
+            value(out, item, &format!("{} {sub}", item.name()))?;
         } else {
-            value(out, item, item.name)?;
+            value(out, item, item.name())?;
         }
     }
     Ok(())

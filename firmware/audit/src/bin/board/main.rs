@@ -7,7 +7,7 @@ use core::panic::PanicInfo;
 use core::ptr::addr_of_mut;
 
 use audit::any::{any, sink};
-use leadscrew_core::board::{Board, Output};
+use leadscrew_core::board::{Board, Output, Region};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
 
@@ -79,8 +79,9 @@ fn say(board: &mut Board) {
 #[inline(never)]
 fn store(board: &mut Board) {
     if let Some(request) = board.store() {
-        sink(request.bytes());
-        board.stored(request.region, any());
+        let (region, mut buffer) = (request.region, [0; Region::LONGEST]);
+        sink(request.fill(&mut buffer));
+        board.stored(region, any());
     }
 }
 
