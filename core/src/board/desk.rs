@@ -80,7 +80,9 @@ fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call)
 
 impl Desk {
     /// As at power-up: at `position`, with the stored entry of the tap journal, and `snapshot` of the tick side.
+    // Made where it will be, not copied there.
     #[must_use]
+    #[inline(never)]
     pub fn new(
         params: &Params,
         position: Position,

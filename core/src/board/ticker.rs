@@ -218,7 +218,9 @@ impl Given {
 impl Ticker {
     /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
     /// pass its own checks.
+    // Made where it will be, not copied there.
     #[must_use]
+    #[inline(never)]
     pub fn new(
         params: &Params,
         remembered: Option<Position>,

@@ -13,6 +13,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::Call;
 use leadscrew_core::signals::Signals;
 
+use crate::queues::PowerUp;
 use crate::report::{Order, Report};
 
 /// Orders that any one piece of work asks for at most.
@@ -113,15 +114,21 @@ impl TickPort for Port<'_> {
 }
 
 impl BackgroundSide {
-    pub(crate) const fn new(desk: Desk, snapshot: Snapshot, ends: Ends) -> Self {
+    #[inline(never)]
+    pub(crate) fn new(up: &PowerUp<'_>, snapshot: Snapshot, ends: Ends) -> Self {
+        let position = up.remembered.unwrap_or_default();
         Self {
-            desk,
+            desk: Desk::new(&up.set.params, position, up.tap, snapshot),
             ends,
             snapshot,
             begun: false,
             renewing: false,
             storing: None,
         }
+    }
+
+    pub(crate) const fn desk(&mut self) -> &mut Desk {
+        &mut self.desk
     }
 
     /// One piece of everything there is to do. False where there is nothing until the next tick or the next frame.

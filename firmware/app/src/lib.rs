@@ -56,6 +56,6 @@ mod report;
 mod tick;
 
 pub use background::{BackgroundSide, Machine};
-pub use queues::{PowerUp, Queues, TickerPlace};
+pub use queues::{BackgroundPlace, PowerUp, Queues, TickerPlace};
 pub use report::{Order, Report};
 pub use tick::{Inputs, TickMachine, TickSide};

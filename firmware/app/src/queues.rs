@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use heapless::spsc::Queue;
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::{self, Desk, Detours, Events, Notice, Segments, Snapshot, Ticker};
+use leadscrew_core::board::{self, Detours, Events, Notice, Segments, Snapshot, Ticker};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
@@ -37,7 +37,9 @@ pub struct Queues {
 }
 
 /// Where a ticker will be for good: also a `static`.
-pub type TickerPlace = MaybeUninit<Ticker>;
+pub type TickerPlace = MaybeUninit<Option<Ticker>>;
+/// Where the background's side will be for good: also a `static`.
+pub type BackgroundPlace = MaybeUninit<BackgroundSide>;
 
 /// What a board is told at power-up.
 #[derive(Clone, Copy, Debug)]
@@ -78,20 +80,10 @@ impl Queues {
     pub fn power_up(
         &'static mut self,
         place: &'static mut TickerPlace,
+        background: &'static mut BackgroundPlace,
         up: &PowerUp<'_>,
-    ) -> Result<(TickSide, BackgroundSide), Alarm> {
-        let params = &up.set.params;
-        let Some(mut ticker) = Ticker::new(params, up.remembered, up.tap) else {
-            return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
-        };
-        ticker.withhold(up.set.found);
-        let ticker = place.write(ticker);
-        let snapshot = Snapshot::new(ticker, &Setpoint::default());
-        let position = up.remembered.unwrap_or_default();
-        let mut desk = Desk::new(params, position, up.tap, snapshot);
-        desk.power_up(up.set);
-        desk.join(up.node)?;
-
+    ) -> Result<(TickSide, &'static mut BackgroundSide), Alarm> {
+        let ticker = new_ticker(place, up)?;
         let (segments_in, segments_out) = self.segments.split();
         let (detours_in, detours_out) = self.detours.split();
         let (events_in, events_out) = self.events.split();
@@ -102,6 +94,7 @@ impl Queues {
         let (strangers_in, strangers_out) = self.strangers.split();
         let (given_in, given_out) = self.given.split();
         let (returned_in, returned_out) = self.returned.split();
+        let snapshot = Snapshot::new(ticker, &Setpoint::default());
         let tick = TickSide::new(
             ticker,
             TickEnds {
@@ -117,8 +110,9 @@ impl Queues {
                 returned: returned_out,
             },
         );
-        let background = BackgroundSide::new(
-            desk,
+        let background = new_background(
+            background,
+            up,
             snapshot,
             BackgroundEnds {
                 segments: segments_in,
@@ -133,8 +127,36 @@ impl Queues {
                 returned: returned_in,
             },
         );
+        background.desk().power_up(up.set);
+        background.desk().join(up.node)?;
         Ok((tick, background))
     }
+}
+
+// Each is made in its place, in a function of its own: on the stack there is no room for copies of it.
+
+#[inline(never)]
+fn new_ticker(
+    place: &'static mut TickerPlace,
+    up: &PowerUp<'_>,
+) -> Result<&'static mut Ticker, Alarm> {
+    match place.write(Ticker::new(&up.set.params, up.remembered, up.tap)) {
+        Some(ticker) => {
+            ticker.withhold(up.set.found);
+            Ok(ticker)
+        }
+        None => Err(Alarm::new(Code::ParametersUnusable, Span::default())),
+    }
+}
+
+#[inline(never)]
+fn new_background(
+    place: &'static mut BackgroundPlace,
+    up: &PowerUp<'_>,
+    snapshot: Snapshot,
+    ends: BackgroundEnds,
+) -> &'static mut BackgroundSide {
+    place.write(BackgroundSide::new(up, snapshot, ends))
 }
 
 impl Default for Queues {

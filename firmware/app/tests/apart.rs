@@ -4,7 +4,8 @@
 use std::collections::VecDeque;
 
 use leadscrew_app::{
-    BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide, TickerPlace,
+    BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide,
+    TickerPlace,
 };
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
@@ -113,7 +114,7 @@ impl Machine for Bench {
 /// A board on its bench.
 struct Apart {
     tick: TickSide,
-    background: BackgroundSide,
+    background: &'static mut BackgroundSide,
     bench: Bench,
     hash: SetpointHash,
     /// Of the last order.
@@ -137,7 +138,8 @@ impl Apart {
     fn off(params: &Params) -> Self {
         // For good, as in an image.
         let queues = Box::leak(Box::new(Queues::new()));
-        let place = Box::leak(Box::new(TickerPlace::uninit()));
+        let ticker = Box::leak(Box::new(TickerPlace::uninit()));
+        let background = Box::leak(Box::new(BackgroundPlace::uninit()));
         let options = PlantOptions::default();
         let up = PowerUp {
             set: &board::PowerUp::given(params),
@@ -145,7 +147,9 @@ impl Apart {
             tap: None,
             node: NodeId::BOARD,
         };
-        let (tick, background) = queues.power_up(place, &up).expect("the parameters work");
+        let (tick, background) = queues
+            .power_up(ticker, background, &up)
+            .expect("the parameters work");
         Self {
             tick,
             background,

@@ -113,7 +113,9 @@ pub struct Station {
 
 impl Station {
     /// A node that has not joined a network: it hears nothing and says nothing.
+    // Made where it will be, not copied there.
     #[must_use]
+    #[inline(never)]
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
         let patience = Periods::from_ms(PATIENCE_MS, params.tick_us()).unwrap_or_default();
         Self {
