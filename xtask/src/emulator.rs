@@ -1,6 +1,7 @@
 //! Instructions per tick on the emulated Cortex-M4F, held against the table under version control.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow, bail};
 
@@ -76,8 +77,8 @@ pub fn measure() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Builds an image and runs it in the emulator; what it prints.
-pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
+/// Builds an image. Gives where it is.
+pub fn build(package: &str, image: &str, more: &[&str]) -> Result<PathBuf> {
     let firmware = run::firmware();
     let build = [
         "build",
@@ -88,12 +89,18 @@ pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
         "--bin",
         image,
     ];
-    run::show(run::cargo(&firmware, &build))?;
-    let path = firmware
+    run::show(run::cargo(&firmware, &[&build[..], more].concat()))?;
+    Ok(firmware
         .join("target")
         .join(target::TARGET)
         .join("release")
-        .join(image);
+        .join(image))
+}
+
+/// Builds an image and runs it in the emulator; what it prints.
+pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
+    let firmware = run::firmware();
+    let path = build(package, image, &[])?;
     let path = path.to_string_lossy();
     // The limit is for an image that hangs.
     let mut args = vec![

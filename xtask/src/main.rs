@@ -12,6 +12,7 @@ mod callgraph;
 mod canopen;
 mod demo;
 mod docs;
+mod emulated;
 mod emulator;
 mod licences;
 mod rules;
@@ -30,6 +31,7 @@ usage: cargo xtask COMMAND
   setup      what the other commands need: Debian packages, a few Python packages, the ARM target
   test       everything a change must pass; installs what it needs first
   vcan       the tests on a CAN bus alone (vcan NAME: those with this in their name)
+  emulated   the board on the emulated Cortex-M4F, driven by `leadscrew` (emulated NAME: tests with this in their name)
   canopen    the board's CANopen services against the Python package canopen
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
@@ -60,6 +62,8 @@ fn main() -> ExitCode {
         ["ci"] => test::ci(),
         ["vcan"] => test::vcan(""),
         ["vcan", filter] => test::vcan(filter),
+        ["emulated"] => test::emulated(""),
+        ["emulated", filter] => test::emulated(filter),
         ["canopen"] => canopen::check().map(drop),
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),

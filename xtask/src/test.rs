@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, docs, emulator, licences, rules, run, setup, target, vcan as bus,
+    audit, bits, canopen, docs, emulated, emulator, licences, rules, run, setup, target,
+    vcan as bus,
 };
 
 /// The whole test, as the README names it.
@@ -30,7 +31,7 @@ pub fn test() -> Result<()> {
                 "--workspace",
                 "--all-targets",
                 "--features",
-                "leadscrew-tests/vcan",
+                "leadscrew-tests/vcan,leadscrew-tests/emulated",
                 "--quiet",
                 "--",
                 "-D",
@@ -73,6 +74,9 @@ pub fn test() -> Result<()> {
     clock.step("no panic is reachable", audit::audit)?;
     clock.step("instructions per tick", || emulator::ticks(false))?;
     clock.step("the same bits on the microcontroller", || bits::bits(false))?;
+    clock.step("the emulated board on a bus", || {
+        on_the_board(&mut counts, "")
+    })?;
     clock.step("documentation", docs::check)?;
     clock.step("tests in release, full volume", || {
         tests(&mut counts, &["--release"])
@@ -88,6 +92,27 @@ pub fn vcan(filter: &str) -> Result<()> {
     let mut counts = Counts::default();
     on_a_bus(&mut counts, &[], filter)?;
     println!("{} passed, {} failed", counts.passed, counts.failed);
+    Ok(())
+}
+
+/// The tests of the emulated board alone.
+pub fn emulated(filter: &str) -> Result<()> {
+    let mut counts = Counts::default();
+    setup::tools(&[setup::EMULATOR])?;
+    target::ensure()?;
+    on_the_board(&mut counts, filter)?;
+    println!("{} passed, {} failed", counts.passed, counts.failed);
+    Ok(())
+}
+
+fn on_the_board(counts: &mut Counts, filter: &str) -> Result<()> {
+    let before = counts.passed;
+    if !emulated::tests(filter, |line| counts.take(line))? {
+        bail!("tests of the emulated board failed");
+    }
+    if counts.passed == before {
+        bail!("not one test ran on the emulated board");
+    }
     Ok(())
 }
 

@@ -13,7 +13,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::Frame;
-use leadscrew_core::bus::slcan::{BitRate, Lines, Reply, Request, SlcanFrame};
+use leadscrew_core::bus::slcan::{BitRate, Heard, Lines, Reply, Request, SlcanFrame};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
@@ -73,9 +73,23 @@ impl Slcan {
         // Empty lines end what another program left unfinished; it may be open already or not.
         self.write(b"\r\r\r")?;
         self.write(Request::Close.line().bytes())?;
-        while self.wait(QUIET)? {
-            let mut ignored = [0; 512];
-            self.read(&mut ignored)?;
+        // The version comes behind whatever else was still on its way, however long that takes. One that says it in words of
+        // its own, or not at all, is waited for until it is quiet.
+        self.write(Request::Version.line().bytes())?;
+        let deadline = Instant::now() + ANSWER;
+        let mut patience = ANSWER;
+        'stale: while Instant::now() < deadline && self.wait(patience)? {
+            let mut bytes = [0; 512];
+            let count = self.read(&mut bytes)?;
+            for byte in bytes.get(..count).unwrap_or_default() {
+                match self.lines.push(*byte) {
+                    Some(heard) if matches!(Reply::of(heard), Some(Reply::Version(..))) => {
+                        break 'stale;
+                    }
+                    Some(heard @ Heard::Line(_)) if Reply::of(heard).is_none() => patience = QUIET,
+                    _ => {}
+                }
+            }
         }
         self.lines = Lines::new();
         self.command("S", &Request::Rate(bit_rate))?;

@@ -1,0 +1,75 @@
+//! The board's timers: one that goes on, for real time, and one that wakes the thread every millisecond.
+
+use core::ptr::{read_volatile, write_volatile};
+
+/// The interrupt of the one that wakes.
+pub const INTERRUPT: u16 = 9;
+
+/// Both count down at this clock.
+const PER_MS: u32 = 25_000;
+
+const TIMER_0: usize = 0x4000_0000;
+const TIMER_1: usize = 0x4000_1000;
+const CONTROL: usize = 0x0;
+const VALUE: usize = 0x4;
+const RELOAD: usize = 0x8;
+const CLEAR: usize = 0xC;
+
+const ENABLE: u32 = 1 << 0;
+const INTERRUPT_ENABLE: u32 = 1 << 3;
+
+fn write(timer: usize, register: usize, value: u32) {
+    // SAFETY: a register of one of the two timers, mapped at this address on the only board this image is for; none of them
+    // touches memory.
+    unsafe { write_volatile((timer + register) as *mut u32, value) }
+}
+
+/// Starts both.
+pub fn start() {
+    write(TIMER_0, RELOAD, u32::MAX);
+    write(TIMER_0, VALUE, u32::MAX);
+    write(TIMER_0, CONTROL, ENABLE);
+    write(TIMER_1, RELOAD, PER_MS - 1);
+    write(TIMER_1, VALUE, PER_MS - 1);
+    write(TIMER_1, CONTROL, ENABLE | INTERRUPT_ENABLE);
+}
+
+/// The timer that wakes has woken.
+pub fn woken() {
+    write(TIMER_1, CLEAR, 1);
+}
+
+/// Real time, in milliseconds from its making, as long as it is looked at once a minute.
+#[derive(Debug)]
+pub struct Clock {
+    last: u32,
+    /// Counts that make no whole millisecond yet.
+    rest: u32,
+    ms: u64,
+}
+
+impl Clock {
+    pub fn new() -> Self {
+        Self {
+            last: count(),
+            rest: 0,
+            ms: 0,
+        }
+    }
+
+    /// Milliseconds so far.
+    pub fn ms(&mut self) -> u64 {
+        let now = count();
+        // It counts down.
+        let passed = u64::from(self.last.wrapping_sub(now)) + u64::from(self.rest);
+        self.last = now;
+        self.rest = (passed % u64::from(PER_MS)) as u32;
+        self.ms += passed / u64::from(PER_MS);
+        self.ms
+    }
+}
+
+fn count() -> u32 {
+    // SAFETY: as for writing.
+    unsafe { read_volatile((TIMER_0 + VALUE) as *const u32) }
+}

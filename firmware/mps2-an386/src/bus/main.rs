@@ -1,0 +1,91 @@
+#![no_std]
+#![no_main]
+//! A board on a bus, on the emulated Cortex-M4F: both contexts of it, the plant around it, and CAN as lines of text (SLCAN)
+//! over the UART, so that a gateway or the kernel's `slcand` can drive it as any board.
+//!
+//! ```text
+//!                    UART0 (SLCAN)                  queues
+//! gateway ◄────────────────────────► background ◄──────────────► tick ◄─► plant
+//!                                      thread                  interrupt
+//! ```
+//!
+//! Time is virtual: the thread lets the tick's interrupt happen when everything it depends on has come ([`pace`]), so a
+//! program gives the same setpoints here as anywhere. On the wire is what the board says as a node; what it and its drives
+//! say to each other is there too where the image is started with `traffic=all` in its command line.
+
+mod clock;
+mod flash;
+mod interrupts;
+mod options;
+mod outside;
+mod pace;
+mod shop;
+mod uart;
+
+use core::fmt::Write as _;
+use core::panic::PanicInfo;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug::{self, EXIT_FAILURE};
+use cortex_m_semihosting::hio;
+use heapless::spsc::Queue;
+use leadscrew_app::{PowerUp, Queues, TickerPlace};
+use leadscrew_board_sim::plant::{Plant, PlantOptions};
+use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::params::Params;
+use static_cell::{ConstStaticCell, StaticCell};
+
+use crate::options::Options;
+use crate::outside::Outside;
+use crate::pace::Pace;
+use crate::shop::Shop;
+
+/// Frames of the tick and its drives on their way to the wire.
+const TRAFFIC: usize = 64;
+
+#[entry]
+fn main() -> ! {
+    static QUEUES: ConstStaticCell<Queues> = ConstStaticCell::new(Queues::new());
+    static TICKER: ConstStaticCell<TickerPlace> = ConstStaticCell::new(TickerPlace::uninit());
+    static TOLD: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
+    static ASKED: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
+    static OUTSIDE: StaticCell<Outside> = StaticCell::new();
+
+    let options = Options::read();
+    let around = PlantOptions::default();
+    let mut flash = flash::RamFlash::power_up();
+    let tap = flash.tap().expect("the flash can be read");
+    let set = flash
+        .params(&Params::slant_bed())
+        .expect("the flash is one");
+    let up = PowerUp {
+        set: &set,
+        remembered: Some(around.at),
+        tap,
+        node: NodeId::BOARD,
+    };
+    let (tick, background) = QUEUES
+        .take()
+        .power_up(TICKER.take(), &up)
+        .expect("what was stored was good, and what is built in");
+    let plant = Plant::new(&set.params, &around).expect("it makes a machine, too");
+    let (told_in, told_out) = TOLD.take().split();
+    let (asked_in, asked_out) = ASKED.take().split();
+    interrupts::own_tick(tick, Shop::new(plant, options.traffic, told_in, asked_out));
+    let bytes = interrupts::own_uart();
+    let outside = OUTSIDE.init(Outside::new(bytes, told_out, asked_in, flash));
+    interrupts::enable();
+    Pace::new(&set.params).run(background, outside)
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    // Where the host takes no output there is nobody to tell.
+    if let Ok(mut out) = hio::hstdout() {
+        let _ = writeln!(out, "{info}");
+    }
+    debug::exit(EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

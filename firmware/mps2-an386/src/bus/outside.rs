@@ -1,0 +1,177 @@
+//! The world as the background sees it: the wire, and the flash.
+
+use heapless::Deque;
+use heapless::spsc::{Consumer, Producer};
+use leadscrew_app::Machine;
+use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::bus::slcan::{Adapter, Lines, Reply, SlcanFrame};
+use leadscrew_core::bus::{Controller, Frame, NodeId, Service};
+use leadscrew_core::params::Params;
+use leadscrew_store::BUFFER;
+
+use crate::flash::RamFlash;
+use crate::pace::Times;
+use crate::uart;
+
+/// Bytes on their way out.
+const OUT: usize = 16_384;
+/// A frame as a line, or the answer to a request.
+const LINE: usize = 32;
+/// Frames that a tick and its drives can say.
+const BURST: usize = 40;
+/// Frames that have come and not been read yet.
+const IN: usize = 64;
+
+/// The wire and the flash.
+pub struct Outside {
+    bytes: Consumer<'static, u8>,
+    lines: Lines,
+    adapter: Adapter,
+    out: Deque<u8, OUT>,
+    inbox: Deque<Frame, IN>,
+    told: Consumer<'static, Frame>,
+    asked: Producer<'static, Frame>,
+    flash: RamFlash,
+    result: Option<Result<(), StoreError>>,
+    /// The gateway has been heard since this was asked last.
+    beat: bool,
+    /// Other parameters have come into force.
+    times: Option<Times>,
+    ms: u64,
+}
+
+impl Outside {
+    pub const fn new(
+        bytes: Consumer<'static, u8>,
+        told: Consumer<'static, Frame>,
+        asked: Producer<'static, Frame>,
+        flash: RamFlash,
+    ) -> Self {
+        Self {
+            bytes,
+            lines: Lines::new(),
+            adapter: Adapter::new(1, 1, *b"LS01"),
+            out: Deque::new(),
+            inbox: Deque::new(),
+            told,
+            asked,
+            flash,
+            result: None,
+            beat: false,
+            times: None,
+            ms: 0,
+        }
+    }
+
+    /// Takes what has come and lets go what is to go, at this real time. True where anything has come.
+    pub fn pump(&mut self, ms: u64) -> bool {
+        self.ms = ms;
+        while self.has_room()
+            && let Some(frame) = self.told.dequeue()
+        {
+            self.say(&frame);
+        }
+        let mut came = false;
+        while !self.inbox.is_full()
+            && self.has_room()
+            && let Some(byte) = self.bytes.dequeue()
+        {
+            came = true;
+            let Some(heard) = self.lines.push(byte) else {
+                continue;
+            };
+            let handled = self.adapter.handle(heard);
+            self.write(&handled.reply);
+            if let Some(SlcanFrame::Data(frame)) = handled.send {
+                self.take(frame);
+            }
+        }
+        while uart::has_room()
+            && let Some(byte) = self.out.pop_front()
+        {
+            uart::send(byte);
+        }
+        came
+    }
+
+    /// True where a tick can say all it has to say.
+    pub fn takes_tick(&self) -> bool {
+        self.told.is_empty() && OUT - self.out.len() >= BURST * LINE && self.inbox.is_empty()
+    }
+
+    /// True where all that was said has gone.
+    pub fn is_quiet(&self) -> bool {
+        self.out.is_empty()
+    }
+
+    /// True where the gateway has been heard since this was asked last.
+    pub const fn has_heard_gateway(&mut self) -> bool {
+        core::mem::replace(&mut self.beat, false)
+    }
+
+    /// The times of other parameters, once.
+    pub const fn new_times(&mut self) -> Option<Times> {
+        self.times.take()
+    }
+
+    fn take(&mut self, frame: Frame) {
+        self.beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
+        // Everybody on a bus hears everything. There is room for the board; the drives have a queue of their own, and as on
+        // a bus that is flooded one of them may miss a frame.
+        let _ = self.inbox.push_back(frame);
+        let _ = self.asked.enqueue(frame);
+    }
+
+    fn say(&mut self, frame: &Frame) {
+        if let Some(reply) = self.adapter.received(&SlcanFrame::Data(*frame), self.ms) {
+            self.write(&reply);
+        }
+    }
+
+    fn write(&mut self, reply: &Reply) {
+        for byte in reply.line().bytes() {
+            // Whoever writes has looked for room.
+            let _ = self.out.push_back(*byte);
+        }
+    }
+}
+
+impl Machine for Outside {
+    fn receive(&mut self) -> Option<Frame> {
+        self.inbox.pop_front()
+    }
+
+    fn has_room(&self) -> bool {
+        OUT - self.out.len() >= 2 * LINE
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        self.say(frame);
+    }
+
+    fn store(&mut self, request: &StoreRequest<'_>) {
+        self.result = Some(self.flash.write(request));
+    }
+
+    fn stored(&mut self) -> Option<Result<(), StoreError>> {
+        self.result.take()
+    }
+
+    fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>)) {
+        let mut buffer = [0; BUFFER];
+        then(self.flash.read(region, &mut buffer));
+    }
+
+    fn event(&mut self, _: &Event) {}
+
+    /// This wire loses nothing.
+    fn controller(&mut self) -> Controller {
+        Controller::default()
+    }
+
+    fn rejoin(&mut self) {}
+
+    fn begin_anew(&mut self, params: &Params) {
+        self.times = Some(Times::of(params));
+    }
+}
