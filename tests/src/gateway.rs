@@ -28,6 +28,8 @@ pub struct Gateway {
     pub heartbeats: Vec<NmtState>,
     /// Every frame of the board as a node.
     pub heard: Vec<Frame>,
+    /// Frames of transfers sent to it.
+    pub sent: usize,
     count: u8,
 }
 
@@ -87,6 +89,7 @@ impl Gateway {
         let mut transfer = SdoDownload::new(NODE, object, data, protocol, PATIENCE, now);
         loop {
             while let Some(frame) = transfer.poll(now) {
+                self.sent += 1;
                 sim.receive(&frame);
             }
             if let Some(outcome) = transfer.outcome() {
@@ -121,6 +124,7 @@ impl Gateway {
         let mut transfer = SdoUpload::new(NODE, object, &mut sink, protocol, PATIENCE, now);
         let outcome = loop {
             while let Some(frame) = transfer.poll(now) {
+                self.sent += 1;
                 sim.receive(&frame);
             }
             if let Some(outcome) = transfer.outcome() {

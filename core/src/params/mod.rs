@@ -42,8 +42,8 @@ impl Default for Params {
     }
 }
 
-/// Number of the parameter table, for people and for files: counted up by hand with every release whose table is another
-/// one.
+/// Version of the parameter table, for people and for files: counted up by hand where a file that was right becomes wrong
+/// [D119]. What tells any two tables apart is their [key](TABLE_KEY).
 pub const SCHEMA: u16 = 1;
 
 /// Number of the parameter that holds the password: it is never told.

@@ -12,7 +12,7 @@ use super::value_text;
 use crate::words::{Both, both};
 
 /// The version of this program's table.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = leadscrew_core::params::SCHEMA as u32;
 
 /// The key in a file.
 pub const KEY: &str = "schema";

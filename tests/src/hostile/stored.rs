@@ -2,18 +2,22 @@
 
 use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};
 use leadscrew_board_sim::plant::Flash;
+use leadscrew_core::board::{Found, KeptSet, Mark, PowerUp};
 use leadscrew_core::journal::TapRecord;
+use leadscrew_core::params::{Entry, Params};
 use leadscrew_store::{BUFFER, Region, Store, block_on};
 
-/// The first byte chooses: an entry of the tap journal, the image of a flash in a file, or pages in the flash itself.
+/// The first byte chooses: an entry of the tap journal, the image of a flash in a file, pages in the flash itself, a
+/// parameter set, or what a board decides over two of them.
 ///
 /// # Panics
-/// Where an entry is taken that does not come out the same again, or a store that could be written cannot be read.
+/// Where something is taken that does not come out the same again, a store that could be written cannot be read, or a
+/// board would move with a set that nobody has stored.
 pub fn stored(data: &[u8]) {
     let Some((choice, bytes)) = data.split_first() else {
         return;
     };
-    match choice % 3 {
+    match choice % 5 {
         0 => {
             if let Ok(Some(record)) = TapRecord::decode(bytes) {
                 assert_eq!(record.encode(), bytes);
@@ -24,7 +28,66 @@ pub fn stored(data: &[u8]) {
                 assert_eq!(flash.image().as_slice(), bytes);
             }
         }
-        _ => pages(bytes),
+        2 => pages(bytes),
+        3 => set(bytes),
+        _ => power_up(bytes),
+    }
+}
+
+/// Bytes as they are, and with a right checksum behind them, so that what is inside is reached.
+fn set(bytes: &[u8]) {
+    let mut params = Params::slant_bed();
+    let mut summed = bytes.to_vec();
+    let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes);
+    summed.extend(sum.to_le_bytes());
+    for bytes in [bytes, &summed] {
+        if let Ok(number) = KeptSet::decode(bytes, &mut params) {
+            assert!(params.validate().is_ok());
+            let mut again = [0; KeptSet::BYTES];
+            let params = &params;
+            KeptSet { number, params }.fill(&mut again);
+            assert_eq!(again, bytes);
+        }
+    }
+    if let Some(mark) = Mark::decode(bytes) {
+        assert_eq!(mark.encode(), bytes);
+    }
+}
+
+/// Two sets and a mark with some bytes changed. What is in force without an alarm is one of those that were stored.
+fn power_up(changes: &[u8]) {
+    let sets = [7, 8].map(|number: u32| {
+        let mut params = Params::slant_bed();
+        let entry = Entry::find_text("9022").expect("a parameter");
+        params.set(entry, number.into()).expect("in its range");
+        (number, params)
+    });
+    let mut stored = sets.each_ref().map(|(number, params)| {
+        let mut bytes = vec![0; KeptSet::BYTES];
+        let number = *number;
+        KeptSet { number, params }.fill(&mut bytes);
+        bytes
+    });
+    let mut mark = Mark(8).encode();
+    for change in changes.chunks_exact(3) {
+        let at = usize::from(u16::from_le_bytes([change[0], change[1]]));
+        let [a, b] = &mut stored;
+        let all = a.iter_mut().chain(b).chain(&mut mark);
+        let length = 2 * KeptSet::BYTES + Mark::BYTES;
+        if let Some(byte) = all.into_iter().nth(at % length) {
+            *byte ^= change[2];
+        }
+    }
+    let [a, b] = &stored;
+    let built_in = Params::slant_bed();
+    let up = PowerUp::of(&built_in, Ok(Some(&mark)), Ok(Some(a)), Ok(Some(b)));
+    let is = |place: usize| up.params == sets[place].1;
+    match up.found {
+        // Only where the mark is damaged as well can the older one seem to be the newest.
+        Found::Newest => assert!(is(1) || mark != Mark(8).encode() && is(0)),
+        Found::Older => assert!(is(0) || is(1)),
+        Found::Lost | Found::Foreign { .. } => assert_eq!(up.params, built_in),
+        Found::Nothing => panic!("something was stored"),
     }
 }
 
@@ -50,6 +113,8 @@ fn pages(bytes: &[u8]) {
     if block_on(store.recover()).is_err() {
         return;
     }
+    let up = block_on(store.power_up(&Params::slant_bed()));
+    assert!(up.params.validate().is_ok());
     let _ = block_on(store.read(Region::TapJournal, &mut buffer));
     if block_on(store.write(Region::TapJournal, b"written later")).is_ok() {
         let read = block_on(store.read(Region::TapJournal, &mut buffer));

@@ -163,6 +163,27 @@ fn what_is_pushed_is_there_when_the_power_comes_back() {
     assert_eq!(sim.flash().written(), written);
 }
 
+/// Told in frames, in lock-step: the transfer with all its round trips, then the look whether it is stored, and the
+/// identity of what is in force. On a wire of 1 Mbit/s each takes at most 111 µs and stuffing.
+#[test]
+fn a_whole_set_takes_few_frames_more_than_its_bytes() {
+    let (mut sim, mut gateway, _) = power_up(Flash::erased());
+    let wanted = set(12);
+    gateway.heard.clear();
+    gateway.sent = 0;
+    gateway
+        .write(&mut sim, IMAGE, &image(&wanted), SdoProtocol::Block)
+        .expect("taken");
+    assert_eq!(state(&mut gateway, &mut sim), CommitState::Done as u8);
+    assert_eq!(in_force(&mut gateway, &mut sim), identity(&wanted));
+    let data = (ImageWriter::BYTES as usize).div_ceil(7);
+    let blocks = data.div_ceil(127);
+    // Begin and end of the transfer, an answer to each block, and two numbers read.
+    let all = gateway.sent + gateway.heard.len();
+    assert_eq!(all, data + 4 + blocks + 4);
+    assert!(all * 10 <= data * 13, "{all} frames for {data} of data");
+}
+
 #[test]
 fn the_last_good_set_can_be_taken_and_left_again() {
     let sets = [set(10), set(12)];
