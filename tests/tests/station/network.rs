@@ -134,7 +134,7 @@ fn a_node_that_is_reset_stops_first_and_begins_anew() {
     assert_eq!(gateway.status.state, BoardState::Idle);
     assert_eq!(gateway.number(&mut sim, 0x5001, 4), Ok(0));
     // The communication alone does not touch the machine.
-    sim.receive(&NmtCommand::ResetCommunication.frame(None));
+    sim.receive(&NmtCommand::ResetCommunication.frame(Some(NODE)));
     assert_eq!(steps(&mut sim, &mut gateway, 100), []);
     assert_eq!(gateway.heartbeats.last(), Some(&NmtState::BootUp));
 }
