@@ -3,12 +3,13 @@
 use std::fs::File;
 use std::io::BufReader;
 
-use leadscrew_can::LogReader;
+use leadscrew_can::{LogReader, Received};
+use leadscrew_core::bus::BoardStatus;
 
-use crate::bus::{eventually, scratch, sockets_on, tool};
+use crate::bus::{eventually, open, receive, scratch, sockets_on, tool};
 use crate::machine::{
-    Board, bad, command, err, example, field, finish, good, interrupt, leadscrew, out, run,
-    wait_for_status,
+    Board, bad, both, command, err, example, field, finish, good, interrupt, leadscrew, out,
+    program, run, wait_for_status,
 };
 
 /// A tick at which a kernel booted as a program keeps up.
@@ -85,4 +86,45 @@ fn a_stop_in_a_hole_is_an_alarm_and_retract_brings_the_tap_out() {
     good(&leadscrew(&["retract"]));
     let status = good(&leadscrew(&["status", "--json"]));
     assert!(!status.contains("\"in_hole\":true"), "{status}");
+}
+
+/// Ctrl-C in a stroke: the stroke ends, the tool leaves the thread, and nothing is left of the program. Where it comes does
+/// not matter, so nothing here depends on time: it is sent when the bus says that a stroke is under way.
+#[test]
+fn ctrl_c_in_a_stroke_ends_the_stroke_and_leaves_the_machine_at_rest() {
+    let _board = Board::start(&["--lockstep"]);
+    let path = program(
+        "stroke.nc",
+        "O0076\nM03 S300\nG00 X80. Z10.\nG76 P010060 Q1500 R0.1\nG76 X76. Z-150. P2000 Q1500 F3.\nG00 X100. Z50.\nM30\n",
+    );
+    let mut can = open();
+    let running = run(&path, &[]);
+    let in_a_stroke = |heard: &[Received]| {
+        heard
+            .iter()
+            .filter_map(|received| BoardStatus::decode(received.packet.frame()?))
+            .any(|(_, status)| status.flags.locked)
+    };
+    while !in_a_stroke(&receive(&mut can, 1)) {}
+    drop(can);
+    interrupt(&running);
+    let output = finish(running);
+    assert_eq!(output.status.code(), Some(130), "{}", both(&output));
+    assert_eq!(field(&out(&output), "ok"), "false");
+    let status = wait_for_status("it is ready again", |status| {
+        field(status, "state") == "idle"
+    });
+    for (name, value) in [
+        ("program", "false"),
+        ("hold", "false"),
+        ("alarm", "null"),
+        // The level that the cycle began at; Z where the stroke ends.
+        ("mx", "80"),
+        ("mz", "-150"),
+    ] {
+        assert_eq!(field(&status, name), value, "{status}");
+    }
+    // Nothing comes later, and the next program is none the worse.
+    let output = leadscrew(&["run", example("g84-tap.nc").to_str().unwrap(), "--json"]);
+    assert_eq!(field(&good(&output), "ok"), "true");
 }
