@@ -16,6 +16,7 @@
 //! ```
 
 mod address;
+mod chinese;
 mod error;
 mod error_frame;
 mod health;

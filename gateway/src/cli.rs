@@ -6,9 +6,11 @@ use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use leadscrew_can::Address;
+use leadscrew_can::{Address, BitRate};
 use leadscrew_core::alarm::Lang;
 
+use crate::failure::{Failure, Outcome};
+use crate::words::both;
 use crate::values::{At, Percent, Ripple, SetSignal, Tolerance};
 
 const STYLES: Styles = Styles::styled()
@@ -56,6 +58,12 @@ pub struct Global {
     /// The others talk to a board, whose own parameters then count.
     #[arg(long, global = true, value_name = "BUS", default_value = "sim")]
     pub bus: Address,
+    /// Bit rate of the CAN behind an `slcan:` adapter, in kbit/s: 10 20 50 100 125 250 500 800 1000 [default: 1000]
+    ///
+    /// `@BAUD` of the bus is the speed of the serial line to the adapter. An interface of the kernel has its bit rate from
+    /// `ip link set can0 type can bitrate …`.
+    #[arg(long, global = true, value_name = "KBIT", value_parser = bit_rate)]
+    pub bitrate: Option<BitRate>,
     /// CANopen node of the board, 1 to 127
     #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=127))]
     pub node: u8,
@@ -110,7 +118,36 @@ pub struct Global {
     pub cut_power: Option<u64>,
 }
 
+/// A bit rate that a Lawicel adapter can be set to.
+fn bit_rate(text: &str) -> Result<BitRate, String> {
+    let kbit = text.parse().map_err(|_| "expected kbit/s, as `500`")?;
+    BitRate::of_kbit(kbit)
+        .ok_or_else(|| "an adapter has 10, 20, 50, 100, 125, 250, 500, 800 and 1000 kbit/s".into())
+}
+
 impl Global {
+    /// The bit rate for an adapter.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where it was given for a bus that has its own.
+    pub fn bit_rate(&self) -> Outcome<BitRate> {
+        match (&self.bus, self.bitrate) {
+            (Address::Serial { .. } | Address::Tcp { .. } | Address::Unix(_), rate) => {
+                Ok(rate.unwrap_or(BitRate::M1))
+            }
+            (_, None) => Ok(BitRate::M1),
+            (bus, Some(rate)) => {
+                let bits = rate.bits_per_second();
+                Err(Failure::Usage(both!(
+                    "`--bitrate` is for `slcan:` adapters, not for `--bus {bus}`; an interface of the kernel is set with `ip \
+                     link set IFACE type can bitrate {bits}`",
+                    "`--bitrate` 只用于 `slcan:` 适配器，不用于 `--bus {bus}`；内核接口请用 `ip link set IFACE type can bitrate \
+                     {bits}` 设置"
+                )))
+            }
+        }
+    }
+
     /// The language of messages.
     pub fn lang(&self) -> Lang {
         match self.lang {

@@ -52,7 +52,10 @@ impl Failure {
     /// A bus that cannot be used, or no longer.
     #[must_use]
     pub fn bus(error: CanError) -> Self {
-        Self::Bus(both!("{error}", "总线不可用：{error}"))
+        Self::Bus(Both {
+            en: error.to_string(),
+            zh: error.chinese(),
+        })
     }
 
     /// Standard output that could not be written.

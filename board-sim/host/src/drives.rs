@@ -31,7 +31,7 @@ pub fn run(args: &Drives) -> Outcome {
             let reason = format!("the parameters make no drive: {error:?}");
             Failure::WrongBecause(Both::same(reason))
         })?;
-    let mut wire = Wire::open(args.common.address(), Loss(0), 0)?;
+    let mut wire = Wire::open(args.common.address(), &params, Loss(0), 0)?;
     let nodes: Vec<String> = drives
         .iter()
         .map(|drive| drive.node().get().to_string())

@@ -99,7 +99,7 @@ impl Machine {
             .filter_map(|(node, away)| away.then_some(node))
             .collect();
         let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
-        let wire = Wire::open(args.common.address(), args.lose, args.seed)?;
+        let wire = Wire::open(args.common.address(), params, args.lose, args.seed)?;
         say(&format!(
             "node {} on {}, tick {} µs, {}{}",
             args.node,

@@ -3,8 +3,10 @@
 use std::time::Duration;
 
 use leadscrew::failure::{Failure, Outcome};
+use leadscrew::words::Both;
 use leadscrew_can::{Address, BitRate, Can, Received};
 use leadscrew_core::bus::Frame;
+use leadscrew_core::params::Params;
 
 use crate::when::Loss;
 
@@ -20,10 +22,14 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Opens the bus.
-    pub fn open(address: &Address, loss: Loss, seed: u64) -> Outcome<Self> {
+    /// Opens the bus; an adapter at the bit rate of the parameters (9020).
+    pub fn open(address: &Address, params: &Params, loss: Loss, seed: u64) -> Outcome<Self> {
+        let kbit = params.bus_kbit();
+        let rate = BitRate::of_kbit(kbit).ok_or_else(|| {
+            Failure::WrongBecause(Both::same(format!("no adapter has {kbit} kbit/s (9020)")))
+        })?;
         Ok(Self {
-            can: leadscrew_can::open(address, BitRate::M1).map_err(Failure::bus)?,
+            can: leadscrew_can::open(address, rate).map_err(Failure::bus)?,
             heard: Vec::new(),
             loss,
             noise: seed,

@@ -4,7 +4,8 @@ use std::fs::File;
 use std::io::{self, Write as _};
 use std::time::Duration;
 
-use leadscrew_can::{BitRate, CanError, Health, Received, Suspicion};
+use leadscrew_can::{CanError, Health, Received, Suspicion};
+use leadscrew_core::alarm::Lang;
 
 use crate::cli::Record;
 use crate::failure::{Doing, Failure, Outcome};
@@ -28,7 +29,7 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
         ))
     })?;
     interrupt::watch();
-    let mut bus = leadscrew_can::open(&setup.global.bus, BitRate::M1).map_err(Failure::bus)?;
+    let mut bus = leadscrew_can::open(&setup.global.bus, setup.global.bit_rate()?).map_err(Failure::bus)?;
     let unwritable = |error: &io::Error| Failure::file(Doing::Write, path.display(), error);
     let file = File::create(path).map_err(|error| unwritable(&error))?;
     let mut recording = Recording::new(format, file, bus.name(), &setup.params)
@@ -54,7 +55,7 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
         for received in &heard {
             watch.health.note(&received.packet);
         }
-        watch.tell();
+        watch.tell(setup.lang);
         if count == 0 {
             recording.flush().map_err(|error| unwritable(&error))?;
         }
@@ -75,7 +76,7 @@ struct Watch {
 
 impl Watch {
     /// Says at once what is wrong with the bus, and once.
-    fn tell(&mut self) {
+    fn tell(&mut self, lang: Lang) {
         let suspicion = self.health.suspicion();
         let same = match (suspicion, self.told) {
             // The counters alone are no news.
@@ -87,14 +88,16 @@ impl Watch {
             && !same
         {
             // A closed standard error leaves nobody to tell.
-            let _ = writeln!(io::stderr(), "warning: {suspicion}");
+            let told = both!("warning: {suspicion}", "警告：{zh}", zh = suspicion.chinese());
+            let _ = writeln!(io::stderr(), "{}", told.get(lang));
         }
         if self.health.fd_frames > 0 && !self.fd_told {
             self.fd_told = true;
-            let _ = writeln!(
-                io::stderr(),
-                "warning: there are CAN FD frames on this bus; they are recorded, and nothing here reads them"
+            let told = both!(
+                "warning: there are CAN FD frames on this bus; they are recorded, and nothing here reads them",
+                "警告：总线上有 CAN FD 报文；它们会被记录，但不会被解读"
             );
+            let _ = writeln!(io::stderr(), "{}", told.get(lang));
         }
     }
 

@@ -51,10 +51,12 @@ pub fn retract(global: &Global, wish: Wish) -> Outcome {
 /// The same with a board on a real bus.
 fn on_board(global: &Global, wish: Wish) -> Outcome {
     if wish.discard {
-        return Err(Failure::Usage(both!(
-            "`retract --discard` on a real bus is not available yet",
-            "真实总线上的 `retract --discard` 尚未提供"
-        )));
+        let mut link = board::open(global)?;
+        link.greet()?;
+        if !link.drop_tap()? {
+            return Err(no_entry());
+        }
+        return tell_dropped(global);
     }
     let (mut link, params) = {
         let machine = board::Machine::meet(global)?;
@@ -118,14 +120,22 @@ fn discard(global: &Global, state: &StateFile) -> Outcome {
             store.into_flash()
         }
         Ok(_) => {
-            return Err(Failure::WrongBecause(both!(
-                "no tap is in a hole: there is no entry to drop",
-                "没有丝锥在孔里：没有可清除的记录"
-            )));
+            return Err(no_entry());
         }
         Err(_) => leadscrew_board_sim::plant::Flash::erased(),
     };
     state.save(&flash)?;
+    tell_dropped(global)
+}
+
+fn no_entry() -> Failure {
+    Failure::WrongBecause(both!(
+        "no tap is in a hole: there is no entry to drop",
+        "没有丝锥在孔里：没有可清除的记录"
+    ))
+}
+
+fn tell_dropped(global: &Global) -> Outcome {
     if global.json {
         return board::print_json(|json| json.flag("ok", true));
     }

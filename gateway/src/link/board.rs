@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use leadscrew_core::board::station::DROP;
 use leadscrew_core::bus::{Abort, BoardCommand, Object, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, VERSION, Version, identity,
@@ -19,6 +20,7 @@ const RECORD: Object = Object::new(0x5001, 1);
 const IMAGE: Object = Object::new(0x5010, 1);
 const LINK_VERSION: Object = Object::new(0x5020, 2);
 const JOURNAL: Object = Object::new(0x5030, 1);
+const JOURNAL_DROP: Object = Object::new(0x5030, 2);
 const NEWEST: Object = Object::new(0x5040, 1);
 const FROM: Object = Object::new(0x5040, 2);
 const ENTRIES: Object = Object::new(0x5040, 3);
@@ -231,6 +233,18 @@ impl Link {
         match self.read(JOURNAL) {
             Err(trouble) if trouble.is_abort(Abort::NoData) => Ok(Vec::new()),
             read => read,
+        }
+    }
+
+    /// Drops the entry of a tap that is in its hole. False where there is none.
+    ///
+    /// # Errors
+    /// The board does not answer, or refuses: the machine moves.
+    pub fn drop_tap(&mut self) -> LinkResult<bool> {
+        match self.write(JOURNAL_DROP, &DROP.to_le_bytes()) {
+            Ok(()) => Ok(true),
+            Err(trouble) if trouble.is_abort(Abort::NoData) => Ok(false),
+            Err(trouble) => Err(trouble),
         }
     }
 

@@ -142,13 +142,13 @@ impl std::fmt::Debug for Link {
 }
 
 impl Link {
-    /// Opens a bus; nothing is said on it yet. Heard is what the board says and is told, and who else is there: setpoints
+    /// Opens a bus, an adapter at this bit rate; nothing is said on it yet. Heard is what the board says and is told, and who else is there: setpoints
     /// and drives' answers are most of what is on a bus, mean nothing here, and would keep the answers waiting.
     ///
     /// # Errors
     /// What is missing for it.
-    pub fn open(address: &Address, node: NodeId) -> LinkResult<Self> {
-        let mut can = leadscrew_can::open(address, BitRate::M1).map_err(Trouble::Can)?;
+    pub fn open(address: &Address, node: NodeId, rate: BitRate) -> LinkResult<Self> {
+        let mut can = leadscrew_can::open(address, rate).map_err(Trouble::Can)?;
         can.listen_for(&[
             Filter::node(node),
             Filter::service(Service::Heartbeat),

@@ -194,7 +194,8 @@ fn suspected(suspicion: Option<Suspicion>) -> Both {
     suspicion.map_or_else(Both::default, |suspicion| {
         both!(
             "; the bus itself looks wrong: {suspicion}",
-            "；总线本身似乎有问题：{suspicion}"
+            "；总线本身似乎有问题：{zh}",
+            zh = suspicion.chinese()
         )
     })
 }
@@ -222,7 +223,10 @@ impl Trouble {
     #[must_use]
     pub fn words(&self) -> Both {
         match self {
-            Self::Can(error) => Both::same(error.to_string()),
+            Self::Can(error) => Both {
+                en: error.to_string(),
+                zh: error.chinese(),
+            },
             Self::NoBoard {
                 node,
                 bus,

@@ -11,7 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use leadscrew::link::Link;
+use leadscrew_can::BitRate;
 use leadscrew_core::bus::{NodeId, Object};
+use leadscrew_core::link::{VERSION, Version};
 use serde_json::Value;
 
 use server::{Options, Server};
@@ -309,7 +311,7 @@ fn two_clients_read_the_event_log_without_losing_any_of_it() {
         ..Options::default()
     });
     let bus = server.bus();
-    let open = || Link::open(&bus.parse().unwrap(), NodeId::BOARD).unwrap();
+    let open = || Link::open(&bus.parse().unwrap(), NodeId::BOARD, BitRate::M1).unwrap();
     let run = Run::start("examples/shaft.nc", &bus);
     let ends = Instant::now() + Duration::from_secs(6);
     let mut other = open();
@@ -349,7 +351,7 @@ fn a_program_is_fed_while_others_ask_without_a_pause() {
         // One that stays and asks on and on, and one that comes anew each time.
         let stays = scope.spawn(|| {
             let address = bus.parse().unwrap();
-            let mut link = Link::open(&address, NodeId::BOARD).unwrap();
+            let mut link = Link::open(&address, NodeId::BOARD, BitRate::M1).unwrap();
             let mut looks = 0_u32;
             while !over.load(Ordering::Relaxed) {
                 link.status().unwrap();
@@ -378,4 +380,103 @@ fn a_program_is_fed_while_others_ask_without_a_pause() {
         assert!(stays.join().unwrap() > 0);
         assert!(comes.join().unwrap() > 0);
     });
+}
+
+/// A board that speaks another version of the link is refused before anything of it is read.
+#[test]
+fn another_version_of_the_link_is_named_with_both_versions() {
+    let server = Server::start(&Options {
+        key: Some(0x0002_1234),
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let theirs = Version {
+        key: 0x0002_1234,
+        ..VERSION
+    };
+    let (theirs, ours) = (theirs.to_string(), VERSION.to_string());
+    let told = bad(&leadscrew(&["status"], &bus), 3);
+    assert!(told.contains(&theirs) && told.contains(&ours), "{told}");
+    assert!(told.contains("to one version"), "{told}");
+    let told = bad(&leadscrew(&["run", "examples/shaft.nc", "--lang", "zh"], &bus), 3);
+    assert!(told.contains(&theirs) && told.contains(&ours), "{told}");
+    assert!(told.contains("更新到同一版本"), "{told}");
+}
+
+/// A socket that only its owner may use, asked by somebody else.
+#[test]
+fn a_missing_permission_says_how_to_get_it_in_both_languages() {
+    use std::os::unix::fs::PermissionsExt as _;
+    use std::os::unix::process::CommandExt as _;
+    let dir = std::env::temp_dir().join(format!("leadscrew-closed-{}", std::process::id()));
+    std::fs::create_dir_all(&dir).unwrap();
+    let path = dir.join("adapter");
+    let _listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
+    // Nobody's: an administrator would be let in.
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
+    let program = dir.join("leadscrew");
+    std::fs::copy(env!("CARGO_BIN_EXE_leadscrew"), &program).unwrap();
+    let bus = format!("slcan:unix:{}", path.display());
+    let ask = |lang: &str| {
+        let mut command = Command::new(&program);
+        command
+            .args(["status", "--bus", &bus, "--lang", lang])
+            .current_dir("/");
+        if is_administrator() {
+            command.uid(65_534);
+        }
+        command.output().unwrap()
+    };
+    let told = bad(&ask("en"), 3);
+    assert!(told.contains("no permission to use"), "{told}");
+    assert!(told.contains("docs/can.md"), "{told}");
+    let told = bad(&ask("zh"), 3);
+    assert!(told.contains("没有使用"), "{told}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+fn is_administrator() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("Uid:"));
+    line.and_then(|line| line.split_whitespace().nth(1)) == Some("0")
+}
+
+#[test]
+fn an_entry_of_the_tap_journal_is_dropped_over_the_bus() {
+    let server = Server::start(&Options {
+        speed: 4,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let refused = bad(&leadscrew(&["retract", "--discard"], &bus), 1);
+    assert!(refused.contains("no tap is in a hole"), "{refused}");
+    let run = Run::start("examples/g84-tap.nc", &bus);
+    wait_for(&bus, "the tap is in its hole", |status| {
+        status["tap"]["in_hole"] == true
+    });
+    good(&leadscrew(&["stop"], &bus));
+    assert_eq!(run.end().status.code(), Some(4));
+    good(&leadscrew(&["reset"], &bus));
+    wait_for(&bus, "it is ready again", |status| status["state"] == "idle");
+    // Nothing moves while it is in there.
+    bad(&leadscrew(&["run", "examples/shaft.nc"], &bus), 1);
+    let told = good(&leadscrew(&["retract", "--discard"], &bus));
+    assert!(told.contains("dropped"), "{told}");
+    wait_for(&bus, "the entry is gone", |status| {
+        status["tap"]["in_hole"] != true
+    });
+    bad(&leadscrew(&["retract", "--discard"], &bus), 1);
+    good(&leadscrew(&["run", "examples/shaft.nc", "--json"], &bus));
+}
+
+#[test]
+fn the_bit_rate_of_an_adapter_can_be_chosen_and_that_of_an_interface_cannot() {
+    let server = Server::start(&Options::default());
+    good(&leadscrew(&["status", "--bitrate", "500"], &server.bus()));
+    assert_eq!(server.bit_rate(), Some(BitRate::K500));
+    good(&leadscrew(&["status"], &server.bus()));
+    assert_eq!(server.bit_rate(), Some(BitRate::M1));
+    let told = bad(&leadscrew(&["status", "--bitrate", "500"], "can0"), 2);
+    assert!(told.contains("bitrate 500000"), "{told}");
+    bad(&leadscrew(&["status", "--bitrate", "333"], "can0"), 2);
 }

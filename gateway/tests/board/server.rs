@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 use leadscrew::trace::{Setpoint, SetpointHash};
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Row, Sim};
-use leadscrew_core::bus::slcan::{Adapter, Heard, Lines, SlcanFrame};
-use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::bus::slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
+use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
 use leadscrew_core::params::{Entry, Params};
 
 /// Ticks taken in one go at most, before clients are heard again.
@@ -30,6 +30,8 @@ pub struct Options {
     pub set: Vec<(&'static str, i64)>,
     /// Virtual time for a second of real time.
     pub speed: u32,
+    /// The key of the link that the boards claim to speak, instead of their own.
+    pub key: Option<u32>,
     /// Answers nothing from this tick on, as if unplugged.
     pub unplugged_at: Option<u64>,
 }
@@ -41,6 +43,7 @@ impl Default for Options {
             // Heartbeats come in real time, and the machine runs faster.
             set: vec![("9024", 0)],
             speed: 20,
+            key: None,
             unplugged_at: None,
         }
     }
@@ -51,6 +54,8 @@ impl Default for Options {
 pub struct Seen {
     /// Hash of its setpoints.
     pub hash: SetpointHash,
+    /// The bit rate that the last client has set its adapter to.
+    pub bit_rate: Option<BitRate>,
 }
 
 /// A server until it is dropped.
@@ -85,6 +90,11 @@ impl Server {
     /// The `--bus` to reach it.
     pub fn bus(&self) -> String {
         format!("slcan:tcp:127.0.0.1:{}", self.port)
+    }
+
+    /// The bit rate that the last client has set its adapter to.
+    pub fn bit_rate(&self) -> Option<BitRate> {
+        self.seen.lock().unwrap().bit_rate
     }
 
     /// Hash of the first board's setpoints so far.
@@ -192,6 +202,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
     let began = Instant::now();
     let mut last_heard = began;
     let mut came = 0;
+    let mut next = false;
     let mut due = 0_u64;
     let mut ticks = 0_u64;
     while !ends.load(Ordering::Relaxed) {
@@ -204,6 +215,9 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
         let mut heard = Vec::new();
         clients.retain_mut(|client| {
             let (frames, stays) = client.hear();
+            if let Some(rate) = client.adapter.bit_rate() {
+                seen.lock().unwrap().bit_rate = Some(rate);
+            }
             heard.extend(frames.into_iter().map(|frame| (client.number, frame)));
             stays
         });
@@ -219,7 +233,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
                 for sim in &mut boards {
                     sim.receive(&frame);
                     sim.settle();
-                    say(sim, &mut clients);
+                    say(sim, &mut clients, (options.key, &mut next));
                 }
             }
         }
@@ -243,7 +257,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
                     seen.hash.push(&setpoint(&row));
                 }
                 if plugged {
-                    say(sim, &mut clients);
+                    say(sim, &mut clients, (options.key, &mut next));
                 } else {
                     while sim.transmit().is_some() {}
                 }
@@ -258,7 +272,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             for sim in &mut boards {
                 sim.settle();
                 if plugged {
-                    say(sim, &mut clients);
+                    say(sim, &mut clients, (options.key, &mut next));
                 }
             }
         }
@@ -269,8 +283,21 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
     }
 }
 
-fn say(sim: &mut Sim, clients: &mut [Client]) {
-    while let Some(frame) = sim.transmit() {
+/// `key`: what the boards claim, and whether the frame that says it is the next one.
+fn say(sim: &mut Sim, clients: &mut [Client], (key, next): (Option<u32>, &mut bool)) {
+    while let Some(mut frame) = sim.transmit() {
+        if let Some(key) = key
+            && frame.id() == CobId::of(Service::SdoReply, NodeId::BOARD)
+        {
+            let mut payload = frame.payload().to_vec();
+            if std::mem::take(next) {
+                payload[1..5].copy_from_slice(&key.to_le_bytes());
+                frame = Frame::new(frame.id(), &payload).unwrap();
+            } else {
+                // The answer to who asks for 5020h:02: the value follows.
+                *next = payload.starts_with(&[0x41, 0x20, 0x50, 0x02]);
+            }
+        }
         for client in &mut *clients {
             client.tell(&frame);
         }

@@ -78,6 +78,36 @@ fn a_program_far_larger_than_the_board_s_memory_goes_through() {
     same_as_simulated(&program("long.nc", &text));
 }
 
+/// Others on the wire may talk CAN FD: neither board nor gateway takes such a frame for a classical one, whatever its
+/// identifier.
+#[test]
+fn fd_frames_of_others_do_no_harm() {
+    let path = example("o0013-g76-m68x6.nc");
+    let simulated = simulated(&path);
+    let _board = Board::start(&["--lockstep"]);
+    let mut running = run(&path, &[]);
+    let mut rounds = 0;
+    while running.try_wait().unwrap().is_none() {
+        // NMT stop, a stop by RPDO1, a request to the board's server, an answer of it, a setpoint, a heartbeat.
+        for frame in [
+            "000##10200",
+            "201##10705FFFFFFFF",
+            "601##14000100000000000",
+            "581##18020500000000206",
+            "210##1000000000000",
+            "701##100",
+        ] {
+            tool("cansend", &["vcan0", frame]);
+        }
+        rounds += 1;
+    }
+    assert!(rounds > 0);
+    let ran = good(&finish(running));
+    for name in ["ok", "moves", "setpoint_hash", "late"] {
+        assert_eq!(field(&ran, name), field(&simulated, name), "{name}");
+    }
+}
+
 #[test]
 fn a_gateway_that_is_killed_in_a_thread_is_missed_and_the_machine_holds() {
     let board = Board::start(&["--set", "9000=5000"]);

@@ -41,6 +41,14 @@ impl BitRate {
         Self::M1,
     ];
 
+    /// The rate of so many kbit/s; `None` where an adapter has no such rate.
+    #[must_use]
+    pub fn of_kbit(kbit: u32) -> Option<Self> {
+        let bits = kbit.saturating_mul(1000);
+        let mut all = Self::ALL.into_iter();
+        all.find(|rate| rate.bits_per_second() == bits)
+    }
+
     /// Bits in a second.
     #[must_use]
     pub const fn bits_per_second(self) -> u32 {

@@ -30,7 +30,7 @@ pub fn open(global: &Global) -> Outcome<Link> {
             node = global.node
         )));
     };
-    Ok(Link::open(&global.bus, node)?)
+    Ok(Link::open(&global.bus, node, global.bit_rate()?)?)
 }
 
 /// What the machine is doing, for people.
