@@ -10,8 +10,8 @@ use leadscrew_can::{Address, BitRate};
 use leadscrew_core::alarm::Lang;
 
 use crate::failure::{Failure, Outcome};
-use crate::words::both;
 use crate::values::{At, Percent, Ripple, SetSignal, Tolerance};
+use crate::words::both;
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())

@@ -29,7 +29,8 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
         ))
     })?;
     interrupt::watch();
-    let mut bus = leadscrew_can::open(&setup.global.bus, setup.global.bit_rate()?).map_err(Failure::bus)?;
+    let mut bus =
+        leadscrew_can::open(&setup.global.bus, setup.global.bit_rate()?).map_err(Failure::bus)?;
     let unwritable = |error: &io::Error| Failure::file(Doing::Write, path.display(), error);
     let file = File::create(path).map_err(|error| unwritable(&error))?;
     let mut recording = Recording::new(format, file, bus.name(), &setup.params)
@@ -88,7 +89,11 @@ impl Watch {
             && !same
         {
             // A closed standard error leaves nobody to tell.
-            let told = both!("warning: {suspicion}", "警告：{zh}", zh = suspicion.chinese());
+            let told = both!(
+                "warning: {suspicion}",
+                "警告：{zh}",
+                zh = suspicion.chinese()
+            );
             let _ = writeln!(io::stderr(), "{}", told.get(lang));
         }
         if self.health.fd_frames > 0 && !self.fd_told {

@@ -398,7 +398,10 @@ fn another_version_of_the_link_is_named_with_both_versions() {
     let told = bad(&leadscrew(&["status"], &bus), 3);
     assert!(told.contains(&theirs) && told.contains(&ours), "{told}");
     assert!(told.contains("to one version"), "{told}");
-    let told = bad(&leadscrew(&["run", "examples/shaft.nc", "--lang", "zh"], &bus), 3);
+    let told = bad(
+        &leadscrew(&["run", "examples/shaft.nc", "--lang", "zh"], &bus),
+        3,
+    );
     assert!(told.contains(&theirs) && told.contains(&ours), "{told}");
     assert!(told.contains("更新到同一版本"), "{told}");
 }
@@ -457,7 +460,9 @@ fn an_entry_of_the_tap_journal_is_dropped_over_the_bus() {
     good(&leadscrew(&["stop"], &bus));
     assert_eq!(run.end().status.code(), Some(4));
     good(&leadscrew(&["reset"], &bus));
-    wait_for(&bus, "it is ready again", |status| status["state"] == "idle");
+    wait_for(&bus, "it is ready again", |status| {
+        status["state"] == "idle"
+    });
     // Nothing moves while it is in there.
     bad(&leadscrew(&["run", "examples/shaft.nc"], &bus), 1);
     let told = good(&leadscrew(&["retract", "--discard"], &bus));
