@@ -187,6 +187,8 @@ pub enum SimError {
 struct Pending {
     row: Row,
     law: Law,
+    /// By how many turns the board counted ahead of the truth.
+    ahead: Turns,
 }
 
 /// What a row is judged by.
@@ -218,6 +220,8 @@ pub struct Sim {
     board: Board,
     plant: Plant,
     tick_us: u32,
+    /// Increments of a spindle's drive to a turn.
+    spindle_increments: u32,
     /// From the SYNC that takes a setpoint to its effect, on X and on Z.
     delays: [Delay; 2],
     /// 5275: rows of ordinary taps are judged by the angle so many ticks later.
@@ -231,6 +235,8 @@ pub struct Sim {
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The line of the last tap.
     line: Option<Law>,
+    /// By how many turns the board counts ahead of the truth: an application that begins anew counts whole turns from there.
+    ahead: Turns,
     /// The spindles' angles at the last SYNCs, oldest first, as many as rows wait for.
     truths: Deque<[FineTurns; 4], TRUTHS>,
     /// What is kept over a loss of power; off from that on.
@@ -307,6 +313,7 @@ impl Sim {
             board,
             plant,
             tick_us,
+            spindle_increments: params.spindle_increments(),
             delays: [Axis::X, Axis::Z].map(|axis| Delay::of(params, axis)),
             lag: params.tap_lag_cycles() as usize,
             ticks: 0,
@@ -315,6 +322,7 @@ impl Sim {
             setpoint: Setpoint::default(),
             pending: Deque::new(),
             line: None,
+            ahead: Turns::default(),
             truths: Deque::new(),
             flash,
             to_others: Deque::new(),
@@ -482,6 +490,7 @@ impl Sim {
         let setpoint = output.setpoint;
         self.setpoint = setpoint;
         let law = self.law(setpoint.locked);
+        let ahead = self.ahead(setpoint.locked);
         let doing = match (self.board.ticker().state(), setpoint.motion) {
             (State::Alarm(_) | State::Stopping(Outcome::Alarm(_)), _) => Doing::Alarm,
             (_, Motion::Hold) | (State::Held, _) => Doing::Hold,
@@ -514,7 +523,7 @@ impl Sim {
             self.serve(Periods::new(1));
         }
         // Released above as soon as it is due: there is always room.
-        let _ = self.pending.push_back(Pending { row, law });
+        let _ = self.pending.push_back(Pending { row, law, ahead });
         ready
     }
 
@@ -538,6 +547,18 @@ impl Sim {
         x.max(z).saturating_add(self.lag)
     }
 
+    /// By how many turns the board counts ahead of the truth. Whole turns mean nothing; while an axis is held to the spindle
+    /// they stay what they were, so that one that got lost would show.
+    fn ahead(&mut self, locked: bool) -> Turns {
+        let observer = self.board.ticker().observer();
+        if !locked && observer.indexed() {
+            let apart = observer.angle() - self.spindle_angle();
+            let half = 1_i64 << 31;
+            self.ahead = Turns::from_raw(apart.raw().wrapping_add(half) >> 32 << 32);
+        }
+        self.ahead
+    }
+
     /// The row whose setpoint takes effect now, completed by the truth.
     fn release(&mut self) -> Option<Row> {
         if self.pending.len() < self.wait() {
@@ -548,7 +569,11 @@ impl Sim {
 
     /// The oldest row that waits, with what is true now.
     fn complete(&mut self) -> Option<Row> {
-        let Pending { mut row, law } = self.pending.pop_front()?;
+        let Pending {
+            mut row,
+            law,
+            ahead,
+        } = self.pending.pop_front()?;
         let [x, z] = self.delays;
         // Where an axis is held to the spindle, the instant that counts is that axis'.
         let delay = if law.on_x() { x } else { z };
@@ -560,7 +585,7 @@ impl Sim {
         row.error = match law {
             Law::Free | Law::Thread(_, false) => None,
             Law::Thread(helix, true) => {
-                let exact = helix.at(row.spindle.turns());
+                let exact = helix.at(row.spindle.turns() + ahead);
                 let actual = if law.on_x() {
                     row.position.x
                 } else {
@@ -570,17 +595,20 @@ impl Sim {
             }
             Law::Tap(line, spindle) => {
                 let turned = row.angle(spindle);
-                let truth = turned.truth.turns();
-                let angle = turned.set.unwrap_or(truth);
+                let angle = turned.set.unwrap_or(turned.truth.turns());
+                let truth = turned.truth.near(angle, self.spindle_increments);
                 row.tap = Some(TapPoint::new(&line, row.position, angle));
-                Some(line.error(row.position, truth))
+                Some(line.error(row.position, truth.turns()))
             }
             Law::Float(line) => {
                 let meant = Delay {
                     whole: delay.whole.saturating_add(self.lag),
                     ..delay
                 };
-                let point = TapPoint::new(&line, row.position, self.truth(meant)[0].turns());
+                let point = {
+                    let angle = self.truth(meant)[0].turns() + ahead;
+                    TapPoint::new(&line, row.position, angle)
+                };
                 row.tap = Some(point);
                 Some(point.skew)
             }

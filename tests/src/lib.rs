@@ -6,4 +6,5 @@ pub mod limits;
 pub mod long_program;
 pub mod machine;
 pub mod random;
+pub mod soak;
 pub mod stream;

@@ -18,6 +18,7 @@ mod licences;
 mod rules;
 mod run;
 mod setup;
+mod soak;
 mod target;
 mod test;
 mod vcan;
@@ -41,6 +42,7 @@ usage: cargo xtask COMMAND
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
   bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
              firmware/mps2-an386/hashes.txt (--write renews it)
+  soak       a machine at work for ten million ticks, disturbed at random (--ticks N --seed S)
   docs       the documentation, without warnings and with every link alive
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         ["bits"] => setup::everything().and_then(|()| bits::bits(false)),
         ["bits", "--write"] => setup::everything().and_then(|()| bits::bits(true)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),
+        ["soak", rest @ ..] => soak::soak(rest),
         ["docs"] => docs::check(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),

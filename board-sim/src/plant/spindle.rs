@@ -68,6 +68,21 @@ impl FineTurns {
         (scaled.wrapping_add(1 << 63) >> 64) as i64
     }
 
+    /// Of all angles that are the same to a drive that counts its increments in 32 bits, the one nearest to `told`.
+    #[must_use]
+    pub const fn near(self, told: Turns, per_turn: u32) -> Self {
+        let own = Self::from_turns(told).increments(per_turn);
+        let apart = self.increments(per_turn).wrapping_sub(own);
+        let rounds = apart.wrapping_add(1 << 31) >> 32;
+        let round = (rounds as i128)
+            .wrapping_shl(96)
+            .checked_div_euclid(per_turn as i128);
+        match round {
+            Some(round) => Self(self.0.wrapping_sub(round)),
+            None => self,
+        }
+    }
+
     /// Rounded to millionths of a turn.
     #[must_use]
     pub const fn micro_turns(self) -> i64 {

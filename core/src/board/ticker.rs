@@ -146,6 +146,8 @@ pub struct Ticker {
     taps_with: TapSpindle,
     /// Ticks that leaving it has waited.
     waited: u32,
+    /// The encoder has slipped, and the index still stands for the old count.
+    slipped: bool,
     /// Single block has stopped between two segments.
     paused: bool,
     /// Single block stops before the next segment unless that belongs to a hole.
@@ -242,6 +244,7 @@ impl Ticker {
             rigid: Rigid::Off,
             taps_with: TapSpindle::First,
             waited: 0,
+            slipped: false,
             paused: false,
             pauses_unless_hole: false,
             in_program: false,
@@ -263,6 +266,7 @@ impl Ticker {
             params.observer_bandwidth_hz(),
             params.tick_us(),
         )
+        .for_ramp(params.spindle_ramp_ms())
     }
 
     /// A program begins: until its end an empty queue is a wait, not idleness.
@@ -360,9 +364,12 @@ impl Ticker {
         if !self.given.edge_time {
             sample.edge_age_ns = None;
         }
+        // Of one before, in a tap that is over by now.
+        self.begin_new_count();
         let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) else {
             return;
         };
+        self.slipped = true;
         self.begin_new_count();
         let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
         let alarm = Alarm::new(Code::IndexSlipped, Span::default()).with(args);

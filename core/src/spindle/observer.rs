@@ -10,6 +10,9 @@
 //! count rose, the upper one when it fell) and the speed carries it to the instant of the sample, never beyond the
 //! count's other boundary. Without the edge's time the middle of the count is the best guess.
 //!
+//! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for that
+//! tick, and what the counter has lost or gained is told [D128].
+//!
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles are 2⁻³² turns, speed and
 //! acceleration 2⁻⁴⁸ turns per tick and per tick², so no rounding accumulates that a lead could show.
 
@@ -34,15 +37,22 @@ pub struct EncoderSample {
 pub enum SpindleEvent {
     /// The first index: angles are absolute from here on.
     Indexed,
-    /// An index came where none belongs: counts were lost or gained since the last one.
+    /// Counts were lost or gained: an index came where none belongs, or the counter moved as no spindle can [D128].
     Slipped {
-        /// How many counts late (negative: early) the index came.
+        /// How many counts late (negative: early) the index came; or how many the counter moved too many.
         counts: i32,
     },
 }
 
 /// Slower than this the spindle counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
 const STANDING: i64 = (1 << 32) / 240;
+
+/// No spindle changes its speed faster, in turns per second and second: it would stop from 3000 rpm within one eightieth of
+/// a second, ten times faster than a crash stops it.
+const HARDEST: u64 = 4_000;
+
+/// A spindle's ramp is taken for hard where it is harder: by so much more than the drive's own.
+const BEYOND_RAMP: u64 = 4;
 
 /// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product.
 const LARGEST_SURPRISE: i64 = 1 << 30;
@@ -59,6 +69,7 @@ const TWO_PI: u64 = 26_986_075_409;
 pub struct Observer {
     // What the encoder is.
     counts: u32,
+    tick_us: u32,
     /// 2⁶³ / counts: an angle within a turn is one multiplication and a shift.
     scale: u64,
     /// Width of a count, 2⁻³² turns.
@@ -72,8 +83,12 @@ pub struct Observer {
     alpha: i64,
     beta: i64,
     gamma: i64,
+    /// Counts by which the movement of the counter may change from tick to tick.
+    hardest: u32,
     // Where the counter is.
     last: Option<i32>,
+    /// Its movement in the last tick that was believed; `None`: the next one is believed whatever it is.
+    pace: Option<i32>,
     in_turn: u32,
     turn: i64,
     rising: Option<bool>,
@@ -110,6 +125,7 @@ impl Observer {
 
         Self {
             counts,
+            tick_us,
             scale,
             width: (scale >> 31) as i64,
             ticks_per_ns: divide(1 << 56, tick_ns as u64),
@@ -118,7 +134,9 @@ impl Observer {
             alpha: alpha as i64,
             beta: beta as i64,
             gamma: gamma as i64,
+            hardest: hardest(counts, tick_us, HARDEST),
             last: None,
+            pace: None,
             in_turn: 0,
             turn: 0,
             rising: None,
@@ -127,6 +145,22 @@ impl Observer {
             speed: 0,
             acceleration: 0,
         }
+    }
+
+    /// For a spindle whose drive takes `ramp_ms` milliseconds for 1000 rpm (0 counts as 1): one that is faster than any
+    /// other may be.
+    #[must_use]
+    pub const fn for_ramp(mut self, ramp_ms: u32) -> Self {
+        // 1000 rpm in a millisecond are 16 667 turns per second and second.
+        let ramp = 16_667 * BEYOND_RAMP;
+        let ramp = match ramp.checked_div(ramp_ms as u64) {
+            Some(ramp) => ramp,
+            None => ramp,
+        };
+        if ramp > HARDEST {
+            self.hardest = hardest(self.counts, self.tick_us, ramp);
+        }
+        self
     }
 
     /// Takes the sample of one tick. The state then holds for the instant of the sample.
@@ -140,11 +174,28 @@ impl Observer {
                 sample.count
             }
         };
-        self.advance(sample.count.wrapping_sub(last));
         self.last = Some(sample.count);
-        let event = sample
-            .index
-            .and_then(|latched| self.index(latched, sample.count));
+        let delta = sample.count.wrapping_sub(last);
+        let event = match self.pace {
+            Some(pace)
+                if self.zero.is_some()
+                    && delta.wrapping_sub(pace).unsigned_abs() > self.hardest =>
+            {
+                // Never twice in a row: what goes on is true, whatever it is.
+                self.pace = None;
+                self.advance(pace);
+                Some(SpindleEvent::Slipped {
+                    counts: delta.wrapping_sub(pace),
+                })
+            }
+            _ => {
+                self.pace = Some(delta);
+                self.advance(delta);
+                sample
+                    .index
+                    .and_then(|latched| self.index(latched, sample.count))
+            }
+        };
 
         // Predict one tick, look, correct.
         let predicted = self
@@ -304,6 +355,23 @@ impl Observer {
             self.width.wrapping_add(way)
         };
         lower.wrapping_add(within.min(self.width).max(0))
+    }
+}
+
+/// Counts that the movement of the counter changes by in a tick at `acceleration` turns per second and second, and what
+/// reading whole counts adds to it.
+const fn hardest(counts: u32, tick_us: u32, acceleration: u64) -> u32 {
+    // At most 2²⁰ counts and 10⁴ µs: below 2⁶⁴ up to 10⁵ turns per second and second.
+    let square = (tick_us as u64).wrapping_mul(tick_us as u64);
+    let moved = acceleration
+        .wrapping_mul(counts as u64)
+        .wrapping_mul(square / 100)
+        / 10_000_000_000;
+    // More than a quarter of what the counter can hold is no movement at all.
+    if moved < 1 << 30 {
+        (moved as u32).wrapping_add(3)
+    } else {
+        1 << 30
     }
 }
 

@@ -218,3 +218,98 @@ fn lost_counts_are_noticed_at_the_next_index() {
         }
     }
 }
+
+/// A disturbance on the wires: the angle goes on as if nothing had been, and it is said in the same tick.
+#[test]
+fn a_counter_that_jumps_is_not_followed() {
+    for rpm in [0, 60, 300, -300, 3000] {
+        for (tick_ns, tick_us) in [(1_000_000, 1000), (500_000, 500)] {
+            for jump in [40_i32, -40, 400, -2000, 1 << 28] {
+                let mut encoder = Encoder::new(step(rpm) * i64::from(tick_us) / 1000);
+                encoder.tick_ns = tick_ns;
+                let mut observer = Observer::new(4096, 35, tick_us as u32).for_ramp(500);
+                // The first index comes at once.
+                observer.tick(encoder.tick());
+                observer.tick(EncoderSample {
+                    index: Some(0),
+                    ..encoder.tick()
+                });
+                for _ in 0..700 {
+                    observer.tick(encoder.tick());
+                }
+                encoder.zero = encoder.zero.wrapping_add(jump);
+                let mut sample = encoder.tick();
+                sample.index = None;
+                let event = observer.tick(sample);
+                assert!(
+                    matches!(event, Some(SpindleEvent::Slipped { counts }) if (counts - jump).abs() <= 1),
+                    "{rpm} {jump}: {event:?}"
+                );
+                for _ in 0..300 {
+                    // Two counts: one of them for the tick in which nothing was known.
+                    let off = apart(observer.angle(), encoder.angle).abs();
+                    assert!(off <= (1 << 33) / 4096, "{rpm} {jump}: {off}");
+                    observer.forget_index();
+                    let event = observer.tick(encoder.tick());
+                    assert!(!matches!(event, Some(SpindleEvent::Slipped { .. })));
+                    if event.is_some() {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A counter that stands still from one tick to the next, its wire cut: said at once, and not turned on without end.
+#[test]
+fn a_counter_that_stays_as_it_is_is_believed_at_the_second_tick() {
+    let mut encoder = Encoder::new(step(3000));
+    let mut observer = Observer::new(4096, 35, 1000).for_ramp(500);
+    for _ in 0..500 {
+        observer.tick(encoder.tick());
+    }
+    let dead = EncoderSample {
+        edge_age_ns: None,
+        index: None,
+        ..encoder.tick()
+    };
+    let mut events = Vec::new();
+    for _ in 0..500 {
+        events.extend(observer.tick(dead));
+    }
+    assert!(
+        matches!(
+            events[..],
+            [SpindleEvent::Slipped {
+                counts: -204 | -205
+            }]
+        ),
+        "{events:?}"
+    );
+    assert!(!observer.is_turning());
+}
+
+/// Ramps of drives, however hard, are no disturbance.
+#[test]
+fn the_hardest_ramp_of_the_table_is_followed() {
+    for ramp_ms in [1, 4, 20, 500] {
+        let mut encoder = Encoder::new(0);
+        let mut observer = Observer::new(4096, 35, 1000).for_ramp(ramp_ms);
+        // From 3000 rpm backwards to 3000 rpm forwards and back, over and over.
+        let (top, by) = (step(3000), step(1000) / i64::from(ramp_ms));
+        let mut up = true;
+        for _ in 0..5000 {
+            encoder.step += if up { by } else { -by };
+            if encoder.step.abs() >= top {
+                encoder.step = encoder.step.clamp(-top, top);
+                up = encoder.step < 0;
+            }
+            let event = observer.tick(encoder.tick());
+            assert!(
+                !matches!(event, Some(SpindleEvent::Slipped { .. })),
+                "{ramp_ms}: {event:?}"
+            );
+        }
+    }
+}

@@ -4,5 +4,6 @@ mod kept;
 mod network;
 mod objects;
 mod parameters;
+mod position;
 mod programs;
 mod protection;

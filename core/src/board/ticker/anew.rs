@@ -19,9 +19,11 @@ impl Ticker {
     /// The machine has to stand; whoever owns the queues empties them.
     pub fn begin_anew(&mut self, params: &Params, found: Found) -> Option<Option<Position>> {
         let position = match self.state() {
-            State::Starting => None,
+            // It has not come to know it yet, or not again.
+            State::Starting => self.remembered,
             _ => Some(self.executor.position()),
         };
+        let told = self.executor.position();
         let given = Given::of(params)?;
         let mut drives = Drives::new(params)?;
         drives.take_places(&self.drives);
@@ -41,6 +43,7 @@ impl Ticker {
             rigid,
             taps_with,
             waited,
+            slipped,
             paused,
             pauses_unless_hole,
             in_program,
@@ -57,6 +60,8 @@ impl Ticker {
         *mode = Mode::Starting;
         *operator = Operator::new();
         executor.begin_anew(given.arrival);
+        // Until the drives have come up it is told to be where it was told to be.
+        executor.set_position(told);
         *observer = Self::observer_of(params);
         *before = drives;
         *remembered = position;
@@ -65,6 +70,7 @@ impl Ticker {
         *rigid = Rigid::Off;
         *taps_with = TapSpindle::First;
         *waited = 0;
+        *slipped = false;
         (*paused, *pauses_unless_hole, *in_program) = (false, false, false);
         *source = Source::None;
         *pass = None;

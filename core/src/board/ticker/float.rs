@@ -14,10 +14,11 @@ impl Ticker {
         }
     }
 
-    /// Counts were lost or gained: the pulse is right, the counts are not, and the next pulse begins a new count. That moves
-    /// the angle by up to half a turn, so not while an axis follows it as it stands.
+    /// Where counts were lost or gained the pulse is right, the counts are not, and the next pulse begins a new count. That
+    /// moves the angle by up to half a turn, so not while an axis follows it as it stands: as soon as none does.
     pub(super) const fn begin_new_count(&mut self) {
-        if !self.executor.is_floating() {
+        if self.slipped && !self.executor.is_floating() {
+            self.slipped = false;
             self.observer.forget_index();
         }
     }

@@ -12,7 +12,7 @@ pub fn all() {
 
 #[inline(never)]
 fn observer() {
-    let mut observer = Observer::new(any(), any(), any());
+    let mut observer = Observer::new(any(), any(), any()).for_ramp(any());
     while any() {
         sink(observer.tick(any()));
         sink(observer.predict(Ticks::one_and(any(), any())));

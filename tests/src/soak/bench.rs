@@ -1,0 +1,584 @@
+//! A machine, a gateway at the other end of its wire, and an operator between them, in virtual time.
+//!
+//! Whatever goes on, [`Bench::tick`] is the one way in which time goes by: the operator does something or not, the
+//! machine takes a tick, what both say crosses a wire that may lose it, and the watch looks on. Transfers and programs
+//! are loops around it, so orders, faults and cuts of power fall anywhere in them.
+
+use core::time::Duration;
+
+use heapless::Deque;
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::board::{Event, State};
+use leadscrew_core::bus::{
+    Abort, BoardCommand, BoardState, BoardStatus, Frame, NmtCommand, NmtState, NodeId, Object,
+    Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoSink, SdoUpload,
+};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Position;
+
+use super::operator::{Mood, Operator};
+use super::watch::Watch;
+use crate::gateway::NODE;
+use crate::random::Random;
+
+/// An answer of the board may take so long, in virtual time; a lost frame costs as much.
+const PATIENCE: Duration = Duration::from_millis(60);
+/// Tries of one transfer on a wire that loses frames.
+const TRIES: u32 = 60;
+/// An order is answered within so many ticks; on a wire that loses frames it is repeated until then.
+const ANSWER_TICKS: u64 = 2_000;
+/// An order is repeated after so many ticks.
+const REPEAT_TICKS: u64 = 20;
+/// Heartbeats of the gateway, in ticks.
+const BEAT_TICKS: u64 = 100;
+/// Rows come so many ticks late at most.
+const LATE_ROWS: u64 = 200;
+/// The gateway's own node.
+const GATEWAY: u8 = 127;
+
+/// What a program came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// All of it was carried out.
+    Finished,
+    /// A reset ended it.
+    Reset,
+    /// An alarm did.
+    Alarm(Alarm),
+    /// The board began anew.
+    BootUp,
+    /// The power went.
+    PowerCut,
+}
+
+/// An order on its way.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    command: BoardCommand,
+    since: u64,
+    sent: u64,
+}
+
+/// How bad the wire between gateway and board is, in percent.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wire {
+    /// Frames that are lost.
+    pub lost: u64,
+    /// Frames that come twice.
+    pub twice: u64,
+}
+
+/// Figures of a soak.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts {
+    /// Ticks.
+    pub ticks: u64,
+    /// Programs begun.
+    pub programs: u64,
+    /// Those carried out to their end.
+    pub finished: u64,
+    /// Resets, emergency stops, holds that were ordered.
+    pub orders: [u64; 5],
+    /// Alarms.
+    pub alarms: u64,
+    /// Parameter sets taken.
+    pub pushed: u64,
+    /// Parameter writes refused.
+    pub refused: u64,
+    /// Cuts of power.
+    pub cuts: u64,
+    /// Taps brought out of their holes by G30 P99.
+    pub returns: u64,
+    /// Frames lost and doubled.
+    pub lost: u64,
+    /// SDO transfers.
+    pub transfers: u64,
+    /// Faults of drives, spindle and encoder.
+    pub troubles: u64,
+}
+
+impl Counts {
+    /// Adds those of another shift.
+    pub fn add(&mut self, other: &Self) {
+        self.ticks += other.ticks;
+        self.programs += other.programs;
+        self.finished += other.finished;
+        for (sum, more) in self.orders.iter_mut().zip(other.orders) {
+            *sum += more;
+        }
+        self.alarms += other.alarms;
+        self.pushed += other.pushed;
+        self.refused += other.refused;
+        self.cuts += other.cuts;
+        self.returns += other.returns;
+        self.lost += other.lost;
+        self.transfers += other.transfers;
+        self.troubles += other.troubles;
+    }
+}
+
+/// The bench.
+pub struct Bench {
+    /// What everything at random comes from.
+    pub random: Random,
+    /// The machine.
+    pub sim: Sim,
+    /// The plant it was made with.
+    pub options: PlantOptions,
+    /// The parameters in force, as far as the gateway knows.
+    pub params: Params,
+    /// The board's last status.
+    pub status: BoardStatus,
+    /// The watch.
+    pub watch: Watch,
+    /// Who presses what.
+    pub operator: Operator,
+    /// The wire to the gateway.
+    pub wire: Wire,
+    /// What was counted.
+    pub counts: Counts,
+    /// How the program under way ended; `None` while it goes on.
+    pub end: Option<End>,
+    /// Ticks of this shift.
+    pub now: u64,
+    /// The gateway says that it is alive.
+    pub beats: bool,
+    /// Axes whose place is not what their drives say: a tap was in its hole when the power went.
+    pub assumed: [bool; 3],
+    pending: Option<Pending>,
+    inbox: Deque<Frame, 512>,
+    /// When the board's status was heard last.
+    heard: u64,
+    /// Alarms since the last reset.
+    alarms: u32,
+    /// The encoder has slipped, and the board has not said so.
+    pub slipped: bool,
+    /// From this tick on it is known to have been said, also in rows that come late.
+    slip_over: Option<u64>,
+}
+
+impl Bench {
+    /// Switches a machine on and starts its node.
+    pub fn new(
+        random: Random,
+        sim: Sim,
+        params: Params,
+        options: PlantOptions,
+        wire: Wire,
+    ) -> Self {
+        let mut bench = Self {
+            random,
+            sim,
+            options,
+            status: BoardStatus::default(),
+            watch: Watch::new(&params, options.drives.lag != 0),
+            params,
+            operator: Operator::default(),
+            wire,
+            counts: Counts::default(),
+            end: None,
+            now: 0,
+            beats: false,
+            assumed: [false; 3],
+            pending: None,
+            inbox: Deque::new(),
+            heard: 0,
+            alarms: 0,
+            slipped: false,
+            slip_over: None,
+        };
+        bench.connect();
+        bench
+    }
+
+    /// The board joins its network.
+    pub fn connect(&mut self) {
+        self.sim.join(NODE).expect("there is room on the bus");
+        self.pending = None;
+        self.alarms = 0;
+        self.watch.power_up();
+        self.heard = self.now;
+        self.status = BoardStatus::default();
+        self.send(NmtCommand::Start.frame(Some(NODE)));
+    }
+
+    /// Where the axes are told to be.
+    pub fn position(&self) -> Position {
+        self.sim.board().ticker().executor().position()
+    }
+
+    /// What the machine is doing.
+    pub fn state(&self) -> State {
+        self.sim.board().ticker().state()
+    }
+
+    /// The tap is in a hole, as the board knows.
+    pub fn in_hole(&self) -> bool {
+        self.sim
+            .board()
+            .tap_record()
+            .is_some_and(|record| record.in_hole)
+    }
+
+    /// How often this frame arrives.
+    fn copies(&mut self) -> u32 {
+        let luck = self.random.within(0, 99) as u64;
+        if luck < self.wire.lost {
+            self.counts.lost += 1;
+            0
+        } else if luck < self.wire.lost + self.wire.twice {
+            self.counts.lost += 1;
+            2
+        } else {
+            1
+        }
+    }
+
+    /// A frame of the gateway, if the wire is kind.
+    pub fn send(&mut self, frame: Frame) {
+        for _ in 0..self.copies() {
+            self.sim.receive(&frame);
+        }
+    }
+
+    /// Gives an order, and repeats it until the board has taken it. An order under way comes first.
+    pub fn order(&mut self, order: Order) {
+        if self.pending.is_some() {
+            return;
+        }
+        self.counts.orders[order as usize - 1] += 1;
+        let command = BoardCommand::order(order, self.status.count);
+        self.pending = Some(Pending {
+            command,
+            since: self.now,
+            sent: self.now,
+        });
+        self.send(command.frame(NODE));
+    }
+
+    /// An order is under way.
+    pub fn is_ordering(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    /// Sets overrides and switches.
+    pub fn levels(&mut self, levels: BoardCommand) {
+        let count = self.status.count;
+        let command = BoardCommand { count, ..levels };
+        self.send(command.frame(NODE));
+    }
+
+    /// One tick of everything.
+    pub fn tick(&mut self) {
+        self.now += 1;
+        self.counts.ticks += 1;
+        Operator::act(self);
+        if !self.sim.has_power() {
+            self.end = Some(End::PowerCut);
+            return;
+        }
+        self.remind();
+        if self.slip_over.is_some_and(|over| self.now > over) {
+            self.slip_over = None;
+            self.watch.set_slipped(self.slipped);
+        }
+        let row = self.sim.step();
+        let well = self.operator.is_well();
+        self.watch.tick(&self.sim, well);
+        if let Some(row) = row {
+            self.watch.row(&row);
+        }
+        self.listen();
+        while let Some(event) = self.sim.event() {
+            self.event(&event);
+        }
+        self.watch.between(&self.sim);
+    }
+
+    /// So many ticks.
+    pub fn ticks(&mut self, count: u64) {
+        for _ in 0..count {
+            self.tick();
+        }
+    }
+
+    /// What the gateway does by itself: heartbeats, orders again, a node that does not speak is started.
+    fn remind(&mut self) {
+        if self.beats
+            && self.now.is_multiple_of(BEAT_TICKS)
+            && let Some(gateway) = NodeId::new(GATEWAY)
+        {
+            self.send(NmtState::Operational.frame(gateway));
+        }
+        if self.now > self.heard + 200
+            && self.now.is_multiple_of(50)
+            && !self.operator.leaves_node_alone()
+        {
+            self.send(NmtCommand::Start.frame(Some(NODE)));
+        }
+        if let Some(pending) = self.pending {
+            if self.status.count == pending.command.count {
+                self.pending = None;
+                return;
+            }
+            assert!(
+                self.now - pending.since < ANSWER_TICKS,
+                "order {:?} is not answered: {:?}",
+                pending.command,
+                self.status
+            );
+            if self.now - pending.sent >= REPEAT_TICKS {
+                self.pending = Some(Pending {
+                    sent: self.now,
+                    ..pending
+                });
+                self.send(pending.command.frame(NODE));
+            }
+        }
+    }
+
+    /// What the board says reaches the gateway, or not.
+    fn listen(&mut self) {
+        while let Some(frame) = self.sim.transmit() {
+            if let Some((NODE, NmtState::BootUp)) = NmtState::decode(&frame) {
+                self.status = BoardStatus::default();
+                if self.operator.took_node_reset() {
+                    // The application began anew.
+                    self.pending = None;
+                    if self.end.is_none() {
+                        self.end = Some(End::BootUp);
+                    }
+                }
+            }
+            for _ in 0..self.copies() {
+                if let Some((NODE, status)) = BoardStatus::decode(&frame) {
+                    self.status = status;
+                    self.heard = self.now;
+                } else if !self.inbox.is_full() {
+                    let _ = self.inbox.push_back(frame);
+                }
+            }
+        }
+    }
+
+    fn event(&mut self, event: &Event) {
+        if let Event::Alarm(alarm) | Event::Warning(alarm) = event
+            && alarm.code == Code::IndexSlipped
+        {
+            self.slipped = false;
+            self.slip_over = Some(self.now + LATE_ROWS);
+        }
+        match event {
+            Event::Alarm(alarm) => {
+                self.alarms += 1;
+                self.counts.alarms += 1;
+                assert_eq!(self.alarms, 1, "a second alarm without a reset: {alarm:?}");
+                assert!(
+                    self.operator.explains(alarm),
+                    "an alarm without a cause: {alarm:?}"
+                );
+                self.end = Some(End::Alarm(*alarm));
+            }
+            Event::Reset if self.end.is_none() => self.end = Some(End::Reset),
+            Event::Finished if self.end.is_none() => self.end = Some(End::Finished),
+            Event::Ready => self.alarms = 0,
+            _ => {}
+        }
+    }
+
+    /// Ticks until `done`.
+    pub fn until(&mut self, what: &str, most: u64, mut done: impl FnMut(&Self) -> bool) {
+        let begun = self.now;
+        while !done(self) {
+            self.tick();
+            assert!(
+                self.now - begun <= most,
+                "{what}: still {:?} after {most} ticks, {:?}",
+                self.state(),
+                self.status
+            );
+            if !self.sim.has_power() {
+                return;
+            }
+        }
+    }
+
+    /// Carries an order out until the board has answered.
+    pub fn ordered(&mut self, order: Order) {
+        self.until("an order before", ANSWER_TICKS, |bench| {
+            !bench.is_ordering()
+        });
+        self.order(order);
+        self.until("an order", ANSWER_TICKS, |bench| !bench.is_ordering());
+    }
+
+    /// Nobody touches anything for a while, and nothing moves.
+    pub fn stands(&mut self, ticks: u64) {
+        let at = self.position();
+        let mood = core::mem::replace(&mut self.operator.mood, Mood::AWAY);
+        for _ in 0..ticks {
+            self.tick();
+            assert_eq!(self.position(), at, "it moves again");
+        }
+        self.operator.mood = mood;
+    }
+
+    /// Writes an object while time goes by.
+    ///
+    /// # Errors
+    /// What the board refuses it with; [`SdoError::TimedOut`] where the power has gone.
+    pub fn write(
+        &mut self,
+        object: Object,
+        data: &[u8],
+        expected: &[Abort],
+    ) -> Result<(), SdoError> {
+        let protocol = self.protocol(data.len());
+        for _ in 0..TRIES {
+            let now = self.time();
+            let mut transfer = SdoDownload::new(NODE, object, data, protocol, PATIENCE, now);
+            match self.transfer(&mut transfer) {
+                Err(error) if self.again(error, expected) => {}
+                outcome => return outcome,
+            }
+        }
+        panic!("no answer to a write of {object:?}: {:?}", self.status);
+    }
+
+    /// Reads an object of at most `room` bytes while time goes by; how many there were.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn read(&mut self, object: Object, room: &mut [u8]) -> Result<usize, SdoError> {
+        let protocol = self.protocol(room.len());
+        for _ in 0..TRIES {
+            let now = self.time();
+            let mut sink = SdoBuffer::new(&mut *room);
+            let mut transfer = SdoUpload::new(NODE, object, &mut sink, protocol, PATIENCE, now);
+            match self.transfer(&mut transfer) {
+                Err(error) if self.again(error, &[Abort::NoData]) => {}
+                outcome => return outcome.map(|()| sink.bytes().len()),
+            }
+        }
+        panic!("no answer to a read of {object:?}: {:?}", self.status);
+    }
+
+    /// Reads a number.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn number(&mut self, index: u16, sub: u8) -> Result<u64, SdoError> {
+        let mut room = [0; 8];
+        let count = self.read(Object::new(index, sub), &mut room)?;
+        let bytes = room[..count].iter().rev();
+        Ok(bytes.fold(0, |number, &byte| number << 8 | u64::from(byte)))
+    }
+
+    fn protocol(&mut self, length: usize) -> SdoProtocol {
+        // Segments are answered one by one: on a bad wire many of them never all arrive.
+        let bad = self.wire.lost > 0;
+        if length <= 8 {
+            SdoProtocol::Short
+        } else if bad {
+            SdoProtocol::Block
+        } else {
+            self.random.of(&[
+                SdoProtocol::Block,
+                SdoProtocol::Block,
+                SdoProtocol::Segmented,
+            ])
+        }
+    }
+
+    /// A transfer that ended so is tried again: a frame was lost, or the node did not listen for a while.
+    fn again(&self, error: SdoError, expected: &[Abort]) -> bool {
+        if !self.sim.has_power() {
+            return false;
+        }
+        match error {
+            SdoError::Refused(code) => !expected.iter().any(|abort| abort.code() == code),
+            _ => true,
+        }
+    }
+
+    fn time(&self) -> Duration {
+        Duration::from_millis(self.now)
+    }
+
+    fn transfer(&mut self, transfer: &mut impl Transfer) -> Result<(), SdoError> {
+        self.counts.transfers += 1;
+        self.inbox.clear();
+        // How many times in a tick both sides get to speak.
+        let turns = self.random.within(1, 12);
+        loop {
+            for _ in 0..turns {
+                let now = self.time();
+                let mut sent = 0;
+                while sent < 16
+                    && let Some(frame) = transfer.poll(now)
+                {
+                    self.send(frame);
+                    sent += 1;
+                }
+                if let Some(outcome) = transfer.outcome() {
+                    return outcome;
+                }
+                self.sim.settle();
+                self.listen();
+                while let Some(frame) = self.inbox.pop_front() {
+                    transfer.receive(&frame, now);
+                }
+            }
+            self.tick();
+            if !self.sim.has_power() {
+                return Err(SdoError::TimedOut);
+            }
+            let now = self.time();
+            while let Some(frame) = self.inbox.pop_front() {
+                transfer.receive(&frame, now);
+            }
+        }
+    }
+
+    /// The gateway reads that the machine does this.
+    pub fn says(&self, state: BoardState) -> bool {
+        self.status.state == state
+    }
+}
+
+/// Either way.
+trait Transfer {
+    fn poll(&mut self, now: Duration) -> Option<Frame>;
+    fn receive(&mut self, frame: &Frame, now: Duration);
+    fn outcome(&self) -> Option<Result<(), SdoError>>;
+}
+
+impl Transfer for SdoDownload<'_> {
+    fn poll(&mut self, now: Duration) -> Option<Frame> {
+        SdoDownload::poll(self, now)
+    }
+
+    fn receive(&mut self, frame: &Frame, now: Duration) {
+        SdoDownload::receive(self, frame, now);
+    }
+
+    fn outcome(&self) -> Option<Result<(), SdoError>> {
+        SdoDownload::outcome(self)
+    }
+}
+
+impl<S: SdoSink + ?Sized> Transfer for SdoUpload<'_, S> {
+    fn poll(&mut self, now: Duration) -> Option<Frame> {
+        SdoUpload::poll(self, now)
+    }
+
+    fn receive(&mut self, frame: &Frame, now: Duration) {
+        SdoUpload::receive(self, frame, now);
+    }
+
+    fn outcome(&self) -> Option<Result<(), SdoError>> {
+        SdoUpload::outcome(self)
+    }
+}

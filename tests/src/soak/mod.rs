@@ -1,0 +1,125 @@
+//! A machine at work for hours, with somebody at it who presses anything at any time: what must never happen, does not.
+//!
+//! ```text
+//! programs ─► gateway's side (batches, SDO client, orders) ─► wire that loses frames ─► board ─► drives, spindle, flash
+//!    watch: every tick                       operator: orders, overrides, faults, cuts of power
+//! ```
+//!
+//! Everything comes from a seed. A soak is a row of *shifts*, each a machine of its own with parameters, a wire and an
+//! operator of its own; shift n has seed + n, so that one that fails is repeated alone and at once:
+//! `cargo xtask soak --seed SEED --ticks 1`.
+
+mod bench;
+mod operator;
+mod programs;
+mod shift;
+mod watch;
+
+pub use bench::Counts;
+pub use watch::Judged;
+
+use shift::Shift;
+
+/// Ticks of a shift, about: it ends behind a program.
+pub const SHIFT_TICKS: u64 = 40_000;
+
+/// What a soak has come to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Soaked {
+    /// Shifts.
+    pub shifts: u64,
+    /// What was done.
+    pub counts: Counts,
+    /// What was judged.
+    pub judged: Judged,
+}
+
+impl core::fmt::Display for Soaked {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self {
+            shifts,
+            counts,
+            judged,
+        } = self;
+        let [run, hold, resume, reset, stop] = counts.orders;
+        writeln!(f, "{:>12} ticks in {shifts} shifts", counts.ticks)?;
+        writeln!(
+            f,
+            "{:>12} programs, {} of them to their end",
+            counts.programs, counts.finished
+        )?;
+        writeln!(
+            f,
+            "{:>12} orders: {run} run, {hold} hold, {resume} resume, {reset} reset, {stop} stop; all answered",
+            counts.orders.iter().sum::<u64>()
+        )?;
+        writeln!(
+            f,
+            "{:>12} faults of drives, spindle, encoder and flash; {} alarms, each with its cause",
+            counts.troubles, counts.alarms
+        )?;
+        writeln!(
+            f,
+            "{:>12} cuts of power, {} taps brought out of their holes",
+            counts.cuts, counts.returns
+        )?;
+        writeln!(
+            f,
+            "{:>12} transfers; {} parameter sets taken, {} writes refused; {} frames lost or doubled",
+            counts.transfers, counts.pushed, counts.refused, counts.lost
+        )?;
+        writeln!(
+            f,
+            "{:>12} setpoints on a helix, at most {} nm off; {} on the line of a rigid tap, {} nm; {} of an ordinary one, {} nm",
+            judged.threads,
+            judged.thread_nm,
+            judged.taps,
+            judged.tap_nm,
+            judged.floats,
+            judged.float_nm
+        )?;
+        let [speed, acceleration, jerk] = judged.used.map(|share| share * 100.0);
+        write!(
+            f,
+            "{speed:>10.2} % of the speed, {acceleration:.2} % of the acceleration, {jerk:.2} % of the jerk of an axis used at most"
+        )
+    }
+}
+
+/// Says how to repeat a shift that fails.
+struct Repeat {
+    seed: u64,
+}
+
+impl Drop for Repeat {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!(
+                "to repeat the shift that failed: cargo xtask soak --seed {} --ticks 1",
+                self.seed
+            );
+        }
+    }
+}
+
+/// Soaks for at least so many ticks. `between` is called behind every program, when nothing of it may be left.
+///
+/// # Panics
+/// Where anything happens that must not; seed and tick are printed.
+pub fn soak(seed: u64, ticks: u64, mut between: impl FnMut(&Counts)) -> Soaked {
+    let mut soaked = Soaked::default();
+    while soaked.counts.ticks < ticks {
+        let seed = seed.wrapping_add(soaked.shifts);
+        let repeat = Repeat { seed };
+        let mut shift = Shift::begin(seed);
+        while shift.ticks() < SHIFT_TICKS {
+            shift.work();
+            between(shift.counts());
+        }
+        soaked.counts.add(shift.counts());
+        soaked.judged.add(shift.judged());
+        soaked.shifts += 1;
+        drop(repeat);
+    }
+    soaked
+}

@@ -1,0 +1,308 @@
+//! Somebody at the machine who presses anything at any time, and a machine things happen to.
+
+use leadscrew_board_sim::plant::Trouble;
+use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::bus::{BoardCommand, CobId, Frame, NmtCommand, Object, Order, Service};
+use leadscrew_core::units::Axis;
+
+use super::bench::Bench;
+use crate::gateway::NODE;
+
+/// How much happens: the mean number of ticks between two things done, 0 for none, and what they may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mood {
+    /// Ticks between two of them.
+    pub every: i64,
+    /// Reset, emergency stop and what ends a program otherwise may be among them.
+    pub ends: bool,
+    /// So may faults of drives, spindle and encoder.
+    pub breaks: bool,
+    /// And the loss of power.
+    pub cuts: bool,
+}
+
+impl Mood {
+    /// Nobody is there.
+    pub const AWAY: Self = Self {
+        every: 0,
+        ends: false,
+        breaks: false,
+        cuts: false,
+    };
+}
+
+impl Default for Mood {
+    fn default() -> Self {
+        Self::AWAY
+    }
+}
+
+/// The operator, and what is broken.
+#[derive(Debug, Default)]
+pub struct Operator {
+    /// How much happens.
+    pub mood: Mood,
+    /// Causes of alarms since everything was well.
+    causes: heapless::Vec<Code, 32>,
+    /// Until this tick the node is left as it is.
+    quiet_until: u64,
+    /// NMT reset node is on its way, or done.
+    resets_node: bool,
+    now: u64,
+    /// Drives, spindle or encoder are not as they should be.
+    broken: bool,
+}
+
+/// Alarms of a drive that has any trouble.
+const OF_DRIVES: [Code; 13] = [
+    Code::DriveNoAnswer,
+    Code::DriveNotInitialised,
+    Code::DriveNotReleased,
+    Code::DriveNotReady,
+    Code::DriveNotSwitchedOn,
+    Code::DriveNotEnabled,
+    Code::DriveFaultNotReset,
+    Code::DriveFault,
+    Code::DriveLost,
+    Code::DriveRestarted,
+    Code::DriveSilent,
+    Code::FollowingError,
+    Code::DriveJump,
+];
+
+/// Alarms of a spindle that does not turn as the program tells it.
+const OF_SPINDLE: [Code; 10] = [
+    Code::SpindleNotArrived,
+    Code::SpindleNotStopped,
+    Code::SpindleStopped,
+    Code::SpindleTooFast,
+    Code::FloatSpindleRuns,
+    Code::NoIndex,
+    Code::LeadTooFast,
+    Code::RunOutTooFast,
+    Code::RunInTooFast,
+    Code::StrokeTooShortForSpeed,
+];
+
+impl Operator {
+    /// The node is stopped or pre-operational on purpose.
+    pub fn leaves_node_alone(&self) -> bool {
+        self.now < self.quiet_until
+    }
+
+    /// The node has begun anew because it was told to; it was told once.
+    pub fn took_node_reset(&mut self) -> bool {
+        core::mem::take(&mut self.resets_node)
+    }
+
+    /// This alarm has a cause.
+    pub fn explains(&self, alarm: &Alarm) -> bool {
+        self.causes.contains(&alarm.code)
+    }
+
+    /// From now on these may come.
+    pub fn cause(&mut self, codes: &[Code]) {
+        for code in codes {
+            if !self.causes.contains(code) {
+                self.causes.push(*code).expect("there are few causes");
+            }
+        }
+    }
+
+    /// Nothing is broken.
+    pub fn is_well(&self) -> bool {
+        !self.broken
+    }
+
+    /// Perhaps something is done now.
+    pub fn act(bench: &mut Bench) {
+        bench.operator.now = bench.now;
+        let mood = bench.operator.mood;
+        if mood.every == 0 || bench.random.within(1, mood.every) != 1 {
+            return;
+        }
+        let choice = bench.random.within(0, 99);
+        match choice {
+            0..=17 => bench.order(Order::Hold),
+            18..=37 => bench.order(Order::Resume),
+            38..=55 => overrides(bench),
+            56..=62 => {
+                let on = bench.random.chance(50);
+                bench.levels(BoardCommand {
+                    single_block: Some(on),
+                    ..BoardCommand::default()
+                });
+            }
+            63..=66 => inputs(bench),
+            67..=70 => bench.order(Order::Run),
+            71..=73 => quiet(bench),
+            74..=76 => refused_write(bench),
+            77..=79 => hush(bench),
+            80..=84 if mood.ends => bench.order(Order::Reset),
+            85..=87 if mood.ends => {
+                bench.operator.cause(&[Code::EmergencyStop]);
+                bench.order(Order::Stop);
+            }
+            88 if mood.ends => network(bench),
+            89..=97 if mood.breaks => break_something(bench),
+            98 if mood.cuts => bench.sim.cut_power(),
+            99 if mood.cuts => {
+                // In the middle of what is written next.
+                let bytes = bench.random.within(0, 120);
+                bench.sim.flash_mut().cut_after(bytes as u32);
+            }
+            _ => {}
+        }
+    }
+
+    /// Everything that is broken is mended, every switch and override is as it should be, and who is not there comes back.
+    pub fn put_right(bench: &mut Bench) {
+        bench.operator.mood = Mood::AWAY;
+        bench.operator.quiet_until = 0;
+        bench.beats = true;
+        bench.send(NmtCommand::Start.frame(Some(NODE)));
+        let plant = bench.sim.plant();
+        for axis in Axis::ALL {
+            plant.drive(axis).trouble(Trouble::None);
+        }
+        plant.spindle_drive().trouble(Trouble::None);
+        for tapper in plant.tappers() {
+            tapper.drive().trouble(Trouble::None);
+        }
+        plant.spindle().disturb(100);
+        plant.encoder().break_index(false);
+        bench.sim.flash_mut().set_broken(false);
+        bench.levels(BoardCommand {
+            single_block: Some(false),
+            feed: Some(100),
+            rapid: Some(100),
+            spindle: Some(100),
+            ..BoardCommand::default()
+        });
+        // A write that was to be cut is not.
+        if bench.sim.has_power() {
+            bench.sim.flash_mut().power(true);
+        }
+    }
+
+    /// What was wrong is over, and its alarms too; but for what shows only when the spindle turns again.
+    pub fn forget_causes(&mut self, but: &[Code]) {
+        self.broken = false;
+        self.causes.retain(|code| but.contains(code));
+    }
+}
+
+fn overrides(bench: &mut Bench) {
+    let r = &mut bench.random;
+    let feed = r.of(&[0, 10, 50, 90, 100, 120, 150, 200]);
+    let rapid = r.of(&[0, 25, 50, 100, 120]);
+    let spindle = r.of(&[0, 50, 80, 100, 120, 150]);
+    // What fits at the S of the program may not at half as much again.
+    bench.operator.cause(&OF_SPINDLE);
+    let r = &mut bench.random;
+    let mut chosen = |value| r.chance(50).then_some(value);
+    let levels = [chosen(feed), chosen(rapid), chosen(spindle)];
+    bench.levels(BoardCommand {
+        feed: levels[0],
+        rapid: levels[1],
+        spindle: levels[2],
+        ..BoardCommand::default()
+    });
+}
+
+/// The gateway's messages of its own life stop or come again.
+fn hush(bench: &mut Bench) {
+    bench.beats = !bench.beats;
+    bench.operator.cause(&[Code::GatewayLost]);
+}
+
+/// Inputs of the PLC change. Over the bus in one frame, so it needs no transfer of its own.
+fn inputs(bench: &mut Bench) {
+    let bits = (bench.random.within(0, 1) as u16).to_le_bytes();
+    expedited(bench, Object::new(0x5060, 0), bits);
+}
+
+/// Somebody writes a parameter while the machine works: refused, unless it stands.
+fn refused_write(bench: &mut Bench) {
+    if bench.sim.board().ticker().in_program() {
+        bench.counts.refused += 1;
+        // What is in force is compared behind every program.
+        expedited(bench, Object::new(0x2000 + 9005, 0), 50_u16.to_le_bytes());
+    }
+}
+
+/// One frame of somebody else's transfer: it breaks off what the gateway has under way.
+fn expedited(bench: &mut Bench, object: Object, bytes: [u8; 2]) {
+    let [low, high] = object.index.to_le_bytes();
+    let request = [0x2B, low, high, object.sub, bytes[0], bytes[1], 0, 0];
+    let frame = Frame::new(CobId::of(Service::SdoRequest, NODE), &request);
+    bench.send(frame.expect("eight bytes"));
+}
+
+/// The node is pre-operational for a while.
+fn quiet(bench: &mut Bench) {
+    bench.operator.quiet_until = bench.now + bench.random.within(10, 500) as u64;
+    bench.send(NmtCommand::PreOperational.frame(Some(NODE)));
+}
+
+/// NMT commands that stop the machine.
+fn network(bench: &mut Bench) {
+    bench.operator.cause(&[Code::NetworkStop]);
+    let command = bench.random.of(&[
+        NmtCommand::Stop,
+        NmtCommand::ResetNode,
+        NmtCommand::ResetCommunication,
+    ]);
+    bench.operator.resets_node |= command == NmtCommand::ResetNode;
+    bench.operator.quiet_until = bench.now + 100;
+    bench.send(command.frame(Some(NODE)));
+}
+
+fn break_something(bench: &mut Bench) {
+    bench.counts.troubles += 1;
+    bench.operator.broken = true;
+    let axis = bench.random.of(&Axis::ALL);
+    let trouble = bench.random.of(&[
+        Trouble::Silent,
+        Trouble::Stuck,
+        Trouble::Fault(0x2310),
+        Trouble::TorqueOff,
+    ]);
+
+    match bench.random.within(0, 9) {
+        0..=3 => {
+            bench.operator.cause(&OF_DRIVES);
+            bench.sim.plant().drive(axis).trouble(trouble);
+        }
+        4 => {
+            bench.operator.cause(&OF_DRIVES);
+            bench.operator.cause(&OF_SPINDLE);
+            bench.sim.plant().spindle_drive().trouble(trouble);
+        }
+        5 => {
+            bench.operator.cause(&OF_DRIVES);
+            bench.sim.plant().drive(axis).restart();
+        }
+        6 => {
+            bench.operator.cause(&[Code::IndexSlipped, Code::NoIndex]);
+            bench.operator.cause(&OF_SPINDLE);
+            let counts = bench.random.within(1, 400) * bench.random.sign();
+            bench.sim.plant().encoder().slip(counts as i32);
+            bench.slipped = true;
+            bench.watch.set_slipped(true);
+        }
+        7 => {
+            bench.operator.cause(&[Code::NoIndex]);
+            bench.sim.plant().encoder().break_index(true);
+        }
+        8 => {
+            bench.operator.cause(&OF_SPINDLE);
+            let percent = bench.random.of(&[0, 40, 80, 130]);
+            bench.sim.plant().spindle().disturb(percent);
+        }
+        _ => {
+            bench.operator.cause(&[Code::TapJournalNotWritten]);
+            bench.sim.flash_mut().set_broken(true);
+        }
+    }
+}

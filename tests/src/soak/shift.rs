@@ -1,0 +1,566 @@
+//! One machine and its day: programs, parameters, cuts of power, taps brought out of their holes.
+
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::{DriveOptions, Flash, PlantOptions, Ripple};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::State;
+use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError};
+use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Call, Position, TapAxis};
+use leadscrew_core::units::{Length, Turns};
+
+use super::bench::{Bench, Counts, End, Wire};
+use super::operator::{Mood, Operator};
+use super::programs::{self, Program};
+use super::watch::Judged;
+use crate::gateway::{BATCH, Upload};
+use crate::random::Random;
+
+const IMAGE: Object = Object::new(0x5010, 1);
+
+/// What a set that is not taken may be refused with; anything else is the wire.
+const REFUSALS: [Abort; 4] = [
+    Abort::Value,
+    Abort::TooHigh,
+    Abort::TooLow,
+    Abort::Incompatible,
+];
+
+/// A program undisturbed, and any stop, is over within so many ticks.
+const LONGEST: u64 = 150_000;
+
+/// A shift.
+pub struct Shift {
+    bench: Bench,
+    seed: u64,
+    /// Number of the last program, and its text.
+    program: u32,
+    text: String,
+}
+
+/// Says where a shift was when it failed.
+impl Drop for Shift {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!(
+                "soak: seed {}, tick {}, program {}:\n{}",
+                self.seed, self.bench.now, self.program, self.text
+            );
+        }
+    }
+}
+
+fn set(params: &mut Params, number: &str, value: i64) {
+    let entry = Entry::find_text(number).expect("a parameter");
+    params.set(entry, value).expect("in its range");
+}
+
+/// A machine that is not like the built-in one.
+fn machine(r: &mut Random) -> Params {
+    let mut params = Params::slant_bed();
+    set(&mut params, "9000", r.of(&[1000, 1000, 2000]));
+    let latency = r.of(&[0, 0, 1000, 1700, 3000]);
+    set(&mut params, "9003.X", latency);
+    set(&mut params, "9003.Z", latency);
+    // Latency and lag of the drives are no following error here.
+    for (axis, limit) in [("X", 6_000_000), ("Z", 6_000_000), ("C", 60_000_000)] {
+        set(&mut params, &format!("1828.{axis}"), limit);
+    }
+    set(&mut params, "9021", r.of(&[4, 4, 8]));
+    set(&mut params, "9014", r.of(&[1, 2, 4]));
+    changed(r, &params)
+}
+
+/// Other values of what a plant does not depend on.
+fn changed(r: &mut Random, params: &Params) -> Params {
+    let mut changed = params.clone();
+    for axis in ["X", "Z"] {
+        set(
+            &mut changed,
+            &format!("1620.{axis}"),
+            r.within(1_500, 4_000) * 1_000_000,
+        );
+        set(
+            &mut changed,
+            &format!("1622.{axis}"),
+            r.within(30, 120) * 1_000_000_000,
+        );
+    }
+    set(&mut changed, "9008.0", r.within(0, 1));
+    set(&mut changed, "5200.5", r.within(0, 1));
+    set(&mut changed, "5200.6", r.within(0, 1));
+    set(&mut changed, "5261", r.within(100, 800));
+    set(&mut changed, "5382", r.within(0, 3_000) * 1000);
+    set(&mut changed, "9025", r.within(0, 2));
+    if changed.validate().is_ok() {
+        changed
+    } else {
+        params.clone()
+    }
+}
+
+impl Shift {
+    /// Switches a machine on.
+    pub fn begin(seed: u64) -> Self {
+        let mut random = Random(seed ^ 0x50AC_50AC);
+        let params = machine(&mut random);
+        let options = PlantOptions {
+            angle: Turns::from_raw(random.within(-(1 << 31), 1 << 31)),
+            counter: random.within(-100_000, 100_000) as i32,
+            ripple: Ripple::new(
+                random.of(&[0, 0, 1]) * random.within(0, 3_000) as u32,
+                random.within(2_000, 12_000) as u32,
+            ),
+            drives: DriveOptions {
+                transmission: params.drive_status_syncs() as u8,
+                settling: random.within(0, 20) as u16,
+                lag: random.of(&[0, 0, 3]),
+                ..DriveOptions::default()
+            },
+            ..PlantOptions::default()
+        };
+        let wire = random.of(&[
+            Wire::default(),
+            Wire::default(),
+            Wire { lost: 1, twice: 1 },
+            Wire { lost: 4, twice: 2 },
+        ]);
+        let sim = Sim::new(&params, &options).expect("the machine starts");
+        Self {
+            bench: Bench::new(random, sim, params, options, wire),
+            seed,
+            program: 0,
+            text: String::new(),
+        }
+    }
+
+    /// Ticks so far.
+    pub fn ticks(&self) -> u64 {
+        self.bench.now
+    }
+
+    /// What was done so far.
+    pub fn counts(&self) -> &Counts {
+        &self.bench.counts
+    }
+
+    /// What was judged so far.
+    pub fn judged(&self) -> &Judged {
+        &self.bench.watch.judged
+    }
+
+    /// One program, or something between two of them, and the machine is ready again.
+    pub fn work(&mut self) {
+        let choice = self.bench.random.within(0, 99);
+        match choice {
+            0..=84 => self.run(),
+            85..=92 => self.push(),
+            93..=95 => self.refused(),
+            96..=97 => {
+                self.bench.sim.cut_power();
+                self.power_up();
+            }
+            _ => self.bench.stands(50),
+        }
+        self.compare();
+        self.drives_stand();
+    }
+
+    /// The board has the parameters that the gateway thinks it has.
+    fn compare(&mut self) {
+        let theirs = self.bench.number(0x1020, 1).expect("the identity");
+        assert_eq!(
+            theirs,
+            u64::from(identity(&self.bench.params)),
+            "other parameters"
+        );
+    }
+
+    /// The drives stand where the board thinks they do, so that the next motion begins where the axes are.
+    fn drives_stand(&mut self) {
+        let bench = &mut self.bench;
+        // As long as it takes one that lags and was held to catch up.
+        bench.stands(100);
+        let at = bench.position();
+        let truth = bench.sim.plant().truth();
+        let told = [at.x.nm(), at.z.nm(), at.c.udeg()];
+        for (place, (truth, told)) in truth.positions.into_iter().zip(told).enumerate() {
+            // One increment is 100 nm, or as many millionths of a degree.
+            let off = i64::from(truth.get()) * 100 - told;
+            assert!(
+                off.abs() <= 100 || bench.assumed[place],
+                "axis {place} stands {off} beside where it is told to be"
+            );
+        }
+    }
+
+    fn run(&mut self) {
+        let bench = &mut self.bench;
+        let from = bench.position();
+        let program = programs::random(&mut bench.random, &bench.params, from);
+        bench.counts.programs += 1;
+        bench.watch.expect(&program.grooves);
+        self.program += 1;
+        self.text.clone_from(&program.text);
+        let r = &mut bench.random;
+        let patience = r.within(500, 12_000) as u64;
+        let away = Mood::AWAY;
+        bench.operator.mood = match r.within(0, 9) {
+            0 | 1 => away,
+            2 | 3 => Mood {
+                every: r.within(50, 1_000),
+                ..away
+            },
+            4 => Mood {
+                every: r.within(20, 400),
+                cuts: true,
+                ..away
+            },
+            5 => Mood {
+                every: r.within(50, 600),
+                ends: true,
+                ..away
+            },
+            6 | 7 => Mood {
+                every: r.within(50, 800),
+                ends: true,
+                breaks: true,
+                ..away
+            },
+            8 => Mood {
+                every: r.within(100, 2_000),
+                breaks: true,
+                ..away
+            },
+            _ => Mood {
+                every: r.within(20, 600),
+                ends: true,
+                breaks: true,
+                cuts: true,
+            },
+        };
+        let calm_from = bench.now + patience;
+        bench.end = None;
+        let mut upload = Upload::new(self.program, &program.calls);
+        upload.most = bench.random.of(&[u32::MAX, u32::MAX, 3, 1]);
+        let (mut begun, mut ordered, mut calm) = (false, false, false);
+        while bench.end.is_none() {
+            if !calm && bench.now >= calm_from {
+                calm = true;
+                Operator::put_right(bench);
+            }
+            if calm && bench.now.is_multiple_of(64) {
+                carry_on(bench);
+            }
+            assert!(
+                bench.now < calm_from + LONGEST,
+                "it does not come to an end: {:?} {:?}",
+                bench.state(),
+                bench.status
+            );
+            match feed(bench, &mut upload) {
+                // A reset before the program had begun.
+                Fed::Closed if !ordered => break,
+                Fed::Taken => begun = true,
+                _ => {}
+            }
+            let run = begun && !ordered && (upload.is_done() || bench.random.chance(30));
+            if run && bench.end.is_none() {
+                bench.ordered(Order::Run);
+                ordered = true;
+            }
+            bench.tick();
+        }
+        self.after(&program);
+        self.text = String::new();
+    }
+
+    /// Behind a program: whatever became of it, the machine is ready for the next.
+    fn after(&mut self, program: &Program) {
+        let bench = &mut self.bench;
+        bench.operator.mood = Mood::AWAY;
+        match bench.end {
+            Some(End::Finished) => {
+                bench.counts.finished += 1;
+                let at = bench.position();
+                assert_eq!((at.x.nm(), at.z.nm()), program.end, "not where it ends");
+            }
+            Some(End::PowerCut) => {
+                self.power_up();
+                return;
+            }
+            _ => {}
+        }
+        self.recover();
+    }
+
+    /// Out of whatever the machine is in, until it is idle; a tap that is in its hole comes out.
+    fn recover(&mut self) {
+        let bench = &mut self.bench;
+        bench.until("a stop", LONGEST, |bench| {
+            matches!(bench.state(), State::Idle | State::Alarm(_)) || bench.operator.is_well()
+        });
+        bench.until("a stop", LONGEST, |bench| {
+            matches!(bench.state(), State::Idle | State::Alarm(_))
+        });
+        let pause = bench.random.within(20, 200) as u64;
+        bench.stands(pause);
+        let whole = bench.operator.is_well();
+        let stood = bench.position();
+        Operator::put_right(bench);
+        bench.until("an order before", LONGEST, |bench| !bench.is_ordering());
+        while matches!(bench.state(), State::Alarm(_)) {
+            bench.ordered(Order::Reset);
+            bench.until("a reset", LONGEST, |bench| {
+                matches!(bench.state(), State::Idle | State::Alarm(_))
+            });
+        }
+        if whole {
+            assert_eq!(bench.position(), stood, "the position is not kept");
+        }
+        let but: &[Code] = if bench.slipped {
+            &[Code::IndexSlipped, Code::NoIndex]
+        } else {
+            &[]
+        };
+        bench.operator.forget_causes(but);
+        bench.until("the drives", LONGEST, |bench| {
+            bench.state() == State::Idle && bench.says(BoardState::Idle)
+        });
+        if bench.in_hole() {
+            self.bring_out();
+        }
+    }
+}
+
+impl Shift {
+    /// The power is back: what is stored is what the board knows. A tap that was below R is known to be there.
+    fn power_up(&mut self) {
+        let bench = &mut self.bench;
+        bench.counts.cuts += 1;
+        let at = bench.position();
+        let record = bench.sim.board().tap_record().copied();
+        let inside = record
+            .filter(|record| record.in_hole)
+            .map(|record| record.hole)
+            .filter(|hole| hole.depth(hole.axis.of(at)) > Length::ZERO);
+        let r = &mut bench.random;
+        // Drives that count absolutely, or from where they are switched on.
+        bench.options.at = if r.chance(50) {
+            at
+        } else {
+            Position::default()
+        };
+        bench.options.angle = Turns::from_raw(r.within(-(1 << 31), 1 << 31));
+        let image = bench.sim.flash().image();
+        let flash = Flash::from_image(&image).expect("an image");
+        bench.sim = Sim::with_flash(&bench.params, &bench.options, flash).expect("it starts");
+        bench.slipped = false;
+        bench.watch.set_slipped(false);
+        bench.connect();
+        if let Some(hole) = inside {
+            let stored = bench.sim.board().tap_record();
+            // The entry of a deeper bottom may have been on its way, and the tap not further than the old one yet.
+            let known = stored
+                .filter(|record| record.in_hole)
+                .is_some_and(|record| {
+                    let same = (record.hole.axis, record.hole.level) == (hole.axis, hole.level);
+                    let depth = record.hole.depth(hole.axis.of(at));
+                    same && depth <= record.hole.depth(record.hole.bottom)
+                });
+            assert!(known, "a tap is forgotten in {hole:?}: {stored:?}");
+        }
+        bench.assumed = [false; 3];
+        if let Some(record) = bench
+            .sim
+            .board()
+            .tap_record()
+            .filter(|record| record.in_hole)
+        {
+            // The bottom is taken for its place until the power goes again, or the entry is dropped.
+            let place = match record.hole.axis {
+                TapAxis::X => 0,
+                TapAxis::Z => 1,
+            };
+            bench.assumed[place] = true;
+        }
+        self.recover();
+    }
+
+    /// G30 P99, or somebody says that there is no tap.
+    fn bring_out(&mut self) {
+        let bench = &mut self.bench;
+        let record = bench.sim.board().tap_record().expect("a record");
+        let hole = record.hole;
+        if bench.random.chance(15) {
+            self.is_refused();
+        }
+        let bench = &mut self.bench;
+        if bench.random.chance(10) {
+            let drop = Object::new(0x5030, 2);
+            // The position of the drive counts again where it had been lost.
+            bench.watch.set_replaces(true);
+            // Where the answer was lost there is nothing left to drop at the second time.
+            let _ = bench.write(drop, b"drop", &[Abort::State, Abort::NoData]);
+            bench.ticks(3);
+            bench.watch.set_replaces(false);
+            bench.assumed = [false; 3];
+            assert!(!bench.in_hole(), "it was dropped");
+            return;
+        }
+        let from = bench.position();
+        let calls = programs::read(
+            "G30 P99
+M30
+",
+            &bench.params,
+            from,
+        );
+        let end = self.carry_out(&calls);
+        let bench = &mut self.bench;
+        assert_eq!(end, End::Finished, "a return");
+        let beyond = bench.params.tap_return_extra().times(hole.inward());
+        let at = bench.position();
+        // A drive that stood where it was not told to stand may have left the tap further out than that.
+        let end = hole.level - beyond;
+        let out = hole.depth(hole.axis.of(from)) <= hole.depth(end);
+        let end = if out { hole.axis.of(from) } else { end };
+        assert_eq!(hole.axis.of(at), end, "R and 5382 beyond");
+        let others = |position| hole.axis.with(position, Length::ZERO);
+        assert_eq!(others(at), others(from), "the other axes");
+        assert!(!bench.in_hole(), "the tap is out");
+        bench.counts.returns += 1;
+    }
+
+    /// With a tap in its hole nothing but the return moves.
+    fn is_refused(&mut self) {
+        let bench = &mut self.bench;
+        bench.operator.cause(&[Code::TapInHole]);
+        let from = bench.position();
+        let calls = programs::read(
+            "G0 X77 Z33
+M30
+",
+            &bench.params,
+            from,
+        );
+        let end = self.carry_out(&calls);
+        assert!(
+            matches!(end, End::Alarm(alarm) if alarm.code == Code::TapInHole),
+            "{end:?}"
+        );
+        let bench = &mut self.bench;
+        assert_eq!(bench.position(), from, "it moved with a tap in its hole");
+        bench.stands(20);
+        bench.ordered(Order::Reset);
+        bench.until("a reset", LONGEST, |bench| {
+            bench.state() == State::Idle && bench.says(BoardState::Idle)
+        });
+        bench.operator.forget_causes(&[]);
+    }
+
+    /// A program that nobody disturbs.
+    fn carry_out(&mut self, calls: &[Call]) -> End {
+        let bench = &mut self.bench;
+        self.program += 1;
+        let begun = bench.now;
+        bench.end = None;
+        let mut upload = Upload::new(self.program, calls);
+        while !upload.is_done() && bench.end.is_none() {
+            feed(bench, &mut upload);
+            bench.tick();
+        }
+        bench.ordered(Order::Run);
+        loop {
+            if let Some(end) = bench.end {
+                return end;
+            }
+            assert!(bench.now < begun + LONGEST, "it does not come to an end");
+            if bench.now.is_multiple_of(64) {
+                // A hold that came behind the last program holds this one.
+                carry_on(bench);
+            }
+            bench.tick();
+        }
+    }
+
+    /// Another parameter set comes into force.
+    fn push(&mut self) {
+        let bench = &mut self.bench;
+        bench.stands(20);
+        let params = changed(&mut bench.random, &bench.params);
+        let stood = bench.position();
+        let mut image = [0; ImageWriter::BYTES as usize];
+        ImageWriter::new(&params).read(0, &mut image);
+        bench.watch.set_params(&params);
+        bench
+            .write(IMAGE, &image, &REFUSALS)
+            .expect("a set that can work");
+        bench.params = params;
+        bench.counts.pushed += 1;
+        bench.until("the drives", LONGEST, |bench| {
+            bench.state() == State::Idle && bench.says(BoardState::Idle)
+        });
+        assert_eq!(bench.position(), stood, "the position is not kept");
+    }
+
+    /// A damaged image, or a value out of its range.
+    fn refused(&mut self) {
+        let bench = &mut self.bench;
+        bench.counts.refused += 1;
+        let outcome = if bench.random.chance(50) {
+            let params = changed(&mut bench.random, &bench.params);
+            let mut image = [0; ImageWriter::BYTES as usize];
+            ImageWriter::new(&params).read(0, &mut image);
+            let place = bench.random.within(0, image.len() as i64 - 1) as usize;
+            image[place] ^= 1 << bench.random.within(0, 7);
+            let refusals = [&REFUSALS[..], &[Abort::Crc]].concat();
+            bench.write(IMAGE, &image, &refusals)
+        } else {
+            let tolerance = Object::new(0x2000 + 9007, 0);
+            let value = bench.random.of(&[0_u8, 51, 200, 255]);
+            bench.write(tolerance, &[value], &REFUSALS)
+        };
+        assert!(
+            matches!(outcome, Err(SdoError::Refused(_))),
+            "taken: {outcome:?}"
+        );
+    }
+}
+
+/// Who waits for a held program lets it go on.
+fn carry_on(bench: &mut Bench) {
+    Operator::put_right(bench);
+    if bench.status.flags.hold || bench.says(BoardState::Hold) {
+        bench.order(Order::Resume);
+    }
+}
+
+/// What became of a batch.
+enum Fed {
+    /// The board has it.
+    Taken,
+    /// There is none, or no room for it now.
+    Nothing,
+    /// The board takes no more of this program.
+    Closed,
+}
+
+/// Sends one batch where there is room for it.
+fn feed(bench: &mut Bench, upload: &mut Upload) -> Fed {
+    let credit = bench.status.credit.min(u16::MAX.into()) as u16;
+    let Some((bytes, count)) = upload.batch(credit) else {
+        return Fed::Nothing;
+    };
+    let expected = [Abort::State, Abort::OutOfMemory];
+    match bench.write(BATCH, &bytes, &expected) {
+        Ok(()) => {
+            upload.taken(count);
+            Fed::Taken
+        }
+        Err(SdoError::Refused(code)) if code == Abort::State.code() => Fed::Closed,
+        // The credit was that of some ticks ago.
+        Err(_) => Fed::Nothing,
+    }
+}

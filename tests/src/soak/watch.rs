@@ -1,0 +1,340 @@
+//! What must hold in every tick, whoever does whatever to the machine.
+
+use leadscrew_board_sim::{Doing, Row, Sim};
+use leadscrew_core::board::State;
+use leadscrew_core::params::Params;
+use leadscrew_core::program::Position;
+use leadscrew_core::units::{Axis, Length};
+
+use super::programs::Groove;
+
+/// A thread may be so far from its helix, for any lead, speed, tick and ripple of these machines: about four counts of the
+/// encoder where the lead is longest.
+const THREAD_NM: f64 = 8_000.0;
+/// The spindle in position mode may be so far from where it is told to be, in nanometres of the tap axis: half an increment of
+/// its drive, and what lies between two SYNCs where the drives' latency is no whole number of ticks.
+const TAP_NM: i64 = 500;
+
+/// Rows come fewer ticks late.
+const LATE: usize = 256;
+
+/// What a shift has used of its limits, and how much was judged.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Judged {
+    /// Setpoints.
+    pub rows: u64,
+    /// Those in which an axis was held to the spindle by the helix of a thread.
+    pub threads: u64,
+    /// The largest distance from it, in nanometres.
+    pub thread_nm: i64,
+    /// Those held to the line of a rigid tap.
+    pub taps: u64,
+    /// The largest distance from it, in nanometres.
+    pub tap_nm: i64,
+    /// Those of an ordinary tap.
+    pub floats: u64,
+    /// The largest distance from its line, in nanometres: what a holder has to take up.
+    pub float_nm: i64,
+    /// Largest shares of speed, acceleration and jerk where time drives the axes.
+    pub used: [f64; 3],
+}
+
+impl Judged {
+    /// Adds what another watch has seen.
+    pub fn add(&mut self, other: &Self) {
+        self.rows += other.rows;
+        self.threads += other.threads;
+        self.taps += other.taps;
+        self.floats += other.floats;
+        self.thread_nm = self.thread_nm.max(other.thread_nm);
+        self.tap_nm = self.tap_nm.max(other.tap_nm);
+        self.float_nm = self.float_nm.max(other.float_nm);
+        for (most, used) in self.used.iter_mut().zip(other.used) {
+            *most = most.max(used);
+        }
+    }
+}
+
+/// Limits of one axis, in nanometres per tick, tick² and tick³.
+#[derive(Clone, Copy)]
+struct Bounds {
+    speed: f64,
+    acceleration: f64,
+    jerk: f64,
+}
+
+/// The watch.
+pub struct Watch {
+    bounds: [Bounds; 3],
+    last: heapless::Deque<Row, 4>,
+    /// Whether a spindle that nobody controls drove an axis, for each of the last ticks: rows come late.
+    led: [bool; LATE],
+    /// Whether the drives came up in it: the axes stand where their drives say, which is elsewhere if they were moved.
+    came_up: [bool; LATE],
+    /// Ticks of the machine since it was switched on.
+    ticks: usize,
+    /// Position and state after the tick before.
+    before: Option<(Position, State)>,
+    grooves: heapless::Vec<Groove, 8>,
+    /// The spindle's angle and the board's count of it may differ until this row's tick: counts have slipped.
+    slipped: bool,
+    /// An emergency stop in the rounded corner of a run-out adds its jerk to the corner's [D53], until the axes stand.
+    stopping: bool,
+    /// The drives follow with a lag of their own.
+    lags: bool,
+    /// Until this tick what the drives do is not what they are told: something is broken.
+    broken_until: usize,
+    /// The axes may be said to stand elsewhere.
+    replaces: bool,
+    /// What it has seen.
+    pub judged: Judged,
+}
+
+fn of(position: Position) -> [i64; 3] {
+    [position.x.nm(), position.z.nm(), position.c.udeg()]
+}
+
+impl Watch {
+    /// For a machine with these parameters; `lags`: its drives follow with a lag.
+    pub fn new(params: &Params, lags: bool) -> Self {
+        Self {
+            bounds: bounds(params),
+            last: heapless::Deque::new(),
+            led: [false; LATE],
+            came_up: [false; LATE],
+            ticks: 0,
+            before: None,
+            grooves: heapless::Vec::new(),
+            slipped: false,
+            stopping: false,
+            lags,
+            broken_until: 0,
+            replaces: false,
+            judged: Judged::default(),
+        }
+    }
+
+    /// Other parameters are in force; the machine stands.
+    pub fn set_params(&mut self, params: &Params) {
+        self.bounds = bounds(params);
+        self.last.clear();
+    }
+
+    /// The setpoints begin anew: the power has been away, or the drives have been moved.
+    pub fn forget(&mut self) {
+        self.last.clear();
+        self.before = None;
+    }
+
+    /// The threads of the program that comes.
+    pub fn expect(&mut self, grooves: &[Groove]) {
+        self.grooves = heapless::Vec::from_slice(grooves).expect("a program has few threads");
+    }
+
+    /// Counts of the encoder are lost or doubled from now on; `false`: what was noticed of it has been dealt with.
+    pub fn set_slipped(&mut self, slipped: bool) {
+        self.slipped = slipped;
+    }
+
+    /// The machine is switched on: its tick 0 is over.
+    pub fn power_up(&mut self) {
+        self.forget();
+        self.ticks = 1;
+        self.led[0] = false;
+        self.came_up[0] = false;
+        self.broken_until = 0;
+    }
+
+    /// Whether the axes may be said to stand elsewhere: an entry of the tap journal is being dropped.
+    pub fn set_replaces(&mut self, replaces: bool) {
+        self.replaces = replaces;
+    }
+
+    /// A tick is over: what drove it; `well`: nothing is broken.
+    pub fn tick(&mut self, sim: &Sim, well: bool) {
+        let ticker = sim.board().ticker();
+        let executor = ticker.executor();
+        let place = self.ticks % LATE;
+        self.led[place] = executor.thread().is_some() || executor.is_floating();
+        let started = matches!(self.before, Some((_, State::Starting)));
+        self.came_up[place] = self.replaces || started && ticker.state() != State::Starting;
+        self.ticks += 1;
+        if !well {
+            self.broken_until = self.ticks + LATE;
+        }
+    }
+
+    /// Judges one row.
+    pub fn row(&mut self, row: &Row) {
+        self.judged.rows += 1;
+        if self.last.is_full() {
+            self.last.pop_front();
+        }
+        assert!(self.last.push_back(*row).is_ok(), "there is room");
+        self.stopping |= row.doing == Doing::Alarm;
+        self.limits();
+        self.spindle(row);
+        if self.stopping && row.doing != Doing::Alarm {
+            self.stopping = false;
+        }
+    }
+
+    fn limits(&mut self) {
+        let rows: heapless::Vec<Row, 4> = self.last.iter().copied().collect();
+        let Ok([a, b, c, d]) = rows.into_array::<4>() else {
+            return;
+        };
+        let window = [a, b, c, d];
+        for pair in window.windows(2) {
+            assert_eq!(pair[0].tick + 1, pair[1].tick, "a setpoint is missing");
+        }
+        let came_up = |row: &Row| self.came_up[row.tick as usize % LATE];
+        if window[1..].iter().any(came_up) {
+            return;
+        }
+        let led = window.map(|row| self.led[row.tick as usize % LATE]);
+        let led = led.contains(&true);
+        // In what follows the helix its noise shows, and that is judged as distance.
+        let locked = window
+            .iter()
+            .any(|row| row.error.is_some() && !row.is_rigid());
+        let jerks = if self.stopping { 2.0 } else { 1.0 };
+        let positions = window.map(|row| of(row.position));
+        for (axis, bounds) in self.bounds.iter().enumerate() {
+            let [a, b, c, d] = positions.map(|position| position[axis]);
+            let all = [
+                ((d - c).abs(), bounds.speed, 1.0),
+                ((d - 2 * c + b).abs(), bounds.acceleration, 2.0),
+                ((d - 3 * c + 3 * b - a).abs(), bounds.jerk * jerks, 4.0),
+            ];
+            for (n, (size, limit, rounding)) in all.into_iter().enumerate() {
+                if n > 0 && (locked || led && self.slipped) || n > 1 && led {
+                    continue;
+                }
+                let what = ["speed", "acceleration", "jerk"][n];
+                let axis = Axis::ALL[axis];
+                // The unevenness of a spindle adds to what a pass is planned for.
+                let limit = if led { 1.1 * limit } else { limit };
+                assert!(
+                    size as f64 <= limit + rounding,
+                    "{axis:?}: {what} {size} nm, limit {limit:.1}:\n{}",
+                    window.map(told).join("\n")
+                );
+                let share = (size as f64 - rounding) / limit;
+                if !led && limit > 100.0 * rounding && share > self.judged.used[n] && jerks < 2.0 {
+                    self.judged.used[n] = share;
+                }
+            }
+        }
+    }
+
+    /// Threads and taps on their lines.
+    fn spindle(&mut self, row: &Row) {
+        let Some(error) = row.error else {
+            return;
+        };
+        let nm = error.nm().abs();
+        match row.tap {
+            Some(point) if row.is_rigid() => {
+                self.judged.taps += 1;
+                let skew = point.skew.nm().abs();
+                self.judged.tap_nm = self.judged.tap_nm.max(skew);
+                assert!(
+                    skew <= 1,
+                    "axis and spindle of a tap are told apart: {row:?}"
+                );
+                let trusted = !self.lags && row.tick as usize >= self.broken_until;
+                assert!(!trusted || nm <= TAP_NM, "a tap off its line: {row:?}");
+            }
+            Some(_) => {
+                self.judged.floats += 1;
+                if !self.slipped {
+                    self.judged.float_nm = self.judged.float_nm.max(nm);
+                }
+            }
+            None => {
+                self.judged.threads += 1;
+                if self.slipped {
+                    return;
+                }
+                // What an alarm leaves of a run-out is not led by the spindle any more.
+                if row.doing == Doing::Alarm {
+                    return;
+                }
+                self.judged.thread_nm = self.judged.thread_nm.max(nm);
+                assert!(nm as f64 <= THREAD_NM, "off the helix: {row:?}");
+                if let Some(groove) = self.grooves.iter().find(|groove| groove.line == row.line) {
+                    in_groove(row, groove);
+                }
+            }
+        }
+    }
+
+    /// What can be said between two ticks.
+    pub fn between(&mut self, sim: &Sim) {
+        let ticker = sim.board().ticker();
+        let (at, state) = (ticker.executor().position(), ticker.state());
+        if let Some((before, was)) = self.before.replace((at, state)) {
+            let stands = match (was, state) {
+                (State::Idle, State::Idle) => true,
+                // An ordinary tap goes where the spindle goes, also with the last creeping of one that is stopped.
+                (State::Held, State::Held) => !ticker.executor().is_floating(),
+                (State::Alarm(_), State::Alarm(_) | State::Starting) => true,
+                (State::Starting, State::Starting) => true,
+                _ => false,
+            };
+            assert!(
+                !stands || self.replaces || before == at,
+                "it moves from {before:?} to {at:?} and is {was:?}, then {state:?}"
+            );
+        }
+        if matches!(state, State::Alarm(_)) {
+            let rpm = sim.spindle_command().get();
+            assert_eq!(rpm, 0, "the spindle is to turn in {state:?}");
+        }
+        // A tap below R is known to be in its hole.
+        if let Some(line) = sim.board().tap_line() {
+            let record = sim.board().tap_record();
+            let below = line.gear.depth(at) > Length::ZERO;
+            assert!(
+                !below || record.is_some_and(|record| record.in_hole),
+                "a tap below R, and the journal says {record:?}"
+            );
+        }
+    }
+}
+
+/// A row in one line.
+fn told(row: Row) -> String {
+    let [x, z, c] = of(row.position);
+    format!(
+        "tick {} X {x} Z {z} C {c} line {} move {} {} error {:?}",
+        row.tick,
+        row.line,
+        row.number,
+        row.doing.name(),
+        row.error.map(Length::nm)
+    )
+}
+
+/// The setpoint lies in the groove that the program's text asks for, at the true angle of the spindle.
+fn in_groove(row: &Row, groove: &Groove) {
+    let lead = groove.lead as f64;
+    // Of a large number of turns the whole ones do not count.
+    let turns = (row.spindle.raw() & ((1_i128 << 64) - 1)) as f64 / 2f64.powi(64);
+    let way = (row.position.z.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
+    let off = (way + lead / 2.0).rem_euclid(lead) - lead / 2.0;
+    assert!(
+        off.abs() <= THREAD_NM,
+        "{off} nm beside the groove of {groove:?}: {row:?}"
+    );
+}
+
+fn bounds(params: &Params) -> [Bounds; 3] {
+    let tick = f64::from(params.tick_us()) * 1e-6;
+    Axis::ALL.map(|axis| Bounds {
+        speed: params.rapid(axis).nm_per_min() as f64 / 60.0 * tick,
+        acceleration: params.acceleration(axis).nm_per_s2() as f64 * tick * tick,
+        jerk: params.jerk(axis).nm_per_s3() as f64 * tick * tick * tick,
+    })
+}
