@@ -27,12 +27,19 @@ const REFUSALS: [Abort; 4] = [
     Abort::Incompatible,
 ];
 
+/// 5010h:02: a set is being stored.
+const STORING: u64 = 1;
+/// 5010h:02: it is stored and in force.
+const DONE: u64 = 2;
+
 /// A program undisturbed, and any stop, is over within so many ticks.
 const LONGEST: u64 = 150_000;
 
 /// A shift.
 pub struct Shift {
     bench: Bench,
+    /// The set that the board has of its own.
+    built_in: Params,
     seed: u64,
     /// Number of the last program, and its text.
     program: u32,
@@ -128,6 +135,7 @@ impl Shift {
         ]);
         let sim = Sim::new(&params, &options).expect("the machine starts");
         Self {
+            built_in: params.clone(),
             bench: Bench::new(random, sim, params, options, wire),
             seed,
             program: 0,
@@ -355,7 +363,7 @@ impl Shift {
         bench.options.angle = Turns::from_raw(r.within(-(1 << 31), 1 << 31));
         let image = bench.sim.flash().image();
         let flash = Flash::from_image(&image).expect("an image");
-        bench.sim = Sim::with_flash(&bench.params, &bench.options, flash).expect("it starts");
+        bench.sim = Sim::with_flash(&self.built_in, &bench.options, flash).expect("it starts");
         bench.slipped = false;
         bench.watch.set_slipped(false);
         bench.connect();
@@ -485,7 +493,8 @@ M30
         }
     }
 
-    /// Another parameter set comes into force.
+    /// Another parameter set comes into force, unless the power goes while it is being stored: then it is the old one or the
+    /// new one.
     fn push(&mut self) {
         let bench = &mut self.bench;
         bench.stands(20);
@@ -493,16 +502,47 @@ M30
         let stood = bench.position();
         let mut image = [0; ImageWriter::BYTES as usize];
         ImageWriter::new(&params).read(0, &mut image);
+        let cut = bench.random.chance(30);
+        if cut {
+            let bytes = bench.random.within(0, 5_000);
+            bench.sim.flash_mut().cut_after(bytes as u32);
+        }
         bench.watch.set_params(&params);
-        bench
-            .write(IMAGE, &image, &REFUSALS)
-            .expect("a set that can work");
+        let taken = bench.write(IMAGE, &image, &REFUSALS);
+        while bench.sim.has_power() {
+            match bench.number(0x5010, 2) {
+                Ok(STORING) => bench.tick(),
+                Ok(state) => {
+                    assert_eq!((state, taken), (DONE, Ok(())), "a set that can work");
+                    break;
+                }
+                Err(_) => {}
+            }
+        }
+        if !bench.sim.has_power() {
+            self.old_or_new(params);
+            return;
+        }
+        bench.sim.flash_mut().power(true);
         bench.params = params;
         bench.counts.pushed += 1;
         bench.until("the drives", LONGEST, |bench| {
             bench.state() == State::Idle && bench.says(BoardState::Idle)
         });
         assert_eq!(bench.position(), stood, "the position is not kept");
+    }
+
+    /// The power went while a set was being stored.
+    fn old_or_new(&mut self, new: Params) {
+        self.power_up();
+        let bench = &mut self.bench;
+        let theirs = bench.number(0x1020, 1).expect("the identity");
+        if theirs == u64::from(identity(&new)) {
+            bench.params = new;
+            bench.counts.pushed += 1;
+        }
+        // `compare` says whether it is the old one where it is not the new one.
+        bench.watch.set_params(&bench.params);
     }
 
     /// A damaged image, or a value out of its range.
