@@ -280,7 +280,9 @@ impl Sim {
     /// # Errors
     /// A plant or a board that cannot be; a drive that does not start.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, SimError> {
-        Self::start_with(&PowerUp::given(params), options, Flash::erased(), None)
+        let up = PowerUp::given(params);
+        let (sim, _) = Self::start_with(&up, options, Flash::erased(), None)?;
+        Ok(sim)
     }
 
     /// The same with the flash of a board that has run before: [`flash`](Self::flash) gives it back. Its power is switched
@@ -296,15 +298,34 @@ impl Sim {
         flash.power(true);
         let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
         let up = stored_params(&mut flash, built_in).map_err(SimError::Board)?;
-        Self::start_with(&up, options, flash, tap)
+        let (sim, alarm) = Self::start_with(&up, options, flash, tap)?;
+        alarm.map_or(Ok(sim), |alarm| Err(SimError::Board(alarm)))
     }
 
+    /// As [`with_flash`](Self::with_flash), but a board that stands on an alarm about its stored parameters is a machine,
+    /// too: nothing moves, and it can be talked to.
+    ///
+    /// # Errors
+    /// As [`with_flash`](Self::with_flash).
+    pub fn power_up(
+        built_in: &Params,
+        options: &PlantOptions,
+        mut flash: Flash,
+    ) -> Result<Self, SimError> {
+        flash.power(true);
+        let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
+        let up = stored_params(&mut flash, built_in).map_err(SimError::Board)?;
+        let (sim, _) = Self::start_with(&up, options, flash, tap)?;
+        Ok(sim)
+    }
+
+    /// Also the alarm that withholds motion because of what is stored.
     fn start_with(
         up: &PowerUp,
         options: &PlantOptions,
         flash: Flash,
         tap: Option<TapRecord>,
-    ) -> Result<Self, SimError> {
+    ) -> Result<(Self, Option<Alarm>), SimError> {
         let params = &up.params;
         let plant = Plant::new(params, options).map_err(SimError::Plant)?;
         let board = Board::power_up(up, Some(options.at), tap).map_err(SimError::Board)?;
@@ -329,12 +350,12 @@ impl Sim {
             wire: Line::default(),
             out: Deque::new(),
         };
-        sim.start()?;
-        Ok(sim)
+        let withheld = sim.start(up.found.alarm())?;
+        Ok((sim, withheld))
     }
 
     /// Lets the drives come up. Their steps have times of their own, so this ends.
-    fn start(&mut self) -> Result<(), SimError> {
+    fn start(&mut self, expected: Option<Alarm>) -> Result<Option<Alarm>, SimError> {
         let mut output = Output::default();
         loop {
             self.advance();
@@ -347,8 +368,9 @@ impl Sim {
                         // Tick 0: the axes stand, and no call has come yet.
                         let none = self.step();
                         debug_assert!(none.is_none(), "a row takes a tick to be known");
-                        return Ok(());
+                        return Ok(None);
                     }
+                    Event::Alarm(alarm) if expected == Some(alarm) => return Ok(expected),
                     Event::Alarm(alarm) => return Err(SimError::Board(alarm)),
                     _ => {}
                 }
@@ -390,6 +412,12 @@ impl Sim {
     /// long they take.
     fn keep(&mut self) {
         keep(&mut self.board, &mut self.flash);
+    }
+
+    /// Time of a tick in microseconds.
+    #[must_use]
+    pub const fn tick_us(&self) -> u32 {
+        self.tick_us
     }
 
     /// The flash of the board.

@@ -203,7 +203,8 @@ impl Filter {
     }
 
     /// True where one of them, or none at all, lets this packet through.
-    pub(crate) fn any_passes(filters: &[Self], packet: &Packet) -> bool {
+    #[must_use]
+    pub fn any_passes(filters: &[Self], packet: &Packet) -> bool {
         filters.is_empty() || filters.iter().any(|filter| filter.passes(packet))
     }
 }

@@ -418,6 +418,10 @@ Examples:
   leadscrew params get 1420.X --params lathe.toml          one value, and where it was set
   leadscrew params validate --params lathe.toml            find mistakes in a machine file
   leadscrew params docs > parameters.md                    the manual of all parameters
+  leadscrew params pull -o lathe.toml --bus can0           a board's set as a file
+  leadscrew params diff lathe.toml --bus can0              what pushing it would change
+  leadscrew params push lathe.toml --bus can0              all of it, or nothing
+  leadscrew params set 1420.X=11000 --bus can0             one value
 
 A machine file is TOML, one value a line, keys by number or name, values with their unit:
   \"1420.X\" = \"12000 mm/min\"
@@ -455,6 +459,8 @@ pub enum ParamsCommand {
     /// Send machine files to a board, and the drives' own objects to the drives: all or nothing
     #[command(after_help = PUSH_EXAMPLES)]
     Push(Push),
+    /// Take the last good set before the stored one back into force
+    Restore(Restore),
     /// Compare: the board with a file, two files, or the board with the built-in machine
     Diff(Diff),
     /// Bring a file of an older version of the table up to date
@@ -498,6 +504,14 @@ pub struct Push {
     /// What is not named becomes the built-in machine's, instead of staying as it is
     #[arg(long)]
     pub built_in: bool,
+    /// Password of the board's parameters
+    #[arg(long, value_name = "N")]
+    pub password: Option<u32>,
+}
+
+/// `params restore`.
+#[derive(Args, Debug)]
+pub struct Restore {
     /// Password of the board's parameters
     #[arg(long, value_name = "N")]
     pub password: Option<u32>,

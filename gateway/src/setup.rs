@@ -42,8 +42,8 @@ pub struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    /// Loads what the options name, and tells what is wrong with it. With a real bus the board's own set lies below
-    /// it.
+    /// Loads what the options name, and tells what is wrong with it. The set of the board, real or simulated,
+    /// lies below it.
     pub fn new(global: &'a Global) -> Outcome<Self> {
         Self::over(global, board::base(global)?)
     }

@@ -8,12 +8,14 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use leadscrew_board_sim::plant::{Flash, ImageError};
+use leadscrew_board_sim::stored_params;
 use leadscrew_core::board::Found;
 use leadscrew_core::journal::{RecordError, TapRecord};
 use leadscrew_core::params::Params;
 use leadscrew_store::{BUFFER, Region, Store, block_on};
 
 use crate::failure::{Doing, Failure, Outcome};
+use crate::link::alarm_words;
 use crate::words::both;
 
 /// A file with the flash of a simulated board.
@@ -106,6 +108,37 @@ impl StateFile {
     pub fn save(&self, flash: &Flash) -> Outcome {
         let replaced = crate::replace::replace(&self.path, &flash.image());
         replaced.map_err(|error| Failure::file(Doing::Write, self.name(), &error))
+    }
+
+    /// The parameter set in the flash of this file; `None` where none was ever stored.
+    ///
+    /// # Errors
+    /// Stored sets that are damaged, or of another table: the board's alarm says which, and what helps.
+    pub fn params(&self, flash: &Flash) -> Outcome<Option<Params>> {
+        let mut flash = flash.clone();
+        flash.power(true);
+        let built_in = Params::slant_bed();
+        let up = stored_params(&mut flash, &built_in);
+        let (found, alarm) = match &up {
+            Ok(up) => (Some(up.found), up.found.alarm()),
+            Err(alarm) => (None, Some(*alarm)),
+        };
+        if let Some(alarm) = alarm {
+            let name = self.name();
+            let why = alarm_words(&alarm);
+            return Err(Failure::WrongBecause(both!(
+                "`{name}`: {en}; `leadscrew params restore --state {name}` takes the last good set, `leadscrew params push \
+                 FILE --state {name}` another one",
+                "`{name}`：{zh}；`leadscrew params restore --state {name}` 可采用最后一份完好的参数集，`leadscrew params push \
+                 FILE --state {name}` 可写入另一份",
+                en = why.en,
+                zh = why.zh
+            )));
+        }
+        Ok(match (found, up) {
+            (Some(Found::Newest), Ok(up)) => Some(up.params),
+            _ => None,
+        })
     }
 
     /// The tap journal in the flash of this file.

@@ -121,9 +121,10 @@ fn validate_says_where_what_and_how() {
         "1420.X=13000",
     ]);
     assert_eq!(out.status.code(), Some(0));
+    let all = leadscrew_core::params::Entry::all().len();
     assert_eq!(
         text(&out.stdout),
-        "good: 163 values, 2 of them set here, the others the built-in machine's\n"
+        format!("good: {all} values, 2 of them set here, the others the built-in machine's\n")
     );
 }
 
@@ -343,4 +344,223 @@ fn a_file_without_a_schema_gets_one_in_a_file_of_its_own() {
     );
     let out = leadscrew(&["params", "migrate", &file, "-o", &new, "--json"]);
     assert_eq!(out.status.code(), Some(2), "never over what is there");
+}
+
+/// A file of the flash of a simulated board that is not there yet.
+fn board(name: &str) -> String {
+    let path = machine(name, "");
+    std::fs::remove_file(&path).unwrap();
+    path
+}
+
+#[track_caller]
+fn good(args: &[&str]) -> String {
+    let out = leadscrew(args);
+    assert_eq!(
+        out.status.code(),
+        Some(0),
+        "{args:?}: {}",
+        text(&out.stderr)
+    );
+    text(&out.stdout).to_owned()
+}
+
+#[track_caller]
+fn bad(args: &[&str], code: i32) -> String {
+    let out = leadscrew(args);
+    assert_eq!(
+        out.status.code(),
+        Some(code),
+        "{args:?}: {}",
+        text(&out.stdout)
+    );
+    text(&out.stderr).to_owned()
+}
+
+#[test]
+fn a_board_takes_a_file_whole_and_keeps_it() {
+    let state = board("taken.flash");
+    let file = machine("taken.toml", &LATHE.replace("12 m/min", "11 m/min"));
+    let push = ["params", "push", &file, "--state", &state];
+    let shown = good(&[&push[..], &["--dry-run"]].concat());
+    let expected = "1420.X   rapid_rate.X                    12000 mm/min  → 11000 mm/min\n\
+                    drive X  607Fh:00h max_profile_velocity  10000000      → 500000\n";
+    assert!(shown.starts_with(expected), "{shown}");
+    assert!(shown.ends_with("nothing has been changed (`--dry-run`)\n"));
+    assert!(!std::path::Path::new(&state).exists());
+    let told = good(&push);
+    let (told, end) = told.split_at(expected.len());
+    assert_eq!(told, expected);
+    assert!(end.starts_with("stored and in force, identity "), "{end}");
+    // It is the board's from now on: every command works over it.
+    assert_eq!(
+        text(&leadscrew(&["params", "diff", "--state", &state]).stdout),
+        "1420.X  rapid_rate.X  12000 mm/min  → 11000 mm/min\n"
+    );
+    let got = good(&["params", "get", "1420.X", "--state", &state]);
+    assert!(
+        got.starts_with("1420.X rapid_rate.X = 11000 mm/min\n"),
+        "{got}"
+    );
+    let value: Value =
+        serde_json::from_str(&good(&["status", "--json", "--state", &state])).unwrap();
+    assert_eq!(json!(end[30..38]), value["parameters"]);
+    let program = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../examples/o0008-g75-grooves.nc"
+    );
+    good(&["run", program, "--state", &state]);
+    let told = bad(&["run", program, "--state", &state, "--set", "9007=14"], 2);
+    assert!(
+        told.contains("another machine than the one stored in"),
+        "{told}"
+    );
+    // What a file does not name stays, unless the built-in machine is asked for.
+    good(&[
+        "params",
+        "set",
+        "spindle_tolerance_percent=14",
+        "--state",
+        &state,
+    ]);
+    assert_eq!(
+        good(&["params", "push", "--set", "1420.X=11000", "--state", &state]),
+        "nothing to change\n"
+    );
+    let told = good(&[
+        "params",
+        "push",
+        "--built-in",
+        "--set",
+        "9007=14",
+        "--state",
+        &state,
+        "--lang",
+        "zh",
+    ]);
+    assert!(
+        told.starts_with("1420.X  rapid_rate.X  11000 mm/min  → 12000 mm/min\n已保存并生效"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_wrong_file_is_told_by_place_and_nothing_is_sent() {
+    let state = board("wrong.flash");
+    let file = machine(
+        "wrong.toml",
+        "# mine\n1420.X = \"12 km/h\"\n9007 = \"99 %\"\n",
+    );
+    let told = bad(&["params", "push", &file, "--state", &state], 1);
+    assert!(
+        told.contains(&format!("{file}:2:10")) && told.contains("alarm[4406]"),
+        "{told}"
+    );
+    assert!(
+        told.contains(&format!("{file}:3:8")) && told.contains("alarm[4410]"),
+        "{told}"
+    );
+    let file = machine("fast.push.toml", "1430.X = \"13 m/min\"\n");
+    let told = bad(&["params", "push", &file, "--state", &state], 1);
+    assert!(told.contains("alarm[4422]"), "{told}");
+    assert!(!std::path::Path::new(&state).exists());
+    assert!(bad(&["params", "push", "--state", &state], 2).contains("needs something to send"));
+    assert!(
+        bad(&["params", "push", &file, "--set", "1420.X=14000"], 2).contains("this needs a board")
+    );
+}
+
+#[test]
+fn a_drive_that_refuses_stops_all_of_it() {
+    let state = board("drive.flash");
+    let file = machine(
+        "drive.toml",
+        "9007 = \"14 %\"\n[drive.Z]\nprofile_acceleration = 7000\nmax_profile_velocity = 0\n",
+    );
+    let told = bad(&["params", "push", &file, "--state", &state], 1);
+    assert_eq!(
+        told,
+        "error: drive Z (node 17): writing object 607Fh:00h max_profile_velocity refused with abort code 06090032h (value is \
+         too low); what was written before it has its old value again, and nothing of the board's set has been changed\n"
+    );
+    let out = leadscrew(&["params", "diff", "--state", &state]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stdout));
+    // An object that is not there, one of another type, and a tick that the drives do not have.
+    for (section, part) in [
+        (
+            "[drive.C]\nmax_torque = 5\n",
+            "drive C (node 18): reading object 6072h:00h max_torque refused with abort code 06020000h",
+        ),
+        (
+            "[drive.C]\n6041.0 = { type = \"u8\", value = 1 }\n",
+            "has 2 bytes there, and u8 has 1",
+        ),
+        (
+            "9000 = \"2000 µs\"\n",
+            "drive X interpolates over 1 × 10^-3 s (60C2h), and a setpoint would come every 2000 µs",
+        ),
+    ] {
+        let file = machine("drive.toml", section);
+        let told = bad(&["params", "push", &file, "--state", &state], 1);
+        assert!(told.contains(part), "{told}");
+    }
+    let all = ["X", "Z", "C", "S1", "S2", "S3", "S4"];
+    let sections: String = all
+        .iter()
+        .map(|drive| format!("[drive.{drive}]\ninterpolation_period = \"2 ms\"\n"))
+        .collect();
+    let file = machine("drive.toml", &format!("9000 = \"2000 µs\"\n{sections}"));
+    let told = good(&["params", "push", &file, "--state", &state]);
+    assert!(
+        told.contains("drive S4  60C2h:01h interpolation_value  1        → 2\n"),
+        "{told}"
+    );
+    assert_eq!(
+        good(&["params", "push", &file, "--state", &state]),
+        "nothing to change\n"
+    );
+}
+
+#[test]
+fn a_damaged_set_is_offered_the_last_good_one() {
+    use leadscrew_board_sim::plant::Flash;
+    use leadscrew_store::{Region, Store, block_on};
+    let state = board("damaged.flash");
+    good(&["params", "set", "9007=12", "--state", &state]);
+    good(&["params", "set", "9007=13", "--state", &state]);
+    let flash = Flash::from_image(&std::fs::read(&state).unwrap()).unwrap();
+    let mut store = Store::new(flash).unwrap();
+    block_on(store.write(Region::ParametersB, b"damaged")).unwrap();
+    std::fs::write(&state, store.into_flash().image()).unwrap();
+
+    let status = good(&["status", "--state", &state]);
+    assert!(
+        status.contains("4340 ") && status.contains("params restore"),
+        "{status}"
+    );
+    let program = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../examples/o0008-g75-grooves.nc"
+    );
+    assert!(bad(&["run", program, "--state", &state], 4).contains("damaged"));
+    assert!(
+        bad(
+            &["params", "set", "9007=14", "--state", &state, "--dry-run"],
+            0
+        )
+        .is_empty()
+    );
+    let told = good(&["params", "restore", "--state", &state]);
+    assert!(told.starts_with("stored and in force, identity "), "{told}");
+    assert_eq!(
+        text(&leadscrew(&["params", "diff", "--state", &state]).stdout),
+        "9007  spindle_tolerance_percent  15 %  → 12 %\n"
+    );
+    assert_eq!(
+        good(&["status", "--state", &state]),
+        "no tap is in a hole\n"
+    );
+    good(&["run", program, "--state", &state]);
+    let empty = board("empty.flash");
+    assert!(bad(&["params", "restore", "--state", &empty], 1).contains("no good set from before"));
 }

@@ -122,6 +122,20 @@ impl Settings {
         }
     }
 
+    /// 60C2h for a tick; as it is for one that no 8 bits hold.
+    pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
+        let mut value = tick_us;
+        let mut exponent: i8 = -6;
+        while value > 0 && value % 10 == 0 {
+            value /= 10;
+            exponent = exponent.saturating_add(1);
+        }
+        if value > 0 && value <= 255 {
+            self.period = (value as u8, exponent);
+        }
+        self
+    }
+
     /// It listens to its commands.
     pub(super) const fn takes_commands(&self) -> bool {
         self.command.works()

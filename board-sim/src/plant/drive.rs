@@ -120,6 +120,14 @@ impl Drive {
         }
     }
 
+    /// The same as delivered for a machine with this tick: it interpolates over as long.
+    #[must_use]
+    pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
+        self.settings = self.settings.with_tick(tick_us);
+        self.kept = self.settings;
+        self
+    }
+
     /// Its node.
     #[must_use]
     pub const fn node(&self) -> NodeId {

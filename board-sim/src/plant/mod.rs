@@ -145,7 +145,10 @@ impl Plant {
         .ok_or(PlantError::Latency(Axis::Z))?;
         let tapper = |node, place| {
             let per_turn = params.spindle_increments();
-            Tapper::new(node, staggered(options, place), position, still, per_turn)
+            let mut tapper =
+                Tapper::new(node, staggered(options, place), position, still, per_turn);
+            *tapper.drive() = tapper.drive().with_tick(params.tick_us());
+            tapper
         };
         Ok(Self {
             tappers: [
@@ -162,7 +165,8 @@ impl Plant {
             z: axis_drive(params, options, Axis::Z)?,
             c: axis_drive(params, options, Axis::C)?,
             away: options.away,
-            spindle_drive: Drive::new(NodeId::SPINDLE_1, staggered(options, 3), still),
+            spindle_drive: Drive::new(NodeId::SPINDLE_1, staggered(options, 3), still)
+                .with_tick(params.tick_us()),
             per_turn: params.spindle_increments(),
             position,
             positioning: false,
@@ -359,5 +363,5 @@ pub fn axis_drive(
         options.drives.lag,
     )
     .ok_or(PlantError::Latency(axis))?;
-    Ok(Drive::new(node, staggered(options, axis as u8), follower))
+    Ok(Drive::new(node, staggered(options, axis as u8), follower).with_tick(params.tick_us()))
 }

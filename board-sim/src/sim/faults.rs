@@ -122,6 +122,6 @@ impl Sim {
         let tap = stored_tap(&mut self.flash).map_err(SimError::Board)?;
         let up = stored_params(&mut self.flash, built_in).map_err(SimError::Board)?;
         self.board = Board::power_up(&up, None, tap).map_err(SimError::Board)?;
-        self.start()
+        self.start(None).map(|_| ())
     }
 }

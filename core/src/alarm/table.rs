@@ -521,8 +521,8 @@ codes! {
         "该映像属于参数表 {0}，而控制板的参数表为 {1}：未采用", "请使用同一版本的程序与控制板，或转换参数文件（`leadscrew params migrate`）";
     /// The newest set stored is damaged, and the one before is whole.
     ParametersOlder = 4340, "the newest parameter set stored in the board is damaged: the last good one before it is loaded, and nothing may move",
-        "compare it with the machine's file, then take it (5010h:05 = 1), or push another set",
-        "控制板中最新保存的参数集已损坏：已装入之前最后一份完好的参数集，禁止运动", "请与机床参数文件比较，然后采用该参数集（5010h:05 = 1），或写入另一参数集";
+        "compare it with the machine's file (`leadscrew params diff FILE`), then take it (`leadscrew params restore`, 5010h:05 = 1), or push another set",
+        "控制板中最新保存的参数集已损坏：已装入之前最后一份完好的参数集，禁止运动", "请与机床参数文件比较（`leadscrew params diff FILE`），然后采用该参数集（`leadscrew params restore`，5010h:05 = 1），或写入另一参数集";
     /// Nothing whole is stored, and something was.
     ParametersLost = 4341, "the parameter sets stored in the board are damaged: the built-in set is loaded only to be talked to, and nothing may move",
         "push the machine's parameter set; or take the built-in one (1011h:01 = \"load\") if this is such a machine",

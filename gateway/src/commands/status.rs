@@ -2,6 +2,8 @@
 
 use std::io::Write as _;
 
+use leadscrew_core::link::identity;
+
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
@@ -18,23 +20,40 @@ pub fn run(global: &Global) -> Outcome {
         )));
     };
     let state = StateFile::new(path);
-    let record = state.journal(&state.load()?)?;
+    let flash = state.load()?;
+    let record = state.journal(&flash)?;
+    let (stored, damage) = match state.params(&flash) {
+        Ok(stored) => (stored, None),
+        Err(Failure::WrongBecause(words)) => (None, Some(words)),
+        Err(failure) => return Err(failure),
+    };
     let text = if global.json {
         let mut json = Json::new();
         json.object(|json| {
             json.flag("ok", true);
             json.text("bus", "sim");
+            match &stored {
+                Some(params) => json.text("parameters", &format!("{:08x}", identity(params))),
+                None => json.null("parameters"),
+            }
+            if let Some(words) = &damage {
+                json.text("parameters_alarm", words.get(global.lang()));
+            }
             tapping::fields(record.as_ref(), json);
         });
         let mut bytes = json.into_bytes();
         bytes.push(b'\n');
         bytes
     } else {
-        match record.filter(|record| record.in_hole) {
+        let mut text = match record.filter(|record| record.in_hole) {
             Some(record) => tapping::text(&record, global.lang()),
             None => pick(global.lang(), "no tap is in a hole\n", "没有丝锥在孔里\n").to_owned(),
+        };
+        if let Some(words) = &damage {
+            text.push_str(words.get(global.lang()));
+            text.push('\n');
         }
-        .into_bytes()
+        text.into_bytes()
     };
     std::io::stdout()
         .write_all(&text)

@@ -3,6 +3,7 @@
 //! ```text
 //! trouble   what can go wrong, in words        board    orders, objects with a type
 //! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
+//! params    a parameter set as a transaction   inside   a simulated board in this process, as a bus
 //! ```
 //!
 //! A [`Link`] is one end of a bus and one board on it. Whatever it waits for, it hears everything meanwhile: statuses,
@@ -10,6 +11,8 @@
 
 mod board;
 mod feed;
+mod inside;
+mod params;
 #[cfg(test)]
 mod tests;
 mod transfer;
@@ -25,7 +28,8 @@ use leadscrew_core::bus::{
 
 pub use board::BoardParams;
 pub use feed::Feed;
-pub use trouble::{LinkResult, Trouble, reason};
+pub use inside::Inside;
+pub use trouble::{LinkResult, Trouble, alarm_words, reason};
 
 /// The gateway's own node.
 pub const GATEWAY: u8 = 127;

@@ -1,11 +1,15 @@
 //! What can go wrong between this side and a board: each with the node, the object, the code and what to do.
 
+use std::path::Path;
+
 use leadscrew_can::{CanError, Suspicion};
-use leadscrew_core::alarm::Lang;
+use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::bus::{Abort, Object, SdoError};
 use leadscrew_core::link::Version;
 
+use crate::diagnostics::Diagnostic;
 use crate::failure::Failure;
+use crate::source::SourceFile;
 use crate::words::{Both, both};
 
 /// A result of the link.
@@ -69,6 +73,22 @@ pub enum Trouble {
         write: bool,
         /// How.
         error: SdoError,
+    },
+    /// The board has another parameter table.
+    Table {
+        /// The number.
+        node: u8,
+        /// The board's key.
+        theirs: u32,
+        /// This side's.
+        ours: u32,
+    },
+    /// The board refuses a change of its parameters, or cannot store it.
+    Parameters {
+        /// The number.
+        node: u8,
+        /// Why, where it says so.
+        reason: Option<Alarm>,
     },
     /// The board takes an order and does not say that it did.
     Unconfirmed {
@@ -187,6 +207,20 @@ pub fn reason(error: SdoError) -> Both {
             "timed out, abort code {code:08X}h ({en})",
             "超时，中止代码 {code:08X}h（{zh}）"
         ),
+    }
+}
+
+/// An alarm that a board tells as a reason: number, cause and remedy in one sentence.
+#[must_use]
+pub fn alarm_words(alarm: &Alarm) -> Both {
+    let source = SourceFile::new(Path::new("the board"));
+    let told = |lang| {
+        let told = Diagnostic::new(alarm, &source, lang, false);
+        format!("{:04} {}; {}", told.number, told.message, told.help)
+    };
+    Both {
+        en: told(Lang::En),
+        zh: told(Lang::Zh),
     }
 }
 
@@ -314,6 +348,30 @@ impl Trouble {
                     remedy_zh = remedy.zh
                 )
             }
+            Self::Table { node, theirs, ours } => both!(
+                "node {node} has parameter table {theirs:08X}h (object 1020h:02h), this program has {ours:08X}h (schema {schema}): \
+                 bring board and `leadscrew` to one version; a file goes over with `leadscrew params migrate`",
+                "节点 {node} 的参数表是 {theirs:08X}h（对象 1020h:02h），本程序的是 {ours:08X}h（schema {schema}）：请把控制板和 \
+                 `leadscrew` 更新到同一版本；文件可用 `leadscrew params migrate` 转换",
+                schema = leadscrew_core::params::SCHEMA
+            ),
+            Self::Parameters { node, reason } => {
+                let why = reason.as_ref().map_or_else(
+                    || {
+                        both!(
+                            "it gives no reason; try again, and look at `leadscrew status`",
+                            "它没有给出原因；请重试，并查看 `leadscrew status`"
+                        )
+                    },
+                    alarm_words,
+                );
+                both!(
+                    "node {node} has not taken the parameters, and nothing has been changed: {en}",
+                    "节点 {node} 未接受参数，未作任何改动：{zh}",
+                    en = why.en,
+                    zh = why.zh
+                )
+            }
             Self::Unconfirmed { node, order } => both!(
                 "node {node} does not confirm `{order}` (object 5001h:05h, count of the last order): look at the machine; its \
                  own stop button works without this bus",
@@ -332,6 +390,9 @@ impl Trouble {
 
 impl From<Trouble> for Failure {
     fn from(trouble: Trouble) -> Self {
-        Self::Bus(trouble.words())
+        match trouble {
+            Trouble::Parameters { .. } => Self::WrongBecause(trouble.words()),
+            _ => Self::Bus(trouble.words()),
+        }
     }
 }

@@ -1,8 +1,7 @@
 //! Which version of the parameter table a file was written for, and how an older file becomes one of this version.
 //!
-//! A version counts up when a key that was right becomes wrong, or comes to mean something else: a number renamed or dropped,
-//! another unit, a narrower range. A new number changes nothing for the files there are. A file without `schema` counts as
-//! one of this version: what it says wrongly is told key by key [D119].
+//! A version counts up with every release whose table is another one; the board's storage goes by the same number. A file
+//! without `schema` counts as one of this version: what it says wrongly is told key by key [D119].
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Entry;

@@ -1,13 +1,17 @@
 //! The machine behind the bus: its parameter set counts for everything that is done with a board.
 
+use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_board_sim::{Sim, SimError};
+use leadscrew_can::Address;
 use leadscrew_core::params::Params;
 
-use super::open;
+use super::{node, open};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
-use crate::link::Link;
+use crate::link::{Inside, Link};
 use crate::setup::Setup;
-use crate::words::both;
+use crate::state::{StateFile, stored_set};
+use crate::words::{Both, both};
 
 /// A board that has been greeted, and what is known of it.
 #[derive(Debug)]
@@ -17,22 +21,51 @@ pub struct Machine {
     /// Its parameter set.
     pub params: Params,
     identity: u32,
+    /// The simulated machine behind the link, the file of its flash, and what was in that.
+    inside: Option<(Inside, StateFile, Flash)>,
 }
 
 impl Machine {
-    /// Meets the board of the options and reads its parameter set.
+    /// Meets the board of the options and reads its parameter set. With `sim` it is the one whose flash is in `--state`.
     ///
     /// # Errors
     /// No bus, no board, another version.
     pub fn meet(global: &Global) -> Outcome<Self> {
-        let mut link = open(global)?;
+        let (mut link, inside) = match (&global.bus, &global.state) {
+            (Address::Sim, Some(path)) => {
+                let state = StateFile::new(path);
+                let flash = state.load_or_new()?;
+                let inside = simulated(global, flash.clone())?;
+                let link = Link::on(Box::new(inside.clone()), node(global)?);
+                (link, Some((inside, state, flash)))
+            }
+            _ => (open(global)?, None),
+        };
         link.greet()?;
+        link.check_table()?;
         let set = link.parameters()?;
         Ok(Self {
             link,
             params: set.params,
             identity: set.identity,
+            inside,
         })
+    }
+
+    /// What a simulated board has stored is in its file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(&self) -> Outcome {
+        let Some((inside, state, before)) = &self.inside else {
+            return Ok(());
+        };
+        let flash = inside.sim().flash().clone();
+        if flash.image() == before.image() {
+            Ok(())
+        } else {
+            state.save(&flash)
+        }
     }
 
     /// Refuses options that say otherwise than the board: it would be another machine that is checked than the one that
@@ -53,13 +86,40 @@ impl Machine {
     }
 }
 
-/// The set that files and options are laid over: the board's where a real bus is named.
+/// A simulated board with this flash, on a bus of its own.
+fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
+    let told = |error: SimError| {
+        let reason = match error {
+            SimError::Board(alarm) => crate::link::alarm_words(&alarm),
+            SimError::Plant(error) => Both::same(format!("{error:?}")),
+        };
+        Failure::WrongBecause(both!(
+            "the simulated board does not start: {en}",
+            "模拟控制板无法启动：{zh}",
+            en = reason.en,
+            zh = reason.zh
+        ))
+    };
+    let mut sim = Sim::power_up(&Params::slant_bed(), &PlantOptions::default(), flash)
+        .map(Box::new)
+        .map_err(told)?;
+    sim.join(node(global)?)
+        .map_err(|alarm| told(SimError::Board(alarm)))?;
+    let tick_us = sim.tick_us();
+    Ok(Inside::new(sim, tick_us))
+}
+
+/// The set that files and options are laid over: the board's where a real bus is named, what a simulated one has stored
+/// where its flash is.
 ///
 /// # Errors
-/// No bus, no board, another version.
+/// No bus, no board, another version; a file that is no flash.
 pub fn base(global: &Global) -> Outcome<Option<Params>> {
-    if global.bus == leadscrew_can::Address::Sim {
-        return Ok(None);
+    if global.bus == Address::Sim {
+        let Some(path) = &global.state else {
+            return Ok(None);
+        };
+        return Ok(stored_set(&StateFile::new(path).load_or_new()?));
     }
     Ok(Some(Machine::meet(global)?.params))
 }

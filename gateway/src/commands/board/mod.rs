@@ -23,14 +23,18 @@ pub use status::status;
 
 /// The bus and the number of the options; nothing has been said yet.
 pub fn open(global: &Global) -> Outcome<Link> {
-    let Some(node) = NodeId::new(global.node) else {
-        return Err(Failure::Usage(both!(
+    Ok(Link::open(&global.bus, node(global)?, global.bit_rate()?)?)
+}
+
+/// The board's number.
+fn node(global: &Global) -> Outcome<NodeId> {
+    NodeId::new(global.node).ok_or_else(|| {
+        Failure::Usage(both!(
             "`--node {node}` is not within 1 to 127",
             "`--node {node}` 不在 1 到 127 之内",
             node = global.node
-        )));
-    };
-    Ok(Link::open(&global.bus, node, global.bit_rate()?)?)
+        ))
+    })
 }
 
 /// What the machine is doing, for people.

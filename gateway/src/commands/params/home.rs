@@ -28,7 +28,7 @@ impl Home {
     /// # Errors
     /// No bus, no board, another version.
     pub fn open(global: &Global) -> Outcome<Self> {
-        if global.bus == Address::Sim {
+        if global.bus == Address::Sim && global.state.is_none() {
             return Ok(Self::BuiltIn(Box::default()));
         }
         Ok(Self::Board(Box::new(Machine::meet(global)?)))

@@ -10,6 +10,7 @@ mod list;
 mod migrate;
 mod pull;
 mod push;
+mod restore;
 mod validate;
 mod write;
 
@@ -33,7 +34,8 @@ pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
         ParamsCommand::Docs { eds } => docs::run(global, *eds),
         ParamsCommand::Write(args) => write::run(global, args),
         ParamsCommand::Pull(args) => pull::run(global, args),
-        ParamsCommand::Push(_) => push::run(),
+        ParamsCommand::Push(args) => push::run(global, args),
+        ParamsCommand::Restore(args) => restore::run(global, args),
         ParamsCommand::Diff(args) => diff::run(global, args),
         ParamsCommand::Migrate(args) => migrate::run(global, args),
     }

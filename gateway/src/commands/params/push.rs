@@ -1,12 +1,218 @@
-//! `params push`: a set to a board.
+//! `params push`: a set to a board, as one transaction.
+//!
+//! ```text
+//! read and check the files ─► read the board's set ─► compare ─► may it change now? ─► drives ─► the set ─► read back
+//! ```
+//!
+//! Whatever happens on the way, the board has its old set or the new one. The drives come first: where one of them refuses,
+//! the board's set has not been touched [D122].
 
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::Order;
+use leadscrew_core::link::identity;
+use leadscrew_core::params::Params;
+
+use super::home::Home;
+use super::{drive, print, told_good};
+use crate::cli::{Global, Push};
+use crate::commands::board::Machine;
+use crate::diagnostics::say;
 use crate::failure::{Failure, Outcome};
-use crate::words::both;
+use crate::json::Json;
+use crate::params::difference::{self, Change, DriveChange, changes};
+use crate::params::{self, Loaded};
+use crate::words::{Both, both, pick};
+
+/// Parameter 9026: the board takes it by itself also where it refuses a whole set.
+const WRITE_ENABLE: u16 = 9026;
+
+/// What is to come into force.
+#[derive(Debug)]
+pub struct Wish<'a> {
+    /// Machine files.
+    pub files: &'a [PathBuf],
+    /// Options over them.
+    pub set: &'a [String],
+    /// Over the built-in machine, instead of the board's set.
+    pub built_in: bool,
+    /// Of the board's parameters.
+    pub password: Option<u32>,
+}
+
+/// What has changed.
+#[derive(Debug, Default)]
+pub struct Done {
+    /// Of the set.
+    pub changes: Vec<Change>,
+    /// Of the drives.
+    pub drives: Vec<DriveChange>,
+    /// What is to be said about it.
+    pub notes: Vec<Both>,
+    /// Of the set that is in force then.
+    pub identity: u32,
+    /// A set that was there already has been taken, whether it differs or not.
+    pub restored: bool,
+}
 
 /// Sends what was typed.
-pub fn run() -> Outcome {
-    Err(Failure::Usage(both!(
-        "writing parameters to a board is not available yet",
-        "向控制板写参数尚未提供"
-    )))
+pub fn run(global: &Global, args: &Push) -> Outcome {
+    let files: Vec<_> = global.params.iter().chain(&args.files).cloned().collect();
+    if files.is_empty() && global.set.is_empty() && !args.built_in {
+        return Err(Failure::Usage(both!(
+            "`params push` needs something to send: machine files, `--set NO=VALUE`, or `--built-in`",
+            "`params push` 需要要发送的内容：机床参数文件、`--set NO=VALUE` 或 `--built-in`"
+        )));
+    }
+    let wish = Wish {
+        files: &files,
+        set: &global.set,
+        built_in: args.built_in,
+        password: args.password,
+    };
+    transact(global, &wish)
+}
+
+/// Carries a wish out, or shows what it would do.
+pub fn transact(global: &Global, wish: &Wish) -> Outcome {
+    // What is wrong with the files by themselves needs no board to be told.
+    let alone = load(global, wish, Params::slant_bed())?;
+    if alone
+        .diagnostics
+        .iter()
+        .any(|d| !d.warning && d.number < 4420)
+    {
+        told_good(global, alone)?;
+    }
+    let Home::Board(mut machine) = Home::open(global)? else {
+        return Err(no_board());
+    };
+    let base = if wish.built_in {
+        Params::slant_bed()
+    } else {
+        machine.params.clone()
+    };
+    let wanted = told_good(global, load(global, wish, base)?)?;
+    let done = carry_out(global, &mut machine, &wanted, wish.password);
+    let kept = machine.keep();
+    let done = done?;
+    kept?;
+    tell(global, &done)
+}
+
+/// Nothing that could be written to was named.
+pub fn no_board() -> Failure {
+    Failure::Usage(both!(
+        "this needs a board: name its bus (`--bus can0`), or the flash of a simulated one (`--state FILE`)",
+        "这需要一块控制板：请指定总线（`--bus can0`），或模拟控制板的闪存（`--state FILE`）"
+    ))
+}
+
+fn load(global: &Global, wish: &Wish, base: Params) -> Outcome<Loaded> {
+    params::load_over(Some(base), wish.files, wish.set, global.lang())
+}
+
+fn carry_out(
+    global: &Global,
+    machine: &mut Machine,
+    wanted: &Loaded,
+    password: Option<u32>,
+) -> Outcome<Done> {
+    let old = machine.params.clone();
+    let link = &mut machine.link;
+    let pending = drive::pending(link, &wanted.drives)?;
+    let mut done = Done {
+        changes: changes(&old, &wanted.params),
+        drives: pending.iter().map(drive::Pending::change).collect(),
+        identity: identity(&wanted.params),
+        ..Done::default()
+    };
+    drive::check_periods(link, &wanted.drives, &old, &wanted.params)?;
+    if global.dry_run || done.changes.is_empty() && done.drives.is_empty() {
+        return Ok(done);
+    }
+    link.attend()?;
+    if let Some(password) = password {
+        link.open_parameters(password)?;
+    }
+    let bar = progress(global.lang(), pending.len() + 1);
+    if !pending.is_empty() {
+        link.may_change()?;
+        let alarmed = link.status()?.alarm.is_some();
+        done.notes = drive::apply(link, &pending, &mut || bar.inc(1))?;
+        if done.changes.is_empty() {
+            // The board has noticed that they were silent; there may be an alarm of its own that nobody has seen.
+            if !alarmed {
+                link.order(Order::Reset)?;
+            }
+        } else {
+            link.wait_at_rest()?;
+        }
+    }
+    match done.changes[..] {
+        [] => {}
+        [Change { entry, .. }] if entry.no == WRITE_ENABLE => {
+            link.commit_value(entry, &wanted.params)?;
+        }
+        _ => link.commit(&wanted.params)?,
+    }
+    bar.finish_and_clear();
+    machine.params.clone_from(&wanted.params);
+    Ok(done)
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress(lang: Lang, steps: usize) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
+    // The template is right: it is a constant.
+    if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}") {
+        bar.set_style(style);
+    }
+    bar.set_message(pick(lang, "writing", "写入"));
+    bar
+}
+
+/// Says what has changed, or would.
+pub fn tell(global: &Global, done: &Done) -> Outcome {
+    let lang = global.lang();
+    for note in &done.notes {
+        say(&format!("{}\n", note.get(lang)));
+    }
+    let same = done.changes.is_empty() && done.drives.is_empty() && !done.restored;
+    if global.json {
+        let mut json = Json::new();
+        json.object(|o| {
+            o.flag("ok", true);
+            o.flag("done", !global.dry_run && !same);
+            o.text("parameters", &format!("{:08x}", done.identity));
+            difference::fields(o, &done.changes, &done.drives);
+        });
+        let mut bytes = json.into_bytes();
+        bytes.push(b'\n');
+        return print(&bytes);
+    }
+    if same {
+        return print(pick(lang, "nothing to change\n", "无需更改\n").as_bytes());
+    }
+    let mut text = difference::text(&done.changes, &done.drives, lang);
+    let identity = done.identity;
+    let end = if global.dry_run {
+        both!(
+            "nothing has been changed (`--dry-run`)\n",
+            "未作任何更改（`--dry-run`）\n"
+        )
+    } else {
+        both!(
+            "stored and in force, identity {identity:08x}\n",
+            "已保存并生效，标识 {identity:08x}\n"
+        )
+    };
+    text.push_str(end.get(lang));
+    print(text.as_bytes())
 }

@@ -2,7 +2,8 @@
 
 use leadscrew_can::Address;
 
-use super::{print, push, told_good};
+use super::push::{self, Wish};
+use super::{print, told_good};
 use crate::cli::{Global, Write};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::json::Json;
@@ -15,7 +16,13 @@ use crate::words::{both, pick};
 pub fn run(global: &Global, args: &Write) -> Outcome {
     let set: Vec<String> = global.set.iter().chain(&args.values).cloned().collect();
     if global.bus != Address::Sim || global.state.is_some() {
-        return push::run();
+        let wish = Wish {
+            files: &global.params,
+            set: &set,
+            built_in: false,
+            password: args.password,
+        };
+        return push::transact(global, &wish);
     }
     into_file(global, &set)
 }

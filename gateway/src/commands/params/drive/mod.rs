@@ -1,5 +1,7 @@
 //! The drives' own objects: read, and compared with what they are to be.
 
+mod apply;
+
 use leadscrew_core::bus::{Mapped, Object};
 
 use crate::failure::{Failure, Outcome};
@@ -7,6 +9,8 @@ use crate::link::{Link, Trouble, reason};
 use crate::params::difference::DriveChange;
 use crate::params::drives::{DriveName, Kind, Setting, Wanted, mapping_text, object_text};
 use crate::words::both;
+
+pub use apply::{apply, check_periods};
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]

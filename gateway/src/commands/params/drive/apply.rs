@@ -1,0 +1,235 @@
+//! Writing the drives' own objects, in order, with each read back.
+//!
+//! A drive is written in pre-operational, where CiA 301 lets its PDOs change: the board notices that it is silent and stops,
+//! and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets its old
+//! value back.
+
+use leadscrew_core::bus::{NmtCommand, NodeId, Object, SdoError};
+use leadscrew_core::params::Params;
+
+use super::{Found, Pending, is, read, refused};
+use crate::failure::{Failure, Outcome};
+use crate::link::{Link, LinkResult, Trouble};
+use crate::params::drives::{
+    DriveName, Kind, PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, object_text, period_conflict,
+};
+use crate::words::{Both, both};
+
+/// COB-ID bit 31: the PDO is not used.
+const INVALID: u32 = 1 << 31;
+/// 1010h:01h, and what it takes.
+const STORE: Object = Object::new(0x1010, 1);
+const SAVE: [u8; 4] = *b"save";
+
+/// Refuses a set whose tick is not what the drives interpolate over: those with sections, and where the tick changes, all
+/// that tell it.
+///
+/// # Errors
+/// [`Failure::WrongBecause`]; a drive with a section that does not answer.
+pub fn check_periods(link: &mut Link, settings: &[Setting], old: &Params, new: &Params) -> Outcome {
+    for drive in DriveName::ALL {
+        let wanted = |object| {
+            settings.iter().find_map(|setting| match setting.wanted {
+                Wanted::Number {
+                    object: at, value, ..
+                } if setting.drive == drive && at == object => Some(value),
+                _ => None,
+            })
+        };
+        let named = settings.iter().any(|setting| setting.drive == drive);
+        if !named && old.tick_us() == new.tick_us() {
+            continue;
+        }
+        let mut value_of = |object, kind| match wanted(object) {
+            Some(value) => Ok(Some(value)),
+            None => link
+                .ask(drive.node(), object)
+                .map(|bytes| bytes.and_then(|b| Kind::decode(kind, &b))),
+        };
+        let value = value_of(PERIOD_VALUE, Kind::U8)?;
+        let exponent = match value {
+            None => None,
+            Some(_) => value_of(PERIOD_EXPONENT, Kind::I8)?,
+        };
+        let (Some(value), Some(exponent)) = (value, exponent) else {
+            continue;
+        };
+        if let Some((period, tick)) = period_conflict(value, exponent, new) {
+            return Err(Failure::WrongBecause(both!(
+                "drive {drive} interpolates over {period} (60C2h), and a setpoint would come every {tick} (9000): write \
+                 `interpolation_period` in `[drive.{drive}]`, or leave 9000 as it is; nothing has been changed",
+                "驱动器 {drive} 的插补周期为 {period}（60C2h），而设定值将每 {tick} 到达一次（9000）：请在 `[drive.{drive}]` 中写 \
+                 `interpolation_period`，或不要修改 9000；未作任何改动"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Writes them, each drive in pre-operational, and reads each back. `done` is told of every one.
+///
+/// # Errors
+/// The first that is refused, or does not read back; what was written before it has its old value again.
+pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Outcome<Vec<Both>> {
+    let mut drives: Vec<DriveName> = pending.iter().map(|pending| pending.drive).collect();
+    drives.dedup();
+    drives.sort_unstable();
+    drives.dedup();
+    for drive in &drives {
+        link.send(&[NmtCommand::PreOperational.frame(Some(drive.node()))])?;
+    }
+    for (at, pending_) in pending.iter().enumerate() {
+        let written = write(link, pending_.drive, &pending_.wanted);
+        let wrong = match written {
+            Ok(()) => match read(link, pending_.drive, &pending_.wanted) {
+                Ok(found) if is(&pending_.wanted, &found) => None,
+                Ok(_) => Some(unkept(pending_)),
+                Err(failure) => Some(failure),
+            },
+            Err(trouble) => Some(refused(pending_.drive, &trouble)),
+        };
+        if let Some(failure) = wrong {
+            let back = undo(link, &pending[..=at]);
+            start(link, &drives)?;
+            return Err(with(failure, back));
+        }
+        done();
+    }
+    let mut notes = Vec::new();
+    for drive in &drives {
+        match link.write_of(drive.node(), STORE, &SAVE) {
+            Ok(()) => {}
+            Err(trouble) if trouble.refusal().is_some() => notes.push(both!(
+                "drive {drive} does not keep this by itself (1010h): after it was switched off it has to be pushed again",
+                "驱动器 {drive} 自身不保存这些值（1010h）：断电后需要重新写入"
+            )),
+            Err(trouble) => return Err(trouble.into()),
+        }
+    }
+    start(link, &drives)?;
+    Ok(notes)
+}
+
+/// Gives what was written its old value back, the last first; what cannot be is named.
+fn undo(link: &mut Link, written: &[Pending]) -> Vec<String> {
+    let mut lost = Vec::new();
+    for pending in written.iter().rev() {
+        let old = match (&pending.wanted, &pending.found) {
+            (Wanted::Number { object, kind, .. }, Found::Number(value)) => Wanted::Number {
+                object: *object,
+                kind: *kind,
+                value: *value,
+            },
+            (
+                Wanted::Mapping {
+                    mapping,
+                    communication,
+                    ..
+                },
+                Found::Mapping(objects),
+            ) => Wanted::Mapping {
+                mapping: *mapping,
+                communication: *communication,
+                objects: objects.clone(),
+            },
+            _ => continue,
+        };
+        let as_before = read(link, pending.drive, &old).is_ok_and(|found| is(&old, &found));
+        if !as_before && write(link, pending.drive, &old).is_err() {
+            lost.push(format!("{} {}", pending.drive, object_text(old.object())));
+        }
+    }
+    lost
+}
+
+fn start(link: &mut Link, drives: &[DriveName]) -> LinkResult {
+    for drive in drives {
+        link.send(&[NmtCommand::Start.frame(Some(drive.node()))])?;
+    }
+    Ok(())
+}
+
+fn with(failure: Failure, lost: Vec<String>) -> Failure {
+    let back = if lost.is_empty() {
+        both!(
+            "; what was written before it has its old value again, and nothing of the board's set has been changed",
+            "；之前写入的对象已恢复原值，控制板的参数集未作改动"
+        )
+    } else {
+        both!(
+            "; these did not take their old value back: {lost}. Nothing of the board's set has been changed",
+            "；以下对象未能恢复原值：{lost}。控制板的参数集未作改动",
+            lost = lost.join(", ")
+        )
+    };
+    let join = |words: Both| Both {
+        en: words.en + &back.en,
+        zh: words.zh + &back.zh,
+    };
+    match failure {
+        Failure::WrongBecause(words) => Failure::WrongBecause(join(words)),
+        Failure::Bus(words) => Failure::Bus(join(words)),
+        other => other,
+    }
+}
+
+fn write(link: &mut Link, drive: DriveName, wanted: &Wanted) -> LinkResult {
+    let node = drive.node();
+    match wanted {
+        Wanted::Number {
+            object,
+            kind,
+            value,
+        } => link.write_of(node, *object, &kind.encode(*value)),
+        Wanted::Mapping {
+            mapping,
+            communication,
+            objects,
+        } => {
+            // As CiA 301 has it: the PDO off, its mapping empty, the objects, their number, the PDO on.
+            let cob_id = Object::new(*communication, 1);
+            let count = Object::new(*mapping, 0);
+            let bytes = link.read_of(node, cob_id)?;
+            let mut raw = [0; 4];
+            for (place, byte) in raw.iter_mut().zip(bytes) {
+                *place = byte;
+            }
+            let id = u32::from_le_bytes(raw);
+            link.write_of(node, cob_id, &(id | INVALID).to_le_bytes())?;
+            link.write_of(node, count, &[0])?;
+            for (sub, mapped) in (1..).zip(objects) {
+                let object = Object::new(*mapping, sub);
+                link.write_of(node, object, &mapped.raw().to_le_bytes())?;
+            }
+            link.write_of(node, count, &[objects.len() as u8])?;
+            link.write_of(node, cob_id, &(id & !INVALID).to_le_bytes())
+        }
+    }
+}
+
+fn unkept(pending: &Pending) -> Failure {
+    let change = pending.change();
+    Failure::WrongBecause(both!(
+        "drive {drive} (node {node}): object {object} took {new} and reads back otherwise",
+        "驱动器 {drive}（节点 {node}）：对象 {object} 接受了 {new}，但读回的值不同",
+        drive = pending.drive,
+        node = pending.drive.node().get(),
+        object = change.object,
+        new = change.new
+    ))
+}
+
+impl Link {
+    /// Reads an object that a node may not have; `None` where it does not have it, or says nothing.
+    fn ask(&mut self, node: NodeId, object: Object) -> LinkResult<Option<Vec<u8>>> {
+        match self.read_of(node, object) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(Trouble::Transfer {
+                error: SdoError::TimedOut,
+                ..
+            }) => Ok(None),
+            Err(trouble) if trouble.refusal().is_some() => Ok(None),
+            Err(trouble) => Err(trouble),
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Changing the parameter set of a board: one image, taken whole or not at all.
+
+use std::time::{Duration, Instant};
+
+use leadscrew_core::bus::{BoardState, Object};
+use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::params::{Entry, Params, TABLE_KEY};
+
+use super::board::{IMAGE, PARAMETERS};
+use super::{Link, LinkResult, Trouble};
+
+const TABLE: Object = Object::new(0x1020, 2);
+const STATE: Object = Object::new(0x5010, 2);
+const STORED: Object = Object::new(0x5010, 3);
+const LAST_GOOD: Object = Object::new(0x5010, 4);
+const COMMAND: Object = Object::new(0x5010, 5);
+const PASSWORD: Object = Object::new(0x5010, 6);
+const REASON: Object = Object::new(0x5010, 8);
+
+/// 5010h:02h: it is being stored.
+const UNDER_WAY: u64 = 1;
+/// 5010h:02h: it is stored and in force.
+const DONE: u64 = 2;
+/// 5010h:05h: the last good set.
+const RECALL: u32 = 1;
+
+/// The longest time that storing a set may take: every page erased once, and then some.
+const LONGEST: Duration = Duration::from_secs(10);
+const PAUSE: Duration = Duration::from_millis(5);
+
+impl Link {
+    /// Makes sure that the board has this program's parameter table.
+    ///
+    /// # Errors
+    /// [`Trouble::Table`].
+    pub fn check_table(&mut self) -> LinkResult {
+        let theirs = self.read_number(TABLE)?;
+        if theirs == u64::from(TABLE_KEY) {
+            return Ok(());
+        }
+        Err(Trouble::Table {
+            node: self.node().get(),
+            theirs: theirs as u32,
+            ours: TABLE_KEY,
+        })
+    }
+
+    /// Gives the password that opens writing.
+    ///
+    /// # Errors
+    /// [`Trouble::Parameters`] for a wrong one.
+    pub fn open_parameters(&mut self, password: u32) -> LinkResult {
+        let written = self.write(PASSWORD, &password.to_le_bytes());
+        self.explained(written)
+    }
+
+    /// Asks whether the board would take another set now, and changes nothing: an image without a byte is refused for its
+    /// length at best.
+    ///
+    /// # Errors
+    /// [`Trouble::Parameters`]: at work, protected, or without its password.
+    pub fn may_change(&mut self) -> LinkResult {
+        match self.write(IMAGE, &[]) {
+            Err(trouble) if trouble.is_abort(leadscrew_core::bus::Abort::Length) => Ok(()),
+            written => self.explained(written),
+        }
+    }
+
+    /// Waits until the machine stands: drives that fell silent make it stop.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn wait_at_rest(&mut self) -> LinkResult {
+        let end = Instant::now() + LONGEST;
+        while Instant::now() < end {
+            let state = self.status()?.state;
+            if matches!(
+                state,
+                BoardState::Alarm | BoardState::Starting | BoardState::Idle
+            ) {
+                return Ok(());
+            }
+            self.idle(PAUSE)?;
+        }
+        Ok(())
+    }
+
+    /// Sends a set, and waits until it is stored and in force. The board's identity is read back.
+    ///
+    /// # Errors
+    /// [`Trouble::Parameters`] where the board refuses it or cannot store it: the set before is then in force and stored.
+    pub fn commit(&mut self, params: &Params) -> LinkResult {
+        let mut image = vec![0; ImageWriter::BYTES as usize];
+        // The password, too: a 1 in its place keeps the one there is.
+        ImageWriter::with_password(params).read(0, &mut image);
+        let written = self.write(IMAGE, &image);
+        self.explained(written)?;
+        self.wait_until_stored()?;
+        self.is_in_force(identity(params))
+    }
+
+    /// Writes a single value that the board takes although it refuses a whole set: the write enable.
+    ///
+    /// # Errors
+    /// As [`commit`](Self::commit).
+    pub fn commit_value(&mut self, entry: &Entry, params: &Params) -> LinkResult {
+        let object = Object::new(0x2000 + entry.no, 0);
+        let byte = u8::try_from(params.get(entry)).unwrap_or(0);
+        let written = self.write(object, &[byte]);
+        self.explained(written)?;
+        self.wait_until_stored()?;
+        self.is_in_force(identity(params))
+    }
+
+    /// The identity of the last good set before the one that is stored; `None` where there is none.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn last_good(&mut self) -> LinkResult<Option<u32>> {
+        let raw = self.read_number(LAST_GOOD)?;
+        Ok(u32::try_from(raw).ok().filter(|identity| *identity != 0))
+    }
+
+    /// Takes the last good set into force, and waits until that is stored.
+    ///
+    /// # Errors
+    /// As [`commit`](Self::commit).
+    pub fn recall(&mut self) -> LinkResult {
+        let written = self.write(COMMAND, &RECALL.to_le_bytes()[..1]);
+        self.explained(written)?;
+        self.wait_until_stored()
+    }
+
+    fn wait_until_stored(&mut self) -> LinkResult {
+        let end = Instant::now() + LONGEST;
+        loop {
+            match self.read_number(STATE)? {
+                DONE => return Ok(()),
+                UNDER_WAY if Instant::now() < end => self.idle(PAUSE)?,
+                _ => return Err(self.refused()),
+            }
+        }
+    }
+
+    fn is_in_force(&mut self, expected: u32) -> LinkResult {
+        let in_force = self.parameters_identity()?;
+        let stored = self.read_number(STORED)?;
+        if in_force == expected && stored == u64::from(expected) {
+            return Ok(());
+        }
+        Err(self.strange(PARAMETERS))
+    }
+
+    /// A refusal, with the reason that the board gives for it.
+    fn explained(&mut self, written: LinkResult) -> LinkResult {
+        match written {
+            Err(trouble) if trouble.refusal().is_some() => {
+                let told = self.refused();
+                Err(match told {
+                    Trouble::Parameters {
+                        reason: Some(_), ..
+                    } => told,
+                    _ => trouble,
+                })
+            }
+            written => written,
+        }
+    }
+
+    fn refused(&mut self) -> Trouble {
+        let read = self.read(REASON);
+        let alarm = read
+            .ok()
+            .and_then(|bytes| leadscrew_core::link::decode_alarm(&bytes).ok());
+        Trouble::Parameters {
+            node: self.node().get(),
+            reason: alarm.flatten(),
+        }
+    }
+}
