@@ -126,7 +126,7 @@ impl Settings {
     pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
         let mut value = tick_us;
         let mut exponent: i8 = -6;
-        while value > 0 && value % 10 == 0 {
+        while value > 0 && value.is_multiple_of(10) {
             value /= 10;
             exponent = exponent.saturating_add(1);
         }
