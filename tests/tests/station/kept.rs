@@ -1,15 +1,20 @@
 //! Parameters that outlive the power: what is stored, what a board starts with, and what it says about it.
 
+use core::time::Duration;
+
+use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
-use leadscrew_board_sim::{Sim, keep};
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::station::{CommitState, LOAD, SAVE};
-use leadscrew_core::board::{Board, Event, KeptSet, Mark, Region, StoreError};
-use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError, SdoProtocol};
-use leadscrew_core::link::{ImageWriter, decode_alarm, identity};
+use leadscrew_core::board::{Board, Event, KeptSet, Mark, Output, Region, StoreError};
+use leadscrew_core::bus::{
+    Abort, BoardState, Object, Order, Periods, SdoBuffer, SdoDownload, SdoError, SdoProtocol,
+    SdoUpload,
+};
+use leadscrew_core::link::{EventReader, ImageWriter, decode_alarm, identity};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_store::{Store, block_on};
-use leadscrew_tests::gateway::Gateway;
+use leadscrew_tests::gateway::{Gateway, NODE};
 use leadscrew_tests::machine::calls;
 
 use super::parameters::{IMAGE, parameter, refused, rest, write};
@@ -378,19 +383,13 @@ fn a_write_that_fails_leaves_the_old_set_in_force_and_stored() {
 #[test]
 fn a_set_without_its_mark_is_stored_and_told() {
     let mut board = Board::new(&Params::slant_bed(), None, None).expect("a board");
-    let output = leadscrew_core::board::Output::default();
-    board.join(leadscrew_tests::gateway::NODE).expect("room");
+    let output = Output::default();
+    board.join(NODE).expect("room");
     let save = Object::new(0x1010, 1);
-    let frame = leadscrew_core::bus::SdoDownload::new(
-        leadscrew_tests::gateway::NODE,
-        save,
-        b"save",
-        SdoProtocol::Short,
-        core::time::Duration::from_secs(1),
-        core::time::Duration::ZERO,
-    )
-    .poll(core::time::Duration::ZERO)
-    .expect("a request");
+    let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
+    let frame = SdoDownload::new(NODE, save, b"save", SdoProtocol::Short, patience, now)
+        .poll(now)
+        .expect("a request");
     assert!(!board.receive(&frame));
     let mut buffer = [0; Region::LONGEST];
     let request = board.store().expect("the set");
@@ -405,7 +404,32 @@ fn a_set_without_its_mark_is_stored_and_told() {
     board.stored(Region::ParametersMark, Err(StoreError::Full));
     assert!(!board.station().is_changing());
     assert!(board.store().is_none());
-    board.serve(leadscrew_core::bus::Periods::new(1), &output.setpoint);
-    let mut flash = Flash::erased();
-    keep(&mut board, &mut flash);
+    board.serve(Periods::new(1), &output.setpoint);
+    assert_eq!(board.station().commit_state(), CommitState::Done);
+    let events = transfer(&mut board, Object::new(0x5040, 3));
+    let events: Vec<_> = EventReader::new(&events)
+        .map(|entry| entry.expect("an entry").event)
+        .collect();
+    assert_eq!(alarms(&events), [Code::ParametersUnmarked]);
+}
+
+/// Reads an object of a board that nobody ticks.
+fn transfer(board: &mut Board, object: Object) -> Vec<u8> {
+    let (now, patience) = (Duration::ZERO, Duration::from_secs(1));
+    let output = Output::default();
+    let mut room = vec![0; 4096];
+    let mut sink = SdoBuffer::new(&mut room);
+    let protocol = SdoProtocol::Segmented;
+    let mut upload = SdoUpload::new(NODE, object, &mut sink, protocol, patience, now);
+    while upload.outcome().is_none() {
+        while let Some(frame) = upload.poll(now) {
+            assert!(!board.receive(&frame));
+        }
+        board.serve(Periods::new(0), &output.setpoint);
+        while let Some(frame) = board.transmit() {
+            upload.receive(&frame, now);
+        }
+    }
+    assert_eq!(upload.outcome(), Some(Ok(())));
+    sink.bytes().to_vec()
 }

@@ -177,7 +177,8 @@ impl Shelf {
     pub fn order(&mut self, order: Order) -> bool {
         let command = match order {
             Order::Run => {
-                let waited = self.inbox.run();
+                // A program is forgotten with the parameters that it was sent for.
+                let waited = !self.is_changing() && self.inbox.run();
                 if waited {
                     self.ledger = Ledger::new(self.inbox.program());
                 } else {
