@@ -1,6 +1,6 @@
 //! The link test: an image whose panic handler is an undefined function links only if no panic is reachable.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use anyhow::{Context, Result, bail};
@@ -19,7 +19,7 @@ pub fn audit() -> Result<()> {
             Outcome::PanicReachable => {
                 println!("{profile}: a panic is reachable");
                 link(profile, Some("diagnose"))?;
-                let ways = callgraph::ways_to_panic(&image(profile))?;
+                let ways = callgraph::ways_to_panic(&image(profile, "link"))?;
                 bail!("what runs on a board can panic:\n{}", ways.join("\n"));
             }
         }
@@ -31,7 +31,7 @@ pub fn audit() -> Result<()> {
         }
     }
     link("release", Some("self-test,diagnose"))?;
-    let ways = callgraph::ways_to_panic(&image("release"))?;
+    let ways = callgraph::ways_to_panic(&image("release", "link"))?;
     match ways.as_slice() {
         [way] if way.contains("reachable_panic") => {
             println!("self-test: a panic put in on purpose is found:\n{way}");
@@ -46,6 +46,22 @@ pub fn audit() -> Result<()> {
 enum Outcome {
     Linked,
     PanicReachable,
+}
+
+/// Bytes of flash and of RAM of the image that holds what a board needs and nothing else of the core: neither the hardware's
+/// part nor stacks.
+pub fn of_board() -> Result<(u64, u64)> {
+    let build = [
+        "build",
+        "--quiet",
+        "--release",
+        "--package",
+        "audit",
+        "--bin",
+        "board",
+    ];
+    run::show(run::cargo(&run::firmware(), &build))?;
+    bytes(&image("release", "board"))
 }
 
 fn link(profile: &str, feature: Option<&str>) -> Result<Outcome> {
@@ -75,17 +91,25 @@ fn link(profile: &str, feature: Option<&str>) -> Result<Outcome> {
     bail!("the link image does not build:\n{errors}")
 }
 
-fn image(profile: &str) -> PathBuf {
+fn image(profile: &str, name: &str) -> PathBuf {
     run::firmware()
         .join("target")
         .join(target::TARGET)
         .join(profile)
-        .join("link")
+        .join(name)
 }
 
 /// Bytes of flash and RAM that the image takes, for reading along.
 fn size(profile: &str) -> Result<String> {
-    let data = std::fs::read(image(profile))?;
+    let (flash, ram) = bytes(&image(profile, "link"))?;
+    Ok(format!(
+        "{flash} bytes of code and constants, {ram} of variables"
+    ))
+}
+
+/// Bytes of what is read only, and of what is not.
+fn bytes(image: &Path) -> Result<(u64, u64)> {
+    let data = std::fs::read(image)?;
     let file = object::File::parse(data.as_slice())?;
     let (mut flash, mut ram) = (0_u64, 0_u64);
     for section in file.sections() {
@@ -101,7 +125,5 @@ fn size(profile: &str) -> Result<String> {
             flash += section.size();
         }
     }
-    Ok(format!(
-        "{flash} bytes of code and constants, {ram} of variables"
-    ))
+    Ok((flash, ram))
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow, bail};
 
-use crate::{run, target};
+use crate::{audit, run, target};
 
 /// What a whole tick may cost: X, Z, C and a spindle in any motion, and what lies between two motions.
 const TICK_LIMIT: u64 = 2000;
@@ -74,7 +74,14 @@ pub fn measure() -> Result<Vec<Row>> {
             known.mean
         );
     }
-    Ok(rows)
+    let (flash, ram) = audit::of_board()?;
+    let of_image = |name: &str, bytes| Row {
+        name: format!("bytes/{name}"),
+        mean: bytes,
+        worst: bytes,
+    };
+    let sizes = [of_image("image-flash", flash), of_image("image-ram", ram)];
+    Ok(rows.into_iter().chain(sizes).collect())
 }
 
 /// Builds an image. Gives where it is.

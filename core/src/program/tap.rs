@@ -191,7 +191,7 @@ impl State<'_> {
     /// The words that stay.
     fn read_kept(&self, block: &Block, kept: &mut Kept) -> Result<(), Alarm> {
         const LONGEST_DWELL: u32 = 99_999_999;
-        const FASTEST: i64 = 99_999;
+        const FASTEST: u32 = 99_999;
         let (absolute, increment) = letters_of(kept.axis);
         let length = |word: &Word| match kept.axis {
             TapAxis::X => self.scale.radius(word),
@@ -213,6 +213,13 @@ impl State<'_> {
             not_negative(&word)?;
             kept.back = Some(self.scale.distance(&word, Range::NINE_DIGITS)?);
         }
+        // A return from pecks that are not made: D is more than Q, which is 0 [D141].
+        if let Some(back) = &kept.back
+            && kept.infeed.value == Length::ZERO
+            && back.value > Length::ZERO
+        {
+            return Err(Alarm::new(Code::TapDepth, back.span).word(b'D'));
+        }
         if let Some(word) = block.find(b'P') {
             kept.dwell = Millis::new(word.count(LONGEST_DWELL)?);
         }
@@ -229,10 +236,8 @@ impl State<'_> {
         }
         if let Some(word) = block.find(b'J') {
             not_negative(&word)?;
-            kept.extract = match word.value.scaled(0) {
-                Ok(rpm @ 0..=FASTEST) => Some(rpm as u32),
-                _ => return Err(word.out_of_range(Arg::Int(0), Arg::Int(FASTEST))),
-            };
+            // A spindle speed, written as S is: without a point [D141].
+            kept.extract = Some(word.count(FASTEST)?);
         }
         if let Some(word) = block.find(b'E') {
             let spindle = TapSpindle::new(word.count(u32::MAX)?);

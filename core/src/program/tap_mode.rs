@@ -29,8 +29,8 @@ pub(super) fn rigid_code(params: &Params) -> u8 {
 pub(super) struct Tapping {
     /// S of rigid mode, signed, never zero; `None` outside it.
     pub(super) rigid: Option<Rpm>,
-    /// The rigid M code stood in the block before.
-    armed: bool,
+    /// The rigid M code, where it stood in the block before.
+    armed: Option<Span>,
     /// The cycle in force.
     pub(super) cycle: Option<Kept>,
     /// M24–M27.
@@ -45,7 +45,7 @@ impl Tapping {
     pub(super) const fn new() -> Self {
         Self {
             rigid: None,
-            armed: false,
+            armed: None,
             cycle: None,
             spindle: TapSpindle::First,
             locked: None,
@@ -81,11 +81,12 @@ impl Tapping {
         }
     }
 
-    /// Refuses the end of the text while a tap stands in its hole.
+    /// Refuses the end of the text while a tap stands in its hole, or right behind the rigid M code [D141].
     pub(super) fn refuse_left(&self) -> Result<(), Alarm> {
-        match &self.locked {
-            Some((_, span)) => Err(Alarm::new(Code::TapLeftInHole, *span)),
-            None => Ok(()),
+        match (&self.locked, self.armed) {
+            (Some((_, span)), _) => Err(Alarm::new(Code::TapLeftInHole, *span)),
+            (None, Some(span)) => Err(Alarm::new(Code::TapModePlace, span)),
+            (None, None) => Ok(()),
         }
     }
 }
@@ -211,7 +212,7 @@ impl State<'_> {
     /// The cycle is over, and rigid mode with it: true where that was on. Its S is cleared ([G84/G88 sheet], note 5); S and
     /// M03 of an ordinary tap are the spindle's own and stay [D95].
     pub(super) fn end_taps(&mut self) -> bool {
-        self.tapping.armed = false;
+        self.tapping.armed = None;
         self.tapping.cycle = None;
         let rigid = self.tapping.rigid.take().is_some();
         if rigid {
@@ -260,14 +261,14 @@ impl State<'_> {
 
     /// Behind the rigid M code: G84 or G88 and nothing else.
     fn refuse_before_cycle(&mut self, block: &Block, codes: &Codes) -> Result<(), Alarm> {
-        if !self.tapping.armed {
+        if self.tapping.armed.is_none() {
             return Ok(());
         }
         if let Some(word) = &codes.rigid {
             return Err(self.misplaced(word.alarm(Code::TapModePlace)));
         }
         if codes.tap.is_some() {
-            self.tapping.armed = false;
+            self.tapping.armed = None;
             return Ok(());
         }
         let dwells = codes
@@ -299,7 +300,7 @@ impl State<'_> {
         }
         let rpm = self.tap_speed(block.find(b'S'), word.span)?;
         self.begin_position_mode(rpm);
-        self.tapping.armed = true;
+        self.tapping.armed = Some(word.span);
         plan.rigid(
             word.span,
             SpindleCall::rigid(rpm, self.spindle_choice(None)),

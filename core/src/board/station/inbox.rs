@@ -16,8 +16,8 @@ use crate::bus::Abort;
 use crate::link::{Batch, BatchError, CALL_BYTES, decode_call};
 use crate::program::{Call, CallKind};
 
-/// Bytes of program that a board keeps ahead of its planner.
-pub const PROGRAM_BYTES: usize = 4096;
+/// Bytes of program that a board keeps ahead of its planner: four of the longest batches, a hundred short moves and more.
+pub const PROGRAM_BYTES: usize = 2048;
 
 /// How far a program has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

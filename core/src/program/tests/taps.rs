@@ -177,7 +177,7 @@ fn pecks_and_their_return() {
             TapForm::Deep(_) => panic!("deep"),
         };
     assert_eq!(peck("", ""), None);
-    assert_eq!(peck("Q0", "D3"), None);
+    assert_eq!(peck("Q0", "D0"), None);
     assert_eq!(peck("Q4", ""), Some((mm(4), mm(1))));
     assert_eq!(peck("Q4", "D2.5"), Some((mm(4), um(2_500))));
     assert_eq!(peck("Q.5", ""), Some((um(500), um(500))));
@@ -187,6 +187,25 @@ fn pecks_and_their_return() {
         panic!("{deep:?}")
     };
     assert_eq!(deep.back.value, um(300));
+}
+
+#[test]
+fn words_that_would_do_nothing_are_refused() {
+    let alarm = |text: &str| {
+        let (_, alarm) = read_with(text.as_bytes(), &machine(&[]), Options::default());
+        alarm.map(|alarm| (alarm.number(), alarm.span.line, alarm.span.column))
+    };
+    // A return from pecks without pecks, also where Q came to be 0 afterwards.
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 D3"), Some((207, 2, 12)));
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 Q0 D3"), Some((207, 2, 15)));
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 Q4 D3\nX5 Q0"), Some((207, 2, 15)));
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 D0"), None);
+    // J is a spindle speed, and written like one.
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 J12.0"), Some((4023, 2, 12)));
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9 J12"), None);
+    // Rigid mode that no cycle follows.
+    assert_eq!(alarm("M29 S9"), Some((203, 1, 1)));
+    assert_eq!(alarm("M29 S9\nG84 Z-9 F9"), None);
 }
 
 #[test]
@@ -289,9 +308,9 @@ fn the_spindle_that_taps() {
     let (kinds, _) = kinds_on(&[("5200.0", "1")], "M26\nG84 Z-9 F9 S9 E4");
     let rigid = SpindleCall::rigid(Rpm::new(9), e4);
     assert_eq!(kinds[1], CallKind::Spindle(rigid));
-    let (kinds, _) = kinds_on(&[], "M25 M29 M8 S9");
+    let (kinds, _) = kinds_on(&[], "M25 M29 M8 S9\nG84 Z-9 F9");
     assert_eq!(
-        kinds,
+        kinds[..3],
         [
             CallKind::Aux(Aux::M(8)),
             CallKind::Aux(Aux::M(25)),
@@ -428,7 +447,7 @@ fn nothing_turns_faster_than_5241() {
         let (_, alarm) = read_with(text.as_bytes(), &machine(values), Options::default());
         alarm.map(|alarm| alarm.number())
     };
-    assert_eq!(number(values, "M29 S1500"), None);
+    assert_eq!(number(values, "M29 S1500\nG84 Z-9 F900"), None);
     assert_eq!(number(values, "M29 S1501"), Some(200));
     assert_eq!(number(values, "M29 S-1501"), Some(200));
     // The spindle's own limit holds too.

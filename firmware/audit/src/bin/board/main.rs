@@ -3,6 +3,7 @@
 //! What a board takes of flash: everything that runs on one, and nothing else of the core. Never run; its size is in the
 //! table, and each step is a function of its own, so that its stack can be read from the image.
 
+use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 use core::ptr::addr_of_mut;
 
@@ -11,16 +12,13 @@ use leadscrew_core::board::{Board, Output, Region};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
 
-static mut BOARD: Option<Board> = None;
-static mut OUTPUT: Option<Output> = None;
+static mut BOARD: MaybeUninit<Board> = MaybeUninit::uninit();
+static mut OUTPUT: MaybeUninit<Output> = MaybeUninit::uninit();
 
 /// Where the image begins.
 #[unsafe(no_mangle)]
 pub extern "C" fn entry() {
-    start();
-    // SAFETY: nothing else has a reference to either.
-    let (board, output) = unsafe { (&mut *addr_of_mut!(BOARD), &mut *addr_of_mut!(OUTPUT)) };
-    let (Some(board), Some(output)) = (board, output) else {
+    let Some((board, output)) = start() else {
         return;
     };
     while any() {
@@ -34,14 +32,12 @@ pub extern "C" fn entry() {
 }
 
 #[inline(never)]
-fn start() {
+fn start() -> Option<(&'static mut Board, &'static mut Output)> {
     // The set a board is delivered with; any other comes over the bus.
-    let board = Board::new(&Params::slant_bed(), any(), any());
-    // SAFETY: nothing has a reference to them yet.
-    unsafe {
-        *addr_of_mut!(BOARD) = board.ok();
-        *addr_of_mut!(OUTPUT) = Some(Output::default());
-    }
+    let board = Board::new(&Params::slant_bed(), any(), any()).ok()?;
+    // SAFETY: done once, and nothing has a reference to them yet.
+    let (place, output) = unsafe { (&mut *addr_of_mut!(BOARD), &mut *addr_of_mut!(OUTPUT)) };
+    Some((place.write(board), output.write(Output::default())))
 }
 
 #[inline(never)]
