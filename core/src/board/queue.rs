@@ -148,11 +148,20 @@ impl SegmentOut<'_> {
 
     /// Lets the oldest one go, its plan with it.
     pub fn take(&mut self) {
-        if let Some(oldest) = take(&mut self.segments)
-            && matches!(oldest.action, Action::Planned)
-        {
+        // Looked at before it goes: taken out to be looked at it would be copied.
+        let planned = self
+            .head()
+            .is_some_and(|oldest| matches!(oldest.action, Action::Planned));
+        take(&mut self.segments);
+        if planned {
             take(&mut self.plans);
         }
+    }
+
+    /// The oldest one, without its plan.
+    #[must_use]
+    pub fn head(&self) -> Option<&Segment> {
+        self.segments.peek()
     }
 
     /// Lets all of them go, and every plan. Nothing is put in meanwhile.

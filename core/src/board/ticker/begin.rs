@@ -24,7 +24,7 @@ impl Ticker {
             return None;
         }
         let epoch = self.epoch;
-        let next = ends.segments.peek()?.segment;
+        let next = ends.segments.head()?;
         if next.epoch != epoch {
             return None;
         }
@@ -205,9 +205,7 @@ impl Ticker {
     /// A segment waits that still counts.
     pub(super) fn is_next(&self, ends: &Ends<'_, '_>) -> bool {
         let epoch = self.epoch;
-        ends.segments
-            .peek()
-            .is_some_and(|next| next.segment.epoch == epoch)
+        ends.segments.head().is_some_and(|next| next.epoch == epoch)
     }
 
     /// The retract behind a stroke is next: nothing rests here.
@@ -215,7 +213,7 @@ impl Ticker {
         !self.paused
             && ends
                 .segments
-                .peek()
-                .is_some_and(|next| next.segment.stops.hold_not_before)
+                .head()
+                .is_some_and(|next| next.stops.hold_not_before)
     }
 }

@@ -87,7 +87,7 @@ impl Ticker {
         &mut self,
         ends: &mut Ends<'_, '_>,
     ) -> Option<(u32, u32, Motion)> {
-        let next = ends.segments.peek()?.segment;
+        let next = ends.segments.head()?;
         let waits =
             matches!(next.action, Action::Spindle(_)) && self.operator.signals.rgtap == Some(true);
         if !waits {

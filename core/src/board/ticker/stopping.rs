@@ -107,7 +107,7 @@ impl Ticker {
 
     /// Drops what was queued before the last start, one entry a tick.
     pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
-        let segment = ends.segments.peek().map(|oldest| oldest.segment.epoch);
+        let segment = ends.segments.head().map(|oldest| oldest.epoch);
         if segment.is_some_and(|epoch| epoch != self.epoch) {
             ends.segments.take();
         }
