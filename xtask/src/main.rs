@@ -18,6 +18,7 @@ mod licences;
 mod rules;
 mod run;
 mod setup;
+mod sizes;
 mod soak;
 mod target;
 mod test;
@@ -43,6 +44,7 @@ usage: cargo xtask COMMAND
   bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
              firmware/mps2-an386/hashes.txt (--write renews it)
   soak       a machine at work for ten million ticks, disturbed at random (--ticks N --seed S)
+  sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings and with every link alive
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
@@ -73,6 +75,8 @@ fn main() -> ExitCode {
         ["bits", "--write"] => setup::everything().and_then(|()| bits::bits(true)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),
         ["soak", rest @ ..] => soak::soak(rest),
+        ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
+        ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),
         ["licences"] => licences::check(),
         ["rules"] => rules::check(),

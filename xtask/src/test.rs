@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, docs, emulated, emulator, licences, rules, run, setup, target,
+    audit, bits, canopen, docs, emulated, emulator, licences, rules, run, setup, sizes, target,
     vcan as bus,
 };
 
@@ -49,6 +49,21 @@ pub fn test() -> Result<()> {
                 "-D",
                 "warnings",
             ],
+        ))?;
+        run::show(run::cargo(
+            &firmware,
+            &[
+                "clippy",
+                "--release",
+                "--package",
+                "nucleo-g474re",
+                "--features",
+                "defmt",
+                "--quiet",
+                "--",
+                "-D",
+                "warnings",
+            ],
         ))
     })?;
     clock.step("tests with overflow checks", || tests(&mut counts, &[]))?;
@@ -77,6 +92,7 @@ pub fn test() -> Result<()> {
     clock.step("the emulated board on a bus", || {
         on_the_board(&mut counts, "")
     })?;
+    clock.step("images of the boards", || sizes::sizes(false))?;
     clock.step("documentation", docs::check)?;
     clock.step("tests in release, full volume", || {
         tests(&mut counts, &["--release"])

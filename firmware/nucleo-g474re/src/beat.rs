@@ -1,0 +1,48 @@
+//! The beat of SYNC: TIM6.
+
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use embassy_stm32::pac::TIM6;
+use embassy_stm32::pac::timer::vals::Urs;
+use embassy_stm32::peripherals;
+use embassy_stm32::{Peri, rcc};
+
+use crate::clock::CORE_MHZ;
+
+/// Prepares the timer for a period in microseconds, 1 to 65 536, and lets its interrupt through, above everything else.
+pub fn start(_timer: Peri<'static, peripherals::TIM6>, period_us: u32) {
+    rcc::enable_and_reset::<peripherals::TIM6>();
+    TIM6.psc().write_value((CORE_MHZ - 1) as u16);
+    set(period_us);
+    // Setting it up is no beat.
+    TIM6.cr1().write(|w| {
+        w.set_urs(Urs::COUNTER_ONLY);
+        w.set_arpe(true);
+    });
+    TIM6.egr().write(|w| w.set_ug(true));
+    TIM6.dier().write(|w| w.set_uie(true));
+    interrupt::TIM6_DAC.set_priority(Priority::P0);
+    // SAFETY: what its handler uses is in place.
+    unsafe { interrupt::TIM6_DAC.enable() };
+    TIM6.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Another period, from the next beat on.
+pub fn set(period_us: u32) {
+    let last = period_us.saturating_sub(1).min(u16::MAX.into());
+    TIM6.arr().write(|w| w.set_arr(last as u16));
+}
+
+/// The handler has begun.
+pub fn begun() {
+    TIM6.sr().write(|w| w.set_uif(false));
+}
+
+/// The period.
+pub fn period_us() -> u32 {
+    u32::from(TIM6.arr().read().arr()) + 1
+}
+
+/// Microseconds since the last beat.
+pub fn since_us() -> u32 {
+    TIM6.cnt().read().cnt().into()
+}

@@ -1,0 +1,201 @@
+//! The CAN controller FDCAN1, register by register: classic frames, a hardware queue of three, no automatic way back from
+//! bus-off.
+//!
+//! Why not the driver of the chip's support crate: it hands frames over through channels that mask all interrupts, and the
+//! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
+//!
+//! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
+//! have missed setpoints must not get new ones out of nowhere. What is told is its state.
+
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
+use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
+use embassy_stm32::pac::{FDCAN1, FDCANRAM1};
+use embassy_stm32::peripherals;
+use embassy_stm32::{Peri, interrupt, rcc};
+use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
+use leadscrew_parts::BitTiming;
+
+/// Words of an element of the message memory.
+const ELEMENT: usize = 18;
+/// Words of the message memory of one controller.
+const WORDS: usize = 212;
+/// Places for frames to be sent, and in the first queue of received ones.
+const PLACES: u8 = 3;
+/// Function of the two pins.
+const AF_FDCAN: u8 = 9;
+
+/// Places for frames to be sent, a bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Places(pub u32);
+
+impl Places {
+    /// All of them.
+    pub const ALL: Self = Self((1 << PLACES) - 1);
+
+    /// How many these are.
+    pub const fn count(self) -> u8 {
+        self.0.count_ones() as u8
+    }
+
+    /// True for none.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// Starts the controller. Its pins and its interrupts stay its own.
+pub fn start(
+    _controller: Peri<'static, peripherals::FDCAN1>,
+    rx: Peri<'static, peripherals::PA11>,
+    tx: Peri<'static, peripherals::PA12>,
+    timing: BitTiming,
+) {
+    let mut pin = Flex::new(rx);
+    pin.set_as_af_unchecked(AF_FDCAN, AfType::input(Pull::Up));
+    core::mem::forget(pin);
+    let mut pin = Flex::new(tx);
+    pin.set_as_af_unchecked(
+        AF_FDCAN,
+        AfType::output(OutputType::PushPull, Speed::VeryHigh),
+    );
+    core::mem::forget(pin);
+
+    rcc::enable_and_reset::<peripherals::FDCAN1>();
+    FDCAN1.cccr().modify(|w| w.set_init(true));
+    while !FDCAN1.cccr().read().init() {}
+    FDCAN1.cccr().modify(|w| w.set_cce(true));
+    let memory = FDCANRAM1.as_ptr().cast::<u32>();
+    for word in 0..WORDS {
+        // SAFETY: the memory of this controller has so many words, and nobody else uses it.
+        unsafe { memory.add(word).write_volatile(0) };
+    }
+    FDCAN1.nbtp().write(|w| {
+        w.set_nbrp(timing.prescaler - 1);
+        w.set_ntseg1(timing.before - 1);
+        w.set_ntseg2(timing.after - 1);
+        w.set_nsjw(timing.jump - 1);
+    });
+    // Every standard data frame is heard; extended and remote ones are nobody's here.
+    FDCAN1.rxgfc().write(|w| {
+        w.set_anfs(Anfs::ACCEPT_FIFO_0);
+        w.set_anfe(Anfe::REJECT);
+        w.set_rrfs(true);
+        w.set_rrfe(true);
+    });
+    FDCAN1.txbc().write(|w| w.set_tfqm(Tfqm::QUEUE));
+    // A place that becomes free, by being sent or called back, is told.
+    FDCAN1.txbtie().write(|w| w.0 = 0b111);
+    FDCAN1.txbcie().write(|w| w.0 = 0b111);
+    FDCAN1.ie().write(|w| {
+        w.set_rfne(0, true);
+        w.set_rfle(0, true);
+        w.set_tce(true);
+        w.set_tcfe(true);
+        w.set_boe(true);
+    });
+    FDCAN1.ile().write(|w| w.set_eint0(true));
+    FDCAN1.cccr().modify(|w| w.set_cce(false));
+    FDCAN1.cccr().modify(|w| w.set_init(false));
+}
+
+/// Where the transmit elements begin.
+const TRANSMIT: usize = 158;
+/// Where the first receive queue begins.
+const RECEIVE: usize = 44;
+
+/// A word of the message memory.
+fn word(at: usize) -> *mut u32 {
+    FDCANRAM1.as_ptr().cast::<u32>().wrapping_add(at)
+}
+
+/// Puts a frame into the controller; its place comes back, or `None` where there is none. Not to be interrupted by itself.
+pub fn put(frame: &Frame) -> Option<Places> {
+    let state = FDCAN1.txfqs().read();
+    if state.tfqf() {
+        return None;
+    }
+    let place = state.tfqpi().min(PLACES - 1);
+    let payload = frame.payload();
+    let mut bytes = [0; 8];
+    for (to, byte) in bytes.iter_mut().zip(payload) {
+        *to = *byte;
+    }
+    let [a, b, c, d, e, f, g, h] = bytes;
+    let words = [
+        u32::from(frame.id().get()) << 18,
+        (payload.len() as u32) << 16,
+        u32::from_le_bytes([a, b, c, d]),
+        u32::from_le_bytes([e, f, g, h]),
+    ];
+    let element = TRANSMIT + usize::from(place) * ELEMENT;
+    for (at, value) in (element..).zip(words) {
+        // SAFETY: an element of this controller's memory, at a place that is free.
+        unsafe { word(at).write_volatile(value) };
+    }
+    let place = Places(1 << place);
+    FDCAN1.txbar().write(|w| w.0 = place.0);
+    Some(place)
+}
+
+/// A frame that has been received.
+pub fn take() -> Option<Frame> {
+    let state = FDCAN1.rxfs(0).read();
+    if state.ffl() == 0 {
+        return None;
+    }
+    let place = state.fgi().min(PLACES - 1);
+    let element = RECEIVE + usize::from(place) * ELEMENT;
+    // SAFETY: an element of this controller's memory, which it does not touch until it is given back.
+    let [head, length, low, high] =
+        [0, 1, 2, 3].map(|at| unsafe { word(element + at).read_volatile() });
+    FDCAN1.rxfa(0).write(|w| w.set_fai(place));
+    let [a, b, c, d] = low.to_le_bytes();
+    let [e, f, g, h] = high.to_le_bytes();
+    let bytes = [a, b, c, d, e, f, g, h];
+    let length = ((length >> 16) & 0xF).min(8) as usize;
+    let id = CobId::new(((head >> 18) & 0x7FF) as u16)?;
+    Frame::new(id, bytes.get(..length)?)
+}
+
+/// Takes note of the interrupts. True where a frame was received while there was no place for it.
+pub fn acknowledge() -> bool {
+    let reasons = FDCAN1.ir().read();
+    FDCAN1.ir().write_value(reasons);
+    reasons.rfl(0)
+}
+
+/// Places whose frame has not been sent yet.
+pub fn pending() -> Places {
+    Places(FDCAN1.txbrp().read().0 & Places::ALL.0)
+}
+
+/// Calls the frames in these places back, but for one that is on the wire already.
+pub fn call_back(places: Places) {
+    FDCAN1.txbcr().write(|w| w.0 = places.0);
+}
+
+/// How it stands on the bus.
+pub fn controller() -> Controller {
+    let (state, errors) = (FDCAN1.psr().read(), FDCAN1.ecr().read());
+    Controller {
+        state: match (state.bo(), state.ep()) {
+            (true, _) => BusState::Off,
+            (false, true) => BusState::Passive,
+            (false, false) => BusState::Active,
+        },
+        errors: ErrorCounts {
+            sending: errors.tec(),
+            receiving: errors.rec(),
+        },
+    }
+}
+
+/// Takes part again after bus-off: behind 129 times eleven recessive bits.
+pub fn rejoin() {
+    FDCAN1.cccr().modify(|w| w.set_init(false));
+}
+
+/// Lets the interrupt run as soon as nothing more urgent does.
+pub fn poke() {
+    cortex_m::peripheral::NVIC::pend(interrupt::FDCAN1_IT0);
+}

@@ -1,0 +1,110 @@
+//! The spindle encoder: TIM2 counts, TIM5 keeps the time.
+//!
+//! | | |
+//! |---|---|
+//! | TIM2 channels 1, 2 | lines A and B, every edge counted, 32 bits |
+//! | TIM2 channel 3 | the index: the hardware keeps the count at its rising edge |
+//! | TIM2 → TIM5 | a pulse at every count; TIM5 runs freely at the processor's clock and keeps its value at the pulse |
+//!
+//! So the time of the last edge needs no wire and no interrupt. The index is filtered longer than the lines: it comes
+//! together with an edge, and the count behind it is the one that belongs to it, whatever the direction.
+
+use embassy_stm32::gpio::{AfType, Flex, Pull};
+use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
+use embassy_stm32::pac::{TIM2, TIM5};
+use embassy_stm32::peripherals;
+use embassy_stm32::{Peri, rcc};
+use leadscrew_core::spindle::EncoderSample;
+use leadscrew_parts::{EdgeClock, Reading};
+
+use crate::clock::CORE_MHZ;
+
+/// Function of the three pins.
+const AF_TIM2: u8 = 1;
+
+/// 16 clocks, 94 ns: shorter pulses of A and B are noise.
+const LINES: FilterValue = FilterValue::FDTS_DIV2_N8;
+/// 128 clocks, 753 ns: behind any edge that comes with the index, and before the next one up to a million counts a second.
+const INDEX: FilterValue = FilterValue::FDTS_DIV16_N8;
+
+/// Clocks from a count to the moment at which TIM5 has kept its time, and some.
+const CAPTURE_CLOCKS: u32 = 8;
+
+/// The encoder, read by the tick.
+pub struct Encoder {
+    edges: EdgeClock,
+}
+
+impl Encoder {
+    /// Starts both timers. The lines have pull-ups: an encoder with open collectors needs no more.
+    pub fn start(
+        _counter: Peri<'static, peripherals::TIM2>,
+        _clock: Peri<'static, peripherals::TIM5>,
+        a: Peri<'static, peripherals::PA0>,
+        b: Peri<'static, peripherals::PA1>,
+        index: Peri<'static, peripherals::PB10>,
+    ) -> Self {
+        for mut pin in [Flex::new(a), Flex::new(b), Flex::new(index)] {
+            pin.set_as_af_unchecked(AF_TIM2, AfType::input(Pull::Up));
+            core::mem::forget(pin);
+        }
+        rcc::enable_and_reset::<peripherals::TIM2>();
+        rcc::enable_and_reset::<peripherals::TIM5>();
+
+        TIM2.arr().write_value(u32::MAX);
+        TIM2.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
+        TIM2.ccmr_input(0).write(|w| {
+            w.set_ccs(0, CcmrInputCcs::TI4);
+            w.set_icf(0, LINES);
+            w.set_ccs(1, CcmrInputCcs::TI4);
+            w.set_icf(1, LINES);
+        });
+        TIM2.ccmr_input(1).write(|w| {
+            w.set_ccs(0, CcmrInputCcs::TI4);
+            w.set_icf(0, INDEX);
+        });
+        TIM2.ccer().write(|w| w.set_cce(2, true));
+        TIM2.cr2().write(|w| w.set_mms(Mms::ENCODER_CLOCK_OUTPUT));
+
+        TIM5.arr().write_value(u32::MAX);
+        // TIM2 is the second internal trigger of TIM5.
+        TIM5.smcr().write(|w| w.set_ts(Ts::ITR1));
+        TIM5.ccmr_input(0)
+            .write(|w| w.set_ccs(0, CcmrInputCcs::TRC));
+        TIM5.ccer().write(|w| w.set_cce(0, true));
+
+        TIM5.cr1().modify(|w| w.set_cen(true));
+        TIM2.cr1().modify(|w| w.set_cen(true));
+        Self {
+            edges: EdgeClock::new(CORE_MHZ, TIM5.cnt().read()),
+        }
+    }
+
+    /// A sample now. An edge that comes in between makes it read a second time; a third cannot come so soon.
+    pub fn sample(&mut self) -> EncoderSample {
+        let mut reading = read();
+        if TIM2.cnt().read() != reading.count {
+            let again = read();
+            reading = Reading {
+                edge: again.edge.or(reading.edge),
+                index: again.index.or(reading.index),
+                ..again
+            };
+        }
+        self.edges.sample(&reading)
+    }
+}
+
+fn read() -> Reading {
+    let count = TIM2.cnt().read();
+    cortex_m::asm::delay(CAPTURE_CLOCKS);
+    // Reading what was kept clears its flag.
+    let edge = TIM5.sr().read().ccif(0).then(|| TIM5.ccr(0).read());
+    let index = TIM2.sr().read().ccif(2).then(|| TIM2.ccr(2).read());
+    Reading {
+        count,
+        now: TIM5.cnt().read(),
+        edge,
+        index,
+    }
+}

@@ -1,0 +1,301 @@
+#![no_std]
+#![no_main]
+//! The board's image for a NUCLEO-G474RE: the two sides of `leadscrew-app` on this chip.
+//!
+//! | priority | runs | owns |
+//! |---|---|---|
+//! | NMI | a word of the flash that cannot be read ([`flash`]) | two flags |
+//! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, watchdog, its end of the rings |
+//! | 1 | FDCAN1: frames in and out ([`wire`]) | the controller, its ends of the rings |
+//! | thread | [`BackgroundSide`], storage, switches | flash, its ends of the rings |
+//!
+//! | shared | written by | read by |
+//! |---|---|---|
+//! | rings of frames ([`wire`]) | one side each | one side each |
+//! | the tick whose frames count, and the places of the controller they are in ([`wire`]) | tick; interrupt, keeping the tick out | both |
+//! | that the clamp is told to hold ([`CLAMPS`]) | background | tick |
+//! | the queues of `leadscrew-app` | one side each | one side each |
+//!
+//! Nothing else is shared. A tick that takes longer than its period finds its frames unsent in the next one: they are called
+//! back and counted as late.
+
+mod beat;
+mod can;
+mod clock;
+mod encoder;
+mod fault;
+mod flash;
+mod log;
+mod owned;
+mod pins;
+mod reset;
+mod wire;
+
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cortex_m_rt::entry;
+use embassy_stm32::pac::interrupt;
+use embassy_stm32::peripherals::IWDG;
+use embassy_stm32::wdg::IndependentWatchdog;
+use leadscrew_app::{
+    BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide,
+    TickerPlace,
+};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::bus::{Controller, Frame, NodeId};
+use leadscrew_core::journal::TapRecord;
+use leadscrew_core::params::Params;
+use leadscrew_core::spindle::EncoderSample;
+use leadscrew_parts::{BitTiming, WordFlash};
+use leadscrew_store::{BUFFER, Store, block_on};
+
+use crate::encoder::Encoder;
+use crate::flash::Bank;
+use crate::owned::{Once, Owned};
+use crate::pins::{Contacts, Switches};
+use crate::wire::{BackgroundEnd, TickEnd};
+
+/// The watchdog bites behind this time without being fed.
+const WATCHDOG_US: u32 = 100_000;
+/// For so long a clamp may close.
+const CLAMP_MS: u32 = 1000;
+/// The bit where the parameters name a rate that the crystal does not give: 1 Mbit/s, so that the alarm can be heard.
+const FALLBACK: BitTiming = BitTiming {
+    prescaler: 1,
+    before: 20,
+    after: 3,
+    jump: 3,
+};
+
+static QUEUES: Once<Queues> = Once::new(Queues::new());
+static TICKER: Once<TickerPlace> = Once::new(TickerPlace::uninit());
+static BACKGROUND: Once<BackgroundPlace> = Once::new(BackgroundPlace::uninit());
+static PARTS: Once<MaybeUninit<BackgroundParts>> = Once::new(MaybeUninit::uninit());
+static TICK: Owned<Tick> = Owned::empty();
+/// The clamp is told to hold.
+static CLAMPS: AtomicBool = AtomicBool::new(false);
+
+struct Tick {
+    side: TickSide,
+    parts: TickParts,
+}
+
+struct TickParts {
+    encoder: Encoder,
+    contacts: Contacts,
+    wire: TickEnd,
+    watchdog: IndependentWatchdog<'static, IWDG>,
+    /// What was wrong at power-up already.
+    trouble: Option<Code>,
+}
+
+impl TickMachine for TickParts {
+    fn sample(&mut self) -> EncoderSample {
+        self.encoder.sample()
+    }
+
+    fn inputs(&mut self) -> Inputs {
+        let said = self.contacts.look(CLAMPS.load(Ordering::Relaxed));
+        Inputs {
+            stop: said.stop,
+            hold: said.hold,
+            signals: None,
+            trouble: self.trouble.or(said.trouble()),
+        }
+    }
+
+    fn receive(&mut self) -> Option<Frame> {
+        self.wire.receive()
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> bool {
+        self.wire.send(frames)
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.pet();
+    }
+}
+
+struct BackgroundParts {
+    wire: BackgroundEnd,
+    storage: Storage,
+    stored: Option<Result<(), StoreError>>,
+    switches: Switches,
+}
+
+/// The flash; it is away only while something is done with it.
+struct Storage(Option<WordFlash<Bank>>);
+
+impl Storage {
+    /// Does something with the regions in it.
+    fn with<T>(
+        &mut self,
+        work: impl FnOnce(&mut Store<WordFlash<Bank>>) -> Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
+        let mut store = Store::new(self.0.take().ok_or(StoreError::Device)?)?;
+        let result = work(&mut store);
+        self.0 = Some(store.into_flash());
+        result
+    }
+
+    /// The entry of the tap journal; repairs first what a loss of power has left unfinished.
+    fn tap(&mut self) -> Result<Option<TapRecord>, StoreError> {
+        let mut buffer = [0; BUFFER];
+        self.with(|store| {
+            block_on(store.recover())?;
+            match block_on(store.read(Region::TapJournal, &mut buffer))? {
+                Some(bytes) => TapRecord::decode(bytes).map_err(|_| StoreError::Damaged),
+                None => Ok(None),
+            }
+        })
+    }
+
+    /// The parameters to start with. Behind [`tap`](Self::tap).
+    fn params(&mut self) -> board::PowerUp {
+        let built_in = Params::slant_bed();
+        self.with(|store| Ok(block_on(store.power_up(&built_in))))
+            .unwrap_or_else(|error| {
+                board::PowerUp::of(&built_in, Err(error), Err(error), Err(error))
+            })
+    }
+}
+
+impl Machine for BackgroundParts {
+    fn receive(&mut self) -> Option<Frame> {
+        self.wire.receive()
+    }
+
+    fn has_room(&self) -> bool {
+        self.wire.has_room()
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        self.wire.send(frame);
+    }
+
+    fn store(&mut self, request: &StoreRequest<'_>) {
+        self.stored = Some(self.storage.with(|store| block_on(store.keep(request))));
+    }
+
+    fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>)) {
+        let mut buffer = [0; BUFFER];
+        let length = self.storage.with(|store| {
+            let held = block_on(store.read(region, &mut buffer))?;
+            Ok(held.map(<[u8]>::len))
+        });
+        then(length.map(|length| buffer.get(..length?)));
+    }
+
+    fn stored(&mut self) -> Option<Result<(), StoreError>> {
+        self.stored.take()
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.switches.note(event);
+        CLAMPS.store(self.switches.clamps(), Ordering::Relaxed);
+        log::event(event);
+    }
+
+    fn controller(&mut self) -> Controller {
+        can::controller()
+    }
+
+    fn rejoin(&mut self) {
+        can::rejoin();
+    }
+
+    fn begin_anew(&mut self, params: &Params) {
+        beat::set(params.tick_us());
+    }
+}
+
+#[entry]
+fn main() -> ! {
+    let (background, parts) = start();
+    loop {
+        while background.step(parts) {}
+        parts.switches.show(&background.snapshot().state);
+        log::lost_frames();
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Everything up to the first tick. What it needs on the stack is free again behind it.
+#[inline(never)]
+fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
+    let cause = reset::cause();
+    let hardware = clock::start();
+    log::started(cause);
+    let mut storage = Storage(Some(flash::start(hardware.FLASH)));
+    let tap = storage.tap();
+    let set = storage.params();
+
+    let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
+    let timing = BitTiming::of(clock::CRYSTAL_HZ, kbit);
+    can::start(
+        hardware.FDCAN1,
+        hardware.PA11,
+        hardware.PA12,
+        timing.unwrap_or(FALLBACK),
+    );
+    let trouble = match (tap, timing) {
+        (Err(_), _) => Some(Code::TapJournalDamaged),
+        (_, None) => Some(Code::ParametersUnusable),
+        _ => None,
+    };
+    let up = PowerUp {
+        set: &set,
+        remembered: None,
+        tap: tap.unwrap_or_default(),
+        node: NodeId::BOARD,
+    };
+    let (queues, ticker, background) = (QUEUES.take(), TICKER.take(), BACKGROUND.take());
+    let (Some(queues), Some(ticker), Some(background)) = (queues, ticker, background) else {
+        panic!("it starts once");
+    };
+    let Ok((side, background)) = queues.power_up(ticker, background, &up) else {
+        panic!("a set that has passed its checks works");
+    };
+    let (tick_end, background_end) = wire::start(kbit);
+    let encoder = Encoder::start(
+        hardware.TIM2,
+        hardware.TIM5,
+        hardware.PA0,
+        hardware.PA1,
+        hardware.PB10,
+    );
+    let patience = (CLAMP_MS * 1000).checked_div(tick_us).unwrap_or(0);
+    let contacts = pins::contacts(hardware.PC0, hardware.PC1, hardware.PC2, patience);
+    let mut watchdog = IndependentWatchdog::new(hardware.IWDG, WATCHDOG_US);
+    watchdog.unleash();
+    let tick = Tick {
+        side,
+        parts: TickParts {
+            encoder,
+            contacts,
+            wire: tick_end,
+            watchdog,
+            trouble,
+        },
+    };
+    // SAFETY: the timer is started behind it.
+    unsafe { TICK.fill(tick) };
+    beat::start(hardware.TIM6, tick_us);
+    let parts = BackgroundParts {
+        wire: background_end,
+        storage,
+        stored: None,
+        switches: pins::switches(hardware.PC3, hardware.PB0, hardware.PA5),
+    };
+    (background, PARTS.put(parts))
+}
+
+#[interrupt]
+fn TIM6_DAC() {
+    beat::begun();
+    // SAFETY: this is its interrupt.
+    unsafe { TICK.with(|tick| tick.side.tick(&mut tick.parts)) };
+}

@@ -1,0 +1,81 @@
+//! Values that belong to one context.
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+/// A value in its place from the beginning, to be had once: nothing large is ever built on the stack.
+pub struct Once<T> {
+    taken: AtomicBool,
+    value: UnsafeCell<T>,
+}
+
+// SAFETY: whoever takes it first has it alone ([`Once::take`]).
+unsafe impl<T: Send> Sync for Once<T> {}
+
+impl<T> Once<T> {
+    /// With this value.
+    pub const fn new(value: T) -> Self {
+        Self {
+            taken: AtomicBool::new(false),
+            value: UnsafeCell::new(value),
+        }
+    }
+
+    /// The value, the first time.
+    #[expect(clippy::mut_from_ref, reason = "it is given away once")]
+    pub fn take(&'static self) -> Option<&'static mut T> {
+        if self.taken.swap(true, Ordering::AcqRel) {
+            return None;
+        }
+        // SAFETY: only the first gets this far.
+        Some(unsafe { &mut *self.value.get() })
+    }
+}
+
+impl<T> Once<MaybeUninit<T>> {
+    /// Puts the value in.
+    ///
+    /// # Panics
+    /// The second time.
+    pub fn put(&'static self, value: T) -> &'static mut T {
+        let Some(place) = self.take() else {
+            panic!("it starts once");
+        };
+        place.write(value)
+    }
+}
+
+/// A place for a value that one interrupt uses, and nobody else. It is filled before that interrupt is enabled.
+pub struct Owned<T>(UnsafeCell<Option<T>>);
+
+// SAFETY: the value moves to its interrupt once, before it runs ([`Owned::fill`]), and only that interrupt has it then
+// ([`Owned::with`]): it is used from one context at a time.
+unsafe impl<T: Send> Sync for Owned<T> {}
+
+impl<T> Owned<T> {
+    /// Nothing is in it.
+    pub const fn empty() -> Self {
+        Self(UnsafeCell::new(None))
+    }
+
+    /// Puts the value in.
+    ///
+    /// # Safety
+    /// The interrupt that uses it has not been enabled yet.
+    pub unsafe fn fill(&self, value: T) {
+        // SAFETY: nobody else looks at it before its interrupt is enabled.
+        unsafe { *self.0.get() = Some(value) };
+    }
+
+    /// Uses the value, if there is one.
+    ///
+    /// # Safety
+    /// Only from its interrupt, which does not interrupt itself, and not from within `f`.
+    pub unsafe fn with(&self, f: impl FnOnce(&mut T)) {
+        // SAFETY: its interrupt is the only one that calls this.
+        if let Some(value) = unsafe { (*self.0.get()).as_mut() } {
+            f(value);
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! Frames between the controller and the two sides of the board.
+//!
+//! ```text
+//! controller ──► interrupt ───heard──► tick (what is not a drive's goes on to the background)
+//!                          ──requests─► background
+//! controller ◄── interrupt ◄─setpoints─ tick
+//!                          ◄──others─── background
+//! ```
+//!
+//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in by
+//! the tick itself, so that it leaves at once. For the few instructions in which the interrupt puts a frame in, it keeps the
+//! tick out: less than half a microsecond.
+
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use heapless::spsc::{Consumer, Producer, Queue};
+use leadscrew_core::board::FRAMES;
+use leadscrew_core::bus::{Frame, Service};
+use leadscrew_parts::{Gate, Turn};
+
+use crate::beat;
+use crate::can::{self, Places};
+use crate::owned::{Once, Owned};
+
+// One place of a ring stays empty. In a period come two frames of each drive, and heartbeats.
+const HEARD: usize = 33;
+// While a page of the flash is erased nobody reads them: a transfer that is faster begins its block again.
+const REQUESTS: usize = 33;
+const OTHERS: usize = 9;
+
+/// The frames of one tick on their way, and which tick that is.
+#[derive(Clone, Copy)]
+struct Setpoint {
+    tick: u8,
+    frame: Frame,
+}
+
+struct Rings {
+    heard: Queue<Frame, HEARD>,
+    requests: Queue<Frame, REQUESTS>,
+    // Those of a tick that has been given up, until the interrupt has thrown them away, and those of the next.
+    setpoints: Queue<Setpoint, { 2 * FRAMES + 1 }>,
+    others: Queue<Frame, OTHERS>,
+}
+
+static RINGS: Once<Rings> = Once::new(Rings {
+    heard: Queue::new(),
+    requests: Queue::new(),
+    setpoints: Queue::new(),
+    others: Queue::new(),
+});
+
+/// The tick whose frames still count.
+static TICK: AtomicU8 = AtomicU8::new(0);
+/// The places of the controller that were filled for the tick last. Changed by the tick, and by the interrupt while it keeps
+/// the tick out.
+static TICK_PLACES: AtomicU32 = AtomicU32::new(0);
+/// Frames have come for which there was no room.
+#[cfg(feature = "defmt")]
+static LOST: core::sync::atomic::AtomicBool = core::sync::atomic::AtomicBool::new(false);
+
+static INTERRUPT: Owned<Bus> = Owned::empty();
+
+/// The tick's end.
+pub struct TickEnd {
+    heard: Consumer<'static, Frame>,
+    setpoints: Producer<'static, Setpoint>,
+}
+
+/// The background's end.
+pub struct BackgroundEnd {
+    requests: Consumer<'static, Frame>,
+    others: Producer<'static, Frame>,
+}
+
+/// The interrupt's end.
+struct Bus {
+    heard: Producer<'static, Frame>,
+    requests: Producer<'static, Frame>,
+    setpoints: Consumer<'static, Setpoint>,
+    others: Consumer<'static, Frame>,
+    period_us: u32,
+    gate: Gate,
+    kbit: u32,
+}
+
+/// Both ends; the controller, which runs already, is served from now on at so many kilobits a second.
+///
+/// # Panics
+/// The second time.
+pub fn start(kbit: u32) -> (TickEnd, BackgroundEnd) {
+    let Some(rings) = RINGS.take() else {
+        panic!("it starts once");
+    };
+    let (heard_in, heard_out) = rings.heard.split();
+    let (requests_in, requests_out) = rings.requests.split();
+    let (setpoints_in, setpoints_out) = rings.setpoints.split();
+    let (others_in, others_out) = rings.others.split();
+    let bus = Bus {
+        heard: heard_in,
+        requests: requests_in,
+        setpoints: setpoints_out,
+        others: others_out,
+        period_us: 0,
+        gate: Gate::new(0, kbit),
+        kbit,
+    };
+    // SAFETY: the interrupt is enabled below.
+    unsafe { INTERRUPT.fill(bus) };
+    interrupt::FDCAN1_IT0.set_priority(Priority::P1);
+    // SAFETY: what its handler uses is in place.
+    unsafe { interrupt::FDCAN1_IT0.enable() };
+    let tick = TickEnd {
+        heard: heard_out,
+        setpoints: setpoints_in,
+    };
+    let background = BackgroundEnd {
+        requests: requests_out,
+        others: others_in,
+    };
+    (tick, background)
+}
+
+impl TickEnd {
+    /// The oldest frame not yet read.
+    pub fn receive(&mut self) -> Option<Frame> {
+        self.heard.dequeue()
+    }
+
+    /// Sends the frames of a tick, SYNC first. False where some of the tick before have not left: they are called back.
+    pub fn send(&mut self, frames: &[Frame]) -> bool {
+        let mine = TICK_PLACES.load(Ordering::Relaxed);
+        let left = Places(can::pending().0 & mine);
+        let in_time = left.is_empty() && self.setpoints.is_empty();
+        let mut tick = TICK.load(Ordering::Relaxed);
+        if !in_time {
+            tick = tick.wrapping_add(1);
+            TICK.store(tick, Ordering::Release);
+            can::call_back(left);
+        }
+        let mut frames = frames.iter();
+        if let Some(sync) = frames.as_slice().first()
+            && let Some(place) = can::put(sync)
+        {
+            TICK_PLACES.store(mine | place.0, Ordering::Relaxed);
+            frames.next();
+        }
+        for frame in frames {
+            let setpoint = Setpoint {
+                tick,
+                frame: *frame,
+            };
+            // There is room for two ticks.
+            let _ = self.setpoints.enqueue(setpoint);
+        }
+        can::poke();
+        in_time
+    }
+}
+
+impl BackgroundEnd {
+    /// The oldest request not yet read.
+    pub fn receive(&mut self) -> Option<Frame> {
+        self.requests.dequeue()
+    }
+
+    /// True where there is room for a frame.
+    pub fn has_room(&self) -> bool {
+        self.others.ready()
+    }
+
+    /// Sends a frame behind those of the tick. There is room.
+    pub fn send(&mut self, frame: &Frame) {
+        let _ = self.others.enqueue(*frame);
+        can::poke();
+    }
+}
+
+impl Bus {
+    fn serve(&mut self) {
+        let mut lost = can::acknowledge();
+        while let Some(frame) = can::take() {
+            let ring = if is_request(&frame) {
+                &mut self.requests
+            } else {
+                &mut self.heard
+            };
+            lost |= ring.enqueue(frame).is_err();
+        }
+        note(lost);
+        while self.fill() {}
+    }
+
+    /// Fills one place. False where that does not go, or nothing has a turn.
+    fn fill(&mut self) -> bool {
+        let period_us = beat::period_us();
+        if period_us != self.period_us {
+            self.period_us = period_us;
+            self.gate = Gate::new(period_us, self.kbit);
+        }
+        let now = TICK.load(Ordering::Acquire);
+        while self.setpoints.peek().is_some_and(|next| next.tick != now) {
+            self.setpoints.dequeue();
+        }
+        let pending = can::pending();
+        let free = Places::ALL.count() - pending.count();
+        let other = pending.0 & !TICK_PLACES.load(Ordering::Relaxed) != 0;
+        let waiting = (self.setpoints.ready(), self.others.ready());
+        match self.gate.turn(free, waiting, other, beat::since_us()) {
+            Turn::Tick => self.setpoints.dequeue().is_some_and(|next| {
+                cortex_m::interrupt::free(|_| {
+                    // The tick may have given it up in between.
+                    if TICK.load(Ordering::Relaxed) == next.tick {
+                        put(&next.frame, true);
+                    }
+                });
+                true
+            }),
+            Turn::Other => self.others.dequeue().is_some_and(|frame| {
+                cortex_m::interrupt::free(|_| put(&frame, false));
+                true
+            }),
+            Turn::Nothing => false,
+        }
+    }
+}
+
+/// Puts a frame in; there is a place, or the tick has just taken the last one for its SYNC, and has called the rest back.
+fn put(frame: &Frame, of_tick: bool) {
+    if let Some(place) = can::put(frame) {
+        let mine = TICK_PLACES.load(Ordering::Relaxed);
+        let mine = if of_tick {
+            mine | place.0
+        } else {
+            mine & !place.0
+        };
+        TICK_PLACES.store(mine, Ordering::Relaxed);
+    }
+}
+
+/// True for what only the background answers: everything that is said to a node, and NMT and SYNC, to all.
+fn is_request(frame: &Frame) -> bool {
+    match frame.id().service() {
+        None => true,
+        Some((service, _)) => matches!(
+            service,
+            Service::SdoRequest | Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 | Service::Rpdo4
+        ),
+    }
+}
+
+/// A frame that is lost is lost as on the wire: drives that fall silent are missed, requests are made again.
+#[cfg_attr(
+    not(feature = "defmt"),
+    expect(unused_variables, reason = "for messages only")
+)]
+fn note(lost: bool) {
+    #[cfg(feature = "defmt")]
+    if lost {
+        LOST.store(true, Ordering::Relaxed);
+    }
+}
+
+/// True where frames have come for which there was no room, since this was asked last.
+#[cfg(feature = "defmt")]
+pub fn has_lost() -> bool {
+    LOST.swap(false, Ordering::Relaxed)
+}
+
+#[embassy_stm32::pac::interrupt]
+fn FDCAN1_IT0() {
+    // SAFETY: this is its interrupt.
+    unsafe { INTERRUPT.with(Bus::serve) };
+}
