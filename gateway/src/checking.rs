@@ -70,14 +70,24 @@ pub struct ThreadFigures {
     pub rpm_max: i64,
 }
 
+/// How much of a program is kept to be told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// What it has wrong, and its figures: the same memory for any length.
+    Verdict,
+    /// Its cycles too.
+    Cycles,
+}
+
 /// Verifies a program.
-pub fn check(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
+pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Report> {
     let options = setup.options();
     let mut program = Program::open(source, &setup.params, options)
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     let mut checker = Checker {
         setup,
         source,
+        detail,
         report: Report::default(),
         at: options.position,
         hole: Hole::new(setup.tap),
@@ -103,6 +113,7 @@ pub fn check(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
 struct Checker<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
+    detail: Detail,
     report: Report,
     at: Position,
     hole: Hole,
@@ -172,10 +183,16 @@ impl Checker<'_> {
         }
     }
 
+    fn keep(&mut self, cycle: CycleReport) {
+        if self.detail == Detail::Cycles {
+            self.report.cycles.push(cycle);
+        }
+    }
+
     /// A cycle whose passes are its columns or holes.
     fn passes(&mut self, span: Span, cycle: &'static str, moves: &Moves, time_us: i64) {
         let tags = moves.clone().filter_map(|step| step.tag);
-        self.report.cycles.push(CycleReport {
+        self.keep(CycleReport {
             line: span.line,
             cycle,
             passes: tags.map(|tag| tag.pass).max().unwrap_or(0),
@@ -210,7 +227,7 @@ impl Checker<'_> {
         for warning in report.warnings() {
             self.tell(&warning, inch);
         }
-        self.report.cycles.push(CycleReport {
+        self.keep(CycleReport {
             line: span.line,
             cycle: match call.cycle {
                 TapCycle::G84 => "G84",
@@ -243,7 +260,7 @@ impl Checker<'_> {
         for warning in report.warnings.iter().flatten() {
             self.tell(warning, inch);
         }
-        self.report.cycles.push(CycleReport {
+        self.keep(CycleReport {
             line: span.line,
             cycle: match call.cycle {
                 ThreadCycle::G76 => "G76",

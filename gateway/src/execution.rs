@@ -2,7 +2,7 @@
 
 use std::io::{self, Write as _};
 
-use crate::checking::{self, Report};
+use crate::checking::{self, Detail, Report};
 use crate::cli::Drive;
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
@@ -19,7 +19,7 @@ use crate::words::both;
 /// # Errors
 /// A file that cannot be read.
 pub fn tell_report(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
-    let report = checking::check(setup, source)?;
+    let report = checking::check(setup, source, Detail::Verdict)?;
     for diagnostic in report.alarms.iter().chain(&report.warnings) {
         diagnostics::print(diagnostic, setup.colour);
     }

@@ -7,6 +7,7 @@ mod audit;
 mod bench;
 mod bench_can;
 mod bench_long;
+mod bench_real_time;
 mod bits;
 mod callgraph;
 mod canopen;
@@ -38,6 +39,7 @@ usage: cargo xtask COMMAND
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   bench can  the cost of receiving and recording a CAN frame, likewise
+  bench real-time  how a board in real time keeps a beat of 1 kHz on this host, likewise
   bench long a program of a hundred megabytes through a board with 4 KiB for it, likewise; takes minutes
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
@@ -62,6 +64,8 @@ fn main() -> ExitCode {
         ["bench", "can", "--write"] => bench_can::bench(true),
         ["bench", "long"] => bench_long::bench(false),
         ["bench", "long", "--write"] => bench_long::bench(true),
+        ["bench", "real-time"] => bench_real_time::bench(false),
+        ["bench", "real-time", "--write"] => bench_real_time::bench(true),
         ["bench", "--write"] => bench::bench(true),
         ["ci"] => test::ci(),
         ["vcan"] => test::vcan(""),

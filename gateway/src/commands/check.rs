@@ -2,7 +2,7 @@
 
 use std::io::{self, Write as _};
 
-use crate::checking::{self, Report, plural};
+use crate::checking::{self, Detail, Report, plural};
 use crate::cli::Check;
 use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
@@ -16,7 +16,7 @@ pub fn run(setup: &Setup, args: &Check) -> Outcome {
     let mut reports = Vec::new();
     for path in &args.programs {
         let source = SourceFile::new(path);
-        let report = checking::check(setup, &source)?;
+        let report = checking::check(setup, &source, Detail::Cycles)?;
         if !setup.global.json {
             tell(setup, &source, &report)?;
         }
