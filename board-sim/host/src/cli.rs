@@ -15,7 +15,8 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 use leadscrew_core::units::{Angle, Axis, Length};
 
-use crate::when::{Disturbance, Loss, Slip, Trouble};
+use crate::spoil;
+use crate::when::{Disturbance, Slip, Trouble};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,6 +25,8 @@ Examples:
   board-sim --bus vcan0 --drives elsewhere                  with the axis drives in another process:
   board-sim drives --bus vcan0
   board-sim --bus vcan0 --trouble X=fault:7305@4000         a drive that fails four seconds after the start
+  board-sim --bus vcan0 --bus-off 4000..4500                its controller leaves the bus, and comes back
+  board-sim --bus vcan0 --lose all=5 --swap all=2 --seed 7  a bad wire
   board-sim --bus vcan0 --lockstep --program part.nc        runs a program by itself, then ends
 
 A virtual bus: ip link add dev vcan0 type vcan && ip link set vcan0 mtu 72 up";
@@ -113,9 +116,9 @@ pub struct Board {
     /// The spindle is dragged to so many percent of its speed from a tick on (repeatable; negative: backwards)
     #[arg(long, value_name = "PERCENT@TICK", allow_hyphen_values = true)]
     pub drag: Vec<Disturbance>,
-    /// Frames to the board that are lost on the way, in thousandths
-    #[arg(long, value_name = "PER_MILLE", default_value = "0")]
-    pub lose: Loss,
+    /// What goes wrong with the wire and with the storage.
+    #[command(flatten)]
+    pub spoil: spoil::Options,
     /// Seed of every noise source
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,

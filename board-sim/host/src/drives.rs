@@ -11,7 +11,6 @@ use leadscrew_core::units::Axis;
 
 use crate::cli::{Drives, Here};
 use crate::machine::say;
-use crate::when::Loss;
 use crate::wire::Wire;
 
 /// How long to listen before a look at whether the user wants to end.
@@ -31,7 +30,7 @@ pub fn run(args: &Drives) -> Outcome {
             let reason = format!("the parameters make no drive: {error:?}");
             Failure::WrongBecause(Both::same(reason))
         })?;
-    let mut wire = Wire::open(args.common.address(), &params, Loss(0), 0)?;
+    let mut wire = Wire::open(args.common.address(), &params)?;
     let nodes: Vec<String> = drives
         .iter()
         .map(|drive| drive.node().get().to_string())

@@ -9,11 +9,13 @@ use leadscrew::failure::{Failure, Outcome};
 use leadscrew::source::SourceFile;
 use leadscrew::state::StateFile;
 use leadscrew::words::Both;
+use leadscrew_board_sim::line::{Line, Span, Way};
 use leadscrew_board_sim::plant::{Flash, Plant};
 use leadscrew_board_sim::{keep, stored_params, stored_tap};
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::{Board, Event, Output, PowerUp, State};
-use leadscrew_core::bus::{Frame, NodeId, Periods, Service};
+use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Periods, Service};
+use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 
 use crate::cli;
@@ -30,7 +32,14 @@ pub struct Machine {
     state: Option<StateFile>,
     plant: Plant,
     wire: Wire,
+    line: Line,
     script: Script,
+    /// The board has no power.
+    cut: Option<Span>,
+    node: NodeId,
+    signals: Signals,
+    /// What the board has where nothing is stored.
+    built_in: Params,
     feeder: Option<Feeder>,
     output: Output,
     /// Drives' frames for the next tick.
@@ -69,6 +78,12 @@ impl Machine {
             None => Flash::erased(),
         };
         flash.power(true);
+        if let Some(writes) = args.spoil.flash_fails {
+            flash.fail_after(writes);
+        }
+        if let Some(pages) = args.spoil.flash_worn {
+            flash.wear_out_after(pages);
+        }
         let tap = stored_tap(&mut flash).map_err(no_board)?;
         let up = match &state {
             Some(_) => stored_params(&mut flash, &built_in).map_err(no_board)?,
@@ -99,7 +114,7 @@ impl Machine {
             .filter_map(|(node, away)| away.then_some(node))
             .collect();
         let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
-        let wire = Wire::open(args.common.address(), params, args.lose, args.seed)?;
+        let wire = Wire::open(args.common.address(), params)?;
         say(&format!(
             "node {} on {}, tick {} µs, {}{}",
             args.node,
@@ -122,6 +137,10 @@ impl Machine {
             state,
             plant,
             wire,
+            line: Line::new(args.spoil.faults(args.seed)),
+            cut: args.spoil.cut_power.map(|ticks| ticks.0),
+            node,
+            signals,
             script: Script {
                 troubles: args.trouble.clone(),
                 slips: args.slip.clone(),
@@ -142,6 +161,7 @@ impl Machine {
             last: args.ticks,
             late: 0,
             alarm: false,
+            built_in,
         })
     }
 
@@ -168,36 +188,120 @@ impl Machine {
     /// A setpoint came late for its SYNC.
     pub fn note_late(&mut self) {
         self.late += 1;
-        self.board
-            .set_late(u32::try_from(self.late).unwrap_or(u32::MAX));
+        self.tell_late();
+    }
+
+    fn tell_late(&mut self) {
+        let late = self.late + u64::from(self.line.harm().late);
+        self.board.set_late(u32::try_from(late).unwrap_or(u32::MAX));
     }
 
     /// Takes what is on the wire, waiting for it at most so long; true where there was anything. Requests are answered at
     /// once.
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
-        let (board, waiting, away) = (&mut self.board, &mut self.waiting, &self.away);
-        let plant = &mut self.plant;
-        let mut answers = Vec::new();
-        let mut beat = false;
+        let has_power = self.has_power();
+        let mut heard = Vec::new();
+        let line = &mut self.line;
         let count = self.wire.listen(patience, |frame| {
-            beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
-            plant.hear(frame, |answer| answers.push(answer));
-            if board.receive(frame)
-                && let Some((_, node)) = frame.id().service()
-                && away.contains(&node)
-            {
-                waiting.push(*frame);
-            }
+            line.pass(Way::In, frame, |frame| heard.push(frame));
         })?;
+        let mut beat = false;
+        for frame in &heard {
+            beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
+            self.hear(frame, has_power)?;
+        }
         if beat {
             self.beat = Some((self.ticks, Instant::now()));
         }
-        self.wire.send(&answers)?;
-        if count > 0 {
+        if count > 0 && has_power {
             self.keep()?;
             self.serve(0)?;
         }
         Ok(count > 0)
+    }
+
+    /// A frame of somebody else.
+    fn hear(&mut self, frame: &Frame, has_power: bool) -> Outcome {
+        let mut answers = Vec::new();
+        self.plant.hear(frame, |answer| answers.push(answer));
+        if has_power
+            && self.board.receive(frame)
+            && let Some((_, node)) = frame.id().service()
+            && self.away.contains(&node)
+        {
+            self.waiting.push(*frame);
+        }
+        self.wire.send(&answers)
+    }
+
+    /// Sends what is to be sent, as far as the wire lets it.
+    fn send(&mut self) -> Outcome {
+        if self.line.is_quiet() {
+            return self.wire.send(&self.out);
+        }
+        let mut left = Vec::new();
+        for frame in &self.out {
+            self.line.pass(Way::Out, frame, |frame| left.push(frame));
+        }
+        self.wire.send(&left)
+    }
+
+    /// False while the board's power is cut.
+    fn has_power(&self) -> bool {
+        let tick = self.since_up();
+        !tick.zip(self.cut).is_some_and(|(tick, cut)| cut.has(tick))
+    }
+
+    /// What happens to the wire in this tick.
+    fn suffer(&mut self, tick: u64) -> Outcome {
+        let rejoin = self.board.may_rejoin();
+        let second = self.line.tick(tick, rejoin);
+        self.out.clear();
+        self.out.extend(self.line.release(Way::Out));
+        self.waiting.extend(self.line.release(Way::Statuses));
+        if let Some(frame) = self.line.release(Way::In) {
+            self.hear(&frame, true)?;
+        }
+        if let Some(frame) = second {
+            self.out.push(frame);
+            // In `hear` the drives take no process data.
+            if NmtCommand::decode(&frame).is_none() {
+                let waiting = &mut self.waiting;
+                self.plant.exchange(&[frame], |answer| waiting.push(answer));
+            }
+            self.hear(&frame, true)?;
+        }
+        self.wire.send(&self.out)?;
+        self.tell_late();
+        let of_line = self.line.controller();
+        self.board.bus_state(match of_line.state {
+            BusState::Active => self.wire.controller(),
+            BusState::Passive | BusState::Off => of_line,
+        });
+        Ok(())
+    }
+
+    /// Time without a board: drives and spindle are as they were told last. True where it has its power again.
+    fn wait_for_power(&mut self) -> Outcome<bool> {
+        self.plant.advance();
+        self.ticks += 1;
+        self.waiting.clear();
+        if !self.has_power() {
+            return Ok(false);
+        }
+        let no_board = |alarm: Alarm| Failure::WrongBecause(Both::same(words(&alarm, None)));
+        self.flash.power(true);
+        let tap = stored_tap(&mut self.flash).map_err(no_board)?;
+        let up = stored_params(&mut self.flash, &self.built_in).map_err(no_board)?;
+        self.board = Board::power_up(&up, None, tap).map_err(no_board)?;
+        self.board.join(self.node).map_err(no_board)?;
+        self.board.signals(self.signals);
+        // It has forgotten the program, and whoever feeds it has nobody to feed.
+        self.feeder = None;
+        self.beat = None;
+        self.alarm = false;
+        say("the power is back");
+        Ok(true)
     }
 
     /// True where the gateway would soon count as lost in virtual time, and has been heard within this real time.
@@ -234,7 +338,7 @@ impl Machine {
         while let Some(frame) = self.board.transmit() {
             self.out.push(frame);
         }
-        self.wire.send(&self.out)
+        self.send()
     }
 
     fn feed(&mut self) -> Outcome<bool> {
@@ -249,8 +353,12 @@ impl Machine {
 
     /// One SYNC period.
     pub fn tick(&mut self) -> Outcome {
+        if !self.has_power() && !self.wait_for_power()? {
+            return Ok(());
+        }
         if let Some(tick) = self.since_up() {
             self.script.act(tick + 1, &mut self.plant);
+            self.suffer(tick + 1)?;
         }
         let sample = self.plant.advance();
         self.board.tick(sample, &self.waiting, &mut self.output);
@@ -259,15 +367,30 @@ impl Machine {
         self.waiting.clear();
         self.out.clear();
         self.out.extend_from_slice(&self.output.frames);
-        let waiting = &mut self.waiting;
-        self.plant
-            .exchange(&self.output.frames, |frame| waiting.push(frame));
-        self.out.extend_from_slice(&self.waiting);
-        self.wire.send(&self.out)?;
+        self.exchange();
+        self.send()?;
         while let Some(event) = self.board.event() {
             self.tell(&event);
         }
         self.serve(1)
+    }
+
+    /// What the board sends reaches the drives that are here, and they answer; both go out on the wire, too.
+    fn exchange(&mut self) {
+        let (line, plant, out, waiting) = (
+            &mut self.line,
+            &mut self.plant,
+            &mut self.out,
+            &mut self.waiting,
+        );
+        let mut arrived = Vec::new();
+        for frame in &self.output.frames {
+            line.pass(Way::Setpoints, frame, |frame| arrived.push(frame));
+        }
+        plant.exchange(&arrived, |answer| {
+            out.push(answer);
+            line.pass(Way::Statuses, &answer, |answer| waiting.push(answer));
+        });
     }
 
     /// Carries out the writes that the board asks for; what has changed is in the file before anything else happens.
@@ -303,7 +426,8 @@ impl Machine {
 
     /// A program is being carried out, or waits to be.
     pub fn is_busy(&self) -> bool {
-        self.board.is_busy() || self.board.ticker().in_program() || self.is_feeding()
+        let works = self.board.is_busy() || self.board.ticker().in_program();
+        self.has_power() && (works || self.is_feeding())
     }
 
     fn is_feeding(&self) -> bool {
@@ -312,7 +436,7 @@ impl Machine {
 
     /// A program is under way, there is room for more of it, and it has not come yet.
     pub fn awaits_program(&self) -> bool {
-        self.board.awaits_program()
+        self.has_power() && self.board.awaits_program()
     }
 
     /// The machine stands and waits for somebody.
@@ -325,23 +449,32 @@ impl Machine {
         let ran = self.feeder.is_some()
             && self.since_up().is_some()
             && (self.alarm && !self.board.is_busy() || !self.is_busy());
-        ran || self.last.is_some_and(|last| self.ticks >= last)
+        let for_good = self.cut.is_some_and(|cut| cut.to == u64::MAX);
+        ran || for_good && !self.has_power() || self.last.is_some_and(|last| self.ticks >= last)
     }
 
     /// Sums up.
     pub fn conclude(&self) -> Outcome {
-        let [sent, received, lost] = self.wire.counts;
+        let [sent, received] = self.wire.counts;
+        let harm = self.line.harm();
         say(&format!(
             "{} ticks, {} setpoints late, {sent} frames sent, {received} received, {} dropped{}",
             self.ticks,
-            self.late,
+            self.late + u64::from(harm.late),
             self.wire.dropped(),
-            if lost > 0 {
-                format!(", {lost} lost by intent")
-            } else {
+            if self.line.is_good() {
                 String::new()
+            } else {
+                format!(
+                    ", by intent {} lost, {} doubled, {} swapped",
+                    harm.lost, harm.doubled, harm.swapped
+                )
             }
         ));
+        if !self.has_power() {
+            say("the power is cut");
+            return Err(Failure::Machine);
+        }
         if self.alarm && self.feeder.is_some() {
             return Err(Failure::Machine);
         }

@@ -15,6 +15,7 @@ mod lockstep;
 mod machine;
 mod program;
 mod real_time;
+mod spoil;
 mod when;
 mod wire;
 

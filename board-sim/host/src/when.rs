@@ -97,21 +97,6 @@ impl FromStr for Disturbance {
     }
 }
 
-/// Frames lost, in thousandths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Loss(pub u16);
-
-impl FromStr for Loss {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse() {
-            Ok(per_mille @ 0..=1000) => Ok(Self(per_mille)),
-            _ => Err("expected a whole number of thousandths, 0 to 1000".into()),
-        }
-    }
-}
-
 /// All that goes wrong.
 #[derive(Clone, Debug, Default)]
 pub struct Script {
@@ -181,6 +166,5 @@ mod tests {
                 tick: 10
             })
         );
-        assert!("1001".parse::<Loss>().is_err());
     }
 }

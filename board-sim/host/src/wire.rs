@@ -1,40 +1,41 @@
-//! The board's side of the bus, with the noise that was asked for.
+//! The board's side of the bus, and what its controller says of it.
 
 use std::time::Duration;
 
 use leadscrew::failure::{Failure, Outcome};
 use leadscrew::words::Both;
-use leadscrew_can::{Address, BitRate, Can, Received};
-use leadscrew_core::bus::Frame;
+use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received};
+use leadscrew_core::bus::{BusState, Controller, ErrorCounts, Frame};
 use leadscrew_core::params::Params;
 
-use crate::when::Loss;
-
-/// A bus that may lose frames.
+/// A bus.
 pub struct Wire {
     can: Box<dyn Can>,
     heard: Vec<Received>,
-    loss: Loss,
-    /// State of a linear congruential generator: the same losses for the same seed.
-    noise: u64,
-    /// Frames sent, received, and lost by intent.
-    pub counts: [u64; 3],
+    controller: Controller,
+    /// Frames sent, and received.
+    pub counts: [u64; 2],
 }
 
 impl Wire {
     /// Opens the bus; an adapter at the bit rate of the parameters (9020).
-    pub fn open(address: &Address, params: &Params, loss: Loss, seed: u64) -> Outcome<Self> {
+    pub fn open(address: &Address, params: &Params) -> Outcome<Self> {
         let kbit = params.bus_kbit();
         let rate = BitRate::of_kbit(kbit).ok_or_else(|| {
             Failure::WrongBecause(Both::same(format!("no adapter has {kbit} kbit/s (9020)")))
         })?;
-        Ok(Self {
-            can: leadscrew_can::open(address, rate).map_err(Failure::bus)?,
+        leadscrew_can::open(address, rate)
+            .map(Self::on)
+            .map_err(Failure::bus)
+    }
+
+    fn on(can: Box<dyn Can>) -> Self {
+        Self {
+            can,
             heard: Vec::new(),
-            loss,
-            noise: seed,
-            counts: [0; 3],
-        })
+            controller: Controller::default(),
+            counts: [0; 2],
+        }
     }
 
     /// What the user called it.
@@ -42,12 +43,17 @@ impl Wire {
         self.can.name()
     }
 
+    /// How the controller is, as its error frames have told.
+    pub const fn controller(&self) -> Controller {
+        self.controller
+    }
+
     /// Sends these.
     pub fn send(&mut self, frames: &[Frame]) -> Outcome {
         if frames.is_empty() {
             return Ok(());
         }
-        let [sent, ..] = &mut self.counts;
+        let [sent, _] = &mut self.counts;
         *sent += frames.len() as u64;
         self.can.send(frames).map_err(Failure::bus)
     }
@@ -59,23 +65,15 @@ impl Wire {
             .receive(&mut self.heard, patience)
             .map_err(Failure::bus)?;
         let mut count = 0;
-        let [_, received, lost] = &mut self.counts;
+        let [_, received] = &mut self.counts;
         for heard in &self.heard {
+            note(&mut self.controller, &heard.packet);
             // Other kinds of frames are nothing that a node of CANopen hears.
-            let Some(frame) = heard.packet.frame() else {
-                continue;
-            };
-            *received += 1;
-            self.noise = self
-                .noise
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            if (self.noise >> 33) % 1000 < u64::from(self.loss.0) {
-                *lost += 1;
-                continue;
+            if let Some(frame) = heard.packet.frame() {
+                *received += 1;
+                to(frame);
+                count += 1;
             }
-            to(frame);
-            count += 1;
         }
         Ok(count)
     }
@@ -83,5 +81,62 @@ impl Wire {
     /// Frames that found the receive buffer full.
     pub fn dropped(&self) -> u64 {
         self.can.dropped().unwrap_or(0)
+    }
+}
+
+/// What an error frame says of the controller.
+fn note(controller: &mut Controller, packet: &Packet) {
+    let Packet::Error(error) = packet else {
+        return;
+    };
+    if let Some((sending, receiving)) = error.counters() {
+        controller.errors = ErrorCounts { sending, receiving };
+    }
+    // The worst comes first.
+    for fault in error.faults() {
+        let state = match fault {
+            Fault::BusOff => BusState::Off,
+            Fault::Passive => BusState::Passive,
+            Fault::Restarted => BusState::Active,
+            // Active again, or on the way there; out of bus-off only by a restart.
+            Fault::Active | Fault::Warning if controller.state == BusState::Passive => {
+                BusState::Active
+            }
+            _ => continue,
+        };
+        controller.state = state;
+        return;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leadscrew_can::{ErrorFrame, pair};
+
+    /// Classes of error and the state of the controller, as the kernel has them.
+    const CONTROLLER: u32 = 0x004;
+    const BUS_OFF: u32 = 0x040;
+    const RESTARTED: u32 = 0x100;
+
+    #[test]
+    fn error_frames_tell_how_the_controller_is() {
+        let (mut other, end) = pair();
+        let mut wire = Wire::on(Box::new(end));
+        let mut after = |class, state, sending, receiving| {
+            let data = [0, state, 0, 0, 0, 0, sending, receiving];
+            let error = ErrorFrame { class, data };
+            other.inject(Packet::Error(error)).unwrap();
+            wire.listen(Duration::ZERO, |_| {}).unwrap();
+            let Controller { state, errors } = wire.controller();
+            (state, errors.sending, errors.receiving)
+        };
+        assert_eq!(after(CONTROLLER, 0x08, 97, 3), (BusState::Active, 97, 3));
+        assert_eq!(after(CONTROLLER, 0x20, 128, 3), (BusState::Passive, 128, 3));
+        assert_eq!(after(CONTROLLER, 0x08, 120, 3), (BusState::Active, 120, 3));
+        assert_eq!(after(BUS_OFF, 0, 248, 3), (BusState::Off, 248, 3));
+        // It is not back because it is said to be well.
+        assert_eq!(after(CONTROLLER, 0x40, 0, 3), (BusState::Off, 0, 3));
+        assert_eq!(after(RESTARTED, 0, 0, 3), (BusState::Active, 0, 3));
     }
 }

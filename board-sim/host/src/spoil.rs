@@ -1,0 +1,206 @@
+//! What goes wrong with the wire and with the storage, as options of the command line.
+
+use std::str::FromStr;
+
+use leadscrew_board_sim::line::{self, Faults, Intruder, Noise, Way};
+use leadscrew_core::bus::NodeId;
+
+/// Ticks as they are typed: `4000` (from there on), `4000..4500`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ticks(pub line::Span);
+
+impl FromStr for Ticks {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let tick = |text: &str| text.parse::<u64>().ok();
+        let span = match text.split_once("..") {
+            None => tick(text).map(|from| (from, u64::MAX)),
+            Some((from, to)) => tick(from).zip(tick(to)),
+        };
+        match span {
+            Some((from, to)) if from < to => Ok(Self(line::Span { from, to })),
+            _ => Err(format!(
+                "`{text}`: expected ticks, as `4000` or `4000..4500`"
+            )),
+        }
+    }
+}
+
+/// Thousandths of the frames that go one way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chance {
+    /// `None`: every way.
+    way: Option<Way>,
+    per_mille: u16,
+}
+
+impl FromStr for Chance {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (way, number) = text.split_once('=').unwrap_or(("in", text));
+        let way = match way {
+            "in" => Some(Way::In),
+            "out" => Some(Way::Out),
+            "setpoints" => Some(Way::Setpoints),
+            "statuses" => Some(Way::Statuses),
+            "all" => None,
+            _ => {
+                return Err(format!(
+                    "`{way}`: expected in, out, setpoints, statuses or all"
+                ));
+            }
+        };
+        match number.parse() {
+            Ok(per_mille @ 0..=1000) => Ok(Self { way, per_mille }),
+            _ => Err("expected a whole number of thousandths, 0 to 1000".into()),
+        }
+    }
+}
+
+/// A second master, and when it is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Second(pub Intruder, pub line::Span);
+
+impl FromStr for Second {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || format!("`{text}`: expected `sync@4000`, `setpoint:X@4000` or `stop:Z@4000`");
+        let (what, ticks) = text.rsplit_once('@').ok_or_else(wrong)?;
+        let Ticks(span) = ticks.parse()?;
+        let intruder = match what.split_once(':') {
+            None if what == "sync" => Intruder::Sync,
+            Some(("setpoint", name)) => Intruder::Setpoint(drive(name).ok_or_else(wrong)?),
+            Some(("stop", name)) => Intruder::Stop(drive(name).ok_or_else(wrong)?),
+            _ => return Err(wrong()),
+        };
+        Ok(Self(intruder, span))
+    }
+}
+
+fn drive(name: &str) -> Option<NodeId> {
+    match name {
+        "X" | "x" => Some(NodeId::DRIVE_X),
+        "Z" | "z" => Some(NodeId::DRIVE_Z),
+        "C" | "c" => Some(NodeId::DRIVE_C),
+        "S" | "s" => Some(NodeId::SPINDLE_1),
+        _ => None,
+    }
+}
+
+/// The options.
+#[derive(clap::Args, Debug, Default)]
+#[command(next_help_heading = "Faults of the wire and of the storage")]
+pub struct Options {
+    /// Frames that are lost, in thousandths (repeatable): in (default; from others to the board), out, setpoints, statuses, all
+    #[arg(long, value_name = "[WAY=]PER_MILLE")]
+    pub lose: Vec<Chance>,
+    /// Frames that come twice
+    #[arg(long, value_name = "[WAY=]PER_MILLE")]
+    pub double: Vec<Chance>,
+    /// Frames that come behind the next one
+    #[arg(long, value_name = "[WAY=]PER_MILLE")]
+    pub swap: Vec<Chance>,
+    /// The board's cable is out
+    #[arg(long, value_name = "TICK[..TICK]")]
+    pub cable_out: Option<Ticks>,
+    /// The board's controller is bus-off; it comes back behind the end, once the board lets it
+    #[arg(long, value_name = "TICK[..TICK]")]
+    pub bus_off: Option<Ticks>,
+    /// The board's controller is error passive
+    #[arg(long, value_name = "TICK[..TICK]")]
+    pub error_passive: Option<Ticks>,
+    /// Setpoints leave the board after the SYNC that was to latch them
+    #[arg(long, value_name = "TICK[..TICK]")]
+    pub late: Option<Ticks>,
+    /// A second master: sync, setpoint:DRIVE or stop:DRIVE (NMT), with X, Z, C or S
+    #[arg(long, value_name = "WHAT@TICK[..TICK]")]
+    pub second_master: Option<Second>,
+    /// The flash refuses everything after so many writes
+    #[arg(long, value_name = "WRITES")]
+    pub flash_fails: Option<u32>,
+    /// The flash is worn: it refuses to erase after so many pages
+    #[arg(long, value_name = "PAGES")]
+    pub flash_worn: Option<u32>,
+    /// The board loses its power, its drives do not; without an end board-sim ends there, with exit code 4
+    #[arg(long, value_name = "TICK[..TICK]")]
+    pub cut_power: Option<Ticks>,
+}
+
+impl Options {
+    /// What goes wrong with the wire.
+    pub fn faults(&self, seed: u64) -> Faults {
+        let mut faults = Faults {
+            seed,
+            cable_out: self.cable_out.map(|ticks| ticks.0),
+            bus_off: self.bus_off.map(|ticks| ticks.0),
+            error_passive: self.error_passive.map(|ticks| ticks.0),
+            late: self.late.map(|ticks| ticks.0),
+            intruder: self.second_master.map(|Second(what, span)| (what, span)),
+            ..Faults::NONE
+        };
+        let mut put = |chances: &[Chance], set: fn(&mut Noise, u16)| {
+            for chance in chances {
+                for way in Way::ALL {
+                    if chance.way.is_none_or(|only| only == way) {
+                        set(faults.noise_mut(way), chance.per_mille);
+                    }
+                }
+            }
+        };
+        put(&self.lose, |noise, chance| noise.lose = chance);
+        put(&self.double, |noise, chance| noise.double = chance);
+        put(&self.swap, |noise, chance| noise.swap = chance);
+        faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_have_a_beginning_and_may_have_an_end() {
+        let span = |from, to| Ok(Ticks(line::Span { from, to }));
+        assert_eq!("40".parse(), span(40, u64::MAX));
+        assert_eq!("40..50".parse(), span(40, 50));
+        for wrong in ["", "40..", "..50", "50..40", "50..50", "x"] {
+            assert!(wrong.parse::<Ticks>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn chances_name_a_way_or_mean_what_comes_in() {
+        let options = Options {
+            lose: vec!["5".parse().unwrap(), "statuses=7".parse().unwrap()],
+            double: vec!["all=3".parse().unwrap()],
+            ..Options::default()
+        };
+        let noise = |lose, double| Noise {
+            lose,
+            double,
+            swap: 0,
+        };
+        // Setpoints, statuses, in, out.
+        let expected = [noise(0, 3), noise(7, 3), noise(5, 3), noise(0, 3)];
+        assert_eq!(options.faults(9).noise, expected);
+        assert_eq!(Options::default().faults(1), Faults::NONE);
+        for wrong in ["1001", "up=3", "in=", "in=-1"] {
+            assert!(wrong.parse::<Chance>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_second_master_says_what_it_does_and_when() {
+        let from = |from| line::Span { from, to: u64::MAX };
+        assert_eq!("sync@9".parse(), Ok(Second(Intruder::Sync, from(9))));
+        let stop = Second(Intruder::Stop(NodeId::DRIVE_Z), from(7));
+        assert_eq!("stop:Z@7".parse(), Ok(stop));
+        for wrong in ["sync", "stop@3", "setpoint:Y@3", "sync:X@3", "sync@"] {
+            assert!(wrong.parse::<Second>().is_err(), "{wrong}");
+        }
+    }
+}
