@@ -316,6 +316,15 @@ impl Link {
         }
     }
 
+    /// That the board has started again in the middle of something.
+    #[must_use]
+    pub fn begun_anew(&self) -> Trouble {
+        Trouble::Restarted {
+            node: self.node.get(),
+            bus: self.bus.clone(),
+        }
+    }
+
     fn silent(&self) -> Trouble {
         let mut nodes = self.seen.nodes.clone();
         nodes.remove(&self.node.get());

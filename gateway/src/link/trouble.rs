@@ -63,6 +63,13 @@ pub enum Trouble {
         /// What the error frames point to.
         suspicion: Option<Suspicion>,
     },
+    /// The board has started again, and has forgotten what it was told.
+    Restarted {
+        /// The number.
+        node: u8,
+        /// The bus.
+        bus: String,
+    },
     /// A transfer failed.
     Transfer {
         /// The number.
@@ -322,6 +329,11 @@ impl Trouble {
                     zh = suspicion.zh
                 )
             }
+            Self::Restarted { node, bus } => both!(
+                "node {node} on `{bus}` has started again in the middle of the program and has forgotten it: was its supply \
+                 interrupted? The axes stand where their drives stopped; look at the machine before anything moves",
+                "`{bus}` 上的节点 {node} 在程序运行中重新启动，程序已丢失：供电是否中断？各轴停在驱动器停止的位置；再次运动前请查看机床"
+            ),
             Self::Transfer {
                 node,
                 object,

@@ -77,6 +77,12 @@ impl Board {
         (code, self.words())
     }
 
+    /// Its exit code and words, where it ends by itself.
+    pub fn wait(mut self) -> (Option<i32>, String) {
+        let code = self.process.0.wait().unwrap().code();
+        (code, self.words())
+    }
+
     /// Takes it away at once.
     pub fn kill(mut self) {
         self.process.0.kill().unwrap();

@@ -5,6 +5,7 @@
 
 mod board;
 mod bus;
+mod faults;
 mod machine;
 mod mistakes;
 mod operate;

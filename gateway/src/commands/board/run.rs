@@ -302,6 +302,7 @@ impl Runner<'_> {
         let mut feed = Feed::new(program_number());
         let mut started = false;
         let mut looked = Instant::now();
+        let boots = self.link.seen.boots;
         loop {
             if interrupt::requested() && !self.ran.interrupted {
                 self.ran.interrupted = true;
@@ -316,6 +317,9 @@ impl Runner<'_> {
                 self.link.idle(LOOK)?;
             }
             self.link.check_alive()?;
+            if self.link.seen.boots != boots {
+                self.forgotten(&feeder)?;
+            }
             self.look();
             self.tell_hold();
             let status = self.link.seen.status.unwrap_or_default();
@@ -332,6 +336,15 @@ impl Runner<'_> {
                 return Ok(());
             }
         }
+    }
+
+    /// The board has begun anew. An alarm that it still knows says why; else it has lost its power, and the program with it.
+    fn forgotten(&mut self, feeder: &Feeder) -> Outcome {
+        self.read_log(feeder)?;
+        if self.ran.alarms.is_empty() {
+            return Err(self.link.begun_anew().into());
+        }
+        Ok(())
     }
 
     /// Inputs and switches as the options want them.

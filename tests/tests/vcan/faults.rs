@@ -1,0 +1,193 @@
+//! The faults that `board-sim` offers on its command line, each in a process of its own with its own program: what it says,
+//! and how it ends. What the machine does about each stands in the tests of `faults`.
+
+use crate::machine::{
+    Board, bad, both, err, example, field, finish, good, leadscrew, program, run, wait_for_status,
+};
+
+/// A thread of two passes and a groove: some 6 000 ticks.
+const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
+                    G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
+
+/// Runs the program with these options and without a gateway, in virtual time: exit code and words.
+fn alone(text: &str, options: &[&str]) -> (Option<i32>, String) {
+    let path = program("faults.nc", text);
+    let mut args = vec![
+        "--lockstep",
+        "--program",
+        path.to_str().unwrap(),
+        "--ticks",
+        "20000",
+    ];
+    args.extend(options);
+    Board::start_on(crate::bus::INTERFACE, &args).wait()
+}
+
+#[test]
+fn every_option_has_its_alarm_or_none() {
+    let cases: [(&[&str], Option<i32>, &str); 18] = [
+        (&[], Some(0), "0 setpoints late"),
+        (
+            &["--bus-off", "2500"],
+            Some(4),
+            "alarm: bus-off: the board's CAN controller has left the bus (255 errors sending, 96 receiving)",
+        ),
+        (
+            &["--error-passive", "2500..2600"],
+            Some(4),
+            "alarm: the board's CAN controller is error passive (136 errors sending, 40 receiving)",
+        ),
+        (
+            &["--cable-out", "2500..2700"],
+            Some(4),
+            "has sent no status for 12 ticks",
+        ),
+        (&["--cable-out", "2500..2502"], Some(0), "by intent"),
+        (
+            &["--late", "2500..2511"],
+            Some(4),
+            "alarm: 11 setpoints came late for their SYNC within a second, limit 10",
+        ),
+        (&["--late", "2500..2510"], Some(0), "10 setpoints late"),
+        (
+            &["--late", "2500..2511", "--set", "9027=0"],
+            Some(0),
+            "11 setpoints late",
+        ),
+        (
+            &["--second-master", "sync@2500..2501"],
+            Some(4),
+            "alarm: another node on the bus sends SYNC",
+        ),
+        (
+            &["--second-master", "setpoint:Z@2500..2501"],
+            Some(4),
+            "alarm: another node sends setpoints to drive Z (node 17)",
+        ),
+        (
+            &["--second-master", "stop:X@2500"],
+            Some(4),
+            "alarm: another node has stopped or restarted drive X (node 16) by NMT",
+        ),
+        (
+            &["--lose", "statuses=1000"],
+            Some(4),
+            "has sent no status for 12 ticks",
+        ),
+        (
+            &[
+                "--lose", "all=2", "--double", "all=20", "--swap", "all=20", "--seed", "3",
+            ],
+            Some(0),
+            "doubled",
+        ),
+        (
+            &["--trouble", "Z=silent@2500"],
+            Some(4),
+            "alarm: drive Z (node 17) has sent no status for 12 ticks",
+        ),
+        (
+            &["--trouble", "X=fault:7305@2500"],
+            Some(4),
+            "alarm: drive X (node 16) has a fault: statusword 0218h",
+        ),
+        (
+            &["--trouble", "X=torque-off@2500"],
+            Some(4),
+            "alarm: drive X (node 16) left operation enabled by itself",
+        ),
+        (
+            &["--lost-index", "10"],
+            Some(4),
+            "no index pulse from the spindle encoder",
+        ),
+        (&["--cut-power", "2500"], Some(4), "the power is cut"),
+    ];
+    for (options, code, words) in cases {
+        let (got, said) = alone(WORK, options);
+        assert_eq!(got, code, "{options:?}: {said}");
+        assert!(said.contains(words), "{options:?}: {said}");
+    }
+}
+
+#[test]
+fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
+    let tap = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-12 R-5 F2000\nG80\nM30\n";
+    assert_eq!(alone(tap, &[]).0, Some(0));
+    let (code, said) = alone(tap, &["--flash-fails", "0"]);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(
+        said.contains("the tap journal could not be written"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_controller_that_comes_back_is_started_and_reset_by_the_gateway() {
+    let board = Board::start(&["--lockstep", "--bus-off", "2500..2600"]);
+    let path = program("bus-off.nc", WORK);
+    let output = finish(run(&path, &[]));
+    // Silent for long enough, or back on the bus with its alarm.
+    assert!(
+        matches!(output.status.code(), Some(3 | 4)),
+        "{}",
+        both(&output)
+    );
+    let status = wait_for_status("it is back", |status| status.contains("\"no\":4370"));
+    assert_eq!(field(&status, "state"), "alarm");
+    wait_for_status("it can be used again", |status| {
+        // On a slow machine an order may go unconfirmed; a reset more does no harm.
+        field(status, "state") == "idle" || {
+            leadscrew(&["reset"]);
+            false
+        }
+    });
+    good(&finish_well(&path));
+    drop(board);
+}
+
+fn finish_well(path: &std::path::Path) -> std::process::Output {
+    finish(run(path, &[]))
+}
+
+#[test]
+fn a_board_that_starts_again_in_a_thread_is_noticed_and_the_program_is_not_gone_on_with() {
+    let board = Board::start(&["--lockstep", "--cut-power", "3500..3600"]);
+    let output = finish(run(&example("o0013-g76-m68x6.nc"), &[]));
+    let words = bad(&output, 3);
+    assert!(
+        words.contains("has started again in the middle of the program"),
+        "{words}"
+    );
+    board.wait_for("the power is back");
+    wait_for_status("it is idle", |status| field(status, "state") == "idle");
+    good(&finish_well(&program("after.nc", WORK)));
+}
+
+#[test]
+fn a_gateway_on_a_bad_wire_does_the_same_or_says_why_not() {
+    let path = program("bad.nc", WORK);
+    let calm = Board::start(&["--lockstep"]);
+    let ran = good(&finish_well(&path));
+    let hash = field(&ran, "setpoint_hash").to_owned();
+    drop(calm);
+    let _board = Board::start(&[
+        "--lockstep",
+        "--lose",
+        "in=5",
+        "--lose",
+        "out=5",
+        "--double",
+        "in=20",
+        "--double",
+        "out=20",
+        "--seed",
+        "11",
+    ]);
+    let output = finish(run(&path, &[]));
+    match output.status.code() {
+        Some(0) => assert_eq!(field(&good(&output), "setpoint_hash"), hash),
+        Some(3) => assert!(!err(&output).is_empty()),
+        other => panic!("{other:?}: {}", both(&output)),
+    }
+}
