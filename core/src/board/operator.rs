@@ -85,6 +85,12 @@ impl Operator {
         self.stop.take()
     }
 
+    /// Something is wrong with the bus that the tick has not heard of.
+    #[inline]
+    pub(super) const fn has_trouble(&self) -> bool {
+        self.trouble.is_some()
+    }
+
     /// What is wrong with the bus, once.
     pub(super) const fn takes_trouble(&mut self) -> Option<BusTrouble> {
         self.trouble.take()

@@ -150,7 +150,12 @@ impl Spindles {
         };
         let master = pick_mut(&mut self.masters, self.selected);
         match master.follow_on(demand) {
-            Some(command) => put(command),
+            Some(command) => {
+                put(command);
+                if let Some(again) = master.again() {
+                    put(again);
+                }
+            }
             None => each(&master.tick(demand), put),
         }
         if self.present > 1

@@ -411,11 +411,8 @@ impl Ticker {
         if let Some(code) = self.operator.takes_stop() {
             self.raise(&Alarm::new(code, Span::default()), ends);
         }
-        if let Some(trouble) = self.operator.takes_trouble() {
-            if self.operator.takes_cut_off() {
-                self.drives.cut_off();
-            }
-            self.raise(&trouble.alarm(), ends);
+        if self.operator.has_trouble() {
+            self.suffer(ends);
         }
         if self.operator.reset_waits() {
             self.reset(ends);

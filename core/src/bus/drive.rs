@@ -273,10 +273,11 @@ impl DriveMaster {
     }
 
     fn hear(&mut self, status: DriveStatus) {
-        // A frame that comes twice says nothing new.
-        let doubled = self.quiet == Periods::new(0);
         self.same = match self.status {
-            Some(last) if last.actual == status.actual && doubled => self.same,
+            // A frame that comes twice says nothing new.
+            Some(last) if last.actual == status.actual && self.quiet == Periods::new(0) => {
+                self.same
+            }
             Some(last) if last.actual == status.actual => self.same.saturating_add(1),
             _ => 1,
         };

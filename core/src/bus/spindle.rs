@@ -90,12 +90,21 @@ impl SpindleMaster {
     #[inline]
     pub(crate) fn follow_on(&mut self, demand: SpindleDemand) -> Option<Frame> {
         let (wish, position) = demand.parts();
-        if self.told != Some(wish) || self.since >= REPEAT {
+        if self.told != Some(wish) {
             return None;
         }
-        let command = self.drive.follow_on(position)?;
+        self.drive.follow_on(position)
+    }
+
+    /// Behind a period in which it [followed on](Self::follow_on): the RPDO2 once more, where it is time for that.
+    #[inline]
+    pub(crate) fn again(&mut self) -> Option<Frame> {
         self.since = self.since.saturating_add(1);
-        Some(command)
+        if self.since <= REPEAT {
+            return None;
+        }
+        self.since = 0;
+        self.told.map(|told| told.frame(self.drive.config().node))
     }
 
     /// One SYNC period. While its drive is not enabled, it is told a speed of 0.

@@ -84,6 +84,18 @@ impl Ticker {
         (way != Length::ZERO && way.signum() == outwards.signum()).then_some(target)
     }
 
+    /// What is wrong with the bus is an alarm; drives that nothing reaches any more are let go.
+    #[inline(never)]
+    pub(super) fn suffer(&mut self, ends: &mut Ends<'_, '_>) {
+        let Some(trouble) = self.operator.takes_trouble() else {
+            return;
+        };
+        if self.operator.takes_cut_off() {
+            self.drives.cut_off();
+        }
+        self.raise(&trouble.alarm(), ends);
+    }
+
     pub(super) fn finish_stop(&mut self, then: Then, events: &mut EventIn<'_>) {
         self.note_stop();
         self.in_program = false;
