@@ -47,9 +47,9 @@ fn a_cable_out_anywhere_is_a_drive_that_is_silent_and_no_jump_when_it_is_back() 
 fn a_loose_contact_that_nobody_notices_loses_nothing() {
     let params = Params::slant_bed();
     for tick in places(&calm(&params, WORK)) {
-        let what = format!("out for 3 at {tick}");
+        let what = format!("out for 8 at {tick}");
         let faults = Faults {
-            cable_out: Some(span(tick, 3)),
+            cable_out: Some(span(tick, 8)),
             ..Faults::NONE
         };
         let mut bench = Bench::new(&params);
@@ -60,7 +60,7 @@ fn a_loose_contact_that_nobody_notices_loses_nothing() {
         }
         assert_eq!(bench.alarm, None, "{what}");
         bench.ticks(5);
-        bench.never_jumps(&what, 0, 4);
+        bench.never_jumps(&what, 0, 9);
         assert_eq!(bench.drives(), [35_000_000, 8_000_000], "{what}");
         bench.next(&what);
     }
