@@ -398,3 +398,87 @@ impl Place {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NONE: Held<'static> = Ok(None);
+
+    const fn whole(number: u32) -> Place {
+        Place::Whole {
+            number,
+            identity: number,
+        }
+    }
+
+    const FOREIGN: Place = Place::Foreign {
+        number: 2,
+        schema: 9,
+        key: 7,
+    };
+
+    fn decided(mark: Held<'_>, a: Place, b: Place) -> (Found, [Option<u32>; 2], Slot) {
+        let (shelved, found) = decide(mark, [a, b]);
+        let sets = [shelved.stored, shelved.before].map(|set| set.map(|(_, identity)| identity));
+        (found, sets, shelved.next())
+    }
+
+    #[test]
+    fn what_is_found_decides_what_counts_and_where_the_next_set_goes() {
+        use Place::{Damaged, Empty};
+        use Slot::{A, B};
+        let foreign = Found::Foreign { schema: 9, key: 7 };
+        let marks = [1, 2, 3, 4].map(|number| Mark(number).encode());
+        let [one, two, three, four] = marks.each_ref().map(|mark| Ok(Some(&mark[..])));
+        let bad = Ok(Some(&[0_u8; 3][..]));
+        let gone = Err(StoreError::Device);
+        for (mark, a, b, expected) in [
+            (NONE, Empty, Empty, (Found::Nothing, [None, None], A)),
+            (one, Empty, Empty, (Found::Lost, [None, None], A)),
+            (bad, Empty, Empty, (Found::Lost, [None, None], A)),
+            (gone, Empty, Empty, (Found::Lost, [None, None], A)),
+            // Stored, and the power went before the mark.
+            (NONE, whole(1), Empty, (Found::Newest, [Some(1), None], B)),
+            (
+                two,
+                whole(3),
+                whole(2),
+                (Found::Newest, [Some(3), Some(2)], B),
+            ),
+            (
+                three,
+                whole(3),
+                whole(4),
+                (Found::Newest, [Some(4), Some(3)], A),
+            ),
+            // The set before the newest does not matter.
+            (two, Damaged, whole(2), (Found::Newest, [Some(2), None], A)),
+            // The newest is gone, or may be.
+            (two, whole(1), Damaged, (Found::Older, [None, Some(1)], B)),
+            (four, whole(3), whole(2), (Found::Older, [None, Some(3)], B)),
+            (bad, whole(1), Damaged, (Found::Older, [None, Some(1)], B)),
+            (NONE, whole(1), Damaged, (Found::Older, [None, Some(1)], B)),
+            (two, Damaged, Damaged, (Found::Lost, [None, None], A)),
+            (NONE, Damaged, Empty, (Found::Lost, [None, None], A)),
+            // Neither a set of another table nor the last good one is written over before there is a third.
+            (two, FOREIGN, whole(1), (foreign, [None, Some(1)], A)),
+            (two, Damaged, FOREIGN, (foreign, [None, None], A)),
+            (one, whole(3), FOREIGN, (Found::Newest, [Some(3), None], B)),
+        ] {
+            assert_eq!(decided(mark, a, b), expected, "{mark:?} {a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_never_given_twice() {
+        let mark = Mark(9).encode();
+        for (mark, a, b, number) in [
+            (Ok(Some(&mark[..])), whole(3), Place::Damaged, 9),
+            (NONE, whole(3), FOREIGN, 3),
+            (NONE, Place::Empty, Place::Empty, 0),
+        ] {
+            assert_eq!(decide(mark, [a, b]).0.number, number);
+        }
+    }
+}

@@ -21,6 +21,7 @@
 //!
 //! It must not know motion, drives or what a call means.
 
+mod change;
 pub mod dictionary;
 mod door;
 mod inbox;
@@ -28,6 +29,7 @@ mod keeper;
 mod ledger;
 mod log;
 mod ring;
+mod served;
 mod shelf;
 mod table;
 
@@ -37,7 +39,8 @@ pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
 use heapless::Deque;
 
-use self::shelf::{Served, Shelf};
+use self::served::Served;
+use self::shelf::Shelf;
 use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::snapshot::Snapshot;

@@ -1,41 +1,31 @@
-//! What stands behind the objects: reads and writes of the dictionary, one transfer at a time.
+//! What stands behind the objects: the values of the dictionary, one by one.
 //!
-//! A value is put together in one buffer before it is read and after it is written, so nothing changes in the middle of a
-//! transfer and nothing takes effect before its end. Only the parameter image is longer than the buffer: it is made and
-//! taken value by value.
+//! How they travel is said in `served`, how the parameters change in `change`.
 
 use heapless::Deque;
 
-use super::dictionary::{Access, Initial, Item, Kind, find};
+use super::change::Change;
+use super::dictionary::{Initial, Item};
 use super::door::Door;
 use super::inbox::Inbox;
-use super::keeper::{Keeper, Progress};
+use super::keeper::Keeper;
 use super::ledger::Ledger;
 use super::log::Log;
-use super::table::{DROP, HISTORY, LOAD, SAVE};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use super::table::{DROP, HISTORY};
+use crate::alarm::{Alarm, Code, Span};
 use crate::board::event::{Command, Event};
 use crate::board::snapshot::Snapshot;
-use crate::board::store::{Region, StoreError, StoreRequest};
 use crate::bus::{
     Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
-    HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Objects, Order, PdoCommunication,
-    Service,
+    HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Order, PdoCommunication, Service,
 };
-use crate::link::{
-    BATCH_BYTES, ImageError, ImageReader, ImageWriter, Status, VERSION, encode_alarm, identity,
-};
-use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
+use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
+use crate::params::Params;
 use crate::signals::Signals;
 use crate::units::{Length, TurnRate};
 
 /// Commands on their way to the tick.
 const COMMANDS: usize = 8;
-
-/// The image of the parameter set.
-const IMAGE: Object = Object::new(0x5010, 1);
-/// A batch of calls.
-const BATCH: Object = Object::new(0x5020, 1);
 
 /// A percentage that stays as it is.
 const AS_IT_IS: u8 = 255;
@@ -76,14 +66,14 @@ pub struct Shelf {
     pub keeper: Keeper,
     pub door: Door,
     /// The draft is good and comes into force: the owner takes it before the next frame.
-    staged: bool,
+    pub(super) staged: bool,
     /// Where a changed set is put together, before all of it has been looked at.
-    draft: Params,
-    image: ImageReader,
-    log_from: u32,
-    buffer: [u8; BATCH_BYTES],
+    pub(super) draft: Params,
+    pub(super) image: ImageReader,
+    pub(super) log_from: u32,
+    pub(super) buffer: [u8; BATCH_BYTES],
     /// Bytes of it in use.
-    length: usize,
+    pub(super) length: usize,
 }
 
 /// The communication of the board's PDOs.
@@ -245,7 +235,7 @@ impl Shelf {
         }
     }
 
-    fn record(&self, params: &Params) -> Status {
+    pub(super) fn record(&self, params: &Params) -> Status {
         let snapshot = &self.snapshot;
         let operator = &snapshot.operator;
         Status {
@@ -276,59 +266,8 @@ impl Shelf {
         }
     }
 
-    /// A change of the set is under way: no call goes to the planner.
-    pub fn is_changing(&self) -> bool {
-        self.staged || self.keeper.is_busy()
-    }
-
-    /// A change of parameters is refused, and why.
-    fn refuse(&mut self, code: Code, abort: Abort) -> Result<(), Abort> {
-        self.refuse_with(&Alarm::new(code, Span::default()), abort)
-    }
-
-    fn refuse_with(&mut self, reason: &Alarm, abort: Abort) -> Result<(), Abort> {
-        self.keeper.refuse(reason);
-        Err(abort)
-    }
-
-    /// Whether parameters may change now.
-    fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
-        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.is_changing() {
-            return self.refuse(Code::ParametersAtWork, Abort::State);
-        }
-        // What is loaded only to be talked to is no set to change: it is decided on as a whole.
-        let undecided = self.keeper.found().alarm();
-        if let (Change::Value | Change::Switch, Some(alarm)) = (change, undecided) {
-            return self.refuse_with(&alarm, Abort::State);
-        }
-        // The switch itself can be turned back, and what is loaded already can be taken as it is.
-        let free = change == Change::Switch || change == Change::Recall && undecided.is_some();
-        if !free && !params.parameter_write_enable() {
-            return self.refuse(Code::ParametersProtected, Abort::LocalControl);
-        }
-        if !self.door.is_open(params) {
-            return self.refuse(Code::PasswordMissing, Abort::LocalControl);
-        }
-        Ok(())
-    }
-
-    fn current<'a>(&'a self, params: &'a Params) -> &'a Params {
-        if self.staged { &self.draft } else { params }
-    }
-
-    /// The set that comes into force, once.
-    pub fn take_params(&mut self) -> Option<&Params> {
-        core::mem::take(&mut self.staged).then_some(&self.draft)
-    }
-
-    /// The set in force comes into force once more.
-    pub fn begin_anew(&mut self, params: &Params) {
-        self.draft.clone_from(params);
-        self.staged = true;
-    }
-
     /// The number an item has now.
-    fn number(&self, item: &Item, params: &Params) -> Result<i64, Abort> {
+    pub(super) fn number(&self, item: &Item, params: &Params) -> Result<i64, Abort> {
         if let Some(entry) = item.entry {
             let told = self.current(params).told_slot(entry.place());
             return Ok(told.unwrap_or(0));
@@ -399,7 +338,12 @@ impl Shelf {
     }
 
     /// Puts a number into effect. Its kind and range are right.
-    fn take_number(&mut self, item: &Item, number: i64, params: &Params) -> Result<(), Abort> {
+    pub(super) fn take_number(
+        &mut self,
+        item: &Item,
+        number: i64,
+        params: &Params,
+    ) -> Result<(), Abort> {
         if let Some(entry) = item.entry {
             return self.take_parameter(entry, number, params);
         }
@@ -483,157 +427,7 @@ impl Shelf {
         }
         self.dry_run = dry_run.unwrap_or(self.dry_run);
     }
-
-    fn take_parameter(
-        &mut self,
-        entry: &'static Entry,
-        number: i64,
-        params: &Params,
-    ) -> Result<(), Abort> {
-        let change = if entry.is_number(PARAMETER_WRITE_ENABLE) {
-            Change::Switch
-        } else {
-            Change::Value
-        };
-        self.admit(params, change)?;
-        self.draft.clone_from(params);
-        match entry.part {
-            Part::Bit(_) => {
-                if number & !entry.byte_mask() != 0 {
-                    return Err(Abort::Value);
-                }
-                self.draft.put_slot(entry.place(), number);
-            }
-            Part::Whole | Part::Axis(_) => {
-                self.draft.set(entry, number).map_err(|_| Abort::Value)?;
-            }
-        }
-        self.stage(params)
-    }
-
-    /// The draft is stored and comes into force, if it can work.
-    fn stage(&mut self, params: &Params) -> Result<(), Abort> {
-        if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
-            let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
-            if kept == 0 {
-                return self.refuse_with(&out_of_range(PASSWORD), Abort::Value);
-            }
-            self.draft.put_slot(PASSWORD_SLOT, kept);
-        }
-        if let Err(alarm) = self.draft.validate() {
-            return self.refuse_with(&alarm, Abort::Incompatible);
-        }
-        if self.draft == *params && self.keeper.is_stored() {
-            self.keeper.nothing_to_do();
-        } else {
-            self.keeper.begin();
-        }
-        Ok(())
-    }
-
-    fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {
-        let (alarm, abort) = match error {
-            ImageError::Table(key) => (
-                Alarm::new(Code::ImageForeign, Span::default()).with([
-                    Arg::Key(key),
-                    Arg::Key(TABLE_KEY),
-                    Arg::None,
-                    Arg::None,
-                ]),
-                Abort::Incompatible,
-            ),
-            ImageError::Length => (incomplete(), Abort::Length),
-            ImageError::Checksum => (incomplete(), Abort::Crc),
-            ImageError::Range(no) => (out_of_range(no), Abort::Value),
-        };
-        self.refuse_with(&alarm, abort)
-    }
-
-    /// 1010h: every change is stored by itself; only the built-in set of a new board can be left.
-    fn save(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
-        if signature != SAVE {
-            return Err(Abort::NotStored);
-        }
-        if let Some(alarm) = self.keeper.found().alarm() {
-            return self.refuse_with(&alarm, Abort::State);
-        }
-        if self.keeper.is_stored() || self.is_changing() {
-            return Ok(());
-        }
-        self.admit(params, Change::Whole)?;
-        self.draft.clone_from(params);
-        self.stage(params)
-    }
-
-    /// 1011h: the built-in set.
-    fn restore(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
-        if signature != LOAD {
-            return Err(Abort::NotStored);
-        }
-        self.admit(params, Change::Whole)?;
-        self.draft = Params::slant_bed();
-        // A password is not taken away by this.
-        let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
-        self.draft.put_slot(PASSWORD_SLOT, kept);
-        self.stage(params)
-    }
-
-    fn password(&mut self, password: u32, params: &Params) -> Result<(), Abort> {
-        self.door.knock(password, params).or_else(|alarm| {
-            self.log.push(self.tick, Event::Warning(alarm));
-            self.refuse_with(&alarm, Abort::LocalControl)
-        })
-    }
-
-    /// See [`Keeper::loaded`].
-    pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
-        let progress = self.keeper.loaded(held, &mut self.draft);
-        self.go_on(progress);
-    }
-
-    /// See [`Keeper::store`].
-    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
-        self.keeper.store(&self.draft)
-    }
-
-    /// See [`Keeper::has_stored`].
-    pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
-        let progress = self.keeper.has_stored(region, result, &self.draft);
-        self.go_on(progress);
-    }
-
-    fn go_on(&mut self, progress: Progress) {
-        self.staged |= progress.in_force;
-        if let Some(warning) = progress.warning {
-            self.log.push(self.tick, Event::Warning(warning));
-        }
-    }
 }
-
-/// What somebody wants to change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Change {
-    /// One value.
-    Value,
-    /// The write enable itself.
-    Switch,
-    /// All of them.
-    Whole,
-    /// Back to the last good set.
-    Recall,
-}
-
-fn incomplete() -> Alarm {
-    Alarm::new(Code::ParametersIncomplete, Span::default())
-}
-
-fn out_of_range(no: u16) -> Alarm {
-    let args = [Arg::Int(no.into()), Arg::None, Arg::None, Arg::None];
-    Alarm::new(Code::ParametersOutOfRange, Span::default()).with(args)
-}
-
-/// Number of the parameter that allows writing the others.
-const PARAMETER_WRITE_ENABLE: u16 = 9026;
 
 /// Who is watched after power-up.
 fn watch(params: &Params) -> HeartbeatConsumer<1> {
@@ -657,172 +451,4 @@ const fn milli_rpm(rate: TurnRate) -> MilliRpm {
     let raw = rate.raw() as i128;
     let milli = raw.saturating_mul(60_000).saturating_add(1 << 31) >> 32;
     MilliRpm::new(milli as i32)
-}
-
-/// The shelf together with the set in force: what an SDO server serves.
-pub struct Served<'a> {
-    pub shelf: &'a mut Shelf,
-    pub params: &'a Params,
-}
-
-impl Objects for Served<'_> {
-    fn size(&mut self, object: Object) -> Result<u32, Abort> {
-        let item = find(object)?;
-        if item.access == Access::Write {
-            return Err(Abort::WriteOnly);
-        }
-        let shelf = &mut *self.shelf;
-        let length = match (item.kind, object.index) {
-            (Kind::Text, _) => {
-                let text = match item.initial {
-                    Initial::Text(text) => text.as_bytes(),
-                    _ => &[],
-                };
-                let length = text.len().min(BATCH_BYTES);
-                for (place, &byte) in shelf.buffer.iter_mut().zip(text) {
-                    *place = byte;
-                }
-                length
-            }
-            (Kind::Domain, 0x5010) if object == IMAGE => return Ok(ImageWriter::BYTES),
-            (Kind::Domain, 0x5010) => {
-                let reason = shelf.keeper.reason();
-                encode_alarm(reason, &mut shelf.buffer).map_err(|_| Abort::Internal)?
-            }
-            (Kind::Domain, 0x5001) => {
-                let status = shelf.record(self.params);
-                let bytes = status
-                    .encode(&mut shelf.buffer)
-                    .map_err(|_| Abort::Internal)?;
-                bytes.len()
-            }
-            (Kind::Domain, 0x5030) => {
-                let record = shelf.snapshot.tap.ok_or(Abort::NoData)?.encode();
-                for (place, &byte) in shelf.buffer.iter_mut().zip(&record) {
-                    *place = byte;
-                }
-                record.len()
-            }
-            (Kind::Domain, 0x5041) => {
-                let certificate = shelf.ledger.certificate(shelf.late);
-                let bytes = certificate
-                    .encode(&mut shelf.buffer)
-                    .map_err(|_| Abort::Internal)?;
-                bytes.len()
-            }
-            (Kind::Domain, 0x5040) => shelf.log.read(shelf.log_from, &mut shelf.buffer),
-            (Kind::Domain, _) => return Err(Abort::NoData),
-            (kind, _) => {
-                let number = shelf.number(&item, self.params)?;
-                for (place, byte) in shelf.buffer.iter_mut().zip(number.to_le_bytes()) {
-                    *place = byte;
-                }
-                kind.bytes().unwrap_or(0)
-            }
-        };
-        shelf.length = length;
-        u32::try_from(length).map_err(|_| Abort::Internal)
-    }
-
-    fn read(&mut self, object: Object, offset: u32, into: &mut [u8]) -> Result<usize, Abort> {
-        if object == IMAGE {
-            let params = self.shelf.current(self.params);
-            return Ok(ImageWriter::new(params).read(offset, into));
-        }
-        let start = usize::try_from(offset).unwrap_or(usize::MAX);
-        let bytes = self
-            .shelf
-            .buffer
-            .get(start..self.shelf.length)
-            .unwrap_or(&[]);
-        for (place, &byte) in into.iter_mut().zip(bytes) {
-            *place = byte;
-        }
-        Ok(bytes.len().min(into.len()))
-    }
-
-    fn begin_write(&mut self, object: Object, size: Option<u32>) -> Result<(), Abort> {
-        let item = find(object)?;
-        if matches!(item.access, Access::Read | Access::Const) {
-            return Err(Abort::ReadOnly);
-        }
-        let shelf = &mut *self.shelf;
-        shelf.length = 0;
-        shelf.buffer = [0; BATCH_BYTES];
-        if object == IMAGE {
-            shelf.admit(self.params, Change::Whole)?;
-            shelf.image = ImageReader::new();
-        }
-        let Some(size) = size else { return Ok(()) };
-        let most = match item.kind.bytes() {
-            Some(bytes) => bytes as u32,
-            None if object == IMAGE => ImageWriter::BYTES,
-            None => BATCH_BYTES as u32,
-        };
-        if size > most {
-            return Err(Abort::TooLong);
-        }
-        if item.kind.bytes().is_some() && size < most {
-            return Err(Abort::TooShort);
-        }
-        Ok(())
-    }
-
-    fn write(&mut self, object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort> {
-        let shelf = &mut *self.shelf;
-        if object == IMAGE {
-            let taken = shelf.image.take(bytes, &mut shelf.draft);
-            return taken.or_else(|error| shelf.refuse_image(error));
-        }
-        let start = usize::try_from(offset).unwrap_or(usize::MAX);
-        let end = start.saturating_add(bytes.len());
-        let place = shelf.buffer.get_mut(start..end).ok_or(Abort::TooLong)?;
-        for (place, &byte) in place.iter_mut().zip(bytes) {
-            *place = byte;
-        }
-        shelf.length = end;
-        Ok(())
-    }
-
-    fn end_write(&mut self, object: Object, length: u32) -> Result<(), Abort> {
-        let item = find(object)?;
-        let shelf = &mut *self.shelf;
-        if object == IMAGE {
-            shelf.admit(self.params, Change::Whole)?;
-            if let Err(error) = shelf.image.finish(&shelf.draft) {
-                return shelf.refuse_image(error);
-            }
-            return shelf.stage(self.params);
-        }
-        if object == BATCH {
-            let snapshot = &shelf.snapshot;
-            let (ready, at_rest) = (snapshot.takes_calls(), snapshot.is_at_rest());
-            let bytes = shelf.buffer.get(..shelf.length).unwrap_or(&[]);
-            return shelf.inbox.take(bytes, ready, at_rest);
-        }
-        let bytes = item.kind.bytes().ok_or(Abort::Access)?;
-        match (length as usize).cmp(&bytes) {
-            core::cmp::Ordering::Greater => return Err(Abort::TooLong),
-            core::cmp::Ordering::Less => return Err(Abort::TooShort),
-            core::cmp::Ordering::Equal => {}
-        }
-        let raw = shelf.buffer.first_chunk::<8>().copied().unwrap_or_default();
-        let number = item.kind.number(raw);
-        let none = item.entry.is_some_and(|entry| entry.none == Some(number));
-        if let Some((low, high)) = item.range
-            && !none
-        {
-            if number < low {
-                return Err(Abort::TooLow);
-            }
-            if number > high {
-                return Err(Abort::TooHigh);
-            }
-        }
-        shelf.take_number(&item, number, self.params)
-    }
-
-    fn abandon(&mut self, _object: Object) {
-        self.shelf.length = 0;
-    }
 }

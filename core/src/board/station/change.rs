@@ -1,0 +1,217 @@
+//! A change of the parameter set: who may begin one, what it is made of, and what has become of it.
+//!
+//! It is put together in the draft and looked at as a whole; what comes then is the [`Keeper`](super::keeper::Keeper)'s. Must not know how a value
+//! travels.
+
+use super::keeper::Progress;
+use super::shelf::Shelf;
+use super::table::{LOAD, SAVE};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::board::event::Event;
+use crate::board::store::{Region, StoreError, StoreRequest};
+use crate::bus::Abort;
+use crate::link::ImageError;
+use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
+
+impl Shelf {
+    /// A change of the set is under way: no call goes to the planner.
+    pub fn is_changing(&self) -> bool {
+        self.staged || self.keeper.is_busy()
+    }
+
+    /// A change of parameters is refused, and why.
+    fn refuse(&mut self, code: Code, abort: Abort) -> Result<(), Abort> {
+        self.refuse_with(&Alarm::new(code, Span::default()), abort)
+    }
+
+    fn refuse_with(&mut self, reason: &Alarm, abort: Abort) -> Result<(), Abort> {
+        self.keeper.refuse(reason);
+        Err(abort)
+    }
+
+    /// Whether parameters may change now.
+    pub(super) fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
+        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.is_changing() {
+            return self.refuse(Code::ParametersAtWork, Abort::State);
+        }
+        // What is loaded only to be talked to is no set to change: it is decided on as a whole.
+        let undecided = self.keeper.found().alarm();
+        if let (Change::Value | Change::Switch, Some(alarm)) = (change, undecided) {
+            return self.refuse_with(&alarm, Abort::State);
+        }
+        // The switch itself can be turned back, and what is loaded already can be taken as it is.
+        let free = change == Change::Switch || change == Change::Recall && undecided.is_some();
+        if !free && !params.parameter_write_enable() {
+            return self.refuse(Code::ParametersProtected, Abort::LocalControl);
+        }
+        if !self.door.is_open(params) {
+            return self.refuse(Code::PasswordMissing, Abort::LocalControl);
+        }
+        Ok(())
+    }
+
+    pub(super) fn current<'a>(&'a self, params: &'a Params) -> &'a Params {
+        if self.staged { &self.draft } else { params }
+    }
+
+    /// The set that comes into force, once.
+    pub fn take_params(&mut self) -> Option<&Params> {
+        core::mem::take(&mut self.staged).then_some(&self.draft)
+    }
+
+    /// The set in force comes into force once more.
+    pub fn begin_anew(&mut self, params: &Params) {
+        self.draft.clone_from(params);
+        self.staged = true;
+    }
+
+    pub(super) fn take_parameter(
+        &mut self,
+        entry: &'static Entry,
+        number: i64,
+        params: &Params,
+    ) -> Result<(), Abort> {
+        let change = if entry.is_number(PARAMETER_WRITE_ENABLE) {
+            Change::Switch
+        } else {
+            Change::Value
+        };
+        self.admit(params, change)?;
+        self.draft.clone_from(params);
+        match entry.part {
+            Part::Bit(_) => {
+                if number & !entry.byte_mask() != 0 {
+                    return Err(Abort::Value);
+                }
+                self.draft.put_slot(entry.place(), number);
+            }
+            Part::Whole | Part::Axis(_) => {
+                self.draft.set(entry, number).map_err(|_| Abort::Value)?;
+            }
+        }
+        self.stage(params)
+    }
+
+    /// The draft is stored and comes into force, if it can work.
+    pub(super) fn stage(&mut self, params: &Params) -> Result<(), Abort> {
+        if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
+            let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
+            if kept == 0 {
+                return self.refuse_with(&out_of_range(PASSWORD), Abort::Value);
+            }
+            self.draft.put_slot(PASSWORD_SLOT, kept);
+        }
+        if let Err(alarm) = self.draft.validate() {
+            return self.refuse_with(&alarm, Abort::Incompatible);
+        }
+        if self.draft == *params && self.keeper.is_stored() {
+            self.keeper.nothing_to_do();
+        } else {
+            self.keeper.begin();
+        }
+        Ok(())
+    }
+
+    pub(super) fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {
+        let (alarm, abort) = match error {
+            ImageError::Table(key) => (
+                Alarm::new(Code::ImageForeign, Span::default()).with([
+                    Arg::Key(key),
+                    Arg::Key(TABLE_KEY),
+                    Arg::None,
+                    Arg::None,
+                ]),
+                Abort::Incompatible,
+            ),
+            ImageError::Length => (incomplete(), Abort::Length),
+            ImageError::Checksum => (incomplete(), Abort::Crc),
+            ImageError::Range(no) => (out_of_range(no), Abort::Value),
+        };
+        self.refuse_with(&alarm, abort)
+    }
+
+    /// 1010h: every change is stored by itself; only the built-in set of a new board can be left.
+    pub(super) fn save(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
+        if signature != SAVE {
+            return Err(Abort::NotStored);
+        }
+        if let Some(alarm) = self.keeper.found().alarm() {
+            return self.refuse_with(&alarm, Abort::State);
+        }
+        if self.keeper.is_stored() || self.is_changing() {
+            return Ok(());
+        }
+        self.admit(params, Change::Whole)?;
+        self.draft.clone_from(params);
+        self.stage(params)
+    }
+
+    /// 1011h: the built-in set.
+    pub(super) fn restore(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
+        if signature != LOAD {
+            return Err(Abort::NotStored);
+        }
+        self.admit(params, Change::Whole)?;
+        self.draft = Params::slant_bed();
+        // A password is not taken away by this.
+        let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
+        self.draft.put_slot(PASSWORD_SLOT, kept);
+        self.stage(params)
+    }
+
+    pub(super) fn password(&mut self, password: u32, params: &Params) -> Result<(), Abort> {
+        self.door.knock(password, params).or_else(|alarm| {
+            self.log.push(self.tick, Event::Warning(alarm));
+            self.refuse_with(&alarm, Abort::LocalControl)
+        })
+    }
+
+    /// See [`Keeper::loaded`](super::keeper::Keeper::loaded).
+    pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
+        let progress = self.keeper.loaded(held, &mut self.draft);
+        self.go_on(progress);
+    }
+
+    /// See [`Keeper::store`](super::keeper::Keeper::store).
+    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
+        self.keeper.store(&self.draft)
+    }
+
+    /// See [`Keeper::has_stored`](super::keeper::Keeper::has_stored).
+    pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
+        let progress = self.keeper.has_stored(region, result, &self.draft);
+        self.go_on(progress);
+    }
+
+    fn go_on(&mut self, progress: Progress) {
+        self.staged |= progress.in_force;
+        if let Some(warning) = progress.warning {
+            self.log.push(self.tick, Event::Warning(warning));
+        }
+    }
+}
+
+/// What somebody wants to change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// One value.
+    Value,
+    /// The write enable itself.
+    Switch,
+    /// All of them.
+    Whole,
+    /// Back to the last good set.
+    Recall,
+}
+
+fn incomplete() -> Alarm {
+    Alarm::new(Code::ParametersIncomplete, Span::default())
+}
+
+fn out_of_range(no: u16) -> Alarm {
+    let args = [Arg::Int(no.into()), Arg::None, Arg::None, Arg::None];
+    Alarm::new(Code::ParametersOutOfRange, Span::default()).with(args)
+}
+
+/// Number of the parameter that allows writing the others.
+const PARAMETER_WRITE_ENABLE: u16 = 9026;
