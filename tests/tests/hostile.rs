@@ -47,6 +47,11 @@ fn messages_of_the_link() {
 }
 
 #[test]
+fn frames_of_anybody() {
+    replay("station", hostile::station);
+}
+
+#[test]
 fn lines_of_an_adapter() {
     replay("slcan", hostile::slcan);
 }

@@ -7,6 +7,7 @@ mod parameters;
 mod program;
 mod sdo;
 mod slcan;
+mod station;
 mod stored;
 
 pub use link::link;
@@ -15,4 +16,5 @@ pub use parameters::parameters;
 pub use program::program;
 pub use sdo::sdo;
 pub use slcan::slcan;
+pub use station::station;
 pub use stored::stored;

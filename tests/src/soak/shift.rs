@@ -314,6 +314,11 @@ impl Shift {
         });
         let pause = bench.random.within(20, 200) as u64;
         bench.stands(pause);
+        if !bench.sim.has_power() {
+            // With what was to be stored of the stop.
+            self.power_up();
+            return;
+        }
         let whole = bench.operator.is_well();
         let stood = bench.position();
         Operator::put_right(bench);
