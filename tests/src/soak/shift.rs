@@ -321,7 +321,7 @@ impl Shift {
         }
         let whole = bench.operator.is_well();
         let stood = bench.position();
-        Operator::put_right(bench);
+        settle(bench);
         bench.until("an order before", LONGEST, |bench| !bench.is_ordering());
         while matches!(bench.state(), State::Alarm(_)) {
             bench.ordered(Order::Reset);
@@ -571,6 +571,23 @@ M30
             matches!(outcome, Err(SdoError::Refused(_))),
             "taken: {outcome:?}"
         );
+    }
+}
+
+/// Everything is put right, and the board knows: a frame that says so may be lost.
+fn settle(bench: &mut Bench) {
+    loop {
+        Operator::put_right(bench);
+        let operator = bench.sim.board().ticker().operator();
+        let percents = [
+            operator.feed_percent(),
+            operator.rapid_percent(),
+            operator.spindle_percent(),
+        ];
+        if percents == [100; 3] && !operator.single_block {
+            return;
+        }
+        bench.tick();
     }
 }
 
