@@ -9,6 +9,7 @@
 //! | `s1_urev` | the angle that spindle 1 is to have, while it is in position mode |
 //! | `s1_rpm` | the speed that it is to have, in speed mode |
 //! | `x_actual_nm z_actual_nm c_actual_udeg s1_actual_urev` | what each drive told last |
+//! | `s2_urev s2_rpm s2_actual_urev`, the same of `s3` and `s4` | as of spindle 1; empty where there is no such spindle |
 //! | `event` | what happened, in words |
 //!
 //! A value that no frame has told yet is empty.
@@ -28,14 +29,22 @@ use crate::number;
 
 /// The first line.
 pub const HEADER: &str = "t_us,sync,x_nm,z_nm,c_udeg,s1_urev,s1_rpm,\
-                          x_actual_nm,z_actual_nm,c_actual_udeg,s1_actual_urev,event";
+                          x_actual_nm,z_actual_nm,c_actual_udeg,s1_actual_urev,\
+                          s2_urev,s2_rpm,s2_actual_urev,s3_urev,s3_rpm,s3_actual_urev,\
+                          s4_urev,s4_rpm,s4_actual_urev,event";
+
+/// Columns between the time and the event.
+const BETWEEN: usize = 19;
 
 /// The drives in the order of the columns.
-const DRIVES: [NodeId; 4] = [
+const DRIVES: [NodeId; 7] = [
     NodeId::DRIVE_X,
     NodeId::DRIVE_Z,
     NodeId::DRIVE_C,
     NodeId::SPINDLE_1,
+    NodeId::SPINDLE_2,
+    NodeId::SPINDLE_3,
+    NodeId::SPINDLE_4,
 ];
 
 /// What is known of a drive.
@@ -47,16 +56,31 @@ struct Drive {
     actual: Option<Increments>,
     state: Option<State>,
     nmt: Option<NmtState>,
+    /// What a spindle is to do; an axis has none.
+    spindle: Option<SpindleCommand>,
+}
+
+impl Drive {
+    /// The angle a spindle in position mode is to have.
+    fn angle(&self) -> Option<Increments> {
+        let positioned = self.spindle?.mode == Mode::Position;
+        self.target.filter(|_| positioned)
+    }
+
+    /// The speed a spindle in speed mode is to have, in thousandths of a turn per minute.
+    fn speed(&self) -> Option<i64> {
+        let command = self.spindle?;
+        (command.mode == Mode::Velocity).then(|| i64::from(command.velocity.get()))
+    }
 }
 
 /// A table being written.
 #[derive(Debug)]
 pub struct Table<W: Write> {
     pub(super) to: W,
-    drives: [Drive; 4],
-    /// Increments of the spindle's drive to a turn.
+    drives: [Drive; 7],
+    /// Increments of a spindle's drive to a turn.
     per_turn: i64,
-    spindle: Option<SpindleCommand>,
     first: Option<Stamp>,
     line: Vec<u8>,
 }
@@ -79,9 +103,11 @@ impl<W: Write> Table<W> {
                 axis(Axis::Z),
                 axis(Axis::C),
                 Drive::default(),
+                Drive::default(),
+                Drive::default(),
+                Drive::default(),
             ],
             per_turn: i64::from(params.spindle_increments().max(1)),
-            spindle: None,
             first: None,
             line: Vec::new(),
         })
@@ -117,9 +143,9 @@ impl<W: Write> Table<W> {
         {
             drive.target = Some(command.target);
         } else if let Some((node, command)) = SpindleCommand::decode(frame)
-            && node == NodeId::SPINDLE_1
+            && let Some(drive) = self.drive(node)
         {
-            self.spindle = Some(command);
+            drive.spindle = Some(command);
         } else if let Some((node, status)) = DriveStatus::decode(frame)
             && let Some(drive) = self.drive(node)
         {
@@ -168,22 +194,18 @@ impl<W: Write> Table<W> {
     fn event(&mut self, us: u64, text: &str) -> io::Result<()> {
         // A comma or a quotation mark would end the field.
         let text = text.replace('"', "'").replace(',', ";");
-        writeln!(self.to, "{us},,,,,,,,,,,{text}")
+        let none = ",".repeat(BETWEEN);
+        writeln!(self.to, "{us},{none}{text}")
     }
 
     /// A row of a SYNC with this counter, which it need not have.
     fn row(&mut self, us: u64, counter: Option<u8>) -> io::Result<()> {
-        let [x, z, c, s] = self.drives;
+        let [x, z, c, first, further @ ..] = self.drives;
         let per_turn = i128::from(self.per_turn);
         let position = |drive: Drive, at: Option<Increments>| Some(drive.scale?.position(at?));
         let turns = |at: Option<Increments>| {
             i64::try_from(i128::from(at?.get()) * 1_000_000 / per_turn).ok()
         };
-        let mode = self.spindle.map(|command| command.mode);
-        let speed = self
-            .spindle
-            .filter(|command| command.mode == Mode::Velocity)
-            .map(|command| i64::from(command.velocity.get()));
 
         let line = &mut self.line;
         line.clear();
@@ -193,20 +215,26 @@ impl<W: Write> Table<W> {
         for drive in [x, z, c] {
             field(line, position(drive, drive.target));
         }
-        field(
-            line,
-            turns(s.target.filter(|_| mode == Some(Mode::Position))),
-        );
-        line.push(b',');
-        if let Some(speed) = speed {
-            number::decimal::<3>(line, speed);
-        }
+        commanded(line, turns(first.angle()), first.speed());
         for drive in [x, z, c] {
             field(line, position(drive, drive.actual));
         }
-        field(line, turns(s.actual));
+        field(line, turns(first.actual));
+        for spindle in further {
+            commanded(line, turns(spindle.angle()), spindle.speed());
+            field(line, turns(spindle.actual));
+        }
         line.extend_from_slice(b",\n");
         self.to.write_all(line)
+    }
+}
+
+/// What a spindle is to do: its angle, or its speed.
+fn commanded(line: &mut Vec<u8>, angle: Option<i64>, speed: Option<i64>) {
+    field(line, angle);
+    line.push(b',');
+    if let Some(speed) = speed {
+        number::decimal::<3>(line, speed);
     }
 }
 
@@ -252,6 +280,11 @@ mod tests {
                 velocity: MilliRpm::new(-300_500),
             }
             .frame(NodeId::SPINDLE_1),
+            SpindleCommand {
+                mode: Mode::Velocity,
+                velocity: MilliRpm::new(200_000),
+            }
+            .frame(NodeId::SPINDLE_3),
             sync.next(),
             status(0x0237, 1_000).frame(NodeId::DRIVE_Z),
             status(0x0237, 1_001).frame(NodeId::DRIVE_Z),
@@ -272,20 +305,20 @@ mod tests {
         // Drive increments of the built-in machine are 100 nm.
         let expected = [
             HEADER,
-            "0,,,,,,,,,,,node 16: BootUp",
-            "10,,,,,,,,,,,NMT to node 16: Start",
-            "20,1,,,,,,,,,,",
-            "50,2,-1234500,,,,-300.5,,,,,",
-            "60,,,,,,,,,,,node 17: operation enabled (statusword 0237h)",
-            "80,3,-1234500,,,,-300.5,,100100,,,",
-            "90,,,,,,,,,,,node 16: emergency 8611h; error register 21h; detail 01 00 00 00 FF",
-            "100,,,,,,,,,,,bus: bus-off",
+            "0,,,,,,,,,,,,,,,,,,,,node 16: BootUp",
+            "10,,,,,,,,,,,,,,,,,,,,NMT to node 16: Start",
+            "20,1,,,,,,,,,,,,,,,,,,,",
+            "60,2,-1234500,,,,-300.5,,,,,,,,,200,,,,,",
+            "70,,,,,,,,,,,,,,,,,,,,node 17: operation enabled (statusword 0237h)",
+            "90,3,-1234500,,,,-300.5,,100100,,,,,,,200,,,,,",
+            "100,,,,,,,,,,,,,,,,,,,,node 16: emergency 8611h; error register 21h; detail 01 00 00 00 FF",
+            "110,,,,,,,,,,,,,,,,,,,,bus: bus-off",
             "",
         ];
         let text = String::from_utf8(table.to).unwrap();
         assert_eq!(text, expected.join("\n"));
         for line in text.lines() {
-            assert_eq!(line.split(',').count(), 12, "{line}");
+            assert_eq!(line.split(',').count(), 21, "{line}");
         }
     }
 }
