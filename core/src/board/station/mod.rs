@@ -24,6 +24,7 @@
 mod change;
 pub mod dictionary;
 mod door;
+mod health;
 mod inbox;
 mod keeper;
 mod ledger;
@@ -45,8 +46,7 @@ use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::snapshot::Snapshot;
 use super::store::{Region, StoreError, StoreRequest};
-use super::ticker::State;
-use super::trouble::{BusTrouble, Intrusion};
+use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::{
     BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
@@ -69,8 +69,6 @@ const DRIVES: u32 = 4;
 const ERROR_PASSIVE: u16 = 0x8120;
 const HEARTBEAT_ERROR: u16 = 0x8130;
 const RECOVERED: u16 = 0x8140;
-/// Setpoints that come late are counted against their limit for so long.
-const LATE_MS: u32 = 1000;
 
 /// What a running program does when the gateway is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -307,34 +305,6 @@ impl Station {
         self.shelf.late = late;
     }
 
-    /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or bus-off
-    /// is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the bus must not
-    /// be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the node says so, with
-    /// the counters, and waits to be started anew [D124].
-    pub fn set_controller(&mut self, controller: Controller, params: &Params) {
-        let before = core::mem::replace(&mut self.controller, controller).state;
-        if !self.has_joined() || before == controller.state {
-            return;
-        }
-        if before == BusState::Off {
-            self.urgent.clear();
-            let boot_up = self.nmt.boot();
-            self.say(boot_up);
-        }
-        if controller.state == BusState::Off {
-            self.end_transfer(params);
-        }
-        self.tell_trouble(BusTrouble::of(controller));
-    }
-
-    /// True where a controller that has left the bus may be started again: the machine stands on an alarm, and the drives have
-    /// been let go.
-    #[must_use]
-    pub const fn may_rejoin(&self) -> bool {
-        matches!(self.controller.state, BusState::Off)
-            && matches!(self.shelf.snapshot.state, State::Alarm(_))
-    }
-
     /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
     /// one. True where a call went.
     pub fn poll(
@@ -537,39 +507,6 @@ impl Station {
             }
             None => self.shelf.emcy.clear(),
         }
-    }
-
-    /// Somebody else speaks to the drives. What keeps one from following is told by its own failure where nothing moves.
-    fn resist(&mut self, intrusion: Intrusion) {
-        if !matches!(intrusion, Intrusion::Network(_)) || !self.shelf.snapshot.is_at_rest() {
-            self.tell_trouble(Some(BusTrouble::Intruder(intrusion)));
-        }
-    }
-
-    /// The first trouble stays until it is reset; what is still there then is told again.
-    fn tell_trouble(&mut self, trouble: Option<BusTrouble>) {
-        if let Some(trouble) = trouble {
-            self.shelf.command(Command::Trouble(trouble));
-        }
-    }
-
-    fn watch_bus(&mut self, elapsed: Periods, params: &Params) {
-        let (from, since) = &mut self.lateness;
-        *since = since.plus(elapsed);
-        let over = Periods::from_ms(LATE_MS, params.tick_us()).is_none_or(|all| *since > all);
-        // What is late while nothing moves does no harm.
-        if over || self.shelf.snapshot.is_at_rest() {
-            *since = Periods::new(0);
-            *from = self.shelf.late;
-        }
-        let count = self.shelf.late.saturating_sub(*from);
-        if elapsed == Periods::new(0) || self.shelf.snapshot.alarm().is_some() {
-            return;
-        }
-        let limit = params.late_setpoints();
-        let late = limit != 0 && count > limit;
-        let late = late.then_some(BusTrouble::Late { count, limit });
-        self.tell_trouble(BusTrouble::of(self.controller).or(late));
     }
 
     fn transfer(&mut self, elapsed: Periods, params: &Params) {
