@@ -553,7 +553,7 @@ codes! {
     ParametersOutOfRange = 4349, "parameter {0} of the set is outside its range; the set has not been taken", "correct the value (`leadscrew params validate`), then send the set again",
         "参数集中的参数 {0} 超出范围，未采用该参数集", "请改正该值（`leadscrew params validate`），然后重新发送";
 
-    // 4350–4399: drives. {0} is the drive's letter, {1} its node.
+    // 4350–4362: drives. {0} is the drive's letter, {1} its node.
     /// No status from a drive after it was started.
     DriveNoAnswer = 4350, "drive {0} (node {1}) does not answer",
         "check its supply, the bus wiring and termination, its node number and bit rate",
@@ -603,6 +603,23 @@ codes! {
     DriveJump = 4362, "drive {0} (node {1}) would have jumped by {2} after being enabled",
         "reset; if it comes again, report it as a fault of the program in the board",
         "驱动器 {0}（节点 {1}）使能后将跳动 {2}", "请复位；若再次出现，请作为控制板程序故障报告";
+
+    // 4363–4369: the firmware of the board, as told at its next start.
+    /// A watchdog has started the board anew.
+    FirmwareHung = 4363, "the board's firmware hung, and its watchdog started it anew", "report it as a fault of the program in the board; then reset",
+        "控制板固件曾停止响应，已由看门狗重新启动", "请作为控制板程序故障报告；然后复位";
+    /// A fault of the processor: address of the instruction, return address, ticks since power-up, version.
+    FirmwareFault = 4364, "the board's firmware stopped: processor fault at {0}, called from {1}, {2} ticks after power-up (firmware {3})",
+        "report these figures as a fault of the program in the board; then reset",
+        "控制板固件已停止：处理器故障，地址 {0}，调用自 {1}，上电后 {2} 个周期（固件 {3}）", "请将这些数据作为控制板程序故障报告；然后复位";
+    /// A panic: line, key of the file, ticks since power-up, version.
+    FirmwarePanic = 4365, "the board's firmware stopped: panic in line {0} of file {1}, {2} ticks after power-up (firmware {3})",
+        "report these figures as a fault of the program in the board; then reset",
+        "控制板固件已停止：文件 {1} 第 {0} 行 panic，上电后 {2} 个周期（固件 {3}）", "请将这些数据作为控制板程序故障报告；然后复位";
+    /// The stack has left its memory: ticks since power-up, version.
+    FirmwareStack = 4366, "the board's firmware stopped: its stack ran over, {0} ticks after power-up (firmware {1})",
+        "report these figures as a fault of the program in the board; then reset",
+        "控制板固件已停止：堆栈溢出，上电后 {0} 个周期（固件 {1}）", "请将这些数据作为控制板程序故障报告；然后复位";
 
     // 4370–4379: the bus as a whole.
     /// The controller has left the bus; errors counted while sending and receiving.

@@ -51,11 +51,13 @@
 //! shared. The parameter set belongs to the background: the tick keeps what it needs of it in its ticker.
 
 mod background;
+mod failure;
 mod queues;
 mod report;
 mod tick;
 
 pub use background::{BackgroundSide, Machine};
+pub use failure::{Failure, FailureKind, VERSION, file_key};
 pub use queues::{BackgroundPlace, PowerUp, Queues, TickerPlace};
 pub use report::{Order, Report};
 pub use tick::{Inputs, TickMachine, TickSide};

@@ -11,6 +11,7 @@ use leadscrew_core::motion::Setpoint;
 use leadscrew_core::program::Position;
 
 use crate::background::{BackgroundSide, Ends as BackgroundEnds};
+use crate::failure::Failure;
 use crate::report::{Order, Report};
 use crate::tick::{Ends as TickEnds, TickSide};
 
@@ -52,6 +53,8 @@ pub struct PowerUp<'a> {
     pub tap: Option<TapRecord>,
     /// Its number on the bus.
     pub node: NodeId,
+    /// Why the firmware stopped the last time: nothing moves before a reset.
+    pub failure: Option<Failure>,
 }
 
 impl Queues {
@@ -143,6 +146,9 @@ fn new_ticker(
     match place.write(Ticker::new(&up.set.params, up.remembered, up.tap)) {
         Some(ticker) => {
             ticker.withhold(up.set.found);
+            if let Some(failure) = up.failure {
+                ticker.begin_in_alarm(failure.alarm());
+            }
             Ok(ticker)
         }
         None => Err(Alarm::new(Code::ParametersUnusable, Span::default())),

@@ -1,11 +1,19 @@
 //! Motion that is withheld: a board whose stored parameters are damaged brings its drives up and stands on an alarm,
 //! behind every reset again, until a set has been taken [D115].
 
-use super::{Ends, Ticker, emit};
+use super::{Ends, Mode, Ticker, emit};
+use crate::alarm::Alarm;
 use crate::board::event::Event;
 use crate::board::kept::Found;
 
 impl Ticker {
+    /// Stands on an alarm from the start: the board did not come to its end in good order the last time. To be said before the
+    /// first tick; the drives are brought up behind a reset.
+    pub const fn begin_in_alarm(&mut self, alarm: Alarm) {
+        self.alarm = alarm;
+        self.mode = Mode::Alarm;
+    }
+
     /// Says what was found of the stored parameters. To be said before the drives are up.
     pub const fn withhold(&mut self, found: Found) {
         self.found = found;

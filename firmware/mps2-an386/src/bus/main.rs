@@ -19,6 +19,8 @@ mod interrupts;
 mod options;
 mod outside;
 mod pace;
+#[cfg(feature = "provoke")]
+mod provoke;
 mod shop;
 mod uart;
 
@@ -26,10 +28,9 @@ use core::fmt::Write as _;
 use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::debug::{self, EXIT_FAILURE};
 use cortex_m_semihosting::hio;
 use heapless::spsc::Queue;
-use leadscrew_app::{PowerUp, Queues, TickerPlace};
+use leadscrew_app::{BackgroundPlace, PowerUp, Queues, TickerPlace};
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::params::Params;
@@ -47,11 +48,17 @@ const TRAFFIC: usize = 64;
 fn main() -> ! {
     static QUEUES: ConstStaticCell<Queues> = ConstStaticCell::new(Queues::new());
     static TICKER: ConstStaticCell<TickerPlace> = ConstStaticCell::new(TickerPlace::uninit());
+    static BACKGROUND: ConstStaticCell<BackgroundPlace> =
+        ConstStaticCell::new(BackgroundPlace::uninit());
     static TOLD: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
     static ASKED: ConstStaticCell<Queue<Frame, TRAFFIC>> = ConstStaticCell::new(Queue::new());
     static OUTSIDE: StaticCell<Outside> = StaticCell::new();
 
-    let options = Options::read();
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        leadscrew_fault::guard_stack(&mut core.MPU);
+    }
+    let failure = leadscrew_fault::take();
+    let options = Options::read(failure.is_some());
     let around = PlantOptions::default();
     let mut flash = flash::RamFlash::power_up();
     let tap = flash.tap().expect("the flash can be read");
@@ -63,15 +70,16 @@ fn main() -> ! {
         remembered: Some(around.at),
         tap,
         node: NodeId::BOARD,
+        failure,
     };
     let (tick, background) = QUEUES
         .take()
-        .power_up(TICKER.take(), &up)
+        .power_up(TICKER.take(), BACKGROUND.take(), &up)
         .expect("what was stored was good, and what is built in");
     let plant = Plant::new(&set.params, &around).expect("it makes a machine, too");
     let (told_in, told_out) = TOLD.take().split();
     let (asked_in, asked_out) = ASKED.take().split();
-    interrupts::own_tick(tick, Shop::new(plant, options.traffic, told_in, asked_out));
+    interrupts::own_tick(tick, Shop::new(plant, options, told_in, asked_out));
     let bytes = interrupts::own_uart();
     let outside = OUTSIDE.init(Outside::new(bytes, told_out, asked_in, flash));
     interrupts::enable();
@@ -84,8 +92,5 @@ fn panic(info: &PanicInfo) -> ! {
     if let Ok(mut out) = hio::hstdout() {
         let _ = writeln!(out, "{info}");
     }
-    debug::exit(EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    leadscrew_fault::panicked(info)
 }

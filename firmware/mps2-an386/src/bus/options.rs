@@ -1,12 +1,15 @@
 //! What the image is told when it is started: words of its command line, through semihosting.
 
-use cortex_m_semihosting::syscall;
+use cortex_m_semihosting::syscall1;
 
 /// The options.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     /// `traffic=all`: what the board and its drives say to each other is on the wire, too.
     pub traffic: bool,
+    /// `provoke=panic@300`: the image fails like that at this tick, if it has not failed before.
+    #[cfg(feature = "provoke")]
+    pub provoke: Option<crate::provoke::Provoke>,
 }
 
 /// The longest command line.
@@ -20,15 +23,20 @@ struct Line {
 
 impl Options {
     /// Reads them. A word that is none stops the image: it would not do what it was asked.
-    pub fn read() -> Self {
+    ///
+    /// # Panics
+    /// Then.
+    pub fn read(has_failed: bool) -> Self {
         let mut buffer = [0_u8; LONGEST];
         let mut line = Line {
             text: buffer.as_mut_ptr(),
             length: buffer.len(),
         };
         // SAFETY: the host writes at most `length` bytes to `text`, both of which it finds in `line`.
-        let failed = unsafe { syscall!(GET_CMDLINE, &raw mut line) };
+        let failed = unsafe { syscall1!(GET_CMDLINE, &raw mut line) };
         let mut options = Self::default();
+        #[cfg(not(feature = "provoke"))]
+        let _ = has_failed;
         if failed != 0 {
             return options;
         }
@@ -38,6 +46,12 @@ impl Options {
         for word in text.split_ascii_whitespace().skip(1) {
             match word {
                 "traffic=all" => options.traffic = true,
+                #[cfg(feature = "provoke")]
+                _ if word.starts_with("provoke=") => {
+                    let how = word.trim_start_matches("provoke=");
+                    let provoke = crate::provoke::Provoke::read(how).expect("a way to fail");
+                    options.provoke = Some(provoke).filter(|_| !has_failed);
+                }
                 _ => panic!("`{word}` is no option of this image"),
             }
         }

@@ -67,7 +67,7 @@ impl Pace {
     }
 
     /// The thread.
-    pub fn run(mut self, mut background: BackgroundSide, outside: &mut Outside) -> ! {
+    pub fn run(mut self, background: &mut BackgroundSide, outside: &mut Outside) -> ! {
         loop {
             let now = self.clock.ms();
             let came = outside.pump(now);
@@ -80,7 +80,7 @@ impl Pace {
             if let Some(times) = outside.new_times() {
                 self.times = times;
             }
-            if outside.takes_tick() && self.is_due(&background, now) {
+            if outside.takes_tick() && self.is_due(background, now) {
                 interrupts::tick();
                 self.ticks += 1;
                 self.last = now;

@@ -7,6 +7,8 @@ use leadscrew_board_sim::plant::Plant;
 use leadscrew_core::bus::Frame;
 use leadscrew_core::spindle::EncoderSample;
 
+use crate::options::Options;
+
 /// Answers of seven drives to one SYNC, and what they say besides.
 const ANSWERS: usize = 32;
 
@@ -15,31 +17,34 @@ pub struct Shop {
     plant: Plant,
     /// The drives' frames, for the next tick.
     answers: Deque<Frame, ANSWERS>,
-    /// What is said here is to be heard on the wire.
-    traffic: bool,
+    options: Options,
     told: Producer<'static, Frame>,
     /// What others on the wire have said.
     asked: Consumer<'static, Frame>,
+    #[cfg(feature = "provoke")]
+    ticks: u32,
 }
 
 impl Shop {
     pub const fn new(
         plant: Plant,
-        traffic: bool,
+        options: Options,
         told: Producer<'static, Frame>,
         asked: Consumer<'static, Frame>,
     ) -> Self {
         Self {
             plant,
             answers: Deque::new(),
-            traffic,
+            options,
             told,
             asked,
+            #[cfg(feature = "provoke")]
+            ticks: 0,
         }
     }
 
     fn exchange(&mut self, frames: &[Frame]) {
-        let (answers, told, traffic) = (&mut self.answers, &mut self.told, self.traffic);
+        let (answers, told, traffic) = (&mut self.answers, &mut self.told, self.options.traffic);
         let mut tell = |frame: &Frame| {
             if traffic {
                 // The thread lets no tick happen before it has room.
@@ -57,6 +62,14 @@ impl Shop {
 
 impl TickMachine for Shop {
     fn sample(&mut self) -> EncoderSample {
+        leadscrew_fault::tick();
+        #[cfg(feature = "provoke")]
+        {
+            self.ticks += 1;
+            if let Some(provoke) = self.options.provoke {
+                provoke.act(self.ticks);
+            }
+        }
         self.plant.advance()
     }
 

@@ -1,0 +1,218 @@
+//! Why the firmware stopped the last time: a few words that outlive a reset, and the alarm they become.
+//!
+//! Whoever catches a failure writes [`Failure::encode`] to memory that a reset leaves as it is, and starts anew; at
+//! power-up [`Failure::decode`] finds it there, and nothing moves before somebody has taken note.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+
+/// What stopped it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FailureKind {
+    /// A fault of the processor: an instruction or an address that does not exist.
+    Fault,
+    /// The program has found itself in a state that cannot be.
+    Panic,
+    /// The stack has left its memory.
+    StackOverflow,
+    /// The watchdog: tick or background had stopped.
+    Hung,
+}
+
+/// What is known of a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What stopped it.
+    pub kind: FailureKind,
+    /// Fault: address of the instruction. Panic: line. Else 0.
+    pub place: u32,
+    /// Fault: return address of the function it was in. Panic: [`file_key`] of the file. Else 0.
+    pub within: u32,
+    /// SYNC periods since power-up; 0 where that is not known.
+    pub ticks: u32,
+    /// Of the firmware that failed; see [`VERSION`].
+    pub version: u32,
+}
+
+/// This firmware: major, minor and patch version in a byte each.
+pub const VERSION: u32 = number(env!("CARGO_PKG_VERSION_MAJOR")) << 16
+    | number(env!("CARGO_PKG_VERSION_MINOR")) << 8
+    | number(env!("CARGO_PKG_VERSION_PATCH"));
+
+const fn number(text: &str) -> u32 {
+    let mut bytes = text.as_bytes();
+    let mut value = 0_u32;
+    while let [digit, rest @ ..] = bytes {
+        value = value
+            .wrapping_mul(10)
+            .wrapping_add(digit.wrapping_sub(b'0') as u32);
+        bytes = rest;
+    }
+    value
+}
+
+/// Tells files apart where their names have no room: FNV-1a.
+#[must_use]
+pub const fn file_key(name: &str) -> u32 {
+    let mut bytes = name.as_bytes();
+    let mut key = 0x811C_9DC5_u32;
+    while let [byte, rest @ ..] = bytes {
+        key = (key ^ *byte as u32).wrapping_mul(0x0100_0193);
+        bytes = rest;
+    }
+    key
+}
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+impl Failure {
+    /// Words of a record.
+    pub const WORDS: usize = 7;
+
+    /// In front of a record: memory at power-up does not look like it.
+    const MARK: u32 = 0x4C53_4651;
+
+    /// A watchdog has started the board anew: nothing more is known.
+    #[must_use]
+    pub const fn hung() -> Self {
+        Self {
+            kind: FailureKind::Hung,
+            place: 0,
+            within: 0,
+            ticks: 0,
+            version: VERSION,
+        }
+    }
+
+    /// As a record.
+    #[must_use]
+    pub fn encode(&self) -> [u32; Self::WORDS] {
+        let kind = match self.kind {
+            FailureKind::Fault => 1,
+            FailureKind::Panic => 2,
+            FailureKind::StackOverflow => 3,
+            FailureKind::Hung => 4,
+        };
+        let words = [
+            Self::MARK,
+            kind,
+            self.place,
+            self.within,
+            self.ticks,
+            self.version,
+        ];
+        let [a, b, c, d, e, f] = words;
+        [a, b, c, d, e, f, checksum(&words)]
+    }
+
+    /// The failure in a record; `None` where there is none, or it is not whole.
+    #[must_use]
+    pub fn decode(record: &[u32; Self::WORDS]) -> Option<Self> {
+        let &[mark, kind, place, within, ticks, version, sum] = record;
+        if mark != Self::MARK || sum != checksum(&[mark, kind, place, within, ticks, version]) {
+            return None;
+        }
+        let kind = match kind {
+            1 => FailureKind::Fault,
+            2 => FailureKind::Panic,
+            3 => FailureKind::StackOverflow,
+            4 => FailureKind::Hung,
+            _ => return None,
+        };
+        Some(Self {
+            kind,
+            place,
+            within,
+            ticks,
+            version,
+        })
+    }
+
+    /// What the board stands on until it is reset.
+    #[must_use]
+    pub const fn alarm(&self) -> Alarm {
+        let ticks = Arg::Int(self.ticks as i64);
+        let version = Arg::Key(self.version);
+        let (code, args) = match self.kind {
+            FailureKind::Hung => (Code::FirmwareHung, [Arg::None; 4]),
+            FailureKind::Fault => (
+                Code::FirmwareFault,
+                [Arg::Key(self.place), Arg::Key(self.within), ticks, version],
+            ),
+            FailureKind::Panic => (
+                Code::FirmwarePanic,
+                [
+                    Arg::Int(self.place as i64),
+                    Arg::Key(self.within),
+                    ticks,
+                    version,
+                ],
+            ),
+            FailureKind::StackOverflow => {
+                (Code::FirmwareStack, [ticks, version, Arg::None, Arg::None])
+            }
+        };
+        Alarm::new(
+            code,
+            Span {
+                line: 0,
+                column: 0,
+                end: 0,
+            },
+        )
+        .with(args)
+    }
+}
+
+fn checksum(words: &[u32; 6]) -> u32 {
+    let mut digest = CRC.digest();
+    for word in words {
+        digest.update(&word.to_le_bytes());
+    }
+    digest.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PANIC: Failure = Failure {
+        kind: FailureKind::Panic,
+        place: 120,
+        within: file_key("src/tick.rs"),
+        ticks: 4711,
+        version: VERSION,
+    };
+
+    #[test]
+    fn a_record_reads_back_and_what_is_not_whole_is_none() {
+        for kind in [
+            FailureKind::Fault,
+            FailureKind::Panic,
+            FailureKind::StackOverflow,
+            FailureKind::Hung,
+        ] {
+            let failure = Failure { kind, ..PANIC };
+            assert_eq!(Failure::decode(&failure.encode()), Some(failure));
+        }
+        let record = PANIC.encode();
+        for word in 0..Failure::WORDS {
+            for bit in 0..32 {
+                let mut damaged = record;
+                damaged[word] ^= 1 << bit;
+                assert_eq!(Failure::decode(&damaged), None);
+            }
+        }
+        assert_eq!(Failure::decode(&[0; Failure::WORDS]), None);
+        assert_eq!(Failure::decode(&[u32::MAX; Failure::WORDS]), None);
+    }
+
+    #[test]
+    fn files_have_keys_of_their_own_and_the_version_is_one_of_three_bytes() {
+        // The reference values of FNV-1a.
+        assert_eq!(file_key(""), 0x811C_9DC5);
+        assert_eq!(file_key("foobar"), 0xBF9C_F968);
+        assert_eq!(number("10"), 10);
+        assert_eq!(VERSION, 0x0000_0100);
+    }
+}

@@ -1,0 +1,135 @@
+#![no_std]
+//! The end of a board's firmware: a fault of the processor, a panic, or a stack that has left its memory.
+//!
+//! Nothing that is known still holds then. All interrupts stop, and with them SYNC and setpoints: the drives stop by their own
+//! supervision. What happened is written to memory that a reset leaves as it is ([`Failure`]), and the processor starts anew;
+//! the image hands what it finds ([`take`]) to the board's power-up, which stands on an alarm until somebody has taken note.
+//!
+//! An image that links this has no other handler of `HardFault`. Its stack lies below its data, so that it runs into memory that
+//! is not there, or into a [guard](guard_stack); its `memory.x` says where: `_stack_end` and `_stack_start`. The handler needs
+//! nothing of the old stack.
+
+use core::arch::naked_asm;
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+use core::ptr::{read_volatile, write_volatile};
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::{MPU, SCB};
+use leadscrew_app::{Failure, FailureKind, VERSION, file_key};
+
+type Record = [u32; Failure::WORDS];
+
+// Neither loaded nor cleared at start.
+#[unsafe(link_section = ".uninit.failure")]
+static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+
+/// SYNC periods since power-up.
+static TICKS: AtomicU32 = AtomicU32::new(0);
+
+/// A SYNC period has begun: called in each tick.
+pub fn tick() {
+    // Only the tick writes it; it is read when nothing else runs any more.
+    TICKS.store(
+        TICKS.load(Ordering::Relaxed).wrapping_add(1),
+        Ordering::Relaxed,
+    );
+}
+
+/// Lets nothing touch the 4 KiB below `_stack_end`, for memory that does not end there by itself. They begin at a multiple of
+/// their size.
+pub fn guard_stack(mpu: &mut MPU) {
+    const SIZE: u32 = 4096;
+    /// On, 2^(11 + 1) bytes, no access, no execution.
+    const GUARD: u32 = 1 << 28 | 11 << 1 | 1;
+    /// On, with the memory as it is without regions for everything else; off in the handler of the fault.
+    const ON: u32 = 1 << 2 | 1;
+    let base = (&raw const _stack_end as u32).wrapping_sub(SIZE);
+    // SAFETY: no program uses what lies there; a stack that does has run over.
+    unsafe {
+        mpu.rnr.write(0);
+        mpu.rbar.write(base);
+        mpu.rasr.write(GUARD);
+        mpu.ctrl.write(ON);
+    }
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
+}
+
+/// What stopped the firmware before this start, once.
+#[must_use]
+pub fn take() -> Option<Failure> {
+    let place = (&raw mut RECORD).cast::<Record>();
+    // SAFETY: within `RECORD`, aligned, and any bits are words; handlers that write it do not return.
+    let record = unsafe { read_volatile(place) };
+    // SAFETY: as above.
+    unsafe { write_volatile(place, [0; Failure::WORDS]) };
+    Failure::decode(&record)
+}
+
+/// For the image's handler of panics.
+pub fn panicked(info: &PanicInfo<'_>) -> ! {
+    let (line, file) = info
+        .location()
+        .map_or((0, ""), |location| (location.line(), location.file()));
+    end(FailureKind::Panic, line, file_key(file))
+}
+
+/// Writes down what is known, and starts the processor anew.
+fn end(kind: FailureKind, place: u32, within: u32) -> ! {
+    cortex_m::interrupt::disable();
+    let failure = Failure {
+        kind,
+        place,
+        within,
+        ticks: TICKS.load(Ordering::Relaxed),
+        version: VERSION,
+    };
+    // SAFETY: nothing else runs any more, and this does not return.
+    unsafe { write_volatile((&raw mut RECORD).cast(), failure.encode()) };
+    SCB::sys_reset()
+}
+
+/// Begins with a stack that is good: the old one may have ended.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn HardFault() -> ! {
+    naked_asm!(
+        "cpsid i",
+        "mrs r0, msp",
+        "ldr r1, =_stack_start",
+        "msr msp, r1",
+        "b {fault}",
+        fault = sym fault,
+    )
+}
+
+unsafe extern "C" {
+    static _stack_start: u32;
+    static _stack_end: u32;
+}
+
+/// Words that the processor has put on the stack: r0–r3, r12, return address, address of the instruction, flags.
+const STACKED: usize = 8;
+
+/// `stacked`: where the stack was, with what the processor has put there of the code that failed.
+extern "C" fn fault(stacked: *const u32) -> ! {
+    let (low, high) = (
+        &raw const _stack_end as usize,
+        &raw const _stack_start as usize,
+    );
+    let at = stacked as usize;
+    if at < low {
+        end(FailureKind::StackOverflow, 0, 0);
+    }
+    let whole = at.is_multiple_of(4) && at.saturating_add(4 * STACKED) <= high;
+    let word = |index: usize| {
+        if whole {
+            // SAFETY: within the stack, aligned, and any bits are a word.
+            unsafe { read_volatile(stacked.wrapping_add(index)) }
+        } else {
+            0
+        }
+    };
+    end(FailureKind::Fault, word(6), word(5))
+}
