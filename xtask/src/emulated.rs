@@ -7,10 +7,10 @@ use crate::{emulator, run};
 /// Where the tests find the image.
 const IMAGE: &str = "LEADSCREW_IMAGE";
 
-/// Builds the image and the tests and runs them; each line that is printed is handed to `seen`. True where they passed.
+/// Builds the image, in which failures can be provoked, and the tests and runs them; each line that is printed is handed to `seen`. True where they passed.
 pub fn tests(filter: &str, seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
-    let image = emulator::build("mps2-an386", "mps2-bus", &[])?;
+    let image = emulator::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
     run::show(run::cargo(
         &root,
         &["build", "--quiet", "--package", "leadscrew"],

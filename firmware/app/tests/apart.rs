@@ -4,8 +4,8 @@
 use std::collections::VecDeque;
 
 use leadscrew_app::{
-    BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide,
-    TickerPlace,
+    BackgroundPlace, BackgroundSide, Failure, FailureKind, Inputs, Machine, PowerUp, Queues,
+    TickMachine, TickSide, TickerPlace, VERSION,
 };
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
@@ -136,6 +136,11 @@ impl Apart {
     }
 
     fn off(params: &Params) -> Self {
+        Self::behind(params, None)
+    }
+
+    /// One that is switched on behind a failure.
+    fn behind(params: &Params, failure: Option<Failure>) -> Self {
         // For good, as in an image.
         let queues = Box::leak(Box::new(Queues::new()));
         let ticker = Box::leak(Box::new(TickerPlace::uninit()));
@@ -146,6 +151,7 @@ impl Apart {
             remembered: Some(options.at),
             tap: None,
             node: NodeId::BOARD,
+            failure,
         };
         let (tick, background) = queues
             .power_up(ticker, background, &up)
@@ -428,5 +434,50 @@ fn a_second_master_is_noticed_whichever_side_hears_it() {
             apart.bench.others.push_back(frame);
         }
         assert_eq!(alarm(&mut apart, 1000), Some(Code::SecondSetpoints));
+    }
+}
+
+#[test]
+fn behind_a_failure_nothing_moves_before_a_reset() {
+    let params = Params::slant_bed();
+    let failure = Failure {
+        kind: FailureKind::Fault,
+        place: 0x0800_1234,
+        within: 0x0800_2345,
+        ticks: 4711,
+        version: VERSION,
+    };
+    for (failure, code) in [
+        (failure, Code::FirmwareFault),
+        (Failure::hung(), Code::FirmwareHung),
+    ] {
+        let mut apart = Apart::behind(&params, Some(failure));
+        for _ in 0..500 {
+            apart.step();
+        }
+        assert_eq!(
+            apart.background.snapshot().state,
+            State::Alarm(failure.alarm())
+        );
+        assert_eq!(failure.alarm().code, code);
+        let number = failure.alarm().number();
+        let told = apart.bench.sent.iter().any(|frame| {
+            frame.id().service() == Some((Service::Emcy, NodeId::BOARD))
+                && frame
+                    .payload()
+                    .windows(2)
+                    .any(|two| two == number.to_le_bytes())
+        });
+        assert!(told, "an emergency message with its number");
+        assert!(apart.bench.events.is_empty());
+        apart.order(Order::Reset);
+        for _ in 0..500 {
+            apart.step();
+        }
+        assert_eq!(apart.background.snapshot().state, State::Idle);
+        assert_eq!(
+            apart.run("G0 X60 Z5\nM30\n", &params),
+            whole(&mut sim(&params), "G0 X60 Z5\nM30\n", &params)
+        );
     }
 }

@@ -100,11 +100,13 @@ impl Board {
     pub fn wait_for(&self, what: &str, wanted: impl Fn(&str) -> bool) -> String {
         let started = Instant::now();
         loop {
-            let status = self.good(&["status", "--json"]);
-            if wanted(&status) {
+            // One that starts anew at this moment does not answer.
+            let output = self.leadscrew(&["status", "--json"]);
+            let status = String::from_utf8_lossy(&output.stdout).into_owned();
+            if output.status.success() && wanted(&status) {
                 return status;
             }
-            assert!(started.elapsed() < PATIENCE, "{what}: {status}");
+            assert!(started.elapsed() < PATIENCE, "{what}: {}", both(&output));
             std::thread::sleep(Duration::from_millis(50));
         }
     }

@@ -4,5 +4,6 @@
 //! `cargo xtask emulated` builds the image, says in `LEADSCREW_IMAGE` where it is, and runs these tests.
 
 mod board;
+mod failure;
 mod operate;
 mod run;
