@@ -4,6 +4,7 @@
 //!
 //! | priority | runs | owns |
 //! |---|---|---|
+//! | fault | the end: a record, and a new start ([`fault`]) | – |
 //! | NMI | a word of the flash that cannot be read ([`flash`]) | two flags |
 //! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, watchdog, its end of the rings |
 //! | 1 | FDCAN1: frames in and out ([`wire`]) | the controller, its ends of the rings |
@@ -227,6 +228,7 @@ fn main() -> ! {
 #[inline(never)]
 fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     let cause = reset::cause();
+    let failure = fault::start(cause);
     let hardware = clock::start();
     log::started(cause);
     let mut storage = Storage(Some(flash::start(hardware.FLASH)));
@@ -251,6 +253,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         remembered: None,
         tap: tap.unwrap_or_default(),
         node: NodeId::BOARD,
+        failure,
     };
     let (queues, ticker, background) = (QUEUES.take(), TICKER.take(), BACKGROUND.take());
     let (Some(queues), Some(ticker), Some(background)) = (queues, ticker, background) else {
@@ -296,6 +299,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
 #[interrupt]
 fn TIM6_DAC() {
     beat::begun();
+    leadscrew_fault::tick();
     // SAFETY: this is its interrupt.
     unsafe { TICK.with(|tick| tick.side.tick(&mut tick.parts)) };
 }
