@@ -13,9 +13,8 @@
 //! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation.
 
 mod patient;
-mod wait;
-
 mod value;
+mod wait;
 
 pub use leadscrew_core::board::{Region, StoreError, StoreRequest};
 pub use patient::Patient;
@@ -30,8 +29,11 @@ use sequential_storage::map::{MapConfig, MapStorage, Value};
 
 use value::Wanted;
 
+/// A set of a later parameter table may be so much longer, and is still read: as what it is.
+const SPARE: usize = 256;
+
 /// Bytes of a buffer for the longest value, with its key and the padding of a flash word.
-pub const BUFFER: usize = (Region::LONGEST + 1).next_multiple_of(WORD);
+pub const BUFFER: usize = (Region::LONGEST + SPARE + 1).next_multiple_of(WORD);
 
 /// Bits of a word that are zero where it marks its page.
 const MARK_BITS: u32 = 4;

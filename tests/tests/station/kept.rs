@@ -326,6 +326,8 @@ fn a_set_of_another_table_is_not_read_and_both_versions_are_named() {
     // Its schema and the key of its table.
     foreign[2] = 7;
     foreign[8] ^= 0xFF;
+    // It has some thirty numbers more.
+    foreign.splice(100..100, [7; 240]);
     let end = foreign.len() - 4;
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&foreign[..end]);
     foreign[end..].copy_from_slice(&sum.to_le_bytes());
