@@ -121,6 +121,8 @@ impl Drives {
     }
 
     /// Nothing reaches the drives any more: whatever they hear when they can be reached again, it moves none of them.
+    #[cold]
+    #[inline(never)]
     pub(super) fn cut_off(&mut self) {
         for drive in self.all() {
             drive.disable();
@@ -130,6 +132,8 @@ impl Drives {
     /// While the machine stops on an alarm, or stands on one (`at_rest`): drives that have failed lose their torque once all
     /// axes stand; until then they are braked with the others [D62]. Where more than one has fallen silent, the wire is
     /// broken: these do not hear how the others brake, and must not be pulled there when it is whole again [D124].
+    #[cold]
+    #[inline(never)]
     pub(super) fn let_go(&mut self, at_rest: bool) {
         let silent = |drive: &DriveMaster| drive.failure() == Some(DriveFailure::Silent);
         let many = self.all().filter(|drive| silent(drive)).count() > 1;

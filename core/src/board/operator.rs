@@ -106,6 +106,12 @@ impl Operator {
         core::mem::replace(&mut self.resume, false)
     }
 
+    /// Something waits to be carried out: a stop, a trouble of the bus, a reset or a resume.
+    #[must_use]
+    pub(super) const fn asks(&self) -> bool {
+        self.stop.is_some() || self.trouble.is_some() || self.reset || self.resume
+    }
+
     /// A reset has been asked for and is not done.
     #[must_use]
     pub const fn reset_waits(&self) -> bool {

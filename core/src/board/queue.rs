@@ -152,9 +152,9 @@ impl SegmentOut<'_> {
         let planned = self
             .head()
             .is_some_and(|oldest| matches!(oldest.action, Action::Planned));
-        take(&mut self.segments);
+        drop_oldest(&mut self.segments);
         if planned {
-            take(&mut self.plans);
+            drop_oldest(&mut self.plans);
         }
     }
 
@@ -207,6 +207,14 @@ pub fn take<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
         return None;
     }
     queue.dequeue()
+}
+
+/// Lets the oldest entry go where it is.
+#[inline(always)]
+fn drop_oldest<T: Copy>(queue: &mut Consumer<'_, T>) {
+    if queue.ready() && queue.capacity() != usize::MAX {
+        let _ = queue.dequeue();
+    }
 }
 
 /// How many entries still have room.

@@ -366,9 +366,16 @@ impl Ticker {
         }
         // Of one before, in a tap that is over by now.
         self.begin_new_count();
-        let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) else {
-            return;
-        };
+        if let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) {
+            self.slip(counts, ends);
+        }
+    }
+
+    // What happens seldom is kept out of the tick's own code, which is leaner by it [D140].
+
+    #[cold]
+    #[inline(never)]
+    fn slip(&mut self, counts: i32, ends: &mut Ends<'_, '_>) {
         self.slipped = true;
         self.begin_new_count();
         let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
@@ -388,18 +395,7 @@ impl Ticker {
                 self.drives.let_go(self.mode == Mode::Alarm);
                 return;
             }
-            Mode::Starting if self.drives.enable() => {
-                let position = self.drives.position(self.remembered.take());
-                let (position, warning) = self.place_tap(position);
-                self.executor.set_position(position);
-                self.restart(position);
-                self.mode = Mode::Idle;
-                emit(ends.events, Event::Ready);
-                if let Some(warning) = warning {
-                    emit(ends.events, Event::Warning(warning));
-                }
-                self.tell_found(ends);
-            }
+            Mode::Starting if self.drives.enable() => self.come_up(ends),
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {
@@ -407,7 +403,35 @@ impl Ticker {
         }
     }
 
+    /// The drives are enabled.
+    #[cold]
+    #[inline(never)]
+    fn come_up(&mut self, ends: &mut Ends<'_, '_>) {
+        let position = self.drives.position(self.remembered.take());
+        let (position, warning) = self.place_tap(position);
+        self.executor.set_position(position);
+        self.restart(position);
+        self.mode = Mode::Idle;
+        emit(ends.events, Event::Ready);
+        if let Some(warning) = warning {
+            emit(ends.events, Event::Warning(warning));
+        }
+        self.tell_found(ends);
+    }
+
     fn obey(&mut self, ends: &mut Ends<'_, '_>) {
+        if self.operator.asks() {
+            self.act(ends);
+        }
+        if self.operator.hold && self.given.hold_retracts {
+            self.leave_stroke(ends);
+        }
+    }
+
+    /// Carries out what the operator asks for: stop, reset, resume, in this order.
+    #[cold]
+    #[inline(never)]
+    fn act(&mut self, ends: &mut Ends<'_, '_>) {
         if let Some(code) = self.operator.takes_stop() {
             self.raise(&Alarm::new(code, Span::default()), ends);
         }
@@ -427,9 +451,6 @@ impl Ticker {
                 let start = pass.ways.start;
                 self.route([Some(start), None]);
             }
-        }
-        if self.operator.hold && self.given.hold_retracts {
-            self.leave_stroke(ends);
         }
     }
 

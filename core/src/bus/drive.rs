@@ -288,6 +288,13 @@ impl DriveMaster {
             self.measure(status.actual);
             return;
         }
+        self.hear_on_the_way(status);
+    }
+
+    /// The status of a drive that is not enabled, or not any more.
+    #[cold]
+    #[inline(never)]
+    fn hear_on_the_way(&mut self, status: DriveStatus) {
         let state = status.status.state();
         if self.phase == Phase::Enabled {
             match state {

@@ -11,6 +11,8 @@ use crate::units::{Length, Rpm};
 
 impl Ticker {
     /// An alarm: the axes come to rest on their path, and what is queued is forgotten. The first one stays.
+    #[cold]
+    #[inline(never)]
     pub(super) fn raise(&mut self, alarm: &Alarm, ends: &mut Ends<'_, '_>) {
         if self.has_alarm() {
             return;
