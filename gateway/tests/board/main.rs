@@ -3,6 +3,7 @@
 mod long;
 #[path = "../../../tests/src/long_program.rs"]
 mod long_program;
+mod params;
 mod server;
 
 use std::path::{Path, PathBuf};

@@ -10,6 +10,7 @@ mod machine;
 mod mistakes;
 mod operate;
 mod other;
+mod params;
 mod python;
 mod record;
 mod run;

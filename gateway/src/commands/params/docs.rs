@@ -8,6 +8,7 @@ use leadscrew_core::params::{Entry, Params};
 use super::{json_list, print, unit_text};
 use crate::cli::Global;
 use crate::failure::Outcome;
+use crate::params::drives::KNOWN;
 use crate::params::{CHAPTERS, meaning, name, value_text};
 use crate::setup;
 
@@ -41,6 +42,10 @@ acceleration.Z = \"3 m/s²\"
 An unknown key, a wrong unit, a value out of its range, a digit too many or a key written twice is an alarm, never
 ignored. So is a set that cannot work as a whole; `leadscrew params validate` tells why.
 
+`schema = N` at the top says which release's table a file is for; pulled files have it. A file of another one is refused
+with both numbers, and `leadscrew params migrate FILE` shows what has changed and, with `-o`, writes a new file. What stands
+under `[drive.X]` goes to the drive itself (at the end of this page).
+
 X: travel, speeds, accelerations and limits are those of the slide, on the radius. Offsets are diameters, as they are
 programmed. Speeds and limits of C are in degrees.
 ";
@@ -60,8 +65,70 @@ acceleration.Z = \"3 m/s²\"
 
 未知的键、错误的单位、超出范围、位数过多、重复设定均为报警，不会被忽略。整体上不能工作的一组参数也是报警；`leadscrew params validate` 说明原因。
 
+文件开头的 `schema = N` 说明它属于哪一版参数表；`params pull` 写出的文件带有它。其它版本的文件会被拒绝并指出两个版本号，
+`leadscrew params migrate FILE` 显示有何变化，加 `-o` 则写出新文件。`[drive.X]` 下的内容写入驱动器本身（见本页末尾）。
+
 X 轴：行程、速度、加速度和极限均按滑板（半径值）计；偏置按编程为直径值。C 轴的速度和极限以度为单位。
 ";
+
+const DRIVES_EN: &str = "
+## Drives
+
+`[drive.X]`, Z, C, S1 to S4: objects of the drives, written to them in order by `leadscrew params push`. A key is one of these
+names, or index and sub-index in hexadecimal; an object without a name says its type (u8 u16 u32 i8 i16 i32). A drive keeps
+its values in units of its own, so they are plain numbers.
+
+```toml
+[drive.X]
+rpdo1 = [\"6040/16\", \"607A/32\"]        # a mapping: objects with their bits; also rpdo2, tpdo1, tpdo2
+interpolation_period = \"1 ms\"           # both sub-indices of 60C2h
+max_profile_velocity = 500000
+\"2105.3\" = { type = \"u16\", value = 7 }
+```
+
+| Object | Name | Type | Meaning |
+|---|---|---|---|
+";
+
+const DRIVES_ZH: &str = "
+## 驱动器
+
+`[drive.X]`、Z、C、S1 至 S4：驱动器自身的对象，由 `leadscrew params push` 按顺序写入。键为下列名称，或十六进制的索引和子索引；没有名称的对象须写明
+类型（u8 u16 u32 i8 i16 i32）。数值采用驱动器自己的单位，因此写成纯数字。
+
+```toml
+[drive.X]
+rpdo1 = [\"6040/16\", \"607A/32\"]        # 映射：对象及其位数；另有 rpdo2、tpdo1、tpdo2
+interpolation_period = \"1 ms\"           # 60C2h 的两个子索引
+max_profile_velocity = 500000
+\"2105.3\" = { type = \"u16\", value = 7 }
+```
+
+| 对象 | 名称 | 类型 | 含义 |
+|---|---|---|---|
+";
+
+/// The objects of drives that have names.
+fn drives(out: &mut String, lang: Lang) {
+    out.push_str(match lang {
+        Lang::En => DRIVES_EN,
+        Lang::Zh => DRIVES_ZH,
+    });
+    for known in KNOWN {
+        let meaning = match lang {
+            Lang::En => known.en,
+            Lang::Zh => known.zh,
+        };
+        let _ = writeln!(
+            out,
+            "| {:04X}h:{:02X}h | `{}` | {} | {meaning} |",
+            known.object.index,
+            known.object.sub,
+            known.name,
+            known.kind.name()
+        );
+    }
+}
 
 /// The manual.
 pub fn markdown(lang: Lang) -> String {
@@ -84,6 +151,7 @@ pub fn markdown(lang: Lang) -> String {
             row(&mut out, entry, lang);
         }
     }
+    drives(&mut out, lang);
     out
 }
 
@@ -147,9 +215,12 @@ mod tests {
                 let rows = text.matches(&format!("\n| {entry} ")).count();
                 assert_eq!(rows, usize::from(first), "{entry}");
             }
-            // Eight columns everywhere: no text breaks the table.
-            for line in text.lines().filter(|line| line.starts_with('|')) {
-                assert_eq!(line.matches('|').count(), 9, "{line}");
+            // Eight columns everywhere, four for the drives: no text breaks the table.
+            let (set, drives) = text.rsplit_once("\n## ").unwrap();
+            for (text, bars) in [(set, 9), (drives, 5)] {
+                for line in text.lines().filter(|line| line.starts_with('|')) {
+                    assert_eq!(line.matches('|').count(), bars, "{line}");
+                }
             }
         }
     }

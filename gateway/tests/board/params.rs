@@ -1,0 +1,111 @@
+//! Parameters over a bus: pushed, compared, fetched, refused.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use crate::server::{Options, Server};
+use crate::{Run, bad, good, json as parsed, leadscrew, text, wait_for};
+
+const LATHE: &str = "# My lathe\nschema = 1\n\"1420.X\" = \"11 m/min\" # rapid\n\n[drive.X]\nrpdo1 = [\"6040/16\", \"607A/32\"]\n\
+                     max_profile_velocity = 0x7A120 # 500000\n[drive.S1]\ninterpolation_period = \"1 ms\"\nprofile_acceleration = 7000\n";
+
+/// A file of this test alone.
+fn file(name: &str, content: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, content).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn a_file_goes_to_board_and_drives_and_comes_back() {
+    let server = Server::start(&Options::default());
+    let bus = server.bus();
+    let lathe = file("bus.toml", LATHE);
+    // The server's machine watches for no gateway: that is its own setting, and stays.
+    let differs = leadscrew(&["params", "diff", &lathe, "--json"], &bus);
+    assert_eq!(differs.status.code(), Some(1));
+    let value = parsed(&differs);
+    assert_eq!(value["changes"].as_array().unwrap().len(), 1);
+    assert_eq!(value["changes"][0]["key"], json!("1420.X"));
+    assert_eq!(
+        value["drives"],
+        json!([
+            {"drive": "X", "object": "607Fh:00h max_profile_velocity", "old": "10000000", "new": "500000"},
+            {"drive": "S1", "object": "6083h:00h profile_acceleration", "old": "100000000", "new": "7000"}
+        ])
+    );
+    let pushed = parsed(&leadscrew(&["params", "push", &lathe, "--json"], &bus));
+    assert_eq!(pushed["done"], json!(true));
+    assert_eq!(pushed["drives"], value["drives"]);
+    let status = wait_for(&bus, "the drives come up again", |status| {
+        status["state"] == "idle"
+    });
+    assert_eq!(status["parameters"], pushed["parameters"]);
+    assert_eq!(
+        good(&leadscrew(&["params", "push", &lathe], &bus)),
+        "nothing to change\n"
+    );
+    assert_eq!(
+        good(&leadscrew(&["params", "diff", &lathe], &bus)),
+        "no difference\n"
+    );
+    // A file takes over what the board and the drives have; its words stay.
+    let other = LATHE
+        .replace("11 m/min", "9 m/min")
+        .replace("0x7A120", "1")
+        .replace("7000", "1");
+    let other = file("other.toml", &other);
+    good(&leadscrew(&["params", "pull", "--into", &other], &bus));
+    let expected = LATHE
+        .replace("\"11 m/min\"", "\"11000 mm/min\"")
+        .replace("0x7A120", "500000");
+    let taken = std::fs::read_to_string(&other).unwrap();
+    let taken: String = taken
+        .split_inclusive('\n')
+        .filter(|line| !line.starts_with("gateway_silence_ms"))
+        .collect();
+    assert_eq!(taken, expected);
+    // Drives alone: the machine is ready again afterwards.
+    let drive = file("drive-alone.toml", "[drive.Z]\nprofile_acceleration = 5\n");
+    good(&leadscrew(&["params", "push", &drive], &bus));
+    wait_for(&bus, "the machine is ready", |status| {
+        status["state"] == "idle"
+    });
+}
+
+#[test]
+fn a_machine_at_work_keeps_its_set() {
+    let server = Server::start(&Options {
+        speed: 2,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let drive = file(
+        "at-work.toml",
+        "9007 = \"12 %\"\n[drive.Z]\nprofile_acceleration = 5\n",
+    );
+    let run = Run::start("examples/shaft.nc", &bus);
+    wait_for(&bus, "the program runs", |status| status["program"] == true);
+    let told = bad(&leadscrew(&["params", "set", "9007=12"], &bus), 1);
+    assert!(
+        told.contains("4344 ") && told.contains("nothing has been changed"),
+        "{told}"
+    );
+    let told = bad(
+        &leadscrew(&["params", "push", &drive, "--lang", "zh"], &bus),
+        1,
+    );
+    assert!(
+        told.contains("4344 ") && told.contains("未作任何改动"),
+        "{told}"
+    );
+    good(&leadscrew(&["reset"], &bus));
+    run.end();
+    wait_for(&bus, "it stands", |status| status["program"] == false);
+    let built_in = leadscrew(&["params", "diff"], &bus);
+    assert_eq!(
+        text(&built_in.stdout),
+        "9024  gateway_silence_ms  1000 ms  → 0 ms\n"
+    );
+}
