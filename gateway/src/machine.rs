@@ -1,6 +1,6 @@
 //! A program carried out by the machine inside this process: the simulated board, drives and spindle, in virtual time.
 
-use leadscrew_board_sim::plant::{FineTurns, Flash, PlantError, PlantOptions, Ripple};
+use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
 use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::Frame;
@@ -59,11 +59,12 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
         ripple,
         ..PlantOptions::default()
     };
-    let flash = match &setup.kept {
-        Some((_, flash)) => flash.clone(),
-        None => Flash::erased(),
+    let sim = match &setup.kept {
+        Some((_, flash)) => Sim::with_flash(&setup.params, &options, flash.clone()),
+        // A machine for once has the parameters it is given.
+        None => Sim::new(&setup.params, &options),
     };
-    let mut sim = Sim::with_flash(&setup.params, &options, flash)
+    let mut sim = sim
         .map(Box::new)
         .map_err(|error| no_machine(setup, error))?;
     sim.signals(setup.signals);
