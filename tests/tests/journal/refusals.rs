@@ -48,7 +48,7 @@ fn nothing_moves_while_a_tap_is_in_its_hole() {
         "G0 C90\n",
         "G98 G1 Z1 F100\n",
         "M3 S300\n",
-        "M29 S1000\n",
+        "M29 S1000\nG84 Z-5 F1\n",
         "G98 G0 X50 Z0\n",
         "G75 R0.5\nG75 X40 P3000 F100\n",
         "M8\nG4 P20\nG0 W5\n",
