@@ -741,9 +741,9 @@ codes! {
         "请写 `leadscrew params docs` 列出的名称，或十六进制的索引和子索引：`\"60C2.1\"`";
     /// An object whose length nobody knows; {0} the drive, {1} the key.
     DriveType = 4452, "drive {0}: `{1}` does not say its type",
-        "write type and value: `\"{1}\" = { type = \"u16\", value = 0 }`; types are u8 u16 u32 i8 i16 i32",
+        "write both: `\"{1}\".type = \"u16\"` and `\"{1}\".value = 0`; types are u8 u16 u32 i8 i16 i32",
         "驱动器 {0}：`{1}` 没有写明类型",
-        "请写类型和值：`\"{1}\" = { type = \"u16\", value = 0 }`；类型有 u8 u16 u32 i8 i16 i32";
+        "请写类型和值：`\"{1}\".type = \"u16\"` 和 `\"{1}\".value = 0`；类型有 u8 u16 u32 i8 i16 i32";
     /// What an object cannot be; {0} the drive, {1} the key, {2} what stands there, {3} what may stand there.
     DriveValue = 4453, "drive {0}: `{1}` cannot be {2}", "write {3}",
         "驱动器 {0}：`{1}` 的值不能是 {2}", "请写 {3}";
