@@ -165,7 +165,8 @@ impl Observer {
 
     /// Takes the sample of one tick. The state then holds for the instant of the sample.
     pub fn tick(&mut self, sample: EncoderSample) -> Option<SpindleEvent> {
-        let last = match self.last {
+        let before = self.last;
+        let last = match before {
             Some(last) => last,
             None => {
                 // Where the spindle stands at the first sample is called count zero until the index says better.
@@ -189,7 +190,8 @@ impl Observer {
                 })
             }
             _ => {
-                self.pace = Some(delta);
+                // The first sample says nothing of how the counter moves.
+                self.pace = before.map(|_| delta);
                 self.advance(delta);
                 sample
                     .index

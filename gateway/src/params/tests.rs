@@ -417,8 +417,8 @@ fn every_mistake_in_a_drive_section_has_its_place_its_cause_and_its_remedy() {
         ),
         (
             "[drive.X]\n2105.3 = 1",
-            "1.toml:2:10-11 4452 drive X: `2105.3` does not say its type / write type and value: `\"2105.3\" = { type = \"u16\", \
-             value = 0 }`; types are u8 u16 u32 i8 i16 i32",
+            "1.toml:2:10-11 4452 drive X: `2105.3` does not say its type / write both: `\"2105.3\".type = \"u16\"` and \
+             `\"2105.3\".value = 0`; types are u8 u16 u32 i8 i16 i32",
         ),
         (
             "[drive.X]\nmax_torque = 65536",
