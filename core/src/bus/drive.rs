@@ -273,14 +273,13 @@ impl DriveMaster {
     }
 
     fn hear(&mut self, status: DriveStatus) {
-        self.same = match self.status {
+        let stands = self.status.is_some_and(|last| last.actual == status.actual);
+        if !stands {
+            self.same = 1;
+        } else if self.quiet != Periods::new(0) {
             // A frame that comes twice says nothing new.
-            Some(last) if last.actual == status.actual && self.quiet == Periods::new(0) => {
-                self.same
-            }
-            Some(last) if last.actual == status.actual => self.same.saturating_add(1),
-            _ => 1,
-        };
+            self.same = self.same.saturating_add(1);
+        }
         self.status = Some(status);
         self.quiet = Periods::new(0);
         self.answered = true;

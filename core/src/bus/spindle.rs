@@ -99,8 +99,8 @@ impl SpindleMaster {
     /// Behind a period in which it [followed on](Self::follow_on): the RPDO2 once more, where it is time for that.
     #[inline]
     pub(crate) fn again(&mut self) -> Option<Frame> {
-        self.since = self.since.saturating_add(1);
-        if self.since <= REPEAT {
+        if self.since < REPEAT {
+            self.since = self.since.wrapping_add(1);
             return None;
         }
         self.since = 0;

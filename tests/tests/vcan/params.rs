@@ -36,6 +36,8 @@ fn what_is_pushed_is_there_after_the_power_was_gone() {
     assert_eq!(
         String::from_utf8(told.stdout).unwrap(),
         "1420.X  rapid_rate.X               12000 mm/min  → 11000 mm/min\n\
-         9007    spindle_tolerance_percent  15 %          → 14 %\n"
+         9007    spindle_tolerance_percent  15 %          → 14 %\n\
+         9027    late_setpoints             10            → 0\n",
+        "a board in real time is started so that it only counts late setpoints"
     );
 }

@@ -67,27 +67,39 @@ impl Journal {
     }
 
     /// A hole is about to begin, or to go deeper.
-    fn name(&mut self, hole: TapHole, stand: &Stand) {
-        self.write(hole, true, stand);
-        self.named = self.record.map_or(0, |record| record.sequence);
-        self.confirmed = false;
-        self.waited = 0;
-    }
-
-    fn write(&mut self, hole: TapHole, in_hole: bool, stand: &Stand) {
-        let sequence = self.record.map_or(0, |record| record.sequence);
+    fn name(&mut self, hole: &TapHole, stand: &Stand) {
+        let last = self.record.as_ref().map_or(0, |record| record.sequence);
+        let sequence = last.wrapping_add(1);
         self.record = Some(TapRecord {
-            sequence: sequence.wrapping_add(1),
-            in_hole,
-            hole,
+            sequence,
+            in_hole: true,
+            hole: *hole,
             position: hole.axis.of(stand.position),
             angle: stand.angle,
         });
         self.fresh = true;
         self.failed = false;
+        self.named = sequence;
+        self.confirmed = false;
+        self.waited = 0;
+    }
+
+    /// Another entry for the same hole. False where there is none yet. In place: an entry is large, and the tick is short.
+    fn renew(&mut self, in_hole: bool, stand: &Stand) -> bool {
+        let Some(record) = &mut self.record else {
+            return false;
+        };
+        record.sequence = record.sequence.wrapping_add(1);
+        record.in_hole = in_hole;
+        record.position = record.hole.axis.of(stand.position);
+        record.angle = stand.angle;
+        self.fresh = true;
+        self.failed = false;
+        true
     }
 
     /// The hole is written down as the newest entry.
+    #[inline(always)]
     fn knows(&self, hole: &TapHole) -> bool {
         self.record
             .as_ref()
@@ -124,15 +136,12 @@ impl Ticker {
     /// A position that was taken from the entry goes with it: that of the drive counts again.
     pub fn discard_tap(&mut self) -> bool {
         let stands = matches!(self.mode, Mode::Starting | Mode::Idle | Mode::Alarm);
-        let Some(record) = self
-            .journal
-            .record
-            .filter(|record| record.in_hole && stands)
-        else {
+        let record = self.journal.record.as_ref();
+        if !stands || !record.is_some_and(|record| record.in_hole) {
             return false;
-        };
+        }
         let stand = self.stand();
-        self.journal.write(record.hole, false, &stand);
+        self.journal.renew(false, &stand);
         self.journal.begun = false;
         self.journal.assumed = false;
         let moved = self.drives.forget_places();
@@ -196,10 +205,10 @@ impl Ticker {
         if tap.part.returns || tap.hole.spindle != self.taps_with {
             return None;
         }
-        let (number, span, hole) = (segment.number, segment.span, tap.hole);
-        if !self.journal.knows(&hole) {
+        let (number, span) = (segment.number, segment.span);
+        if !self.journal.knows(&tap.hole) {
             let stand = self.stand();
-            self.journal.name(hole, &stand);
+            self.journal.name(&tap.hole, &stand);
         } else if self.journal.confirmed {
             return None;
         }
@@ -275,33 +284,32 @@ impl Ticker {
         };
         let here = tap.hole.spindle == self.taps_with;
         if here && !tap.part.returns && !self.journal.knows(&tap.hole) {
-            let hole = tap.hole;
             let stand = self.stand();
-            self.journal.name(hole, &stand);
+            self.journal.name(&tap.hole, &stand);
         }
     }
 
     /// The entry is cleared.
     pub(super) fn tap_is_out(&mut self) {
-        if let Some(record) = self.journal.record {
-            let stand = self.stand();
-            self.journal.write(record.hole, false, &stand);
+        let stand = self.stand();
+        if self.journal.renew(false, &stand) {
             self.journal.begun = false;
         }
     }
 
     /// A reversal in the hole.
     fn note(&mut self) {
-        if let Some(record) = self.journal.record.filter(|_| self.journal.begun) {
+        if self.journal.begun {
             let stand = self.stand();
-            self.journal.write(record.hole, true, &stand);
+            self.journal.renew(true, &stand);
         }
     }
 
     /// A stop: where it stands, if the hole has begun; else nothing is in it.
     pub(super) fn note_stop(&mut self) {
         self.journal.part = None;
-        let Some(record) = self.journal.record.filter(|record| record.in_hole) else {
+        let record = self.journal.record.as_ref();
+        let Some(record) = record.filter(|record| record.in_hole) else {
             return;
         };
         let stand = self.stand();
@@ -309,7 +317,7 @@ impl Ticker {
         let same =
             record.position == record.hole.axis.of(stand.position) && record.angle == stand.angle;
         if !begun || !same {
-            self.journal.write(record.hole, begun, &stand);
+            self.journal.renew(begun, &stand);
         }
     }
 }

@@ -48,6 +48,8 @@ pub(in crate::motion) struct TapRun {
 
 impl TapRun {
     /// A tap that begins where the machine stands, with the spindle at `angle`.
+    // Made where it will be, not copied there.
+    #[inline(always)]
     pub(in crate::motion) fn new(tap: &Tap, position: Position, angle: Turns) -> Self {
         Self {
             origin: angle - tap.gear.turns(position),
