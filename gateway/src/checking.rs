@@ -15,6 +15,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::interrupt;
 use crate::json::Json;
+use crate::length;
 use crate::number;
 use crate::program::Program;
 use crate::setup::Setup;
@@ -32,6 +33,8 @@ pub struct Report {
     pub cycles: Vec<CycleReport>,
     /// Moves, as far as they could be made.
     pub moves: u64,
+    /// The length of their way in the Z–X plane, in nanometres.
+    pub path_nm: f64,
     /// Which of the spindles 2 to 4 tap.
     pub tappers: [bool; 3],
     /// A lead-in is longer than what lies before the material.
@@ -179,6 +182,7 @@ impl Checker<'_> {
                 *used = true;
             }
             self.hole.push(&step);
+            self.report.path_nm += length::nanometres(&self.at, &step);
             self.at = step.to;
         }
     }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use leadscrew_core::cycle::{Move, MoveKind};
 use leadscrew_core::program::Position;
 
+use crate::length::sweep;
 use crate::plot::{Kind, Stroke};
 
 /// Strokes kept. A picture cannot show more, and a program of any length must fit into memory.
@@ -78,16 +79,9 @@ fn place(position: &Position) -> (f64, f64) {
 
 /// Points along a circle in the Z–X plane as it is drawn: Z to the right, X upwards.
 fn arc(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bool) -> Vec<(f64, f64)> {
-    let angle = |point: (f64, f64)| (point.1 - centre.1).atan2(point.0 - centre.0);
     let radius = (from.0 - centre.0).hypot(from.1 - centre.1);
-    let start = angle(from);
-    let mut sweep = (angle(to) - start).rem_euclid(TAU);
-    if clockwise {
-        sweep -= TAU;
-    } else if sweep < 1e-9 {
-        // Start and end are one point: a full turn.
-        sweep = TAU;
-    }
+    let start = (from.1 - centre.1).atan2(from.0 - centre.0);
+    let sweep = sweep(from, to, centre, clockwise);
     let steps = (sweep.abs() / ARC_STEP).ceil().max(1.0) as usize;
     let mut points = vec![from];
     points.extend((1..steps).map(|n| {

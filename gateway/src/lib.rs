@@ -21,6 +21,7 @@ pub mod feeder;
 pub mod hole;
 pub mod interrupt;
 pub mod json;
+pub mod length;
 pub mod link;
 pub mod machine;
 pub mod movelist;

@@ -1,4 +1,4 @@
-//! A program is as long as it likes: the text is made while it is read, and goes through the board in the 4 KiB that the
+//! A program is as long as it likes: the text is made while it is read, and goes through the board in the 2 KiB that the
 //! board has for it.
 
 use std::io::Read as _;

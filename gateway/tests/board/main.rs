@@ -118,6 +118,10 @@ fn a_run_makes_the_setpoints_of_the_simulation() {
         assert_eq!(ran["ok"], true);
         assert_eq!(ran["moves"], simulated["moves"]);
         assert_eq!(ran["late"], 0);
+        // That of the moves, and that from setpoint to setpoint: a pass joins its helix and leaves it on a curve.
+        let path = |result: &Value| result["path_mm"].as_f64().unwrap();
+        let apart = path(&ran) - path(&simulated);
+        assert!(apart.abs() < 1e-3 * path(&simulated), "{apart}");
         assert_eq!(ran["setpoint_hash"], simulated["setpoint_hash"]);
         assert_eq!(
             server.hash(),

@@ -67,7 +67,7 @@ fn a_shaft_with_turning_grooves_and_thread_has_the_setpoints_of_the_simulation()
     same_as_simulated(&example("shaft.nc"));
 }
 
-/// Calls wait in 4 KiB on the board; this is many times as much.
+/// Calls wait in 2 KiB on the board; this is many times as much.
 #[test]
 fn a_program_far_larger_than_the_board_s_memory_goes_through() {
     let mut text = String::from("G50 X80 Z20\nM3 S1000\nG0 X60 Z2\nG98 G1 F8000\n");

@@ -226,7 +226,7 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     )))
 }
 
-/// The contract's object; the path's length is the simulated machine's alone.
+/// The contract's object. The path is that of the moves: known where all of them were carried out.
 fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
     let figures = Figures::of(ran, setup);
     print_json(|json| {
@@ -235,7 +235,11 @@ fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
         json.number("moves", ran.moves);
         json.number("ticks", figures.ticks);
         json.decimal::<6>("time_s", figures.time_us);
-        json.null("path_mm");
+        if ok {
+            json.decimal::<6>("path_mm", report.path_nm.round() as i64);
+        } else {
+            json.null("path_mm");
+        }
         match &figures.hash {
             Some(hash) => json.text("setpoint_hash", hash),
             None => json.null("setpoint_hash"),

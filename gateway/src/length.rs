@@ -1,0 +1,85 @@
+//! How long a move's way in the Z–X plane is. Geometry for what is shown; nothing is moved by it.
+
+use std::f64::consts::TAU;
+
+use leadscrew_core::cycle::{Move, MoveKind};
+use leadscrew_core::program::Position;
+
+/// The way of a move that begins at `from`, in nanometres.
+pub fn nanometres(from: &Position, step: &Move) -> f64 {
+    let place = |position: &Position| (position.z.nm() as f64, position.x.nm() as f64);
+    let (from, to) = (place(from), place(&step.to));
+    match step.kind {
+        MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Tap(_) | MoveKind::Thread(_) => {
+            (to.0 - from.0).hypot(to.1 - from.1)
+        }
+        MoveKind::Arc {
+            i, k, clockwise, ..
+        } => {
+            let (k, i) = (k.nm() as f64, i.nm() as f64);
+            let centre = (from.0 + k, from.1 + i);
+            k.hypot(i) * sweep(from, to, centre, clockwise).abs()
+        }
+        MoveKind::Dwell(_) | MoveKind::Spindle(_) | MoveKind::Aux(_) => 0.0,
+    }
+}
+
+/// The angle of an arc about `centre`, (Z, X) as it is drawn, in radians; clockwise is negative. Where start and end are
+/// one point it is a full turn.
+pub fn sweep(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bool) -> f64 {
+    let angle = |point: (f64, f64)| (point.1 - centre.1).atan2(point.0 - centre.0);
+    let sweep = (angle(to) - angle(from)).rem_euclid(TAU);
+    if clockwise {
+        sweep - TAU
+    } else if sweep < 1e-9 {
+        TAU
+    } else {
+        sweep
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_core::alarm::Span;
+    use leadscrew_core::program::FeedRate;
+    use leadscrew_core::units::{Feed, Length};
+
+    use super::*;
+
+    fn at(x_mm: i64, z_mm: i64) -> Position {
+        Position {
+            x: Length::from_nm(x_mm * 1_000_000),
+            z: Length::from_nm(z_mm * 1_000_000),
+            ..Position::default()
+        }
+    }
+
+    fn step(to: Position, kind: MoveKind) -> Move {
+        Move {
+            span: Span::default(),
+            to,
+            kind,
+            tag: None,
+        }
+    }
+
+    #[test]
+    fn lines_and_arcs_have_the_length_of_their_way() {
+        let straight = step(at(3, 4), MoveKind::Rapid);
+        assert!((nanometres(&at(0, 0), &straight) - 5e6).abs() < 1e-3);
+        // A quarter and three quarters of a circle of 10 mm about the start of Z and X.
+        let arc = |clockwise| MoveKind::Arc {
+            i: Length::ZERO,
+            k: Length::from_nm(-10_000_000),
+            clockwise,
+            feed: FeedRate::PerMinute(Feed::default()),
+        };
+        let quarter = TAU / 4.0 * 1e7;
+        let short = nanometres(&at(0, 10), &step(at(10, 0), arc(false)));
+        let long = nanometres(&at(0, 10), &step(at(10, 0), arc(true)));
+        assert!((short - quarter).abs() < 1.0, "{short}");
+        assert!((long - 3.0 * quarter).abs() < 1.0, "{long}");
+        let turn = nanometres(&at(0, 10), &step(at(0, 10), arc(false)));
+        assert!((turn - 4.0 * quarter).abs() < 1.0, "{turn}");
+    }
+}
