@@ -115,11 +115,16 @@ pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// Where the test may write.
+/// Where the test may write; nothing is there yet. Numbers of processes come again in a machine that is started for the tests
+/// alone, and its files stay.
 pub fn scratch(name: &str) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("leadscrew-vcan-{}", std::process::id()));
     std::fs::create_dir_all(&dir).unwrap();
-    dir.join(name)
+    let path = dir.join(name);
+    match std::fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => panic!("{error}"),
+        _ => path,
+    }
 }
 
 /// How many sockets hear everything on an interface.
