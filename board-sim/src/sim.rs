@@ -293,12 +293,9 @@ impl Sim {
     pub fn with_flash(
         built_in: &Params,
         options: &PlantOptions,
-        mut flash: Flash,
+        flash: Flash,
     ) -> Result<Self, SimError> {
-        flash.power(true);
-        let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
-        let up = stored_params(&mut flash, built_in).map_err(SimError::Board)?;
-        let (sim, alarm) = Self::start_with(&up, options, flash, tap)?;
+        let (sim, alarm) = Self::start_from(built_in, options, flash)?;
         alarm.map_or(Ok(sim), |alarm| Err(SimError::Board(alarm)))
     }
 
@@ -310,13 +307,21 @@ impl Sim {
     pub fn power_up(
         built_in: &Params,
         options: &PlantOptions,
-        mut flash: Flash,
+        flash: Flash,
     ) -> Result<Self, SimError> {
+        Self::start_from(built_in, options, flash).map(|(sim, _)| sim)
+    }
+
+    /// With what is stored in a flash, whose power is switched on; also the alarm that withholds motion.
+    fn start_from(
+        built_in: &Params,
+        options: &PlantOptions,
+        mut flash: Flash,
+    ) -> Result<(Self, Option<Alarm>), SimError> {
         flash.power(true);
         let tap = stored_tap(&mut flash).map_err(SimError::Board)?;
         let up = stored_params(&mut flash, built_in).map_err(SimError::Board)?;
-        let (sim, _) = Self::start_with(&up, options, flash, tap)?;
-        Ok(sim)
+        Self::start_with(&up, options, flash, tap)
     }
 
     /// Also the alarm that withholds motion because of what is stored.

@@ -38,19 +38,24 @@ pub fn bench(write: bool) -> Result<()> {
     let mut text = conditions()?;
     text.push_str(&host()?);
     text.push_str(&works()?);
+    tell(&text, MARKS, write)
+}
+
+/// Prints what was measured; with `write` it also takes the place between the marks in docs/performance.md.
+pub fn tell(text: &str, marks: (&str, &str), write: bool) -> Result<()> {
     println!("{text}");
     if write {
-        let path = root.join("docs").join("performance.md");
+        let path = run::root().join("docs").join("performance.md");
         let document =
             fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        fs::write(&path, put_in(&document, &text, MARKS)?)?;
+        fs::write(&path, put_in(&document, text, marks)?)?;
         println!("written to {}", path.display());
     }
     Ok(())
 }
 
 /// The document with the part between the marks replaced.
-pub fn put_in(document: &str, text: &str, (begin, end): (&str, &str)) -> Result<String> {
+fn put_in(document: &str, text: &str, (begin, end): (&str, &str)) -> Result<String> {
     let marks = || anyhow!("the document has no lines `{begin}` and `{end}`");
     let (before, rest) = document.split_once(begin).ok_or_else(marks)?;
     let (_, after) = rest.split_once(end).ok_or_else(marks)?;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-use crate::bench::{instructions, put_in, tenths};
+use crate::bench::{instructions, tell, tenths};
 use crate::{run, setup, vcan};
 
 /// The part of `docs/performance.md` that is renewed stands between these lines.
@@ -52,15 +52,7 @@ pub fn bench(write: bool) -> Result<()> {
             thousandths(calls, frames)
         );
     }
-    println!("{text}");
-    if write {
-        let path = root.join("docs").join("performance.md");
-        let document =
-            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        fs::write(&path, put_in(&document, &text, MARKS)?)?;
-        println!("written to {}", path.display());
-    }
-    Ok(())
+    tell(&text, MARKS, write)
 }
 
 /// Receiving a frame and writing its line, from the difference of two runs.

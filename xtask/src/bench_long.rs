@@ -1,10 +1,8 @@
 //! A program of a hundred megabytes through a board with 4 KiB for it, in virtual time: four ways, one hash.
 
-use std::fs;
+use anyhow::Result;
 
-use anyhow::{Context, Result};
-
-use crate::bench::put_in;
+use crate::bench::tell;
 use crate::run;
 
 /// The part of `docs/performance.md` that is renewed stands between these lines.
@@ -36,13 +34,5 @@ pub fn bench(write: bool) -> Result<()> {
             &folder.to_string_lossy(),
         ],
     ))?;
-    println!("{text}");
-    if write {
-        let path = root.join("docs").join("performance.md");
-        let document =
-            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        fs::write(&path, put_in(&document, &text, MARKS)?)?;
-        println!("written to {}", path.display());
-    }
-    Ok(())
+    tell(&text, MARKS, write)
 }

@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
-use crate::bench::put_in;
+use crate::bench::tell;
 use crate::run;
 
 /// The part of `docs/performance.md` that is renewed stands between these lines.
@@ -36,13 +36,5 @@ pub fn bench(write: bool) -> Result<()> {
         "{cores} cores, load average {load} when it began.\n\nBoth processes scheduled as any other \
          (`SCHED_OTHER`): {ordinary}\nBoth processes before all others (`chrt -f 40`): {before_others}"
     );
-    println!("{text}");
-    if write {
-        let path = root.join("docs").join("performance.md");
-        let document =
-            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        fs::write(&path, put_in(&document, &text, MARKS)?)?;
-        println!("written to {}", path.display());
-    }
-    Ok(())
+    tell(&text, MARKS, write)
 }

@@ -17,6 +17,28 @@ pub struct Tear {
     pub from_the_end: bool,
 }
 
+impl Tear {
+    /// Every way it can look.
+    pub const ALL: [Self; 4] = [
+        Self {
+            unreadable: false,
+            from_the_end: false,
+        },
+        Self {
+            unreadable: true,
+            from_the_end: false,
+        },
+        Self {
+            unreadable: false,
+            from_the_end: true,
+        },
+        Self {
+            unreadable: true,
+            from_the_end: true,
+        },
+    ];
+}
+
 /// What an access is refused with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {

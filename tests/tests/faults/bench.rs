@@ -124,6 +124,12 @@ impl Bench {
         [x.position(positions[0]), z.position(positions[1])]
     }
 
+    /// The journal says that a tap is in its hole.
+    pub fn has_tap_in_hole(&self) -> bool {
+        let tap = self.sim.board().tap_record();
+        tap.is_some_and(|tap| tap.in_hole)
+    }
+
     pub fn power(&mut self, axis: Axis) -> Power {
         self.sim.plant().drive(axis).power()
     }

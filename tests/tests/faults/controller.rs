@@ -95,14 +95,7 @@ fn bus_off_in_a_tap_remembers_the_hole() {
         bench.stops_with(&what, 4370, 3);
         bench.ticks(500);
         bench.drives_stand(&what, 100);
-        assert!(
-            bench
-                .sim
-                .board()
-                .tap_record()
-                .is_some_and(|tap| tap.in_hole),
-            "{what}"
-        );
+        assert!(bench.has_tap_in_hole(), "{what}");
         bench.reset(&what);
         // Nothing else may move.
         bench.load("G0 X60\nM30\n");

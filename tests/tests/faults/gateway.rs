@@ -100,14 +100,7 @@ fn killed_in_a_tap_nothing_stops_inside_the_hole_but_an_alarm() {
             let mut bench = killed(&params(reaction), TAP, tick);
             if reaction == 1 {
                 bench.stops_with(&what, 4330, 250);
-                assert!(
-                    bench
-                        .sim
-                        .board()
-                        .tap_record()
-                        .is_some_and(|tap| tap.in_hole),
-                    "{what}"
-                );
+                assert!(bench.has_tap_in_hole(), "{what}");
                 bench.reset(&what);
                 bench.load("G0 X60\nM30\n");
                 bench.stops_with(&what, 4310, 200);
@@ -120,14 +113,7 @@ fn killed_in_a_tap_nothing_stops_inside_the_hole_but_an_alarm() {
             assert_eq!(bench.alarm, None, "{what}");
             // Out of the hole, and the journal says so.
             assert!(bench.at().z.nm() >= 0, "{what}: {:?}", bench.at());
-            assert!(
-                bench
-                    .sim
-                    .board()
-                    .tap_record()
-                    .is_none_or(|tap| !tap.in_hole),
-                "{what}"
-            );
+            assert!(!bench.has_tap_in_hole(), "{what}");
         }
     }
 }

@@ -7,25 +7,6 @@ use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Region, Store, StoreError, block_on};
 use leadscrew_tests::random::Random;
 
-const TEARS: [Tear; 4] = [
-    Tear {
-        unreadable: false,
-        from_the_end: false,
-    },
-    Tear {
-        unreadable: true,
-        from_the_end: false,
-    },
-    Tear {
-        unreadable: false,
-        from_the_end: true,
-    },
-    Tear {
-        unreadable: true,
-        from_the_end: true,
-    },
-];
-
 /// Writes until every page has been erased once and the first is being filled again.
 const WRITES: u32 = 120;
 
@@ -102,7 +83,7 @@ fn a_cut_at_every_byte_leaves_the_old_entry_or_the_new_one() {
     let stride = if cfg!(debug_assertions) { 5 } else { 1 };
     let mut cuts = 0;
     let mut erases = 0;
-    for tear in TEARS {
+    for tear in Tear::ALL {
         for (sequence, (before, bytes)) in history(tear).iter().enumerate() {
             let sequence = sequence as u32;
             erases += u32::from(*bytes > Flash::PAGE as u32);
@@ -130,7 +111,7 @@ fn cuts_upon_cuts_lose_nothing() {
     let mut cuts = 0;
     for round in 0..rounds {
         let mut flash = Flash::erased();
-        flash.set_tear(TEARS[round % TEARS.len()]);
+        flash.set_tear(Tear::ALL[round % Tear::ALL.len()]);
         let mut stored = None;
         for sequence in 0..300_u32 {
             if random.chance(33) {
@@ -187,7 +168,7 @@ fn a_device_that_refuses_is_an_error_and_the_old_entry_stays() {
 fn an_image_keeps_the_flash_and_nothing_else_is_taken_for_one() {
     use leadscrew_board_sim::plant::ImageError;
     let mut flash = Flash::erased();
-    flash.set_tear(TEARS[1]);
+    flash.set_tear(Tear::ALL[1]);
     write(&mut flash, 0).expect("written");
     flash.cut_after(12);
     assert!(write(&mut flash, 1).is_err());

@@ -3,7 +3,7 @@
 
 use core::time::Duration;
 
-use leadscrew_board_sim::plant::Flash;
+use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::board::station::CommitState;
 use leadscrew_core::board::{Board, Output, Region, StoreError};
 use leadscrew_core::bus::{Object, Periods, SdoDownload, SdoProtocol};
@@ -12,7 +12,7 @@ use leadscrew_store::{BUFFER, Store, block_on};
 use leadscrew_tests::gateway::NODE;
 use leadscrew_tests::random::Random;
 
-use super::flash::{TEARS, in_force, note, noted, power_up, set};
+use super::flash::{in_force, note, noted, power_up, set};
 
 /// Changes until every page has been erased more than once.
 const CHANGES: u32 = 14;
@@ -102,7 +102,7 @@ struct Step {
 
 fn history(tear: usize) -> Vec<Step> {
     let mut flash = Flash::erased();
-    flash.set_tear(TEARS[tear]);
+    flash.set_tear(Tear::ALL[tear]);
     let mut sequence = 0;
     let mut history = Vec::new();
     for number in 1..=CHANGES {
@@ -124,7 +124,7 @@ fn history(tear: usize) -> Vec<Step> {
 fn a_cut_at_every_byte_leaves_the_old_set_or_the_new_one() {
     let stride = if cfg!(debug_assertions) { 7 } else { 1 };
     let (mut cuts, mut erases, mut new) = (0, 0, 0);
-    for tear in 0..TEARS.len() {
+    for tear in 0..Tear::ALL.len() {
         for (step, number) in history(tear).iter().zip(1..) {
             erases += u32::from(step.bytes > Flash::PAGE as u32);
             for cut in (tear as u32..step.bytes).step_by(stride) {
@@ -158,7 +158,7 @@ fn cuts_upon_cuts_lose_nothing() {
     let mut cuts = 0;
     for round in 0..rounds {
         let mut flash = Flash::erased();
-        flash.set_tear(TEARS[round % TEARS.len()]);
+        flash.set_tear(Tear::ALL[round % Tear::ALL.len()]);
         let (mut stored, mut newest) = (None, 0);
         for _ in 0..100 {
             for _ in 0..random.within(0, 12) {

@@ -1,6 +1,6 @@
 //! The flash of a board whose parameters are changed, without the board: the same requests, written by the same store.
 
-use leadscrew_board_sim::plant::{Flash, Tear};
+use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{Found, PowerUp, Region, StoreError};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::link::identity;
@@ -8,25 +8,6 @@ use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Store, block_on};
-
-pub const TEARS: [Tear; 4] = [
-    Tear {
-        unreadable: false,
-        from_the_end: false,
-    },
-    Tear {
-        unreadable: true,
-        from_the_end: false,
-    },
-    Tear {
-        unreadable: false,
-        from_the_end: true,
-    },
-    Tear {
-        unreadable: true,
-        from_the_end: true,
-    },
-];
 
 /// Set number so many: told apart by an offset.
 pub fn set(number: u32) -> Params {
