@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_board_sim::{Sim, stored_params};
-use leadscrew_can::{Can, CanError, Filter, Received};
+use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
-use leadscrew_core::bus::{Frame, NodeId, Order};
+use leadscrew_core::bus::{CobId, Frame, NodeId, Order, Service};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
@@ -134,6 +134,88 @@ fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
     let segments = ImageWriter::BYTES.div_ceil(7);
     assert!(olds >= segments, "{olds} of {segments}");
     assert!(news > 1, "{news}");
+}
+
+/// An end of the bus on which another client says something in the middle of this one's transfer.
+struct Meddled {
+    inside: Inside,
+    /// Segments of this side's transfer until then; `None`: said.
+    left: Option<usize>,
+    said: Frame,
+    heard: Option<Frame>,
+}
+
+impl Can for Meddled {
+    fn name(&self) -> &str {
+        "meddled"
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        for frame in frames {
+            self.inside.send(&[*frame])?;
+            if frame.payload().len() < 8 {
+                continue;
+            }
+            match self.left {
+                Some(0) => {
+                    self.left = None;
+                    self.heard = Some(self.said);
+                    self.inside.send(&[self.said])?;
+                }
+                Some(left) => self.left = Some(left - 1),
+                None => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
+        // As on a wire, before what the board says to it.
+        let heard = self.heard.take().map(|frame| Received {
+            time: Stamp::now(),
+            packet: Packet::Frame(frame),
+        });
+        let count = heard.iter().len();
+        into.extend(heard);
+        let patience = if count > 0 { Duration::ZERO } else { patience };
+        Ok(count + self.inside.receive(into, patience)?)
+    }
+
+    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
+        self.inside.listen_for(filters)
+    }
+
+    fn dropped(&self) -> Result<u64, CanError> {
+        Ok(0)
+    }
+}
+
+/// A block's segments carry nothing but their number: the board takes a request of somebody else for one of them where the
+/// number fits.
+#[test]
+fn what_another_client_says_in_a_transfer_does_not_spoil_it() {
+    let flash = flash_with(&Params::slant_bed());
+    let new = set(&[("9007", 13)]);
+    // Upload of either kind, its pieces, its ends, an abort.
+    for command in [0x40, 0x60, 0x70, 0x80, 0xA0, 0xA1, 0xA2, 0xA3] {
+        let number = usize::from(command & 0x7F);
+        // At its own number, one before and behind, at the beginning, late.
+        for place in [0, 1, number.saturating_sub(1), number, number + 1, 120] {
+            let inside = machine(flash.clone());
+            let said = [command, 0x08, 0x10, 0, 0, 0, 0, 0];
+            let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
+            let meddled = Meddled {
+                inside: inside.clone(),
+                left: Some(place),
+                said: Frame::new(request, &said).unwrap(),
+                heard: None,
+            };
+            let mut link = Link::on(Box::new(meddled), NodeId::BOARD);
+            let sent = link.commit(&new);
+            assert!(sent.is_ok(), "{command:02X}h at {place}: {sent:?}");
+            assert_eq!(stored(&inside), (Found::Newest, new.clone()));
+        }
+    }
 }
 
 #[track_caller]

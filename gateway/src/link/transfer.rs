@@ -16,6 +16,8 @@ use super::{Link, LinkResult, Trouble};
 
 /// Tries where frames get lost and nobody else is heard.
 const TRIES: u32 = 12;
+/// Refusals until a value is refused for its own sake, where another client was heard in every transfer of it.
+const REFUSALS: u32 = 5;
 /// So long after another client's last request its transfer is over; somebody who has been disturbed goes on then.
 const QUIET: Duration = Duration::from_millis(8);
 /// Somebody who has had his turn leaves this much more to the others.
@@ -95,8 +97,8 @@ impl SdoSink for Bytes {
     }
 }
 
-/// Somebody else's transfer has come in between, or frames were lost: it may go better the next time.
-const fn may_be_another_client(error: SdoError) -> bool {
+/// Frames were lost, or somebody else's transfer has come in between: it may go better the next time.
+const fn may_go_better(error: SdoError) -> bool {
     match error {
         SdoError::Broken(_) | SdoError::TimedOut => true,
         SdoError::Refused(_) => matches!(
@@ -170,7 +172,8 @@ impl Link {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn write_of(&mut self, node: NodeId, object: Object, data: &[u8]) -> LinkResult {
-        let protocol = if data.len() > 14 {
+        // What does not fit into one frame has a checksum: other clients' segments do not get into it.
+        let protocol = if data.len() > 4 {
             SdoProtocol::Block
         } else {
             SdoProtocol::Short
@@ -200,6 +203,7 @@ impl Link {
         let begun = Instant::now();
         let mut tries = 0;
         let mut silences = 0;
+        let mut refusals = 0;
         loop {
             if !std::mem::take(&mut self.keeps_turn) {
                 self.wait_for_turn()?;
@@ -220,7 +224,12 @@ impl Link {
                 silences += u32::from(error == SdoError::TimedOut);
                 tries == TRIES || silences == 3
             };
-            if over || !may_be_another_client(error) {
+            let again = may_go_better(error) || {
+                // A frame of somebody else may have been taken for a piece of this value, which is refused then.
+                refusals += 1;
+                spoilt && refusals < REFUSALS
+            };
+            if over || !again {
                 // A board that says nothing at all any more is more than a transfer that failed.
                 self.check_alive()?;
                 return Err(Trouble::Transfer {
