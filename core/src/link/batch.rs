@@ -8,9 +8,8 @@
 //! ```
 
 use heapless::Vec;
-use postcard_schema::Schema;
-use serde::{Deserialize, Serialize};
 
+use super::reader::{Reader, Take};
 use super::{LinkError, VERSION, Version, bounds};
 use crate::program::Call;
 
@@ -34,12 +33,6 @@ pub enum BatchError {
     Bounds(u32, bounds::Beyond),
 }
 
-#[derive(Serialize, Deserialize, Schema)]
-struct Header {
-    program: u32,
-    first: u32,
-}
-
 /// Puts a batch together.
 #[derive(Debug)]
 pub struct BatchWriter {
@@ -54,7 +47,7 @@ impl BatchWriter {
         let mut bytes = Vec::new();
         // Both are far shorter than a batch.
         let mut head = [0; 32];
-        if let Ok(head) = postcard::to_slice(&(VERSION, Header { program, first }), &mut head) {
+        if let Ok(head) = postcard::to_slice(&(VERSION, program, first), &mut head) {
             let _ = bytes.extend_from_slice(head);
         }
         Self { bytes, count: 0 }
@@ -100,8 +93,9 @@ pub fn encode_call(call: &Call) -> Result<CallBytes, LinkError> {
 /// # Errors
 /// [`LinkError::Malformed`]. The [bounds] are not looked at.
 pub fn decode_call(bytes: &[u8]) -> Result<(Call, usize), LinkError> {
-    let (call, rest) =
-        postcard::take_from_bytes::<Call>(bytes).map_err(|_| LinkError::Malformed)?;
+    let mut reader = Reader::new(bytes);
+    let call = Call::take(&mut reader);
+    let rest = reader.rest().ok_or(LinkError::Malformed)?;
     Ok((call, bytes.len().saturating_sub(rest.len())))
 }
 
@@ -122,17 +116,16 @@ impl<'a> Batch<'a> {
     /// # Errors
     /// [`BatchError::Version`], [`BatchError::Malformed`].
     pub fn new(bytes: &'a [u8]) -> Result<Self, BatchError> {
-        let (version, rest) =
-            postcard::take_from_bytes::<Version>(bytes).map_err(|_| BatchError::Malformed)?;
-        if version != VERSION {
+        let mut reader = Reader::new(bytes);
+        let version = Version::take(&mut reader);
+        if reader.rest().is_some() && version != VERSION {
             return Err(BatchError::Version(version));
         }
-        let (header, rest) =
-            postcard::take_from_bytes::<Header>(rest).map_err(|_| BatchError::Malformed)?;
+        let (program, first) = (u32::take(&mut reader), u32::take(&mut reader));
         Ok(Self {
-            program: header.program,
-            first: header.first,
-            rest,
+            program,
+            first,
+            rest: reader.rest().ok_or(BatchError::Malformed)?,
             at: 0,
         })
     }

@@ -2,7 +2,6 @@
 //!
 //! What follows from geometry and physics is not asked here: the board does that with every call.
 
-use crate::alarm::{At, Span};
 use crate::program::{
     ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, TapCall, TapForm, TapMode, TapPeck,
     TapReturn, ThreadCall,
@@ -75,19 +74,19 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
     within(call.end_x.value)?;
     within(call.end_z.value)?;
     within(call.taper.value)?;
-    positive(call.height)?;
-    positive(call.first_depth)?;
-    not_negative(call.min_step)?;
-    not_negative(call.allowance)?;
-    not_negative(call.run_in)?;
+    positive(call.height.value)?;
+    positive(call.first_depth.value)?;
+    not_negative(call.min_step.value)?;
+    not_negative(call.allowance.value)?;
+    not_negative(call.run_in.value)?;
     if let Some(out) = &call.run_out {
-        not_negative(out.short)?;
-        not_negative(out.long)?;
+        not_negative(out.short.value)?;
+        not_negative(out.long.value)?;
         rest(out.short_rest)?;
         rest(out.long_rest)?;
     }
-    lead(call.lead, THREAD_TURNS)?;
-    positive(At::new(call.increment, Span::default()))?;
+    lead(call.lead.value, THREAD_TURNS)?;
+    positive(call.increment)?;
     speed(call.rpm)?;
     let counts = call.finish_passes.value <= TWO_DIGITS
         && call.angle.value <= TWO_DIGITS
@@ -100,10 +99,10 @@ fn groove(call: &GrooveCall) -> Result<(), Beyond> {
     within(call.end_x.value)?;
     within(call.end_z.value)?;
     for length in [call.peck, call.step].into_iter().flatten() {
-        positive(length)?;
+        positive(length.value)?;
     }
-    not_negative(call.relief)?;
-    not_negative(call.retract)?;
+    not_negative(call.relief.value)?;
+    not_negative(call.retract.value)?;
     feed(call.feed)
 }
 
@@ -118,7 +117,7 @@ fn tap(call: &TapCall) -> Result<(), Beyond> {
         TapForm::HighSpeed(peck) | TapForm::Deep(peck) => pecks(peck)?,
     }
     dwell(call.dwell)?;
-    lead(call.lead, TAP_TURNS)?;
+    lead(call.lead.value, TAP_TURNS)?;
     match call.mode {
         TapMode::Rigid => turning(call.speed).and(turning(call.extract)),
         TapMode::Floating => turning_or_not(call.speed).and(turning_or_not(call.extract)),
@@ -127,13 +126,13 @@ fn tap(call: &TapCall) -> Result<(), Beyond> {
 
 fn tap_return(call: &TapReturn) -> Result<(), Beyond> {
     turning(call.highest)?;
-    not_negative(At::new(call.beyond, Span::default()))?;
+    not_negative(call.beyond)?;
     call.speed.map_or(Ok(()), turning)
 }
 
 fn pecks(peck: TapPeck) -> Result<(), Beyond> {
-    positive(peck.infeed)?;
-    not_negative(peck.back)?;
+    positive(peck.infeed.value)?;
+    not_negative(peck.back.value)?;
     require(peck.back.value <= peck.infeed.value, Beyond::Length)
 }
 
@@ -151,16 +150,13 @@ fn rotary(angle: Angle) -> Result<(), Beyond> {
     within(Length::from_nm(angle.udeg()))
 }
 
-fn positive(length: At<Length>) -> Result<(), Beyond> {
-    require(
-        length.value > Length::ZERO && length.value.is_in_range(),
-        Beyond::Length,
-    )
+fn positive(length: Length) -> Result<(), Beyond> {
+    require(length > Length::ZERO, Beyond::Length).and(not_negative(length))
 }
 
-fn not_negative(length: At<Length>) -> Result<(), Beyond> {
+fn not_negative(length: Length) -> Result<(), Beyond> {
     require(
-        length.value >= Length::ZERO && length.value.is_in_range(),
+        length >= Length::ZERO && length.is_in_range(),
         Beyond::Length,
     )
 }
@@ -182,10 +178,10 @@ fn feed(rate: FeedRate) -> Result<(), Beyond> {
     }
 }
 
-fn lead(lead: At<Lead>, turns: i64) -> Result<(), Beyond> {
+fn lead(lead: Lead, turns: i64) -> Result<(), Beyond> {
     // Both are positive: there is no other lead.
     require(
-        lead.value.numerator() <= LEAD && lead.value.denominator() <= turns,
+        lead.numerator() <= LEAD && lead.denominator() <= turns,
         Beyond::Lead,
     )
 }

@@ -14,9 +14,11 @@
 
 mod batch;
 pub mod bounds;
+mod call;
 mod certificate;
 mod event;
 mod image;
+mod reader;
 mod status;
 mod version;
 

@@ -10,9 +10,10 @@ use crate::board::Event;
 use crate::bus::BoardState;
 use crate::params::Params;
 use crate::program::{
-    Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice, Infeed,
-    LengthUnit, Plane, Position, RunOut, SpindleCall, SpindleChoice, TapAxis, TapCall, TapCycle,
-    TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapSpindle, ThreadCall, ThreadCycle,
+    ArcCall, Aux, Call, CallKind, CutIn, Extraction, FeedRate, GrooveCall, Hand, HandChoice,
+    Infeed, LengthUnit, Plane, Position, RunOut, Selection, SpindleCall, SpindleChoice, TapAxis,
+    TapCall, TapCycle, TapForm, TapMode, TapNotes, TapPeck, TapRepeat, TapReturn, TapSpindle,
+    ThreadCall, ThreadCycle,
 };
 use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, TurnRate, Turns,
@@ -309,6 +310,74 @@ fn a_lead_of_nothing_cannot_be_decoded() {
     }
     let lead = postcard::from_bytes::<Lead>(postcard::to_slice(&(6, 4), &mut bytes).unwrap());
     assert_eq!(lead.ok(), Lead::new(3, 2));
+}
+
+/// What is on the wire is what serde says of the types: the reader by hand takes and refuses the same bytes.
+#[test]
+fn a_call_is_read_as_serde_reads_it() {
+    let kinds = [
+        CallKind::Rapid(FARTHEST),
+        CallKind::Line(FARTHEST, groove().feed),
+        CallKind::Arc(ArcCall {
+            end: FARTHEST,
+            i: -FAR,
+            k: FAR,
+            clockwise: true,
+            feed: FeedRate::PerMinute(Feed::from_nm_per_min(1 << 42)),
+        }),
+        CallKind::Dwell(Millis::new(99_999_999)),
+        CallKind::Spindle(SpindleCall::rigid(
+            Rpm::new(-1),
+            SpindleChoice::Signals {
+                by: Selection::Rgtsp,
+                otherwise: TapSpindle::Third,
+            },
+        )),
+        CallKind::Aux(Aux::M(300)),
+        CallKind::Thread(thread()),
+        CallKind::Groove(groove()),
+        CallKind::Tap(tap()),
+        CallKind::TapReturn(TapReturn {
+            speed: Some(CentiRpm::new(-7)),
+            highest: CentiRpm::new(500_000),
+            beyond: FAR,
+            unit: LengthUnit::Inch,
+        }),
+        CallKind::End(30),
+        CallKind::Over,
+    ];
+    let mut state = 7_u64;
+    let mut noise = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state
+    };
+    let (mut taken, mut refused) = (0, 0);
+    for kind in kinds {
+        let encoded = encode_call(&call(kind)).unwrap();
+        for _ in 0..20_000 {
+            let mut bytes = Vec::from(&encoded[..]);
+            // One byte to four, each anything or a small number, and now and then an end that is missing.
+            for _ in 0..=noise() % 4 {
+                let place = noise() as usize % bytes.len();
+                let byte = noise();
+                bytes[place] = (byte >> 8) as u8 & if byte & 1 == 0 { 0xFF } else { 0x03 };
+            }
+            if noise() % 8 == 0 {
+                bytes.truncate(noise() as usize % bytes.len());
+            }
+            let expected = postcard::take_from_bytes::<Call>(&bytes)
+                .map(|(call, rest)| (call, bytes.len() - rest.len()))
+                .map_err(|_| LinkError::Malformed);
+            match expected {
+                Ok(_) => taken += 1,
+                Err(_) => refused += 1,
+            }
+            assert_eq!(decode_call(&bytes), expected, "{bytes:?}");
+        }
+    }
+    assert!(taken > 30_000 && refused > 30_000, "{taken} {refused}");
 }
 
 #[test]

@@ -83,6 +83,9 @@ pub struct Lead {
 }
 
 impl Lead {
+    /// A nanometre a turn.
+    pub const LEAST: Self = Self { nm: 1, turns: 1 };
+
     /// The ratio in lowest terms; `None` unless both are positive.
     #[must_use]
     pub const fn new(nm: i64, turns: i64) -> Option<Self> {
