@@ -8,11 +8,14 @@ use std::path::Path;
 
 use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian, SectionId};
 use anyhow::{Context, Result};
-use object::{Object, ObjectSection, ObjectSymbol, RelocationTarget, SymbolKind};
+use object::{Object, ObjectSection, ObjectSymbol, RelocationTarget, SectionFlags, SymbolKind};
 
-struct Node {
-    name: String,
-    end: u64,
+/// A function or a table.
+pub struct Node {
+    /// Its name.
+    pub name: String,
+    /// Where it ends.
+    pub end: u64,
 }
 
 /// One reference from a function (or table) to another.
@@ -105,7 +108,7 @@ fn is_panic(name: &str) -> bool {
 }
 
 /// Functions and tables by address. Thumb functions have bit 0 set in their symbol, which is not part of the address.
-fn nodes(file: &object::File) -> BTreeMap<u64, Node> {
+pub fn nodes(file: &object::File) -> BTreeMap<u64, Node> {
     file.symbols()
         .filter(|symbol| {
             matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data) && symbol.size() > 0
@@ -128,27 +131,36 @@ fn nodes(file: &object::File) -> BTreeMap<u64, Node> {
 }
 
 fn references(file: &object::File, nodes: &BTreeMap<u64, Node>) -> Vec<Reference> {
+    let within = |(at, target)| {
+        let (from, to) = (within(nodes, at)?, within(nodes, target)?);
+        Some(Reference { from, to, at })
+    };
+    targets(file).into_iter().filter_map(within).collect()
+}
+
+/// Every address that code or data of the image refers to, and where.
+pub fn targets(file: &object::File) -> Vec<(u64, u64)> {
     let mut found = Vec::new();
     for section in file.sections() {
+        let is_loaded = matches!(section.flags(), SectionFlags::Elf { sh_flags, .. }
+            if sh_flags.0 & object::elf::SHF_ALLOC.0 != 0);
+        if !is_loaded {
+            continue;
+        }
         for (at, relocation) in section.relocations() {
             let RelocationTarget::Symbol(index) = relocation.target() else {
                 continue;
             };
-            let Ok(symbol) = file.symbol_by_index(index) else {
-                continue;
-            };
-            let (Some(from), Some(to)) = (within(nodes, at), within(nodes, symbol.address() & !1))
-            else {
-                continue;
-            };
-            found.push(Reference { from, to, at });
+            if let Ok(symbol) = file.symbol_by_index(index) {
+                found.push((at, symbol.address() & !1));
+            }
         }
     }
     found
 }
 
 /// The node that holds `address`.
-fn within(nodes: &BTreeMap<u64, Node>, address: u64) -> Option<u64> {
+pub fn within(nodes: &BTreeMap<u64, Node>, address: u64) -> Option<u64> {
     let (start, node) = nodes.range(..=address).next_back()?;
     (address < node.end).then_some(*start)
 }

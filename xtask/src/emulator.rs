@@ -63,19 +63,6 @@ pub fn ticks(write: bool) -> Result<()> {
     Ok(())
 }
 
-/// The deepest stack of the background and of a tick, as the table has it.
-pub fn deepest_stack() -> Result<(u64, u64)> {
-    let path = run::firmware().join("audit").join("ticks.txt");
-    let rows = parse(&std::fs::read_to_string(&path).context("there is no table of the stack")?)?;
-    let worst = |name: &str| {
-        rows.iter()
-            .find(|row| row.name == name)
-            .map(|row| row.worst)
-            .ok_or_else(|| anyhow!("no row {name} in {}", path.display()))
-    };
-    Ok((worst("stack/background")?, worst("stack/tick")?))
-}
-
 /// Builds the image and runs it in the emulator.
 pub fn measure() -> Result<Vec<Row>> {
     // One nanosecond of virtual time an instruction.

@@ -21,6 +21,7 @@ mod run;
 mod setup;
 mod sizes;
 mod soak;
+mod stack;
 mod target;
 mod test;
 mod vcan;

@@ -92,11 +92,14 @@ pub struct Background {
 
 impl Background {
     /// Nothing to do, at a position.
+    // Part of a desk, which is written where it will be [D146].
     #[must_use]
+    #[inline(always)]
     pub fn new(position: Position) -> Self {
         Self::starting(position, Epoch::default())
     }
 
+    #[inline(always)]
     const fn starting(position: Position, epoch: Epoch) -> Self {
         Self {
             moves: None,
@@ -135,7 +138,9 @@ impl Background {
     ) {
         match notice {
             Notice::Restart(position, epoch) => {
-                while take(calls).is_some() {}
+                while calls.ready() {
+                    drop_oldest(calls);
+                }
                 *self = Self::starting(*position, *epoch);
                 self.guard = Guard::of(tap);
             }
@@ -167,19 +172,8 @@ impl Background {
         if self.failed {
             return (false, None);
         }
-        if let Some(moves) = &mut self.moves {
-            if let Some(next) = moves.next() {
-                self.hole_ends = ends_hole(&next, moves);
-                if let Err(alarm) = self.take(&next, settings) {
-                    self.fail(&alarm);
-                }
-            } else {
-                self.moves = None;
-                // A hole that stays locked ends at its bottom, and nothing stops there.
-                self.hole_ends = false;
-                self.close_tap(settings);
-                self.complete = !self.planned.is_empty();
-            }
+        if self.moves.is_some() {
+            self.go_on(settings);
             return (true, None);
         }
         if let Some(span) = self.ending.take() {
@@ -206,13 +200,33 @@ impl Background {
             return (false, None);
         };
         let opened = self.open(call, settings);
-        take(calls);
+        drop_oldest(calls);
         match opened {
             Ok(warning) => (true, warning),
             Err(alarm) => {
                 self.fail(&alarm);
                 (true, None)
             }
+        }
+    }
+
+    /// The next move of the call under expansion, or its end.
+    #[inline(never)]
+    fn go_on(&mut self, settings: &Settings<'_>) {
+        let Some(moves) = &mut self.moves else {
+            return;
+        };
+        if let Some(next) = moves.next() {
+            self.hole_ends = ends_hole(&next, moves);
+            if let Err(alarm) = self.take(&next, settings) {
+                self.fail(&alarm);
+            }
+        } else {
+            self.moves = None;
+            // A hole that stays locked ends at its bottom, and nothing stops there.
+            self.hole_ends = false;
+            self.close_tap(settings);
+            self.complete = !self.planned.is_empty();
         }
     }
 
@@ -367,4 +381,10 @@ pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     let scaled = i64::from(rpm.get()).saturating_mul(i64::from(percent));
     let rounded = scaled.saturating_add(50_i64.saturating_mul(scaled.signum())) / 100;
     Rpm::new(i32::try_from(rounded).unwrap_or(0))
+}
+
+/// Lets the oldest call go. Its copy, which the queue gives back, lies in no other frame.
+#[inline(never)]
+fn drop_oldest(calls: &mut CallOut<'_>) {
+    take(calls);
 }

@@ -80,9 +80,9 @@ fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call)
 
 impl Desk {
     /// As at power-up: at `position`, with the stored entry of the tap journal, and `snapshot` of the tick side.
-    // Made where it will be, not copied there.
+    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
     #[must_use]
-    #[inline(never)]
+    #[inline(always)]
     pub fn new(
         params: &Params,
         position: Position,

@@ -32,6 +32,8 @@ pub struct Operator {
 
 impl Operator {
     /// As at power-up: nothing held, all overrides at 100 %.
+    // [D146]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             hold: false,

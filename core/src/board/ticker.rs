@@ -220,9 +220,9 @@ impl Given {
 impl Ticker {
     /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
     /// pass its own checks.
-    // Made where it will be, not copied there.
+    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
     #[must_use]
-    #[inline(never)]
+    #[inline(always)]
     pub fn new(
         params: &Params,
         remembered: Option<Position>,

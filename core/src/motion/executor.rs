@@ -152,7 +152,9 @@ impl Executor {
     };
 
     /// At rest at the machine's zero.
+    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
     #[must_use]
+    #[inline(always)]
     pub const fn new(arrival: Arrival) -> Self {
         Self {
             run: Run::new(),

@@ -153,6 +153,8 @@ impl Default for Profile {
 impl Profile {
     /// A profile at rest with nothing to do.
     #[must_use]
+    // [D146]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             ring: [0; CAPACITY as usize],

@@ -35,6 +35,8 @@ pub struct Run {
 impl Run {
     /// At rest, nothing planned.
     #[must_use]
+    // [D146]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             profile: Profile::new(),

@@ -1,6 +1,7 @@
 //! The background's side: the bus, planning and the storage, a piece at a time.
 
 use heapless::spsc::{Consumer, Producer};
+use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::queue::{put, room, take};
 use leadscrew_core::board::{
     Command, Desk, DetourIn, Event, Held, Notice, Region, SegmentIn, Snapshot, State, StoreError,
@@ -114,7 +115,7 @@ impl TickPort for Port<'_> {
 }
 
 impl BackgroundSide {
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn new(up: &PowerUp<'_>, snapshot: Snapshot, ends: Ends) -> Self {
         let position = up.remembered.unwrap_or_default();
         Self {
@@ -130,6 +131,8 @@ impl BackgroundSide {
     pub(crate) const fn desk(&mut self) -> &mut Desk {
         &mut self.desk
     }
+
+    // Its pieces are functions of their own: what one needs on the stack, the others have no use for.
 
     /// One piece of everything there is to do. False where there is nothing until the next tick or the next frame.
     pub fn step(&mut self, machine: &mut impl Machine) -> bool {
@@ -187,6 +190,7 @@ impl BackgroundSide {
         &self.snapshot
     }
 
+    #[inline(never)]
     fn hear(&mut self, machine: &mut impl Machine) {
         while let Some(notice) = take(&mut self.ends.notices) {
             self.enter();
@@ -200,6 +204,7 @@ impl BackgroundSide {
     }
 
     /// A controller that has left the bus stays away until the machine stands [D124].
+    #[inline(never)]
     fn look_at_bus(&mut self, machine: &mut impl Machine) {
         self.desk.set_controller(machine.controller());
         self.carry_out();
@@ -216,6 +221,7 @@ impl BackgroundSide {
     }
 
     /// Makes the ticker anew where it has been handed over.
+    #[inline(never)]
     fn renew(&mut self, machine: &mut impl Machine) {
         let Some(ticker) = take(&mut self.ends.given) else {
             return;
@@ -233,6 +239,7 @@ impl BackgroundSide {
         let _ = put(&mut self.ends.returned, ticker);
     }
 
+    #[inline(never)]
     fn receive(&mut self, machine: &mut impl Machine) -> bool {
         let mut worked = false;
         while let Some(frame) = take(&mut self.ends.strangers).or_else(|| machine.receive()) {
@@ -244,6 +251,7 @@ impl BackgroundSide {
         worked
     }
 
+    #[inline(never)]
     fn serve(&mut self, report: Option<Report>) -> bool {
         let (mut elapsed, mut error) = (0, None);
         if let Some(report) = report {
@@ -268,6 +276,7 @@ impl BackgroundSide {
         worked
     }
 
+    #[inline(never)]
     fn carry_out(&mut self) {
         if self.renewing {
             // The tick side is away: it can be asked for nothing.
@@ -283,6 +292,7 @@ impl BackgroundSide {
         }
     }
 
+    #[inline(never)]
     fn plan(&mut self, machine: &mut impl Machine) -> bool {
         if self.renewing {
             return false;
@@ -291,13 +301,19 @@ impl BackgroundSide {
             self.desk
                 .plan(&mut self.ends.segments, &self.snapshot.operator, self.begun);
         if let Some(warning) = warning {
-            let event = Event::Warning(warning);
-            self.desk.note(&event);
-            machine.event(&event);
+            self.warn(warning, machine);
         }
         worked
     }
 
+    #[inline(never)]
+    fn warn(&mut self, warning: Alarm, machine: &mut impl Machine) {
+        let event = Event::Warning(warning);
+        self.desk.note(&event);
+        machine.event(&event);
+    }
+
+    #[inline(never)]
     fn store(&mut self, machine: &mut impl Machine) -> bool {
         let mut port = Port {
             orders: &mut self.ends.orders,

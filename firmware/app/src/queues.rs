@@ -38,7 +38,7 @@ pub struct Queues {
 }
 
 /// Where a ticker will be for good: also a `static`.
-pub type TickerPlace = MaybeUninit<Option<Ticker>>;
+pub type TickerPlace = MaybeUninit<Ticker>;
 /// Where the background's side will be for good: also a `static`.
 pub type BackgroundPlace = MaybeUninit<BackgroundSide>;
 
@@ -136,23 +136,23 @@ impl Queues {
     }
 }
 
-// Each is made in its place, in a function of its own: on the stack there is no room for copies of it.
+// Each is made in its place, in a function of its own: on the stack there is no room for copies of it, nor for what the other
+// needs [D146].
 
 #[inline(never)]
 fn new_ticker(
     place: &'static mut TickerPlace,
     up: &PowerUp<'_>,
 ) -> Result<&'static mut Ticker, Alarm> {
-    match place.write(Ticker::new(&up.set.params, up.remembered, up.tap)) {
-        Some(ticker) => {
-            ticker.withhold(up.set.found);
-            if let Some(failure) = up.failure {
-                ticker.begin_in_alarm(failure.alarm());
-            }
-            Ok(ticker)
-        }
-        None => Err(Alarm::new(Code::ParametersUnusable, Span::default())),
+    let Some(ticker) = Ticker::new(&up.set.params, up.remembered, up.tap) else {
+        return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
+    };
+    let ticker = place.write(ticker);
+    ticker.withhold(up.set.found);
+    if let Some(failure) = up.failure {
+        ticker.begin_in_alarm(failure.alarm());
     }
+    Ok(ticker)
 }
 
 #[inline(never)]

@@ -153,6 +153,7 @@ impl TickSide {
     }
 
     /// Pins first: what was pressed last counts.
+    #[inline(never)]
     fn obey(&mut self, inputs: &Inputs) {
         let before = core::mem::replace(&mut self.inputs, *inputs);
         if let Some(ticker) = &mut self.ticker {
@@ -206,6 +207,7 @@ impl TickSide {
     }
 
     /// The machine stands. What is still queued belongs to the ticker that goes; nothing is planned before the new one comes.
+    #[inline(never)]
     fn hand_over(&mut self) {
         self.ends.segments.clear();
         while take(&mut self.ends.detours).is_some() {}
@@ -219,6 +221,7 @@ impl TickSide {
         }
     }
 
+    #[inline(never)]
     fn report(&mut self) {
         let Some(ticker) = &self.ticker else {
             return;

@@ -143,6 +143,7 @@ impl Storage {
     }
 
     /// The entry of the tap journal; repairs first what a loss of power has left unfinished.
+    #[inline(never)]
     fn tap(&mut self) -> Result<Option<TapRecord>, StoreError> {
         let mut buffer = [0; BUFFER];
         self.with(|store| {
@@ -155,6 +156,7 @@ impl Storage {
     }
 
     /// The parameters to start with. Behind [`tap`](Self::tap).
+    #[inline(never)]
     fn params(&mut self) -> board::PowerUp {
         let built_in = Params::slant_bed();
         self.with(|store| Ok(block_on(store.power_up(&built_in))))

@@ -47,7 +47,11 @@ impl<T> Once<MaybeUninit<T>> {
 }
 
 /// A place for a value that one interrupt uses, and nobody else. It is filled before that interrupt is enabled.
-pub struct Owned<T>(UnsafeCell<Option<T>>);
+pub struct Owned<T> {
+    /// All bits zero while it is empty: nothing of it is in the flash.
+    filled: AtomicBool,
+    value: UnsafeCell<MaybeUninit<T>>,
+}
 
 // SAFETY: the value moves to its interrupt once, before it runs ([`Owned::fill`]), and only that interrupt has it then
 // ([`Owned::with`]): it is used from one context at a time.
@@ -56,16 +60,20 @@ unsafe impl<T: Send> Sync for Owned<T> {}
 impl<T> Owned<T> {
     /// Nothing is in it.
     pub const fn empty() -> Self {
-        Self(UnsafeCell::new(None))
+        Self {
+            filled: AtomicBool::new(false),
+            value: UnsafeCell::new(MaybeUninit::uninit()),
+        }
     }
 
-    /// Puts the value in.
+    /// Puts the value in, once.
     ///
     /// # Safety
     /// The interrupt that uses it has not been enabled yet.
     pub unsafe fn fill(&self, value: T) {
         // SAFETY: nobody else looks at it before its interrupt is enabled.
-        unsafe { *self.0.get() = Some(value) };
+        unsafe { (*self.value.get()).write(value) };
+        self.filled.store(true, Ordering::Release);
     }
 
     /// Uses the value, if there is one.
@@ -73,9 +81,9 @@ impl<T> Owned<T> {
     /// # Safety
     /// Only from its interrupt, which does not interrupt itself, and not from within `f`.
     pub unsafe fn with(&self, f: impl FnOnce(&mut T)) {
-        // SAFETY: its interrupt is the only one that calls this.
-        if let Some(value) = unsafe { (*self.0.get()).as_mut() } {
-            f(value);
+        if self.filled.load(Ordering::Acquire) {
+            // SAFETY: it has been filled, and its interrupt is the only one that calls this.
+            f(unsafe { (*self.value.get()).assume_init_mut() });
         }
     }
 }

@@ -43,6 +43,8 @@ pub struct Inbox {
 }
 
 impl Inbox {
+    // [D146]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             ring: Ring::new(),

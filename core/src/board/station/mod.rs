@@ -114,9 +114,9 @@ pub struct Station {
 
 impl Station {
     /// A node that has not joined a network: it hears nothing and says nothing.
-    // Made where it will be, not copied there.
+    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
     #[must_use]
-    #[inline(never)]
+    #[inline(always)]
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
         let patience = Periods::from_ms(PATIENCE_MS, params.tick_us()).unwrap_or_default();
         Self {

@@ -117,6 +117,8 @@ impl Pdos {
 }
 
 impl Shelf {
+    // Part of a desk, which is written where it will be [D146].
+    #[inline(always)]
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
         Self {
             node,

@@ -42,6 +42,8 @@ pub(super) struct Journal {
 
 impl Journal {
     /// The newest entry is `record`; a hole waits for a second at most.
+    // [D146]
+    #[inline(always)]
     pub(super) fn new(record: Option<TapRecord>, ticks_per_second: u32) -> Self {
         let in_hole = record.is_some_and(|record| record.in_hole);
         Self {

@@ -1,0 +1,336 @@
+//! How deep the stack of an image can get: a bound, read from the image itself.
+//!
+//! What a function takes is the sum of everything in its code that lowers the stack pointer; whom it calls, its relocations
+//! say (the image was linked with them kept). A call through a pointer may reach every function whose address stands in a
+//! table. So the bound holds whatever the program does, and may be more than it ever does.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
+
+use crate::callgraph::{self, Node};
+
+/// What the processor stores of what it interrupts: with floating-point registers, and aligned.
+const INTERRUPTED: u64 = 104 + 4;
+
+/// The deepest way from a function.
+#[derive(Clone, Debug, Default)]
+pub struct Deepest {
+    /// Bytes.
+    pub bytes: u64,
+    /// The functions on it, each with what it takes itself.
+    pub way: Vec<(String, u64)>,
+}
+
+/// Who uses a stack: one thread, which starts with a function of its own, and interrupts, each of which interrupts all before
+/// it.
+pub struct Users {
+    /// The thread.
+    pub thread: &'static str,
+    /// Of its functions the one that runs before there are interrupts.
+    pub start: &'static str,
+    /// The handlers.
+    pub interrupts: &'static [&'static str],
+}
+
+/// How deep the stack of an image can get, and each of its parts by name.
+pub fn deepest(image: &Path, users: &Users) -> Result<(u64, Vec<Deepest>)> {
+    let mut stacks = Stacks::read(image)?;
+    let start = stacks.address(users.start)?;
+    let thread = stacks.address(users.thread)?;
+    let whole = stacks.from(thread, &mut Vec::new())?;
+    stacks.known = HashMap::from([(start, Deepest::default())]);
+    let mut parts = vec![stacks.from(thread, &mut Vec::new())?];
+    let mut bytes: u64 = parts.iter().map(|part| part.bytes).sum();
+    for name in users.interrupts {
+        let handler = stacks.address(name)?;
+        let part = stacks.from(handler, &mut Vec::new())?;
+        bytes += part.bytes + INTERRUPTED;
+        parts.push(part);
+    }
+    parts.push(whole.clone());
+    Ok((bytes.max(whole.bytes), parts))
+}
+
+/// What a function does with the stack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Frame {
+    bytes: u64,
+    /// It calls through a register.
+    indirect: bool,
+}
+
+/// The functions of an image, and who calls whom.
+struct Stacks {
+    nodes: BTreeMap<u64, Node>,
+    frames: HashMap<u64, Frame>,
+    calls: HashMap<u64, BTreeSet<u64>>,
+    /// Functions whose address stands in a table.
+    listed: BTreeSet<u64>,
+    known: HashMap<u64, Deepest>,
+}
+
+impl Stacks {
+    fn read(image: &Path) -> Result<Self> {
+        let data =
+            std::fs::read(image).with_context(|| format!("cannot read {}", image.display()))?;
+        let file = object::File::parse(data.as_slice())?;
+        let nodes = callgraph::nodes(&file);
+        let mut frames = HashMap::new();
+        for section in file.sections() {
+            if section.kind() != SectionKind::Text {
+                continue;
+            }
+            let code = Code {
+                base: section.address(),
+                bytes: section.data()?,
+                marks: marks(&file),
+            };
+            for (start, node) in &nodes {
+                if let Some(frame) = code.frame(*start, node.end)? {
+                    frames.insert(*start, frame);
+                }
+            }
+        }
+        let mut calls: HashMap<u64, BTreeSet<u64>> = HashMap::new();
+        let mut listed = BTreeSet::new();
+        let references = callgraph::targets(&file);
+        if references.is_empty() {
+            bail!("{}: linked without its relocations", image.display());
+        }
+        for (at, target) in references {
+            if !frames.contains_key(&target) {
+                continue;
+            }
+            // A function that is called often has its address in a register: that is a call, too.
+            match callgraph::within(&nodes, at).filter(|from| frames.contains_key(from)) {
+                Some(from) => {
+                    calls.entry(from).or_default().insert(target);
+                }
+                None => {
+                    let by_processor = callgraph::within(&nodes, at)
+                        .and_then(|table| nodes.get(&table))
+                        .is_some_and(|table| VECTORS.contains(&table.name.as_str()));
+                    if !by_processor {
+                        listed.insert(target);
+                    }
+                }
+            }
+        }
+        Ok(Self {
+            nodes,
+            frames,
+            calls,
+            listed,
+            known: HashMap::new(),
+        })
+    }
+
+    /// The function of this name.
+    fn address(&self, name: &str) -> Result<u64> {
+        self.nodes
+            .iter()
+            .find(|(address, node)| self.frames.contains_key(address) && node.name == name)
+            .map(|(address, _)| *address)
+            .ok_or_else(|| anyhow!("no function is called `{name}`"))
+    }
+
+    fn from(&mut self, start: u64, above: &mut Vec<u64>) -> Result<Deepest> {
+        if let Some(known) = self.known.get(&start) {
+            return Ok(known.clone());
+        }
+        let name = self
+            .nodes
+            .get(&start)
+            .map_or_else(String::new, |node| node.name.clone());
+        if above.contains(&start) {
+            bail!("`{name}` may call itself: its stack has no bound");
+        }
+        above.push(start);
+        let frame = self.frames.get(&start).copied().unwrap_or_default();
+        let mut called = self.calls.get(&start).cloned().unwrap_or_default();
+        if frame.indirect {
+            called.extend(&self.listed);
+        }
+        let mut deepest = Deepest::default();
+        for callee in called {
+            let way = self.from(callee, above)?;
+            if way.bytes > deepest.bytes {
+                deepest = way;
+            }
+        }
+        above.pop();
+        deepest.bytes += frame.bytes;
+        deepest.way.insert(0, (name, frame.bytes));
+        self.known.insert(start, deepest.clone());
+        Ok(deepest)
+    }
+}
+
+/// Tables of handlers: the processor calls what is in them, nobody else does.
+const VECTORS: [&str; 3] = ["__EXCEPTIONS", "__INTERRUPTS", "__RESET_VECTOR"];
+
+/// Where instructions (false) and data between them (true) begin.
+fn marks(file: &object::File) -> Vec<(u64, bool)> {
+    let mut marks: Vec<(u64, bool)> = file
+        .symbols()
+        .filter_map(|symbol| {
+            let name = symbol.name().ok()?;
+            let is = |mark: &str| name == mark || name.starts_with(&format!("{mark}."));
+            (is("$t") || is("$d")).then(|| (symbol.address(), is("$d")))
+        })
+        .collect();
+    marks.sort_unstable();
+    marks
+}
+
+struct Code<'a> {
+    base: u64,
+    bytes: &'a [u8],
+    /// As of [`marks`].
+    marks: Vec<(u64, bool)>,
+}
+
+impl Code<'_> {
+    fn is_data(&self, address: u64) -> bool {
+        let next = self.marks.partition_point(|(at, _)| *at <= address);
+        next.checked_sub(1)
+            .and_then(|at| self.marks.get(at))
+            .is_some_and(|(_, data)| *data)
+    }
+
+    fn half(&self, address: u64) -> Option<u16> {
+        let at = usize::try_from(address.checked_sub(self.base)?).ok()?;
+        let pair = self.bytes.get(at..at.checked_add(2)?)?;
+        Some(u16::from_le_bytes(pair.try_into().ok()?))
+    }
+
+    /// `None`: not in this section.
+    fn frame(&self, start: u64, end: u64) -> Result<Option<Frame>> {
+        if self.half(start).is_none() {
+            return Ok(None);
+        }
+        let mut frame = Frame::default();
+        let mut at = start;
+        while at < end {
+            if self.is_data(at) {
+                at += 2;
+                continue;
+            }
+            let first = self
+                .half(at)
+                .context("a function ends behind its section")?;
+            let wide = first >> 11 >= 0b11101;
+            let second = if wide {
+                self.half(at + 2).context("half an instruction")?
+            } else {
+                0
+            };
+            let lowered = if wide {
+                wide_lowers(first, second)
+            } else {
+                narrow_lowers(first)
+            };
+            let Some(lowered) = lowered else {
+                bail!("at {at:#x} the stack is lowered by what a register says");
+            };
+            frame.bytes += lowered;
+            frame.indirect |= !wide && is_indirect(first);
+            at += if wide { 4 } else { 2 };
+        }
+        Ok(Some(frame))
+    }
+}
+
+/// `blx` through a register, or `bx` through any but the return address.
+const fn is_indirect(code: u16) -> bool {
+    code & 0xFF87 == 0x4780 || code & 0xFF87 == 0x4700 && code != 0x4770
+}
+
+/// By how much an instruction lowers the stack pointer; `None` where only a register knows.
+fn narrow_lowers(code: u16) -> Option<u64> {
+    if code & 0xFE00 == 0xB400 {
+        // push
+        return Some(4 * u64::from((code & 0x1FF).count_ones()));
+    }
+    if code & 0xFF80 == 0xB080 {
+        // sub sp, #
+        return Some(4 * u64::from(code & 0x7F));
+    }
+    Some(0)
+}
+
+fn wide_lowers(first: u16, second: u16) -> Option<u64> {
+    let byte = u64::from(second & 0xFF);
+    match (first, second) {
+        // stmdb sp!
+        (0xE92D, list) => Some(4 * u64::from(list.count_ones())),
+        // str, strd: before it, downwards
+        (0xF84D, how) if how & 0x0F00 == 0x0D00 => Some(byte),
+        (0xE96D, _) => Some(4 * byte),
+        // vpush
+        (0xED2D | 0xED6D, how) if how & 0x0E00 == 0x0A00 => Some(4 * byte),
+        // sub.w sp, sp, #
+        (0xF1AD | 0xF5AD | 0xF1BD | 0xF5BD, how) if how & 0x8F00 == 0x0D00 => {
+            Some(expand(immediate(first, second)))
+        }
+        // subw sp, sp, #
+        (0xF2AD | 0xF6AD, how) if how & 0x8F00 == 0x0D00 => {
+            Some(u64::from(immediate(first, second)))
+        }
+        // sub sp, sp, register
+        (0xEBAD | 0xEBBD, how) if how & 0x0F00 == 0x0D00 => None,
+        _ => Some(0),
+    }
+}
+
+/// The twelve bits of an immediate, which lie in three places.
+fn immediate(first: u16, second: u16) -> u32 {
+    let (top, middle, low) = (first >> 10 & 1, second >> 12 & 7, second & 0xFF);
+    u32::from(top) << 11 | u32::from(middle) << 8 | u32::from(low)
+}
+
+/// What a modified immediate constant stands for.
+fn expand(bits: u32) -> u64 {
+    let byte = bits & 0xFF;
+    u64::from(match bits >> 8 {
+        0 => byte,
+        1 => byte << 16 | byte,
+        2 => byte << 24 | byte << 8,
+        3 => byte << 24 | byte << 16 | byte << 8 | byte,
+        _ => (0x80 | bits & 0x7F).rotate_right(bits >> 7),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instructions_lower_the_stack_by_what_they_say() {
+        // push {r4, r5, r6, r7, lr}; sub sp, #16; add sp, #16; pop {r7, pc}
+        assert_eq!(narrow_lowers(0xB5F0), Some(20));
+        assert_eq!(narrow_lowers(0xB084), Some(16));
+        assert_eq!(narrow_lowers(0xB004), Some(0));
+        assert_eq!(narrow_lowers(0xBD80), Some(0));
+        // push.w {r8, r9, r10, r11}; str r11, [sp, #-4]!; strd r6, r7, [sp, #-16]!; vpush {d8, d9}
+        assert_eq!(wide_lowers(0xE92D, 0x0F00), Some(16));
+        assert_eq!(wide_lowers(0xF84D, 0xBD04), Some(4));
+        assert_eq!(wide_lowers(0xE96D, 0x6704), Some(16));
+        assert_eq!(wide_lowers(0xED2D, 0x8B04), Some(16));
+        // sub.w sp, sp, #4096; subw sp, sp, #1028; sub.w sp, sp, #592; sub.w sp, sp, r3
+        assert_eq!(wide_lowers(0xF5AD, 0x5D80), Some(4096));
+        assert_eq!(wide_lowers(0xF2AD, 0x4D04), Some(1028));
+        assert_eq!(wide_lowers(0xF5AD, 0x7D14), Some(592));
+        assert_eq!(wide_lowers(0xEBAD, 0x0D03), None);
+    }
+
+    #[test]
+    fn calls_through_a_pointer_are_told_from_returns() {
+        // blx r3; bx r12; bx lr
+        assert!(is_indirect(0x4798) && is_indirect(0x4760));
+        assert!(!is_indirect(0x4770));
+    }
+}
