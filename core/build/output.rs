@@ -9,6 +9,7 @@ pub fn generate(tables: &Tables) -> String {
     let mut built_in = vec![0_i64; tables.slots];
     let (mut entries, mut texts) = (String::new(), String::new());
     let mut count = 0;
+    let mut ranges: Vec<(i64, i64)> = Vec::new();
     for (index, d) in tables.definitions.iter().enumerate() {
         write_line(
             &mut texts,
@@ -24,11 +25,26 @@ pub fn generate(tables: &Tables) -> String {
                 Part::Bit(bit) => format!("Part::Bit({bit})"),
                 Part::Axis(axis) => format!("Part::Axis(Axis::{axis})"),
             };
+            let range = (v.min, v.max);
+            let place = ranges.iter().position(|known| *known == range);
+            let place = place.unwrap_or_else(|| {
+                ranges.push(range);
+                ranges.len() - 1
+            });
+            let none = match v.none {
+                None => "None",
+                Some(i64::MAX) => "Some(Extreme::Largest)",
+                Some(i64::MIN) => "Some(Extreme::Smallest)",
+                Some(other) => panic!("`{}`: {other} stands for none", d.name),
+            };
             write_line(
                 &mut entries,
                 format_args!(
-                    "Entry {{ no: {}, alias: {:?}, part: {part}, unit: Unit::{:?}, min: {}, max: {}, none: {:?}, slot: {}, text: {index} }},",
-                    d.no, d.alias, v.unit, v.min, v.max, v.none, v.slot,
+                    "Entry {{ no: {}, alias: {}, part: {part}, unit: Unit::{:?}, none: {none}, range: {place}, slot: {}, text: {index} }},",
+                    d.no,
+                    d.alias.unwrap_or_default(),
+                    v.unit,
+                    v.slot,
                 ),
             );
             let default = v.default.unwrap_or_default();
@@ -48,6 +64,13 @@ pub fn generate(tables: &Tables) -> String {
     write_line(
         &mut out,
         format_args!("static ENTRIES: [Entry; {count}] = [\n{entries}];"),
+    );
+    write_line(
+        &mut out,
+        format_args!(
+            "static RANGES: [(i64, i64); {}] = {ranges:?};",
+            ranges.len()
+        ),
     );
     write_line(
         &mut out,

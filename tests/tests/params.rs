@@ -17,11 +17,11 @@ impl Random {
 
     /// A value of the entry: often an edge of its range, else anywhere between.
     fn value(&mut self, entry: &Entry) -> i64 {
-        let span = u64::try_from(entry.max - entry.min).unwrap() + 1;
+        let span = u64::try_from(entry.max() - entry.min()).unwrap() + 1;
         match self.below(4) {
-            0 => entry.min,
-            1 => entry.max,
-            _ => entry.min + i64::try_from(self.below(span)).unwrap(),
+            0 => entry.min(),
+            1 => entry.max(),
+            _ => entry.min() + i64::try_from(self.below(span)).unwrap(),
         }
     }
 }

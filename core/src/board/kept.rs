@@ -14,14 +14,14 @@
 //!
 //! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use super::store::{Region, StoreError};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::link::{ImageReader, ImageWriter, identity};
 use crate::params::{Params, SCHEMA, TABLE_KEY};
 
-const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Layout of these bytes.
 const FORMAT: u16 = 1;

@@ -10,11 +10,11 @@
 //! The password of a set is not told: its place holds 1 where there is one. Whoever sends an image with that 1 keeps the
 //! password as it is; only an image that [`with_password`](ImageWriter::with_password) makes holds a new one.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use crate::params::{Params, SLOTS, TABLE_KEY};
 
-const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 const HEAD: usize = 6;
 const VALUE: usize = 8;
@@ -291,7 +291,7 @@ mod tests {
     fn a_value_out_of_range_or_an_undefined_bit_is_named() {
         let tolerance = Entry::find(9007, None).unwrap();
         let mut params = Params::slant_bed();
-        params.put_slot(tolerance.place(), tolerance.max + 1);
+        params.put_slot(tolerance.place(), tolerance.max() + 1);
         assert_eq!(read(&image(&params), 64), Err(ImageError::Range(9007)));
         let switches = Entry::find(9008, Some(Part::Bit(0))).unwrap();
         let mut params = Params::slant_bed();

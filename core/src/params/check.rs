@@ -399,14 +399,14 @@ mod tests {
     #[test]
     fn the_edges_of_every_range_are_checked_without_harm() {
         for entry in Entry::all() {
-            for raw in [entry.min, entry.max] {
+            for raw in [entry.min(), entry.max()] {
                 let mut params = Params::slant_bed();
                 params.set(entry, raw).unwrap();
                 params.check(|_| {});
             }
         }
         // All at once: the largest and the smallest ramps there are.
-        for pick in [|e: &Entry| e.min, |e: &Entry| e.max] {
+        for pick in [|e: &Entry| e.min(), |e: &Entry| e.max()] {
             let mut params = Params::slant_bed();
             for entry in Entry::all() {
                 params.set(entry, pick(entry)).unwrap();

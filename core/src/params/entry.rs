@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{ENTRIES, TEXTS, Unit};
+use super::{ENTRIES, RANGES, TEXTS, Unit};
 use crate::units::Axis;
 
 /// Which value of a number.
@@ -16,27 +16,34 @@ pub enum Part {
     Axis(Axis),
 }
 
-/// One value of the table: what a machine must know to take or refuse it.
+/// The raw value that stands for "none".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extreme {
+    /// The smallest integer.
+    Smallest,
+    /// The largest integer.
+    Largest,
+}
+
+/// One value of the table: what a machine must know to take or refuse it. There are many, and they lie in the flash of a
+/// board: what is alike is kept once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     /// Number.
     pub no: u16,
-    /// Second number of the same record [D17].
-    pub alias: Option<u16>,
+    /// 0: it has none.
+    pub(super) alias: u16,
     /// Which value of the number.
     pub part: Part,
     /// Unit; raw values are whole numbers of its smallest step.
     pub unit: Unit,
-    /// Smallest raw value.
-    pub min: i64,
-    /// Largest raw value.
-    pub max: i64,
-    /// Raw value that stands for "none", where that is allowed.
-    pub none: Option<i64>,
+    pub(super) none: Option<Extreme>,
+    /// Place in the ranges.
+    pub(super) range: u8,
     /// Place in the set.
-    pub(super) slot: u16,
+    pub(super) slot: u8,
     /// Place in the texts.
-    pub(super) text: u16,
+    pub(super) text: u8,
 }
 
 /// What a person reads about a value.
@@ -78,6 +85,50 @@ impl Entry {
     #[must_use]
     pub fn all() -> &'static [Self] {
         &ENTRIES
+    }
+
+    /// Second number of the same record [D17].
+    #[must_use]
+    pub const fn alias(&self) -> Option<u16> {
+        match self.alias {
+            0 => None,
+            alias => Some(alias),
+        }
+    }
+
+    /// Smallest raw value.
+    #[must_use]
+    pub const fn min(&self) -> i64 {
+        self.range().0
+    }
+
+    /// Largest raw value.
+    #[must_use]
+    pub const fn max(&self) -> i64 {
+        self.range().1
+    }
+
+    /// Raw value that stands for "none", where that is allowed.
+    #[must_use]
+    pub const fn none(&self) -> Option<i64> {
+        match self.none {
+            None => None,
+            Some(Extreme::Smallest) => Some(i64::MIN),
+            Some(Extreme::Largest) => Some(i64::MAX),
+        }
+    }
+
+    /// The key of the table is made of it before the program runs: hence step by step.
+    const fn range(&self) -> (i64, i64) {
+        let (mut ranges, mut place): (&[_], _) = (&RANGES, self.range);
+        while let [first, rest @ ..] = ranges {
+            if place == 0 {
+                return *first;
+            }
+            (ranges, place) = (rest, place.saturating_sub(1));
+        }
+        // Not reached: a table whose places are not there is not written. Nothing would be allowed.
+        (0, -1)
     }
 
     /// Name, meaning and source.
@@ -134,7 +185,7 @@ impl Entry {
     /// True where the number or alias is `no`.
     #[must_use]
     pub fn is_number(&self, no: u16) -> bool {
-        self.no == no || self.alias == Some(no)
+        self.no == no || self.alias() == Some(no)
     }
 }
 

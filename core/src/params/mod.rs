@@ -16,6 +16,7 @@ mod tests;
 pub mod unit;
 
 pub use check::PROFILE_TICKS;
+use entry::Extreme;
 pub use entry::{Entry, FindError, Part, Text};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};
@@ -67,8 +68,8 @@ const fn table_key() -> u32 {
         key = hash(key, entry.no as i64);
         key = hash(key, part);
         key = hash(key, entry.unit as i64);
-        key = hash(key, entry.min);
-        key = hash(key, entry.max);
+        key = hash(key, entry.min());
+        key = hash(key, entry.max());
         entries = rest;
     }
     (key ^ (key >> 32)) as u32

@@ -29,7 +29,7 @@ impl Entry {
     /// Whether `raw` may be stored.
     #[must_use]
     pub fn allows(&self, raw: i64) -> bool {
-        (self.min..=self.max).contains(&raw) || self.none == Some(raw)
+        (self.min()..=self.max()).contains(&raw) || self.none() == Some(raw)
     }
 
     /// The raw value of a text; `none` where the entry allows that.
@@ -37,7 +37,7 @@ impl Entry {
     /// # Errors
     /// [`SetError`].
     pub fn parse(&self, text: &str, writing: Writing) -> Result<i64, SetError> {
-        if let Some(none) = self.none
+        if let Some(none) = self.none()
             && text.trim().eq_ignore_ascii_case("none")
         {
             return Ok(none);
@@ -48,7 +48,7 @@ impl Entry {
             Err(e) => return Err(SetError::Value(e)),
         };
         // The value that stands for "none" has no number.
-        if (self.min..=self.max).contains(&raw) {
+        if (self.min()..=self.max()).contains(&raw) {
             Ok(raw)
         } else {
             Err(SetError::OutOfRange)

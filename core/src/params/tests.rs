@@ -76,7 +76,7 @@ fn every_number_of_the_sheets_is_there_with_its_default_and_nothing_else() {
         assert_eq!(entry.to_string(), key);
         assert_eq!(value(&params, key), default, "{key}");
         assert_eq!(
-            entry.alias.map(|a| a.to_string()).as_deref(),
+            entry.alias().map(|a| a.to_string()).as_deref(),
             alias,
             "{key}"
         );
@@ -91,8 +91,8 @@ fn every_number_of_the_sheets_is_there_with_its_default_and_nothing_else() {
     }
     for &(key, min, max) in RANGES {
         let entry = Entry::find_text(key).unwrap();
-        assert_eq!(entry.unit.number(entry.min).to_string(), min, "{key}");
-        assert_eq!(entry.unit.number(entry.max).to_string(), max, "{key}");
+        assert_eq!(entry.unit.number(entry.min()).to_string(), min, "{key}");
+        assert_eq!(entry.unit.number(entry.max()).to_string(), max, "{key}");
     }
 }
 
@@ -201,11 +201,16 @@ fn every_value_goes_through_text_and_back_and_stays_in_its_range() {
     for entry in Entry::all() {
         let mut p = Params::slant_bed();
         let built_in = p.get(entry);
-        let raws = [entry.min, entry.max, built_in, (entry.min + entry.max) / 2];
+        let raws = [
+            entry.min(),
+            entry.max(),
+            built_in,
+            (entry.min() + entry.max()) / 2,
+        ];
         for raw in raws {
             p.set(entry, raw).unwrap();
             assert_eq!(p.get(entry), raw, "{entry}");
-            if entry.none == Some(raw) {
+            if entry.none() == Some(raw) {
                 continue;
             }
             let text = entry.unit.text(raw).to_string();
@@ -221,7 +226,7 @@ fn every_value_goes_through_text_and_back_and_stays_in_its_range() {
                 "{entry} {bare}"
             );
         }
-        for raw in [entry.min - 1, entry.max + 1] {
+        for raw in [entry.min() - 1, entry.max() + 1] {
             let before = p.clone();
             assert_eq!(p.set(entry, raw), Err(SetError::OutOfRange), "{entry}");
             assert_eq!(p, before);

@@ -3,7 +3,7 @@
 //! Whoever catches a failure writes [`Failure::encode`] to memory that a reset leaves as it is, and starts anew; at
 //! power-up [`Failure::decode`] finds it there, and nothing moves before somebody has taken note.
 
-use crc::{CRC_32_ISO_HDLC, Crc};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 /// What stopped it.
@@ -63,7 +63,7 @@ pub const fn file_key(name: &str) -> u32 {
     key
 }
 
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 impl Failure {
     /// Words of a record.

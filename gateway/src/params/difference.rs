@@ -117,7 +117,7 @@ impl Change {
         }
         json.text("name", entry.text().name);
         for (key, raw) in [("old", self.old), ("new", self.new)] {
-            if entry.none == Some(raw) {
+            if entry.none() == Some(raw) {
                 json.null(key);
             } else {
                 json.number(key, entry.unit.number(raw));

@@ -341,12 +341,12 @@ mod tests {
                 .map(|entry| (entry, pick(entry)))
                 .collect()
         };
-        let low = with_values("# all\n", &all(|entry| entry.min));
-        let high = with_values(&low, &all(|entry| entry.none.unwrap_or(entry.max)));
+        let low = with_values("# all\n", &all(|entry| entry.min()));
+        let high = with_values(&low, &all(|entry| entry.none().unwrap_or(entry.max())));
         assert_eq!(low.lines().count(), high.lines().count());
         for (text, pick) in [
-            (low, (|entry| entry.min) as fn(&Entry) -> i64),
-            (high, |entry| entry.none.unwrap_or(entry.max)),
+            (low, (|entry| entry.min()) as fn(&Entry) -> i64),
+            (high, |entry| entry.none().unwrap_or(entry.max())),
         ] {
             let mut loader = super::super::Loader::new(None, leadscrew_core::alarm::Lang::En);
             loader.file("f", &text);

@@ -117,8 +117,8 @@ impl Source<'_> {
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
             // A decimal number without a unit; what is missing depends on the parameter.
             DeValue::Float(float) => float.as_str(),
-            DeValue::Boolean(true) if entry.max == 1 => "1",
-            DeValue::Boolean(false) if entry.max == 1 => "0",
+            DeValue::Boolean(true) if entry.max() == 1 => "1",
+            DeValue::Boolean(false) if entry.max() == 1 => "0",
             _ => {
                 let example = mistake::example(entry, Writing::UnitRequired);
                 let figures = [mistake::label(entry), example];

@@ -41,7 +41,7 @@ pub fn not_taken(entry: &Entry, text: &str, writing: Writing, error: SetError) -
     };
     match error {
         SetError::OutOfRange => {
-            let (min, max) = (entry.unit.text(entry.min), entry.unit.text(entry.max));
+            let (min, max) = (entry.unit.text(entry.min()), entry.unit.text(entry.max()));
             (
                 Code::ParamOutOfRange,
                 figures(&[min.to_string(), max.to_string()]),
@@ -71,7 +71,7 @@ pub fn not_taken(entry: &Entry, text: &str, writing: Writing, error: SetError) -
 pub fn example(entry: &Entry, writing: Writing) -> String {
     let raw = Params::slant_bed().get(entry);
     match writing {
-        _ if entry.none == Some(raw) => "`\"none\"`".into(),
+        _ if entry.none() == Some(raw) => "`\"none\"`".into(),
         Writing::UnitRequired if !entry.unit.is_bare() => {
             format!("`\"{}\"`", entry.unit.text(raw))
         }

@@ -43,7 +43,7 @@ fn alone(file: &str) -> String {
 }
 
 fn text_of(entry: &Entry, raw: i64) -> String {
-    if entry.none == Some(raw) {
+    if entry.none() == Some(raw) {
         "none".into()
     } else {
         entry.unit.text(raw).to_string()
@@ -67,14 +67,14 @@ fn the_file_of_the_built_in_machine_is_a_machine_file() {
 
 #[test]
 fn every_value_can_be_written_by_number_alias_and_name_in_files_and_options() {
-    for pick in [|e: &Entry| e.min, |e: &Entry| e.max] {
+    for pick in [|e: &Entry| e.min(), |e: &Entry| e.max()] {
         let mut expected = Params::slant_bed();
         for entry in Entry::all() {
             expected.set(entry, pick(entry)).unwrap();
         }
         let keys: [fn(&Entry) -> String; 3] = [
             |e| e.to_string(),
-            |e| match (e.alias, e.part) {
+            |e| match (e.alias(), e.part) {
                 (Some(alias), Part::Whole) => alias.to_string(),
                 _ => format!("000{e}"),
             },

@@ -15,7 +15,7 @@ pub fn name(entry: &Entry) -> String {
 /// A raw value with its unit, as a person reads it.
 #[must_use]
 pub fn value_text(entry: &Entry, raw: i64) -> String {
-    if entry.none == Some(raw) {
+    if entry.none() == Some(raw) {
         "none".into()
     } else {
         entry.unit.text(raw).to_string()
@@ -25,7 +25,7 @@ pub fn value_text(entry: &Entry, raw: i64) -> String {
 /// The same as a machine file takes it: a plain number, or a text with the unit.
 #[must_use]
 pub fn literal(entry: &Entry, raw: i64) -> String {
-    if entry.none != Some(raw) && entry.unit.is_bare() {
+    if entry.none() != Some(raw) && entry.unit.is_bare() {
         entry.unit.number(raw).to_string()
     } else {
         format!("\"{}\"", value_text(entry, raw))

@@ -24,7 +24,7 @@ pub fn file(params: &Params, head: &[String], lang: Lang) -> String {
             // The meaning once for all axes of a number; a bit has its own.
             let about = (entry.no, meaning(entry, lang));
             if last != Some(about) {
-                let alias = entry.alias.map(|a| format!("/{a}")).unwrap_or_default();
+                let alias = entry.alias().map(|a| format!("/{a}")).unwrap_or_default();
                 let _ = writeln!(
                     out,
                     "\n# {:03}{alias}  {}",

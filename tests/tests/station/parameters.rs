@@ -162,7 +162,7 @@ fn an_image_is_read_written_and_taken_whole_or_not_at_all() {
     foreign[0] ^= 1;
     let mut impossible = wanted.clone();
     let rapid = Entry::find_text("1420.X").unwrap();
-    impossible.set(rapid, rapid.min).unwrap();
+    impossible.set(rapid, rapid.min()).unwrap();
     let mut useless = image.clone();
     ImageWriter::new(&impossible).read(0, &mut useless);
     for (bytes, abort) in [

@@ -256,7 +256,7 @@ fn an_image_that_is_not_taken_has_its_reason() {
         .step_by(8)
         .find(|at| image(&set(13))[*at..at + 8] != good[*at..at + 8])
         .expect("where they differ");
-    beyond[at..at + 8].copy_from_slice(&(entry.max + 1).to_le_bytes());
+    beyond[at..at + 8].copy_from_slice(&(entry.max() + 1).to_le_bytes());
     let end = beyond.len() - 4;
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&beyond[..end]);
     beyond[end..].copy_from_slice(&sum.to_le_bytes());

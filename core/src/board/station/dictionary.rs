@@ -5,10 +5,13 @@
 //! parameters, made of the parameter table: No. is index 2000h + No., an axis is a sub-index (1 X, 2 Z, 3 C), the bits of
 //! a number are one byte.
 
-use super::table::ITEMS;
+use super::table::{NAMES, ROWS};
 use crate::bus::{Abort, Object};
 use crate::params::{Entry, FindError, Part};
 use crate::units::Axis;
+
+/// Name of sub-index 0 of an object with several.
+pub(super) const HIGHEST: &str = "highest sub-index";
 
 /// Index of parameter 0.
 pub const PARAMETERS: u16 = 0x2000;
@@ -125,13 +128,25 @@ pub enum Initial {
     Text(&'static str),
 }
 
+/// Where the name of an item is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Name {
+    /// With this line of the table.
+    Line(usize),
+    /// It is the highest sub-index of a parameter.
+    Highest,
+    /// It is an axis of a parameter.
+    Axis(Axis),
+    /// With the parameter.
+    Parameter,
+}
+
 /// One sub-index of the dictionary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
     /// Where.
     pub object: Object,
-    /// What it is, in English; of a parameter with axes, the axis.
-    pub(super) name: &'static str,
+    pub(super) name: Name,
     /// How it travels.
     pub kind: Kind,
     /// Who may do what.
@@ -151,9 +166,13 @@ impl Item {
     /// without the texts.
     #[must_use]
     pub fn name(&self) -> &'static str {
-        match self.entry {
-            Some(entry) if self.name.is_empty() => entry.text().name,
-            _ => self.name,
+        match self.name {
+            Name::Line(place) => NAMES.get(place).copied().unwrap_or(""),
+            Name::Highest => HIGHEST,
+            Name::Axis(Axis::X) => "X",
+            Name::Axis(Axis::Z) => "Z",
+            Name::Axis(Axis::C) => "C",
+            Name::Parameter => self.entry.map_or("", |entry| entry.text().name),
         }
     }
 
@@ -161,7 +180,7 @@ impl Item {
     const fn count(index: u16, highest: u8) -> Self {
         Self {
             object: Object::new(index, 0),
-            name: "highest sub-index",
+            name: Name::Highest,
             kind: Kind::U8,
             access: Access::Const,
             range: None,
@@ -185,23 +204,25 @@ pub fn find(object: Object) -> Result<Item, Abort> {
 
 /// All items by index and sub-index. Parameters with two numbers are listed under the first.
 pub fn items() -> impl Iterator<Item = Item> {
-    let before = ITEMS.iter().filter(|item| item.object.index < PARAMETERS);
-    let behind = ITEMS.iter().filter(|item| item.object.index >= PARAMETERS);
-    before.copied().chain(parameters()).chain(behind.copied())
+    let before = table().filter(|item| item.object.index < PARAMETERS);
+    let behind = table().filter(|item| item.object.index >= PARAMETERS);
+    before.chain(parameters()).chain(behind)
+}
+
+fn table() -> impl Iterator<Item = Item> {
+    ROWS.iter().enumerate().map(|(place, row)| row.item(place))
 }
 
 fn of_table(object: Object) -> Result<Item, Abort> {
-    let mut of_index = ITEMS
-        .iter()
-        .filter(|item| item.object.index == object.index)
-        .peekable();
-    if of_index.peek().is_none() {
-        return Err(Abort::NoObject);
+    let mut rows = ROWS.iter().enumerate();
+    if let Some((place, row)) = rows.find(|(_, row)| row.object == object) {
+        return Ok(row.item(place));
     }
-    of_index
-        .find(|item| item.object.sub == object.sub)
-        .copied()
-        .ok_or(Abort::NoSubIndex)
+    if ROWS.iter().any(|row| row.object.index == object.index) {
+        Err(Abort::NoSubIndex)
+    } else {
+        Err(Abort::NoObject)
+    }
 }
 
 /// Every parameter, each number at its first entry.
@@ -242,18 +263,16 @@ fn parameter(object: Object) -> Result<Item, Abort> {
 
 fn of_entry(index: u16, entry: &'static Entry) -> Item {
     let (sub, range) = match entry.part {
-        Part::Whole => (0, (entry.min, entry.max)),
+        Part::Whole => (0, (entry.min(), entry.max())),
         Part::Bit(_) => (0, (0, entry.byte_mask())),
-        Part::Axis(axis) => (sub_of(axis), (entry.min, entry.max)),
+        Part::Axis(axis) => (sub_of(axis), (entry.min(), entry.max())),
     };
     let name = match entry.part {
-        Part::Whole | Part::Bit(_) => "",
-        Part::Axis(Axis::X) => "X",
-        Part::Axis(Axis::Z) => "Z",
-        Part::Axis(Axis::C) => "C",
+        Part::Whole | Part::Bit(_) => Name::Parameter,
+        Part::Axis(axis) => Name::Axis(axis),
     };
     // The largest and the smallest integer stand for "none".
-    let (low, high) = match entry.none {
+    let (low, high) = match entry.none() {
         Some(none) => (range.0.min(none), range.1.max(none)),
         None => range,
     };

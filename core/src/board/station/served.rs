@@ -165,7 +165,7 @@ impl Objects for Served<'_> {
         }
         let raw = shelf.buffer.first_chunk::<8>().copied().unwrap_or_default();
         let number = item.kind.number(raw);
-        let none = item.entry.is_some_and(|entry| entry.none == Some(number));
+        let none = item.entry.is_some_and(|entry| entry.none() == Some(number));
         if let Some((low, high)) = item.range
             && !none
         {

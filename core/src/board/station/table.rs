@@ -1,6 +1,6 @@
 //! The objects of a board that are no parameters, in one list.
 
-use super::dictionary::{Access, Initial, Item, Kind};
+use super::dictionary::{Access, HIGHEST, Initial, Item, Kind, Name};
 use crate::board::station::inbox::PROGRAM_BYTES;
 use crate::bus::{
     BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, PdoCommunication, Service,
@@ -29,10 +29,10 @@ pub const SAVE: u32 = u32::from_le_bytes(*b"save");
 pub const LOAD: u32 = u32::from_le_bytes(*b"load");
 
 /// What 1010h:01 reads as: the device stores by itself.
-const STORES_ITSELF: i64 = 2;
+const STORES_ITSELF: u32 = 2;
 
 /// What 1011h:01 reads as: the device restores its own set.
-const RESTORES: i64 = 1;
+const RESTORES: u32 = 1;
 
 /// A record or array of the table: index, name, and whether its sub-indices are alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,57 +86,112 @@ pub static GROUPS: &[Group] = &[
     group(0x5040, "Event log"),
 ];
 
-const fn item(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Item {
-    Item {
+/// A line of the list: what a board needs of it, and its name.
+struct Line {
+    row: Row,
+    name: &'static str,
+}
+
+/// What a board needs of an object that is no parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    pub object: Object,
+    kind: Kind,
+    access: Access,
+    mappable: bool,
+    value: Value,
+}
+
+/// The value after power-up, or the range, in few bytes: no object has both.
+#[derive(Clone, Copy, Debug)]
+enum Value {
+    Unknown,
+    Number(u32),
+    OfNode(u32),
+    Text(&'static &'static str),
+    /// The version of the link: the one number that is longer.
+    Link,
+    Within(u16, u16),
+}
+
+impl Row {
+    /// The item; `place` is that of the row.
+    pub fn item(&self, place: usize) -> Item {
+        let (initial, range) = match self.value {
+            Value::Unknown => (Initial::Unknown, None),
+            Value::Number(number) => (Initial::Number(i64::from(number)), None),
+            Value::OfNode(base) => (Initial::OfNode(base), None),
+            Value::Text(text) => (Initial::Text(text), None),
+            Value::Link => (Initial::Number(VERSION.raw() as i64), None),
+            Value::Within(low, high) => {
+                let range = (i64::from(low), i64::from(high));
+                (Initial::Unknown, Some(range))
+            }
+        };
+        Item {
+            object: self.object,
+            name: Name::Line(place),
+            kind: self.kind,
+            access: self.access,
+            range,
+            initial,
+            mappable: self.mappable,
+            entry: None,
+        }
+    }
+}
+
+const fn item(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Line {
+    let row = Row {
         object: Object::new(index, sub),
-        name,
         kind,
         access,
-        range: None,
-        initial: Initial::Unknown,
         mappable: false,
-        entry: None,
+        value: Value::Unknown,
+    };
+    Line { row, name }
+}
+
+const fn with(line: Line, value: Value) -> Line {
+    Line {
+        row: Row { value, ..line.row },
+        name: line.name,
     }
 }
 
-const fn fixed(index: u16, sub: u8, name: &'static str, kind: Kind, value: i64) -> Item {
-    Item {
-        initial: Initial::Number(value),
-        ..item(index, sub, name, kind, Const)
+const fn fixed(index: u16, sub: u8, name: &'static str, kind: Kind, value: u32) -> Line {
+    with(item(index, sub, name, kind, Const), Value::Number(value))
+}
+
+const fn of_node(index: u16, sub: u8, name: &'static str, access: Access, base: u32) -> Line {
+    with(item(index, sub, name, U32, access), Value::OfNode(base))
+}
+
+const fn mapped(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Line {
+    let line = item(index, sub, name, kind, access);
+    Line {
+        row: Row {
+            mappable: true,
+            ..line.row
+        },
+        name: line.name,
     }
 }
 
-const fn of_node(index: u16, sub: u8, name: &'static str, access: Access, base: u32) -> Item {
-    Item {
-        initial: Initial::OfNode(base),
-        ..item(index, sub, name, U32, access)
-    }
+const fn within(line: Line, low: u16, high: u16) -> Line {
+    with(line, Value::Within(low, high))
 }
 
-const fn mapped(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Item {
-    Item {
-        mappable: true,
-        ..item(index, sub, name, kind, access)
-    }
+const fn highest(index: u16, sub: u8) -> Line {
+    fixed(index, 0, HIGHEST, U8, sub as u32)
 }
 
-const fn within(item: Item, low: i64, high: i64) -> Item {
-    Item {
-        range: Some((low, high)),
-        ..item
-    }
-}
-
-const fn highest(index: u16, sub: u8) -> Item {
-    fixed(index, 0, "highest sub-index", U8, sub as i64)
-}
-
-const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Item {
+const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Line {
     let mut rest = mapping;
     let mut at = 1;
     while let [first, behind @ ..] = rest {
         if at == sub {
-            return fixed(index, sub, "mapped object", U32, first.raw() as i64);
+            return fixed(index, sub, "mapped object", U32, first.raw());
         }
         at = at.saturating_add(1);
         rest = behind;
@@ -145,7 +200,7 @@ const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Item {
     fixed(index, sub, "mapped object", U32, 0)
 }
 
-const fn cob_id(index: u16, service: Service) -> Item {
+const fn cob_id(index: u16, service: Service) -> Line {
     let rtr = match service {
         Service::Rpdo1 => 0,
         _ => 1 << 30,
@@ -153,26 +208,43 @@ const fn cob_id(index: u16, service: Service) -> Item {
     of_node(index, 1, "COB-ID", Both, rtr | service as u32)
 }
 
-const fn transmission(index: u16) -> Item {
-    Item {
-        initial: Initial::Number(PdoCommunication::EVENT as i64),
-        ..item(index, 2, "transmission type", U8, Both)
-    }
+const fn transmission(index: u16) -> Line {
+    let line = item(index, 2, "transmission type", U8, Both);
+    with(line, Value::Number(PdoCommunication::EVENT as u32))
 }
 
-const fn event_timer(index: u16) -> Item {
+const fn event_timer(index: u16) -> Line {
     within(item(index, 5, "event timer", U16, Both), 0, 0xFFFF)
 }
 
-const fn text(index: u16, name: &'static str, value: &'static str) -> Item {
-    Item {
-        initial: Initial::Text(value),
-        ..item(index, 0, name, Text, Const)
-    }
+const fn text(index: u16, name: &'static str, value: &'static &'static str) -> Line {
+    with(item(index, 0, name, Text, Const), Value::Text(value))
 }
 
-/// The list, by index and sub-index.
-pub static ITEMS: &[Item] = &[
+/// The rows, by index and sub-index.
+pub static ROWS: [Row; LINES.len()] = {
+    let mut rows = [item(0, 0, "", U8, Const).row; LINES.len()];
+    let (mut places, mut lines): (&mut [Row], _) = (&mut rows, LINES);
+    while let ([place, more @ ..], [line, rest @ ..]) = (places, lines) {
+        *place = line.row;
+        (places, lines) = (more, rest);
+    }
+    rows
+};
+
+/// The names of the [rows](ROWS). A board does not ask for them: its image is without.
+pub static NAMES: [&str; LINES.len()] = {
+    let mut names = [""; LINES.len()];
+    let (mut places, mut lines): (&mut [&str], _) = (&mut names, LINES);
+    while let ([place, more @ ..], [line, rest @ ..]) = (places, lines) {
+        *place = line.name;
+        (places, lines) = (more, rest);
+    }
+    names
+};
+
+/// The list, by index and sub-index. Everything else is made of it before the program runs.
+const LINES: &[Line] = &[
     fixed(0x1000, 0, "Device type", U32, 0),
     mapped(0x1001, 0, "Error register", U8, Read),
     within(item(0x1003, 0, "number of errors", U8, Both), 0, 0),
@@ -187,37 +259,37 @@ pub static ITEMS: &[Item] = &[
     // Bit 30: the board is the one that sends it.
     fixed(0x1005, 0, "COB-ID of SYNC", U32, 0x4000_0080),
     item(0x1006, 0, "Communication cycle period", U32, Read),
-    text(0x1008, "Device name", "Leadscrew board"),
-    text(0x100A, "Software version", env!("CARGO_PKG_VERSION")),
+    text(0x1008, "Device name", &"Leadscrew board"),
+    text(0x100A, "Software version", &env!("CARGO_PKG_VERSION")),
     highest(0x1010, 1),
-    Item {
-        initial: Initial::Number(STORES_ITSELF),
-        ..item(0x1010, 1, "store all parameters", U32, Both)
-    },
+    with(
+        item(0x1010, 1, "store all parameters", U32, Both),
+        Value::Number(STORES_ITSELF),
+    ),
     highest(0x1011, 1),
-    Item {
-        initial: Initial::Number(RESTORES),
-        ..item(0x1011, 1, "restore all parameters", U32, Both)
-    },
+    with(
+        item(0x1011, 1, "restore all parameters", U32, Both),
+        Value::Number(RESTORES),
+    ),
     of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80),
     highest(0x1016, 1),
     item(0x1016, 1, "gateway", U32, Both),
     item(0x1017, 0, "Producer heartbeat time", U16, Both),
     highest(0x1018, 4),
     fixed(0x1018, 1, "vendor", U32, 0),
-    fixed(0x1018, 2, "product code", U32, PRODUCT as i64),
-    fixed(0x1018, 3, "revision", U32, (VERSION.number as i64) << 16),
+    fixed(0x1018, 2, "product code", U32, PRODUCT),
+    fixed(0x1018, 3, "revision", U32, (VERSION.number as u32) << 16),
     item(0x1018, 4, "serial number", U32, Read),
     fixed(
         0x1019,
         0,
         "Synchronous counter overflow",
         U8,
-        SyncProducer::LAST as i64,
+        SyncProducer::LAST as u32,
     ),
     highest(0x1020, 2),
     item(0x1020, 1, "checksum of the set", U32, Read),
-    fixed(0x1020, 2, "key of the table", U32, TABLE_KEY as i64),
+    fixed(0x1020, 2, "key of the table", U32, TABLE_KEY),
     highest(0x1200, 2),
     of_node(0x1200, 1, "COB-ID client to server", Const, 0x600),
     of_node(0x1200, 2, "COB-ID server to client", Const, 0x580),
@@ -288,11 +360,14 @@ pub static ITEMS: &[Item] = &[
     item(0x5010, 8, "why, with its figures", Domain, Read),
     highest(0x5020, 6),
     item(0x5020, 1, "batch of calls", Domain, Write),
-    fixed(0x5020, 2, "version of the link", U64, VERSION.raw() as i64),
+    with(
+        item(0x5020, 2, "version of the link", U64, Const),
+        Value::Link,
+    ),
     item(0x5020, 3, "program", U32, Read),
     item(0x5020, 4, "next call", U32, Read),
     item(0x5020, 5, "credit", U16, Read),
-    fixed(0x5020, 6, "longest batch", U16, BATCH_BYTES as i64),
+    fixed(0x5020, 6, "longest batch", U16, BATCH_BYTES as u32),
     highest(0x5030, 2),
     item(0x5030, 1, "record", Domain, Read),
     item(0x5030, 2, "discard", U32, Write),
@@ -301,11 +376,7 @@ pub static ITEMS: &[Item] = &[
     item(0x5040, 2, "read from", U32, Both),
     item(0x5040, 3, "entries", Domain, Read),
     item(0x5041, 0, "Certificate of the run", Domain, Read),
-    within(
-        item(0x5060, 0, "Signals", U16, Both),
-        0,
-        Signals::BITS as i64,
-    ),
+    within(item(0x5060, 0, "Signals", U16, Both), 0, Signals::BITS),
 ];
 
 const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

@@ -28,7 +28,7 @@ pub fn run(global: &Global, filter: Option<&str>) -> Outcome {
 
 fn matches(entry: &Entry, wanted: &str) -> bool {
     let text = entry.text();
-    let alias = entry.alias.map(|a| a.to_string()).unwrap_or_default();
+    let alias = entry.alias().map(|a| a.to_string()).unwrap_or_default();
     [&entry.to_string(), &alias, &name(entry), text.en, text.zh]
         .iter()
         .any(|field| field.to_lowercase().contains(wanted))
@@ -42,7 +42,7 @@ fn row(entry: &Entry, loaded: &Loaded, lang: Lang) -> [String; 5] {
     }
     [
         entry.to_string(),
-        entry.alias.map(|a| a.to_string()).unwrap_or_default(),
+        entry.alias().map(|a| a.to_string()).unwrap_or_default(),
         name(entry),
         value,
         meaning(entry, lang).to_owned(),

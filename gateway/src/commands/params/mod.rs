@@ -72,7 +72,7 @@ fn unit_text(entry: &Entry, lang: Lang) -> String {
 /// One value with its definition, an element of `params` in the machine format.
 fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
     let number = |json: &mut Json, key: &str, raw| {
-        if entry.none == Some(raw) {
+        if entry.none() == Some(raw) {
             json.null(key);
         } else {
             json.number(key, entry.unit.number(raw));
@@ -81,7 +81,7 @@ fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
     json.object(|o| {
         o.text("key", &entry.to_string());
         o.integer("no", i64::from(entry.no));
-        if let Some(alias) = entry.alias {
+        if let Some(alias) = entry.alias() {
             o.integer("alias", i64::from(alias));
         }
         match entry.part {
@@ -97,9 +97,9 @@ fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
         if entry.unit.is_diameter() {
             o.flag("diameter", true);
         }
-        number(o, "min", entry.min);
-        number(o, "max", entry.max);
-        if entry.none.is_some() {
+        number(o, "min", entry.min());
+        number(o, "max", entry.max());
+        if entry.none().is_some() {
             o.flag("none_allowed", true);
         }
         number(o, "default", Params::slant_bed().get(entry));
