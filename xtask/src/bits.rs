@@ -7,6 +7,7 @@ use crate::{emulator, run};
 
 /// Runs the programs, and compares with the table or (`write`) renews it.
 pub fn bits(write: bool) -> Result<()> {
+    print!("{}", emulator::emulate("audit", "copies", &[])?);
     let printed = emulator::emulate("mps2-an386", "mps2-an386", &[])?;
     let table = format!(
         "# Setpoints on the emulated Cortex-M4F: program, CRC-64/XZ, ticks in state run, alarm (0: none).\n{printed}"

@@ -49,6 +49,7 @@ use leadscrew_core::bus::{Controller, Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
+use leadscrew_memory as _;
 use leadscrew_parts::{BitTiming, WordFlash};
 use leadscrew_store::{BUFFER, Store, block_on};
 

@@ -1,0 +1,144 @@
+#![no_std]
+#![no_main]
+//! Copies, moves and fills of every length and alignment on the emulated Cortex-M4F, with the functions the images of boards
+//! have (`leadscrew-memory`), against the same thing done byte by byte.
+
+use core::fmt::{Arguments, Write};
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
+use cortex_m_semihosting::hio;
+use leadscrew_memory as _;
+
+type Copy = unsafe extern "C" fn(*mut u8, *const u8, usize) -> *mut u8;
+
+unsafe extern "C" {
+    fn memcpy(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
+    fn memmove(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
+    fn memset(to: *mut u8, value: i32, bytes: usize) -> *mut u8;
+    fn __aeabi_memcpy(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
+    fn __aeabi_memmove(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
+    fn __aeabi_memset(to: *mut u8, bytes: usize, value: i32);
+    fn __aeabi_memclr(to: *mut u8, bytes: usize);
+}
+
+/// Bytes of the memory that is worked on.
+const ROOM: usize = 160;
+/// More than two turns of the longest step.
+const LONGEST: usize = 40;
+/// Where things begin: all alignments, and far enough from the beginning for what overlaps.
+const PLACES: core::ops::Range<usize> = 48..56;
+
+/// Aligned as nothing needs more.
+#[repr(align(8))]
+#[derive(Clone, Copy)]
+struct Room([u8; ROOM]);
+
+#[entry]
+fn main() -> ! {
+    let mut checks = 0_u32;
+    for bytes in 0..=LONGEST {
+        for to in PLACES {
+            checks += fills(to, bytes);
+            for from in PLACES {
+                checks += copy(memcpy, to + 56, from, bytes);
+                checks += copy(__aeabi_memcpy, to + 56, from, bytes);
+            }
+            // Into itself, from all places around: also from the same one.
+            for from in to - LONGEST..=to + LONGEST {
+                checks += copy(memmove, to, from, bytes);
+                checks += copy(__aeabi_memmove, to, from, bytes);
+            }
+        }
+    }
+    print(format_args!("{checks} copies and fills, each byte in its place
+"));
+    debug::exit(EXIT_SUCCESS);
+    stop()
+}
+
+/// Memory with another value in every byte.
+fn filled() -> Room {
+    let mut room = Room([0; ROOM]);
+    for (value, byte) in (1..).zip(&mut room.0) {
+        // Not to be seen through: this is what is tested against.
+        *black_box(byte) = value;
+    }
+    room
+}
+
+fn copy(function: Copy, to: usize, from: usize, bytes: usize) -> u32 {
+    let before = filled();
+    let mut room = filled();
+    let place = room.0.as_mut_ptr();
+    // SAFETY: both ends lie in the memory, as the ranges above are.
+    let returned = unsafe {
+        let (to, from) = (place.add(to), place.add(from));
+        black_box(function)(black_box(to), black_box(from), black_box(bytes))
+    };
+    assert_eq!(returned, place.wrapping_add(to));
+    for (at, byte) in black_box(&room).0.iter().enumerate() {
+        let expected = match at.checked_sub(to) {
+            Some(offset) if offset < bytes => before.0[from + offset],
+            _ => before.0[at],
+        };
+        assert_eq!(
+            *byte, expected,
+            "{bytes} bytes from {from} to {to}: at {at}"
+        );
+    }
+    1
+}
+
+fn fills(to: usize, bytes: usize) -> u32 {
+    // Only the lowest byte of the value counts.
+    const VALUE: i32 = 0x1234_56A5;
+    fill(to, bytes, 0xA5, |place| {
+        // SAFETY: within the memory, as the ranges above are.
+        let returned = unsafe { memset(place, black_box(VALUE), black_box(bytes)) };
+        assert_eq!(returned, place);
+    });
+    // SAFETY: as above.
+    fill(to, bytes, 0xA5, |place| unsafe {
+        __aeabi_memset(place, black_box(bytes), black_box(VALUE));
+    });
+    // SAFETY: as above.
+    fill(to, bytes, 0, |place| unsafe {
+        __aeabi_memclr(place, black_box(bytes));
+    });
+    3
+}
+
+fn fill(to: usize, bytes: usize, value: u8, work: impl FnOnce(*mut u8)) {
+    let before = filled();
+    let mut room = filled();
+    work(black_box(room.0.as_mut_ptr().wrapping_add(to)));
+    for (at, byte) in black_box(&room).0.iter().enumerate() {
+        let inside = at.checked_sub(to).is_some_and(|offset| offset < bytes);
+        let expected = if inside { value } else { before.0[at] };
+        assert_eq!(*byte, expected, "{bytes} bytes at {to}: at {at}");
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    print(format_args!("{info}\n"));
+    debug::exit(EXIT_FAILURE);
+    stop()
+}
+
+/// Prints on the emulator's standard output.
+fn print(text: Arguments) {
+    // Where the host takes no output there is nobody to tell.
+    if let Ok(mut out) = hio::hstdout() {
+        let _ = out.write_fmt(text);
+    }
+}
+
+fn stop() -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}
