@@ -53,8 +53,10 @@ fn main() -> ! {
             }
         }
     }
-    print(format_args!("{checks} copies and fills, each byte in its place
-"));
+    print(format_args!(
+        "{checks} copies and fills, each byte in its place
+"
+    ));
     debug::exit(EXIT_SUCCESS);
     stop()
 }
