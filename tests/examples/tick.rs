@@ -94,7 +94,7 @@ fn run<W: Work>(work: &W, counted: impl Fn(usize) -> bool) -> Vec<usize> {
             work.step(state_now, number)
         };
         let out = black_box(out);
-        kinds.push(work.kind(&out));
+        kinds.push(work.kind(&state));
         work.finish(&mut state, &out);
     }
     kinds

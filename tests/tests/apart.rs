@@ -72,7 +72,8 @@ impl Apart {
         let answers = &mut self.answers;
         self.plant
             .exchange(&self.output.frames, |frame| answers.push(frame));
-        self.notices.extend(self.output.notice.take());
+        self.notices.extend(self.ticker.notice());
+        self.ticker.notice_heard();
         while let Some(event) = self.events.dequeue() {
             self.heard.push(event);
         }

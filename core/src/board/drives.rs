@@ -9,7 +9,7 @@ use super::ticker::FRAMES;
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId,
-    Periods, Scale, SyncProducer,
+    Periods, Scale, SyncProducer, Told,
 };
 use crate::params::Params;
 use crate::program::Position;
@@ -26,8 +26,8 @@ pub(super) struct Drives {
     /// What a drive counts more than its axis' position says, in increments: an axis whose reference was lost, and whose
     /// place is known from elsewhere.
     offsets: [i32; 3],
-    /// Where each axis was told to be last, in nm (µ°), and the increments of that: most axes stand most of the time.
-    last: [(i64, Option<Increments>); 3],
+    /// Where each axis was told to be last.
+    last: [Told; 3],
     spindles: Spindles,
     sync: SyncProducer,
 }
@@ -74,7 +74,7 @@ impl Drives {
             ],
             scales,
             offsets: [0; 3],
-            last: scales.map(|scale| (0, scale.increments(0))),
+            last: scales.map(|scale| scale.find(0)),
             spindles: Spindles::new(
                 config(b'S', NodeId::SPINDLE_1, scale_c, None),
                 params.tap_spindles(),
@@ -135,6 +135,9 @@ impl Drives {
     #[cold]
     #[inline(never)]
     pub(super) fn let_go(&mut self, at_rest: bool) {
+        if !self.all().any(|drive| drive.has_failed()) {
+            return;
+        }
         let silent = |drive: &DriveMaster| drive.failure() == Some(DriveFailure::Silent);
         let many = self.all().filter(|drive| silent(drive)).count() > 1;
         for drive in self.all() {
@@ -255,23 +258,14 @@ impl Drives {
 fn send_to(
     drive: &mut DriveMaster,
     (scale, offset): (&Scale, i32),
-    last: &mut (i64, Option<Increments>),
+    last: &mut Told,
     position: i64,
     put: &mut impl FnMut(Frame),
 ) -> bool {
-    if last.0 != position {
-        *last = (position, scale.increments(position));
-    }
-    let demand = told(last.1, offset);
+    let demand = told(scale.follow(last, position), offset);
     match drive.follow_on(demand) {
         Some(command) => put(command),
-        None => {
-            let output = drive.tick(demand);
-            [output.network, output.command]
-                .into_iter()
-                .flatten()
-                .for_each(put);
-        }
+        None => drive.tick_slowly(demand).each(put),
     }
     demand.is_some()
 }

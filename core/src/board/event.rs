@@ -9,6 +9,8 @@ use crate::program::Aux;
 use crate::units::Rpm;
 
 /// Something that happened.
+// A tag of a word: what is behind it lies on words then, and is copied by the word.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub enum Event {
     /// All drives are enabled; motion is possible.

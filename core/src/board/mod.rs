@@ -71,8 +71,6 @@ pub struct Board {
     desk: Desk,
     /// What the next measured angle is judged by.
     reference: Reference,
-    /// What the tick has said and the background has not heard.
-    notice: Option<Notice>,
 }
 
 /// With one thread there is nothing in between.
@@ -132,7 +130,6 @@ impl Board {
             detours: Detours::new(),
             events: Events::new(),
             ticker,
-            notice: None,
         })
     }
 
@@ -188,19 +185,15 @@ impl Board {
         if let Some(record) = output.journal {
             self.desk.enter(record);
         }
-        if output.notice.is_some() {
-            // A restart makes what was said before it void; nothing else is said while a way is still to be planned.
-            self.notice = output.notice;
-        }
     }
 
     /// What the tick has said comes before everything else the background does.
     fn heed(&mut self) {
-        let Some(notice) = self.notice.take() else {
-            return;
-        };
-        let (mut detours, _) = self.detours.split();
-        self.desk.heed(&notice, &mut detours);
+        if let Some(notice) = self.ticker.notice() {
+            let (mut detours, _) = self.detours.split();
+            self.desk.heed(notice, &mut detours);
+            self.ticker.notice_heard();
+        }
     }
 
     /// Takes an operator's command; it acts in the next tick.
@@ -257,7 +250,7 @@ impl Board {
     /// True while anything handed over has not been carried out.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        let forgotten = matches!(self.notice, Some(Notice::Restart(..)));
+        let forgotten = matches!(self.ticker.notice(), Some(Notice::Restart(..)));
         (!forgotten && self.desk.is_planning())
             || !self.segments.is_empty()
             || self.desk.is_storing()

@@ -106,7 +106,6 @@ impl Board {
         self.desk.begin_anew(position);
         self.segments = Segments::new();
         self.detours = Detours::new();
-        self.notice = None;
         self.reference = Reference::default();
     }
 }

@@ -8,7 +8,7 @@ use super::drives::Spindle;
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveMaster, Frame, Increments, MilliRpm, NodeId, Periods, SpindleDemand,
-    SpindleMaster, SpindleOutput,
+    SpindleMaster,
 };
 use crate::program::TapSpindle;
 use crate::units::{Divisor, Turns};
@@ -149,23 +149,13 @@ impl Spindles {
             }
         };
         let master = pick_mut(&mut self.masters, self.selected);
-        match master.follow_on(demand) {
-            Some(command) => {
-                put(command);
-                if let Some(again) = master.again() {
-                    put(again);
-                }
-            }
-            None => each(&master.tick(demand), put),
-        }
-        if self.present > 1
-            && let Some(output) = self.look_after_next()
-        {
-            each(&output, put);
+        master.tick(demand, put);
+        if self.present > 1 {
+            self.look_after_next(put);
         }
     }
 
-    fn look_after_next(&mut self) -> Option<SpindleOutput> {
+    fn look_after_next(&mut self, put: &mut impl FnMut(Frame)) {
         let next = self.turn;
         self.turn = match next {
             TapSpindle::First => TapSpindle::Second,
@@ -174,12 +164,11 @@ impl Spindles {
             TapSpindle::Fourth => TapSpindle::First,
         };
         if next == self.selected || next.number() > self.present {
-            return None;
+            return;
         }
         let master = pick_mut(&mut self.masters, next);
-        let output = master.tick(SpindleDemand::Speed(MilliRpm::STOPPED));
+        master.tick(SpindleDemand::Speed(MilliRpm::STOPPED), put);
         master.drive_mut().skip(Periods::new(ROUND - 1));
-        Some(output)
     }
 
     /// The increment nearest to a spindle angle, not wrapped.
@@ -198,12 +187,6 @@ impl Spindles {
             TapSpindle::Fourth => Some(fourth),
         }
     }
-}
-
-/// The frames of a spindle, in their order.
-fn each(output: &SpindleOutput, put: &mut impl FnMut(Frame)) {
-    let frames = [output.speed, output.drive.network, output.drive.command];
-    frames.into_iter().flatten().for_each(put);
 }
 
 const fn pick(masters: &[SpindleMaster; 4], spindle: TapSpindle) -> &SpindleMaster {

@@ -59,8 +59,6 @@ pub struct Output {
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
-    /// For the background.
-    pub notice: Option<Notice>,
     /// To be stored, instead of any entry before.
     pub journal: Option<TapRecord>,
 }
@@ -161,6 +159,7 @@ pub struct Ticker {
     detour: Detour,
     /// Reset: the tool has to be brought clear of the crests.
     clearing: bool,
+    /// What the background has not heard yet.
     notice: Option<Notice>,
     /// Of the segments that count.
     epoch: Epoch,
@@ -318,10 +317,6 @@ impl Ticker {
         let motion = setpoint.motion;
         self.settle(motion, moved, ends);
         self.keep_journal(ends, output);
-        output.notice = None;
-        if self.notice.is_some() {
-            output.notice = self.notice.take();
-        }
         output.frames.clear();
         self.send(&mut output.frames, ends);
     }

@@ -92,6 +92,19 @@ pub struct DriveOutput {
     pub command: Option<Frame>,
 }
 
+impl DriveOutput {
+    /// Gives the frames to `put`.
+    #[inline]
+    pub(crate) fn each(self, put: &mut impl FnMut(Frame)) {
+        if let Some(network) = self.network {
+            put(network);
+        }
+        if let Some(command) = self.command {
+            put(command);
+        }
+    }
+}
+
 /// The master of one drive. Frames from the bus go into [`DriveMaster::receive`]; once in every SYNC period
 /// [`DriveMaster::tick`] gives the frames to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -380,7 +393,7 @@ impl DriveMaster {
     }
 
     /// What nearly every tick is: enabled, heard lately, where it should be, on its way. The RPDO1 to send; `None`, and
-    /// nothing changes, where it is not so: [`tick`](Self::tick) does the rest then.
+    /// nothing changes, where it is not so: [`tick_slowly`](Self::tick_slowly) does the rest then.
     #[inline]
     pub(crate) fn follow_on(&mut self, demand: Option<Increments>) -> Option<Frame> {
         let usual = self.phase == Phase::Enabled
@@ -405,8 +418,9 @@ impl DriveMaster {
         .frame(self.config.node)
     }
 
+    /// The other ticks.
     #[inline(never)]
-    fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
+    pub(crate) fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
         self.check_times();
         let network = core::mem::take(&mut self.start)
             .then(|| NmtCommand::Start.frame(Some(self.config.node)));

@@ -1,9 +1,9 @@
 //! Positions on the wire: drive increments, and the exact way there from nanometres.
 //!
 //! A drive counts in increments of its own. [`Scale`] is the ratio between both as CiA 402 has it (6091h, 6092h): so many
-//! increments for so many nanometres. An increment value is always made from the absolute position, so nothing is
-//! carried from tick to tick that could be lost: after any path the drive stands within half an increment of the exact
-//! position.
+//! increments for so many nanometres. An increment value is made from the absolute position, or from the one before with its
+//! exact rest ([`Told`]), which is the same: nothing is lost from tick to tick, and after any path the drive stands within
+//! half an increment of the exact position.
 
 use crate::units::div_wide;
 use core::num::NonZeroU32;
@@ -30,6 +30,17 @@ impl Increments {
     pub const fn distance(self, other: Self) -> u32 {
         self.0.abs_diff(other.0)
     }
+}
+
+/// Where an axis was told to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// In nanometres (µ°).
+    position: i64,
+    /// In increments; `None` beyond what its drive can count.
+    increments: Option<Increments>,
+    /// What the increments leave of the position, and a half: below the denominator, so that they are the nearest.
+    rest: u32,
 }
 
 /// Increments per nanometre (rotary axes: per millionth of a degree), as an exact ratio.
@@ -72,41 +83,84 @@ impl Scale {
     /// the position not within ±2⁴³. Two multiplications, no division: made for the tick.
     #[must_use]
     pub const fn increments(&self, position: i64) -> Option<Increments> {
-        // Within ±2⁴³.
-        if (position >> 43).wrapping_add(1) as u64 > 1 {
+        self.find(position).increments
+    }
+
+    /// The same, from where the axis was told to be last: what a tick moves is little, and so is what there is to reckon.
+    pub fn follow(&self, last: &mut Told, position: i64) -> Option<Increments> {
+        if last.position != position {
+            *last = match self.step(last, position) {
+                Some(told) => told,
+                None => self.find(position),
+            };
+        }
+        last.increments
+    }
+
+    /// `None` where the step is too large for 32 bits, or nothing is known of the last place.
+    fn step(&self, last: &Told, position: i64) -> Option<Told> {
+        if is_beyond(position) {
             return None;
+        }
+        let moved = i32::try_from(position.wrapping_sub(last.position)).ok()?;
+        let numerator = i32::try_from(self.numerator.get()).ok()?;
+        let rest = moved
+            .checked_mul(numerator)?
+            .checked_add(i32::try_from(last.rest).ok()?)?;
+        // Downwards, also where it is negative.
+        let sign = (rest >> 31) as u32;
+        let magnitude = rest as u32 ^ sign;
+        let whole = magnitude / self.denominator;
+        let rest = magnitude.wrapping_sub(whole.wrapping_mul(self.denominator.get()));
+        let rest = if sign == 0 {
+            rest
+        } else {
+            self.denominator.get().wrapping_add(!rest)
+        };
+        let increments = last.increments?.get().checked_add((whole ^ sign) as i32)?;
+        Some(Told {
+            position,
+            increments: Some(Increments(increments)),
+            rest,
+        })
+    }
+
+    /// Where an axis is told to be for a position.
+    #[must_use]
+    pub const fn find(&self, position: i64) -> Told {
+        let nowhere = Told {
+            position,
+            increments: None,
+            rest: 0,
+        };
+        if is_beyond(position) {
+            return nowhere;
         }
         // The floor of the reciprocal makes the product too small in magnitude by less than |position| / 2⁵⁹ < 2⁻¹⁶, so
         // the quotient misses the floor of (position · n + d/2) / d by one at most, on either side.
         let estimate =
             ((position as i128).wrapping_mul(self.reciprocal as i128) >> Self::PLACES) as i64;
-        let (numerator, denominator) = (self.numerator.get(), self.denominator.get());
+        let denominator = self.denominator.get() as i64;
         // Both products wrap alike; their difference is small: within ±2 d.
-        let (low, high) = if denominator < 1 << 30 {
-            let rest = (position as i32)
-                .wrapping_mul(numerator as i32)
-                .wrapping_add((denominator >> 1) as i32)
-                .wrapping_sub((estimate as i32).wrapping_mul(denominator as i32));
-            (rest < 0, rest >= denominator as i32)
+        let rest = position
+            .wrapping_mul(self.numerator.get() as i64)
+            .wrapping_add(denominator >> 1)
+            .wrapping_sub(estimate.wrapping_mul(denominator));
+        let (exact, rest) = if rest < 0 {
+            (estimate.wrapping_sub(1), rest.wrapping_add(denominator))
+        } else if rest >= denominator {
+            (estimate.wrapping_add(1), rest.wrapping_sub(denominator))
         } else {
-            let denominator = denominator as i64;
-            let rest = position
-                .wrapping_mul(numerator as i64)
-                .wrapping_add(denominator >> 1)
-                .wrapping_sub(estimate.wrapping_mul(denominator));
-            (rest < 0, rest >= denominator)
-        };
-        let exact = if low {
-            estimate.wrapping_sub(1)
-        } else if high {
-            estimate.wrapping_add(1)
-        } else {
-            estimate
+            (estimate, rest)
         };
         if exact as i32 as i64 != exact {
-            return None;
+            return nowhere;
         }
-        Some(Increments(exact as i32))
+        Told {
+            position,
+            increments: Some(Increments(exact as i32)),
+            rest: rest as u32,
+        }
     }
 
     /// The position in nanometres (µ°) nearest to an increment value, halves upwards. One division: for starting and for
@@ -153,6 +207,11 @@ impl Scale {
             _ => u32::MAX,
         }
     }
+}
+
+/// Not within ±2⁴³.
+const fn is_beyond(position: i64) -> bool {
+    (position >> 43).wrapping_add(1) as u64 > 1
 }
 
 #[cfg(test)]
@@ -238,6 +297,49 @@ mod tests {
             }
         }
         assert!(refused > 100);
+    }
+
+    #[test]
+    fn a_step_from_anywhere_gives_what_the_position_gives() {
+        let mut random = Random(4);
+        let mut steps = 0;
+        for _ in 0..2_000 {
+            let bits = 1 + random.next() % 32;
+            let d = (random.next() >> (64 - bits)).max(1) as u32;
+            let bits = 1 + random.next() % 32;
+            let n = (random.next() >> (64 - bits)).max(1) as u32;
+            let Some(scale) = Scale::new(n, d) else {
+                continue;
+            };
+            let bits = random.next() % 45;
+            let mut position = random.within(1 << bits);
+            let mut told = scale.find(position);
+            for _ in 0..200 {
+                let bits = random.next() % 36;
+                position += random.within(1 << bits);
+                steps += u32::from(scale.step(&told, position).is_some());
+                let followed = scale.follow(&mut told, position);
+                assert_eq!(told, scale.find(position), "{position} · {n}/{d}");
+                assert_eq!(followed, scale.increments(position));
+            }
+        }
+        assert!(steps > 50_000, "{steps}");
+    }
+
+    #[test]
+    fn a_step_beyond_the_range_is_none_and_the_way_back_is_not() {
+        let scale = Scale::new(1, 2048).unwrap();
+        let last = i64::from(i32::MAX) * 2048;
+        let mut told = scale.find(last);
+        assert_eq!(scale.follow(&mut told, last + 1024), None);
+        assert_eq!(
+            scale.follow(&mut told, last + 1023),
+            Some(Increments(i32::MAX))
+        );
+        let scale = Scale::new(1, u32::MAX).unwrap();
+        let mut told = scale.find((1 << 43) - 1);
+        assert!(told.increments.is_some());
+        assert_eq!(scale.follow(&mut told, 1 << 43), None);
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub use emcy_producer::EmcyProducer;
 pub use failure::DriveFailure;
 pub use frame::{CobId, Frame, NodeId, Service};
 pub use heartbeat::{HeartbeatConsumer, HeartbeatEvent, HeartbeatProducer, HeartbeatWatch};
-pub use increments::{Increments, Scale};
+pub use increments::{Increments, Scale, Told};
 pub use load::{Cycle, frame_bits};
 pub use mapping::{Mapped, PdoCommunication};
 pub use nmt::{NmtCommand, NmtState};
@@ -54,5 +54,5 @@ pub use periods::Periods;
 pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
 };
-pub use spindle::{SpindleDemand, SpindleMaster, SpindleOutput};
+pub use spindle::{SpindleDemand, SpindleMaster};
 pub use sync::{SyncBeat, SyncConsumer, SyncProducer, is_sync};

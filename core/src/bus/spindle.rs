@@ -6,22 +6,13 @@
 //! For tapping it is in position mode. That mode begins where the spindle stands: [`SpindleMaster::engage`] makes the
 //! drive's own position its target, and only then is the mode told, in one period with that target.
 
-use super::drive::{DriveConfig, DriveMaster, DriveOutput, Phase, Step};
+use super::drive::{DriveConfig, DriveMaster, Phase, Step};
 use super::frame::Frame;
 use super::increments::Increments;
 use super::pdo::{MilliRpm, Mode, SpindleCommand};
 
 /// Periods after which mode and speed are told again.
 const REPEAT: u8 = 16;
-
-/// The frames a spindle's master wants sent, in this order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SpindleOutput {
-    /// RPDO2.
-    pub speed: Option<Frame>,
-    /// Those of every drive.
-    pub drive: DriveOutput,
-}
 
 /// What a spindle is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,32 +76,41 @@ impl SpindleMaster {
         Some(self.drive.target())
     }
 
-    /// What nearly every tick is: enabled, on its way, and told the same as before. The RPDO1 to send; `None`, and nothing
-    /// changes, where it is not so: [`tick`](Self::tick) does the rest then.
-    #[inline]
-    pub(crate) fn follow_on(&mut self, demand: SpindleDemand) -> Option<Frame> {
+    /// One SYNC period: the frames to send go to `put`, in their order. While its drive is not enabled, it is told a speed
+    /// of 0.
+    pub fn tick(&mut self, demand: SpindleDemand, put: &mut impl FnMut(Frame)) {
         let (wish, position) = demand.parts();
+        let Some(command) = self.drive.follow_on(position) else {
+            self.tick_slowly(wish, position, put);
+            return;
+        };
         if self.told != Some(wish) {
-            return None;
+            put(self.tell(wish));
+            put(command);
+            return;
         }
-        self.drive.follow_on(position)
-    }
-
-    /// Behind a period in which it [followed on](Self::follow_on): the RPDO2 once more, where it is time for that.
-    #[inline]
-    pub(crate) fn again(&mut self) -> Option<Frame> {
+        put(command);
         if self.since < REPEAT {
             self.since = self.since.wrapping_add(1);
-            return None;
+        } else {
+            put(self.tell(wish));
         }
-        self.since = 0;
-        self.told.map(|told| told.frame(self.drive.config().node))
     }
 
-    /// One SYNC period. While its drive is not enabled, it is told a speed of 0.
-    pub fn tick(&mut self, demand: SpindleDemand) -> SpindleOutput {
-        let (wish, position) = demand.parts();
-        let drive = self.drive.tick(position);
+    fn tell(&mut self, command: SpindleCommand) -> Frame {
+        self.told = Some(command);
+        self.since = 0;
+        command.frame(self.drive.config().node)
+    }
+
+    #[inline(never)]
+    fn tick_slowly(
+        &mut self,
+        wish: SpindleCommand,
+        position: Option<Increments>,
+        put: &mut impl FnMut(Frame),
+    ) {
+        let drive = self.drive.tick_slowly(position);
         let wanted = match self.drive.phase() {
             // Who is being started knows nothing of what it was told before.
             Phase::Offline | Phase::Step(Step::Contact) => None,
@@ -120,15 +120,14 @@ impl SpindleMaster {
                 velocity: MilliRpm::STOPPED,
             }),
         };
-        let due = wanted != self.told || self.since >= REPEAT;
-        self.since = if due { 0 } else { self.since.saturating_add(1) };
-        self.told = wanted;
-        SpindleOutput {
-            speed: wanted
-                .filter(|_| due)
-                .map(|command| command.frame(self.drive.config().node)),
-            drive,
+        if wanted == self.told && self.since < REPEAT {
+            self.since = self.since.wrapping_add(1);
+        } else if let Some(command) = wanted {
+            put(self.tell(command));
+        } else {
+            (self.told, self.since) = (None, 0);
         }
+        drive.each(put);
     }
 }
 
@@ -137,7 +136,9 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use crate::bus::{DriveStatus, Increments, NmtState, NodeId, Periods, Scale, Statusword};
+    use crate::bus::{
+        DriveCommand, DriveStatus, Increments, NmtState, NodeId, Periods, Scale, Statusword,
+    };
     use std::vec::Vec;
 
     fn master() -> SpindleMaster {
@@ -159,10 +160,18 @@ mod tests {
         assert!(master.drive_mut().receive(&status.frame(NodeId::SPINDLE_1)));
     }
 
+    /// The frames of a period.
+    fn tick(master: &mut SpindleMaster, demand: SpindleDemand) -> Vec<Frame> {
+        let mut frames = Vec::new();
+        master.tick(demand, &mut |frame| frames.push(frame));
+        frames
+    }
+
     fn told(master: &mut SpindleMaster, rpm: i32) -> Option<(Mode, i32)> {
         let speed = SpindleDemand::Speed(MilliRpm::new(rpm.saturating_mul(1000)));
-        let frame = master.tick(speed).speed?;
-        let (node, command) = SpindleCommand::decode(&frame)?;
+        let (node, command) = tick(master, speed)
+            .iter()
+            .find_map(SpindleCommand::decode)?;
         assert_eq!(node, NodeId::SPINDLE_1);
         Some((command.mode, command.velocity.get() / 1000))
     }
@@ -259,16 +268,18 @@ mod tests {
         answer_at(&mut m, 7_000);
         let base = m.engage().unwrap();
         assert_eq!(base, Increments::new(7_000));
-        let output = m.tick(SpindleDemand::Position(base));
-        let (_, command) = SpindleCommand::decode(&output.speed.unwrap()).unwrap();
-        assert_eq!(command.mode, Mode::Position);
-        let target = |output: SpindleOutput| {
-            let (_, command) = crate::bus::DriveCommand::decode(&output.drive.command?)?;
-            Some(command.target.get())
+        let frames = tick(&mut m, SpindleDemand::Position(base));
+        // The mode goes before the target.
+        let [mode, target] = frames.as_slice() else {
+            panic!("a mode and a target, and not {frames:?}");
         };
-        assert_eq!(target(output), Some(7_000));
-        let output = m.tick(SpindleDemand::Position(Increments::new(7_300)));
-        assert_eq!((output.speed, target(output)), (None, Some(7_300)));
+        let (_, command) = SpindleCommand::decode(mode).unwrap();
+        assert_eq!(command.mode, Mode::Position);
+        let position = |frame| DriveCommand::decode(frame).map(|(_, told)| told.target.get());
+        assert_eq!(position(target), Some(7_000));
+        let frames = tick(&mut m, SpindleDemand::Position(Increments::new(7_300)));
+        assert_eq!(frames.len(), 1);
+        assert_eq!(frames.first().and_then(position), Some(7_300));
         // Back to speed: told on change, and once.
         assert_eq!(told(&mut m, 0), Some((Mode::Velocity, 0)));
         assert_eq!(told(&mut m, 0), None);

@@ -74,7 +74,6 @@ pub struct TickSide {
     reference: Reference,
     /// What still waits for room in its queue.
     entry: Option<TapRecord>,
-    notice: Option<Notice>,
     /// The pins at the last tick.
     inputs: Inputs,
     /// SYNC periods since the last report, and since the last sign of life of the background.
@@ -91,7 +90,6 @@ impl TickSide {
             output: Output::default(),
             reference: Reference::default(),
             entry: None,
-            notice: None,
             inputs: Inputs::default(),
             elapsed: 0,
             silence: 0,
@@ -211,7 +209,6 @@ impl TickSide {
     fn hand_over(&mut self) {
         self.ends.segments.clear();
         while take(&mut self.ends.detours).is_some() {}
-        self.notice = None;
         self.reference = Reference::default();
         if let Some(ticker) = self.ticker.take()
             && let Err(ticker) = put(&mut self.ends.given, ticker)
@@ -223,24 +220,21 @@ impl TickSide {
 
     #[inline(never)]
     fn report(&mut self) {
-        let Some(ticker) = &self.ticker else {
+        let Some(ticker) = &mut self.ticker else {
             return;
         };
         if self.output.journal.is_some() {
             self.entry = self.output.journal;
-        }
-        if self.output.notice.is_some() {
-            // A restart makes what was said before it void; nothing else is said while a way is still to be planned.
-            self.notice = self.output.notice;
         }
         if let Some(entry) = self.entry.take() {
             self.entry = put(&mut self.ends.entries, entry).err();
         }
         // Behind the entry of the same tick.
         if self.entry.is_none()
-            && let Some(notice) = self.notice.take()
+            && let Some(notice) = ticker.notice()
+            && put(&mut self.ends.notices, *notice).is_ok()
         {
-            self.notice = put(&mut self.ends.notices, notice).err();
+            ticker.notice_heard();
         }
         let head = self.ends.segments.peek();
         let setpoint = &self.output.setpoint;

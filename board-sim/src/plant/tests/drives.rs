@@ -67,10 +67,9 @@ impl Bench {
             self.frames.extend(out.network);
             self.frames.extend(out.command);
         }
-        let out = self.spindle.tick(self.demand);
-        self.frames.extend(out.speed);
-        self.frames.extend(out.drive.network);
-        self.frames.extend(out.drive.command);
+        let frames = &mut self.frames;
+        self.spindle
+            .tick(self.demand, &mut |frame| frames.push(frame));
         (sample, self.plant.truth())
     }
 

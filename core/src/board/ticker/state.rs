@@ -1,6 +1,6 @@
 //! Where the machine is, and what else can be asked of the tick's side from outside.
 
-use super::{Source, Ticker};
+use super::{Notice, Source, Ticker};
 use crate::alarm::Alarm;
 use crate::board::background::overridden;
 use crate::board::operator::Operator;
@@ -66,6 +66,18 @@ impl Ticker {
             Mode::Stopping(Then::Alarm) => State::Stopping(Outcome::Alarm(self.alarm)),
             Mode::Alarm => State::Alarm(self.alarm),
         }
+    }
+
+    /// What the background has to hear, until it [has heard it](Self::notice_heard). A restart makes what was said before it
+    /// void; nothing else is said while a way is still to be planned.
+    #[must_use]
+    pub const fn notice(&self) -> Option<&Notice> {
+        self.notice.as_ref()
+    }
+
+    /// The background has heard what there was to hear.
+    pub const fn notice_heard(&mut self) {
+        self.notice = None;
     }
 
     /// The operator's settings.

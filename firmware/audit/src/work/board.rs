@@ -202,16 +202,17 @@ impl WholeBoard {
 
 impl Work for WholeBoard {
     type State = Machine;
-    type Out = Seen;
+    type Out = ();
 
     fn steps(&self) -> usize {
         let mut machine = self.begin();
         until(LONGEST, |number| {
             self.prepare(&mut machine, number);
-            let output = self.step(&mut machine, number);
-            self.finish(&mut machine, &output);
+            self.step(&mut machine, number);
+            let alarm = machine.board.ticker().has_alarm();
+            self.finish(&mut machine, &());
             let offered = matches!(self.calls.get(machine.taken), None | Some(None));
-            let over = offered || output.alarm;
+            let over = offered || alarm;
             over && !machine.board.is_busy()
         })
     }
@@ -248,7 +249,7 @@ impl Work for WholeBoard {
         machine.sample = machine.plant.advance();
     }
 
-    fn step(&self, machine: &mut Machine, _: usize) -> Seen {
+    fn step(&self, machine: &mut Machine, _: usize) {
         let received = machine
             .answers
             .get(..machine.answered)
@@ -256,16 +257,9 @@ impl Work for WholeBoard {
         machine
             .board
             .tick(machine.sample, received, &mut machine.output);
-        let setpoint = &machine.output.setpoint;
-        Seen {
-            motion: setpoint.motion,
-            line: setpoint.line,
-            locked: setpoint.locked,
-            alarm: machine.board.ticker().has_alarm(),
-        }
     }
 
-    fn finish(&self, machine: &mut Machine, _: &Seen) {
+    fn finish(&self, machine: &mut Machine, (): &()) {
         // The storage is done at once.
         if let Some(request) = machine.board.store() {
             let region = request.region;
@@ -285,7 +279,13 @@ impl Work for WholeBoard {
         self.program.kinds
     }
 
-    fn kind(&self, seen: &Seen) -> usize {
-        (self.program.kind)(seen)
+    fn kind(&self, machine: &Machine) -> usize {
+        let setpoint = &machine.output.setpoint;
+        (self.program.kind)(&Seen {
+            motion: setpoint.motion,
+            line: setpoint.line,
+            locked: setpoint.locked,
+            alarm: machine.board.ticker().has_alarm(),
+        })
     }
 }

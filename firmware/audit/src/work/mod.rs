@@ -42,8 +42,8 @@ pub trait Work {
         &[""]
     }
 
-    /// Which kind a step was, as an index into [`Work::kinds`].
-    fn kind(&self, _out: &Self::Out) -> usize {
+    /// Which kind the step was that led to this state, as an index into [`Work::kinds`]; not counted.
+    fn kind(&self, _state: &Self::State) -> usize {
         0
     }
 }

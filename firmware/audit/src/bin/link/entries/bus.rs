@@ -124,6 +124,8 @@ fn spindle() {
         sink(master.drive_mut().enable().is_ok());
         sink(master.drive_mut().receive(&any()));
         sink(master.engage());
-        sink(master.tick(any()));
+        master.tick(any(), &mut |frame| {
+            sink(frame);
+        });
     }
 }
