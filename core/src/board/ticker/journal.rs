@@ -61,6 +61,11 @@ impl Journal {
         }
     }
 
+    /// An entry waits for the end of the next tick.
+    pub(super) const fn has_entry(&self) -> bool {
+        self.fresh
+    }
+
     /// The tick begins anew, the power being on: what is known of a hole stays.
     pub(super) const fn begin_anew(&mut self, ticks_per_second: u32) {
         self.part = None;
