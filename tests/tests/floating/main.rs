@@ -5,6 +5,7 @@ mod forms;
 mod hole;
 mod operation;
 mod random;
+mod ripple;
 mod stops;
 mod trouble;
 mod watch;

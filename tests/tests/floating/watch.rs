@@ -57,9 +57,15 @@ pub fn tap(hole: &Hole, params: &Params, plant: &PlantOptions) -> Ran {
 
 /// Nothing beyond the bottom; speed and acceleration of the axis within its limits, whoever leads; nothing but Z moves.
 pub fn judge(ran: &Ran, hole: &Hole, params: &Params) {
+    judge_uneven(ran, hole, params, 0.0);
+}
+
+/// As [`judge`], with a spindle whose unevenness is worth so much acceleration of the axis, in m/s².
+pub fn judge_uneven(ran: &Ran, hole: &Hole, params: &Params, uneven: f64) {
     let tick = f64::from(params.tick_us()) * 1e-6;
     let speed = params.rapid(Axis::Z).nm_per_min() as f64 / 60.0 * tick;
-    let acceleration = params.acceleration(Axis::Z).nm_per_s2() as f64 * tick * tick;
+    let acceleration =
+        (params.acceleration(Axis::Z).nm_per_s2() as f64 + uneven * 1e9) * tick * tick;
     for rows in ran.rows.windows(3) {
         let [a, b, c] = [0, 1, 2].map(|i| rows[i].position.z.nm());
         let row = &rows[2];

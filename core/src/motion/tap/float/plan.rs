@@ -30,6 +30,8 @@ pub struct FloatPlan {
     /// The speed at which the spindle goes in, 2⁻³² turns per tick: S, or what it can be stopped from at the first depth.
     pub(super) entry: i64,
     pub(super) entry_rate: TurnRate,
+    /// So many ticks has the spindle to have had that speed, so that it is not still on its way down to it [D153].
+    pub(super) settling: u32,
     /// How far the spindle turns on behind a turning point at which the axis has to be at rest, 2⁻³² turns.
     pub(super) beyond: i64,
     /// From R to where the axis is at rest there, outwards, 2⁻³² turns.
@@ -118,7 +120,17 @@ impl FloatPlan {
         if course.is_bottom(&first) {
             way = way.saturating_add(beyond);
         }
-        let entry = turner.stopping(way).min(turner.top());
+        let stopping = turner.stopping(way);
+        let entry = stopping.min(turner.top());
+        // What is taken for that speed may be a sixteenth too fast, and ripple beside: unless it can be stopped from there
+        // too, the ramp of an eighth has to be over when the hole begins.
+        let settling = if stopping < entry.saturating_add(entry >> 3) {
+            let eighths = tick_us.saturating_mul(800);
+            let centi_rpm = u64::from(turner.centi_rpm(entry).get().unsigned_abs());
+            mul_div_up(centi_rpm, u64::from(params.spindle_ramp_ms()), eighths)
+        } else {
+            0
+        };
         // ¾ of the axis' acceleration.
         let braking = limits.acceleration.saturating_sub(limits.acceleration >> 2);
         let square = |value: u64| i64::try_from(value.saturating_mul(256)).unwrap_or(i64::MAX);
@@ -129,6 +141,7 @@ impl FloatPlan {
             turner,
             entry,
             entry_rate: turner.rate(entry),
+            settling: u32::try_from(settling).unwrap_or(u32::MAX),
             beyond,
             out: law.join_turns().saturating_add(beyond),
             speed_limit: TurnRate::from_raw(i64::try_from(speed_limit).unwrap_or(i64::MAX)),

@@ -49,8 +49,12 @@ pub struct FloatPoint {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// At R, until the spindle turns as it must: ticks it has not had the speed, or the index.
-    Arriving { speed: u32, index: u32 },
+    /// At R, until the spindle turns as it must: ticks it has not had the speed, or the index, and those it has had both.
+    Arriving {
+        speed: u32,
+        index: u32,
+        settled: u32,
+    },
     /// The axis follows, the spindle is on its way to the next turning point.
     Turning,
     /// At R between two pecks, in a feed hold.
@@ -95,7 +99,11 @@ impl FloatRun {
     #[must_use]
     pub fn new(plan: &FloatPlan, position: Position) -> Self {
         Self {
-            stage: Stage::Arriving { speed: 0, index: 0 },
+            stage: Stage::Arriving {
+                speed: 0,
+                index: 0,
+                settled: 0,
+            },
             place: plan.course.first(),
             target: 0,
             braking: false,
@@ -150,12 +158,20 @@ impl FloatRun {
             alarm: None,
         };
         match self.stage {
-            Stage::Arriving { speed, index } => {
+            Stage::Arriving {
+                speed,
+                index,
+                settled,
+            } => {
                 point.motion = if now.hold {
-                    self.stage = Stage::Arriving { speed: 0, index: 0 };
+                    self.stage = Stage::Arriving {
+                        speed: 0,
+                        index: 0,
+                        settled: 0,
+                    };
                     Motion::Hold
                 } else {
-                    point.alarm = self.arrive(plan, now, speed, index);
+                    point.alarm = self.arrive(plan, now, (speed, index, settled));
                     point.done = point.alarm.is_some();
                     Motion::Wait
                 };
@@ -207,8 +223,7 @@ impl FloatRun {
         &mut self,
         plan: &FloatPlan,
         now: &FloatTick<'_>,
-        speed: u32,
-        index: u32,
+        (speed, index, settled): (u32, u32, u32),
     ) -> Option<Alarm> {
         let measured = Self::measured(plan, now);
         let wanted = plan.entry_rate.raw();
@@ -218,6 +233,7 @@ impl FloatRun {
             self.stage = Stage::Arriving {
                 speed: speed.saturating_add(1),
                 index,
+                settled,
             };
             let args = [
                 Arg::Rpm(now.observer.speed().rpm()),
@@ -232,6 +248,7 @@ impl FloatRun {
             self.stage = Stage::Arriving {
                 speed,
                 index: index.saturating_add(1),
+                settled,
             };
             // Two turns and a second.
             let per_minute = now.arrival.ticks_per_minute;
@@ -239,6 +256,14 @@ impl FloatRun {
             let turn = per_minute.checked_div(rpm).unwrap_or(per_minute);
             let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
             return (index > patience).then(|| Alarm::new(Code::NoIndex, plan.span));
+        }
+        if settled < plan.settling {
+            self.stage = Stage::Arriving {
+                speed,
+                index,
+                settled: settled.saturating_add(1),
+            };
+            return None;
         }
         let angle = now.observer.predict(now.ahead.and(plan.lag));
         let before = Turns::from_raw(plan.law.join_turns());
