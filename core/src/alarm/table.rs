@@ -644,6 +644,9 @@ codes! {
     /// Somebody else stops or restarts a drive while the machine works; its letter and node.
     SecondManager = 4375, "another node has stopped or restarted drive {0} (node {1}) by NMT", "find who sends NMT commands to the drives, then reset",
         "另有节点通过 NMT 停止或重启了驱动器 {0}（节点 {1}）", "请查明由谁向驱动器发送 NMT 命令，然后复位";
+    /// The staged set has another identity than the one that is to be committed.
+    StagedSetGone = 4376, "the staged parameter set is not the one that is to come into force: somebody else has changed parameters meanwhile", "send the set again",
+        "暂存的参数集不是要生效的参数集：其间另有人修改了参数", "请重新发送参数集";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.

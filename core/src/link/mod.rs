@@ -16,6 +16,7 @@ mod batch;
 pub mod bounds;
 mod call;
 mod certificate;
+mod change;
 mod event;
 mod image;
 mod reader;
@@ -26,6 +27,7 @@ pub use batch::{
     BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
 };
 pub use certificate::{Certificate, SetpointHash};
+pub use change::{decode_changes, encode_changes};
 pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;

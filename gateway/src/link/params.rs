@@ -1,12 +1,16 @@
 //! Changing the parameter set of a board: one image, taken whole or not at all.
+//!
+//! ```text
+//! stage (the board looks at it) ─► changes (what it would change) ─► commit by its hash ─► stored? ─► hash read back
+//! ```
 
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::{BoardState, Object};
-use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::bus::{Abort, BoardState, Object};
+use leadscrew_core::link::{ImageWriter, decode_changes, identity};
 use leadscrew_core::params::{Entry, Params, TABLE_KEY};
 
-use super::board::{IMAGE, PARAMETERS};
+use super::board::PARAMETERS;
 use super::{Link, LinkResult, Trouble};
 
 const TABLE: Object = Object::new(0x1020, 2);
@@ -16,6 +20,9 @@ const LAST_GOOD: Object = Object::new(0x5010, 4);
 const COMMAND: Object = Object::new(0x5010, 5);
 const PASSWORD: Object = Object::new(0x5010, 6);
 const REASON: Object = Object::new(0x5010, 8);
+const STAGED: Object = Object::new(0x5010, 9);
+pub(super) const CHANGES: Object = Object::new(0x5010, 10);
+pub(super) const COMMIT: Object = Object::new(0x5010, 11);
 
 /// 5010h:02h: it is being stored.
 const UNDER_WAY: u64 = 1;
@@ -26,7 +33,9 @@ const RECALL: u32 = 1;
 
 /// The longest time that storing a set may take: every page erased once, and then some.
 const LONGEST: Duration = Duration::from_secs(10);
+/// Between two looks at whether it is stored: twice as long each time, so that few frames go by.
 const PAUSE: Duration = Duration::from_millis(5);
+const LONGEST_PAUSE: Duration = Duration::from_millis(80);
 
 impl Link {
     /// Makes sure that the board has this program's parameter table.
@@ -54,18 +63,6 @@ impl Link {
         self.explained(written)
     }
 
-    /// Asks whether the board would take another set now, and changes nothing: an image without a byte is refused for its
-    /// length at best.
-    ///
-    /// # Errors
-    /// [`Trouble::Parameters`]: at work, protected, or without its password.
-    pub fn may_change(&mut self) -> LinkResult {
-        match self.write(IMAGE, &[]) {
-            Err(trouble) if trouble.is_abort(leadscrew_core::bus::Abort::Length) => Ok(()),
-            written => self.explained(written),
-        }
-    }
-
     /// Waits until the machine stands: drives that fell silent make it stop.
     ///
     /// # Errors
@@ -85,18 +82,40 @@ impl Link {
         Ok(())
     }
 
-    /// Sends a set, and waits until it is stored and in force. The board's identity is read back.
+    /// Stages a set: the board looks at it, and whether it may change now. Nothing has changed yet.
+    ///
+    /// # Errors
+    /// [`Trouble::Parameters`] where the board would not take it.
+    pub fn stage(&mut self, params: &Params) -> LinkResult {
+        let mut image = vec![0; ImageWriter::BYTES as usize];
+        // The password, too: a 1 in its place keeps the one there is.
+        ImageWriter::with_password(params).read(0, &mut image);
+        let written = self.write(STAGED, &image);
+        self.explained(written)
+    }
+
+    /// The set in force, told by what this staged one would change of it; as a whole where that is too much.
+    ///
+    /// # Errors
+    /// [`Trouble::Strange`]: somebody else has changed parameters meanwhile, too.
+    pub fn before(&mut self, staged: &Params) -> LinkResult<Params> {
+        match self.read(CHANGES) {
+            Ok(bytes) => decode_changes(&bytes, staged).map_err(|_| self.strange(CHANGES)),
+            Err(trouble) if trouble.is_abort(Abort::OutOfMemory) => Ok(self.parameters()?.params),
+            Err(trouble) => Err(trouble),
+        }
+    }
+
+    /// Commits the staged set by its hash, and waits until it is stored and in force. The board's identity is read back.
     ///
     /// # Errors
     /// [`Trouble::Parameters`] where the board refuses it or cannot store it: the set before is then in force and stored.
     pub fn commit(&mut self, params: &Params) -> LinkResult {
-        let mut image = vec![0; ImageWriter::BYTES as usize];
-        // The password, too: a 1 in its place keeps the one there is.
-        ImageWriter::with_password(params).read(0, &mut image);
-        let written = self.write(IMAGE, &image);
+        let expected = identity(params);
+        let written = self.write(COMMIT, &expected.to_le_bytes());
         self.explained(written)?;
         self.wait_until_stored()?;
-        self.is_in_force(identity(params))
+        self.is_in_force(expected)
     }
 
     /// Writes a single value that the board takes although it refuses a whole set: the write enable.
@@ -133,10 +152,14 @@ impl Link {
 
     fn wait_until_stored(&mut self) -> LinkResult {
         let end = Instant::now() + LONGEST;
+        let mut pause = PAUSE;
         loop {
             match self.read_number(STATE)? {
                 DONE => return Ok(()),
-                UNDER_WAY if Instant::now() < end => self.idle(PAUSE)?,
+                UNDER_WAY if Instant::now() < end => {
+                    self.idle(pause)?;
+                    pause = LONGEST_PAUSE.min(pause * 2);
+                }
                 _ => return Err(self.refused()),
             }
         }

@@ -9,10 +9,11 @@ use leadscrew_board_sim::{Sim, stored_params};
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
-use leadscrew_core::bus::{CobId, Frame, NodeId, Order, Service};
+use leadscrew_core::bus::{Abort, CobId, Frame, NodeId, Object, Order, Service};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
+use super::params::{CHANGES, COMMIT};
 use super::{Inside, Link, Trouble};
 
 fn set(values: &[(&str, i64)]) -> Params {
@@ -37,10 +38,16 @@ fn link(inside: &Inside) -> Link {
     Link::on(Box::new(inside.clone()), NodeId::BOARD)
 }
 
+/// A set as a whole.
+fn push(link: &mut Link, params: &Params) -> super::LinkResult {
+    link.stage(params)?;
+    link.commit(params)
+}
+
 /// A flash in which this set is stored.
 fn flash_with(params: &Params) -> Flash {
     let inside = machine(Flash::erased());
-    link(&inside).commit(params).unwrap();
+    push(&mut link(&inside), params).unwrap();
     inside.sim().flash().clone()
 }
 
@@ -103,7 +110,7 @@ fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
             inside: inside.clone(),
             left: left.clone(),
         };
-        let sent = Link::on(Box::new(cut), NodeId::BOARD).commit(&new);
+        let sent = push(&mut Link::on(Box::new(cut), NodeId::BOARD), &new);
         let complete = sent.is_ok();
         // What is under way ends, and somebody else comes.
         let mut other = link(&inside);
@@ -126,7 +133,7 @@ fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
         }
         // The next push works.
         if frames % 50 == 0 {
-            other.commit(&new).unwrap();
+            push(&mut other, &new).unwrap();
             assert_eq!(stored(&inside).1, new);
         }
     }
@@ -211,7 +218,7 @@ fn what_another_client_says_in_a_transfer_does_not_spoil_it() {
                 heard: None,
             };
             let mut link = Link::on(Box::new(meddled), NodeId::BOARD);
-            let sent = link.commit(&new);
+            let sent = push(&mut link, &new);
             assert!(sent.is_ok(), "{command:02X}h at {place}: {sent:?}");
             assert_eq!(stored(&inside), (Found::Newest, new.clone()));
         }
@@ -234,13 +241,14 @@ fn a_board_says_why_it_does_not_take_a_set() {
     let inside = machine(flash_with(&protected));
     let mut link = link(&inside);
     let wanted = set(&[("9026.0", 0), ("9007", 13)]);
-    refused(link.may_change(), Code::ParametersProtected);
+    refused(link.stage(&wanted), Code::ParametersProtected);
     refused(link.commit(&wanted), Code::ParametersProtected);
     let open = set(&[("9026.0", 1)]);
     let entry = Entry::find_text("9026.0").unwrap();
     link.commit_value(entry, &open).unwrap();
-    link.may_change().unwrap();
-    link.commit(&wanted).unwrap();
+    // What is not staged cannot be committed.
+    refused(link.commit(&wanted), Code::StagedSetGone);
+    push(&mut link, &wanted).unwrap();
     assert_eq!(stored(&inside), (Found::Newest, wanted));
     assert_eq!(link.last_good().unwrap(), Some(identity(&open)));
 }
@@ -256,12 +264,12 @@ fn a_password_opens_writing() {
     let mut wanted = link.parameters().unwrap().params;
     assert_eq!(wanted.get(password), 1, "it is not told");
     wanted.set(Entry::find_text("9007").unwrap(), 13).unwrap();
-    refused(link.commit(&wanted), Code::PasswordMissing);
+    refused(link.stage(&wanted), Code::PasswordMissing);
     refused(link.open_parameters(4712), Code::PasswordWrong);
     // The board hears nothing for a second.
     link.idle(Duration::from_millis(1100)).unwrap();
     link.open_parameters(4711).unwrap();
-    link.commit(&wanted).unwrap();
+    push(&mut link, &wanted).unwrap();
     let (_, kept) = stored(&inside);
     assert_eq!(kept.get(password), 4711, "and stays");
     assert_eq!(
@@ -277,11 +285,63 @@ fn the_last_good_set_comes_back() {
     let inside = machine(flash_with(&first));
     let mut link = link(&inside);
     assert_eq!(link.last_good().unwrap(), None);
-    link.commit(&second).unwrap();
+    push(&mut link, &second).unwrap();
     assert_eq!(link.last_good().unwrap(), Some(identity(&first)));
     link.recall().unwrap();
     assert_eq!(link.parameters().unwrap().params, first);
     assert_eq!(stored(&inside), (Found::Newest, first));
     link.hear_status().unwrap();
     link.order(Order::Reset).unwrap();
+}
+
+#[test]
+fn a_staged_set_is_committed_by_its_hash_and_once() {
+    let old = set(&[("9007", 12), ("1420.X", 11_000_000_000)]);
+    let new = set(&[("9007", 13)]);
+    let inside = machine(flash_with(&old));
+    let mut link = link(&inside);
+    link.stage(&new).unwrap();
+    assert_eq!(link.before(&new).unwrap(), old, "staged, and not in force");
+    assert_eq!(link.parameters().unwrap().params, old);
+    assert_eq!(stored(&inside), (Found::Newest, old.clone()));
+    refused(link.commit(&old), Code::StagedSetGone);
+    // Somebody else writes a value in between, even one that is so already.
+    link.stage(&new).unwrap();
+    link.write(Object::new(0x2000 + 9007, 0), &[12]).unwrap();
+    link.idle(Duration::from_millis(200)).unwrap();
+    refused(link.commit(&new), Code::StagedSetGone);
+    assert_eq!(stored(&inside), (Found::Newest, old.clone()));
+    // The answer is lost, and the order comes again.
+    link.stage(&new).unwrap();
+    link.write(COMMIT, &identity(&new).to_le_bytes()).unwrap();
+    link.commit(&new).unwrap();
+    link.commit(&new).unwrap();
+    assert_eq!(stored(&inside), (Found::Newest, new));
+    assert_eq!(link.last_good().unwrap(), Some(identity(&old)));
+}
+
+/// More values change than their list has room for: the set in force is read as a whole.
+#[test]
+fn a_set_that_changes_everywhere_is_told_whole() {
+    let new = Params::slant_bed();
+    let mut old = new.clone();
+    for entry in Entry::all() {
+        let raw = old.get(entry);
+        // The plant is made of some of them, and the bus of others.
+        if (9000..9030).contains(&entry.no) {
+            continue;
+        }
+        for other in [entry.max, entry.min] {
+            if other != raw && old.set(entry, other).is_ok() && old.validate().is_ok() {
+                break;
+            }
+            old.set(entry, raw).unwrap();
+        }
+    }
+    let inside = machine(flash_with(&old));
+    let mut link = link(&inside);
+    link.stage(&new).unwrap();
+    let list = link.read(CHANGES);
+    assert!(list.is_err_and(|trouble| trouble.is_abort(Abort::OutOfMemory)));
+    assert_eq!(link.before(&new).unwrap(), old);
 }

@@ -189,6 +189,12 @@ impl Loaded {
         self.diagnostics.iter().all(|d| d.warning)
     }
 
+    /// True where every value of the table was written somewhere: then it does not matter over what set they are laid.
+    pub fn names_all(&self) -> bool {
+        let named = |entry| self.sources.contains_key(&key(entry));
+        Entry::all().iter().all(named)
+    }
+
     /// Where a value was written: `FILE:LINE`, or the option; `None` for the built-in machine's.
     pub fn source(&self, entry: &Entry) -> Option<String> {
         let place = &self.sources.get(&key(entry))?.place;

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use leadscrew_core::bus::{Frame, frame_bits};
+use leadscrew_core::link::ImageWriter;
 use serde_json::json;
 
 use crate::server::{Options, Server};
@@ -107,5 +109,92 @@ fn a_machine_at_work_keeps_its_set() {
     assert_eq!(
         text(&built_in.stdout),
         "9024  gateway_silence_ms  1000 ms  → 0 ms\n"
+    );
+}
+
+/// A whole table costs hardly more than its bytes: every frame of the dialogue counts, in both directions.
+#[test]
+fn a_push_of_the_whole_table_is_counted_in_frames() {
+    let server = Server::start(&Options::default());
+    let bus = server.bus();
+    let whole = file("whole.toml", "");
+    std::fs::remove_file(&whole).unwrap();
+    good(&leadscrew(&["params", "pull", "-o", &whole], &bus));
+    let pulled = std::fs::read_to_string(&whole).unwrap();
+    let changed = [
+        ("12000 mm/min", "11500 mm/min"),
+        ("16000 mm/min", "15500 mm/min"),
+        ("8000 mm/min", "7500 mm/min"),
+        ("4096", "8192"),
+        ("3000 rpm", "2500 rpm"),
+    ]
+    .into_iter()
+    .fold(pulled, |text, (old, new)| text.replace(old, new));
+    let whole = file("whole.toml", &changed);
+    server.dialogue();
+    let told = good(&leadscrew(&["params", "push", &whole], &bus));
+    let dialogue = server.dialogue();
+    let (told, end) = told.rsplit_once("stored").unwrap();
+    assert!(
+        told.contains("→ 11500 mm/min") && told.contains("→ 8192"),
+        "{told}"
+    );
+    assert!(end.starts_with(" and in force, identity "), "{end}");
+    // Both directions, from the first question to the last answer. Heartbeats, and how often it is asked whether the set is
+    // stored yet, are a matter of time; all else is the same each time.
+    let asks = |frame: &&Frame| frame.payload().get(1..4) == Some(&[0x10, 0x50, 2]);
+    let polls = dialogue.iter().filter(asks).count();
+    let beats = dialogue.iter().filter(|frame| frame.payload().len() == 1);
+    let beats = beats.count();
+    assert_eq!(dialogue.len() - polls - beats, 221);
+    let image = ImageWriter::BYTES.div_ceil(7);
+    assert_eq!((ImageWriter::BYTES, image), (1_266, 181));
+    // Without stuffing, and with as much of it as can be.
+    let bits = |frame: &Frame| 47 + 8 * frame.payload().len() as u32;
+    let stuffed = |frame: &Frame| frame_bits(frame.payload().len() as u32);
+    for (bits, each) in [
+        (dialogue.iter().map(bits).sum::<u32>(), 111),
+        (dialogue.iter().map(stuffed).sum(), frame_bits(8)),
+    ] {
+        let limit = image * each * 13 / 10;
+        assert!(
+            bits <= limit,
+            "{bits} bits, limit {limit}; {polls} frames of polls, {beats} heartbeats"
+        );
+    }
+    // The same again is one question.
+    assert_eq!(
+        good(&leadscrew(&["params", "push", &whole], &bus)),
+        "nothing to change\n"
+    );
+    assert!(server.dialogue().len() <= 16);
+}
+
+/// The transaction is one over board and drives.
+#[test]
+fn drives_get_their_old_values_back_where_the_board_cannot_store_its_set() {
+    let server = Server::start(&Options {
+        flash_fails: true,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let lathe = file("unstored.toml", LATHE);
+    let told = bad(&leadscrew(&["params", "push", &lathe], &bus), 1);
+    assert!(
+        told.contains("nothing has been changed: 4343 ")
+            && told.ends_with("; the drives have their old values again\n"),
+        "{told}"
+    );
+    wait_for(&bus, "the machine is ready", |status| {
+        status["state"] == "idle"
+    });
+    let differs = parsed(&leadscrew(&["params", "diff", &lathe, "--json"], &bus));
+    assert_eq!(differs["changes"].as_array().unwrap().len(), 1);
+    assert_eq!(
+        differs["drives"],
+        json!([
+            {"drive": "X", "object": "607Fh:00h max_profile_velocity", "old": "10000000", "new": "500000"},
+            {"drive": "S1", "object": "6083h:00h profile_acceleration", "old": "100000000", "new": "7000"}
+        ])
     );
 }

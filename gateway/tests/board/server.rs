@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use leadscrew::trace::{Setpoint, SetpointHash};
-use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::bus::slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
 use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
@@ -34,6 +34,8 @@ pub struct Options {
     pub key: Option<u32>,
     /// Answers nothing from this tick on, as if unplugged.
     pub unplugged_at: Option<u64>,
+    /// The boards' flash refuses every write.
+    pub flash_fails: bool,
 }
 
 impl Default for Options {
@@ -45,6 +47,7 @@ impl Default for Options {
             speed: 20,
             key: None,
             unplugged_at: None,
+            flash_fails: false,
         }
     }
 }
@@ -56,6 +59,8 @@ pub struct Seen {
     pub hash: SetpointHash,
     /// The bit rate that the last client has set its adapter to.
     pub bit_rate: Option<BitRate>,
+    /// What clients have sent, and what the SDO servers have answered.
+    pub dialogue: Vec<Frame>,
 }
 
 /// A server until it is dropped.
@@ -95,6 +100,11 @@ impl Server {
     /// The bit rate that the last client has set its adapter to.
     pub fn bit_rate(&self) -> Option<BitRate> {
         self.seen.lock().unwrap().bit_rate
+    }
+
+    /// What clients have sent, and what the SDO servers have answered, since the last time somebody asked.
+    pub fn dialogue(&self) -> Vec<Frame> {
+        std::mem::take(&mut self.seen.lock().unwrap().dialogue)
     }
 
     /// Hash of the first board's setpoints so far.
@@ -193,7 +203,12 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
         .nodes
         .iter()
         .map(|node| {
-            let mut sim = Box::new(Sim::new(&params, &PlantOptions::default()).unwrap());
+            let mut flash = Flash::erased();
+            if options.flash_fails {
+                flash.fail_after(0);
+            }
+            let plant = PlantOptions::default();
+            let mut sim = Box::new(Sim::with_flash(&params, &plant, flash).unwrap());
             sim.join(NodeId::new(*node).unwrap()).unwrap();
             sim
         })
@@ -224,6 +239,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
         for (from, frame) in heard {
             busy = true;
             last_heard = Instant::now();
+            seen.lock().unwrap().dialogue.push(frame);
             for client in &mut clients {
                 if client.number != from {
                     client.tell(&frame);
@@ -233,7 +249,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
                 for sim in &mut boards {
                     sim.receive(&frame);
                     sim.settle();
-                    say(sim, &mut clients, (options.key, &mut next));
+                    say(sim, &mut clients, (options.key, &mut next), seen);
                 }
             }
         }
@@ -257,7 +273,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
                     seen.hash.push(&setpoint(&row));
                 }
                 if plugged {
-                    say(sim, &mut clients, (options.key, &mut next));
+                    say(sim, &mut clients, (options.key, &mut next), seen);
                 } else {
                     while sim.transmit().is_some() {}
                 }
@@ -272,7 +288,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             for sim in &mut boards {
                 sim.settle();
                 if plugged {
-                    say(sim, &mut clients, (options.key, &mut next));
+                    say(sim, &mut clients, (options.key, &mut next), seen);
                 }
             }
         }
@@ -284,8 +300,16 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
 }
 
 /// `key`: what the boards claim, and whether the frame that says it is the next one.
-fn say(sim: &mut Sim, clients: &mut [Client], (key, next): (Option<u32>, &mut bool)) {
+fn say(
+    sim: &mut Sim,
+    clients: &mut [Client],
+    (key, next): (Option<u32>, &mut bool),
+    seen: &Mutex<Seen>,
+) {
     while let Some(mut frame) = sim.transmit() {
+        if matches!(frame.id().service(), Some((Service::SdoReply, _))) {
+            seen.lock().unwrap().dialogue.push(frame);
+        }
         if let Some(key) = key
             && frame.id() == CobId::of(Service::SdoReply, NodeId::BOARD)
         {

@@ -31,7 +31,10 @@ pub fn link(data: &[u8]) {
                 assert_eq!(reader.next(), Some(Ok(entry)));
             }
         }
-        _ => image(message),
+        _ => {
+            image(message);
+            changes(message);
+        }
     }
 }
 
@@ -76,4 +79,17 @@ fn image(message: &[u8]) {
         taken.is_err() || bytes == right || message.len() > 9,
         "a changed image is taken"
     );
+}
+
+/// What a staged set would change: bytes that are taken give a set that has their identity, and may be stored.
+fn changes(message: &[u8]) {
+    let after = Params::slant_bed();
+    let Ok(before) = link::decode_changes(message, &after) else {
+        return;
+    };
+    let head = message.first_chunk().copied().unwrap_or_default();
+    assert_eq!(link::identity(&before), u32::from_le_bytes(head));
+    let mut bytes = vec![0; message.len().max(4)];
+    let length = link::encode_changes(&before, &after, &mut bytes);
+    assert!(length.is_ok_and(|length| length <= message.len()));
 }

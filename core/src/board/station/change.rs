@@ -10,7 +10,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::event::Event;
 use crate::board::store::{Region, StoreError, StoreRequest};
 use crate::bus::Abort;
-use crate::link::ImageError;
+use crate::link::{ImageError, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
 
 impl Shelf {
@@ -89,11 +89,11 @@ impl Shelf {
                 self.draft.set(entry, number).map_err(|_| Abort::Value)?;
             }
         }
-        self.stage(params)
+        self.look_and_stage(params)
     }
 
-    /// The draft is stored and comes into force, if it can work.
-    pub(super) fn stage(&mut self, params: &Params) -> Result<(), Abort> {
+    /// Whether the draft can work; a password that is only named is the one there is.
+    pub(super) fn look(&mut self, params: &Params) -> Result<(), Abort> {
         if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
             let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
             if kept == 0 {
@@ -104,12 +104,36 @@ impl Shelf {
         if let Err(alarm) = self.draft.validate() {
             return self.refuse_with(&alarm, Abort::Incompatible);
         }
+        Ok(())
+    }
+
+    /// The draft, which has been looked at, is stored and comes into force.
+    pub(super) fn stage(&mut self, params: &Params) {
         if self.draft == *params && self.keeper.is_stored() {
             self.keeper.nothing_to_do();
         } else {
             self.keeper.begin();
         }
+    }
+
+    fn look_and_stage(&mut self, params: &Params) -> Result<(), Abort> {
+        self.look(params)?;
+        self.stage(params);
         Ok(())
+    }
+
+    /// The set that was staged is stored and comes into force, if it is still the one with this identity: whatever has
+    /// been put together here since has another. What is asked for twice, because the answer was lost, is done once.
+    pub(super) fn commit(&mut self, expected: u32, params: &Params) -> Result<(), Abort> {
+        let same = identity(&self.draft) == expected;
+        if same && self.is_changing() {
+            return Ok(());
+        }
+        self.admit(params, Change::Whole)?;
+        if !same || self.draft.first_out_of_range().is_some() {
+            return self.refuse(Code::StagedSetGone, Abort::Value);
+        }
+        self.look_and_stage(params)
     }
 
     pub(super) fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {
@@ -143,7 +167,7 @@ impl Shelf {
         }
         self.admit(params, Change::Whole)?;
         self.draft.clone_from(params);
-        self.stage(params)
+        self.look_and_stage(params)
     }
 
     /// 1011h: the built-in set.
@@ -156,7 +180,7 @@ impl Shelf {
         // A password is not taken away by this.
         let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
         self.draft.put_slot(PASSWORD_SLOT, kept);
-        self.stage(params)
+        self.look_and_stage(params)
     }
 
     pub(super) fn password(&mut self, password: u32, params: &Params) -> Result<(), Abort> {

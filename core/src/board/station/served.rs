@@ -8,13 +8,22 @@ use super::change::Change;
 use super::dictionary::{Access, Initial, Kind, find};
 use super::shelf::Shelf;
 use crate::bus::{Abort, Object, Objects};
-use crate::link::{BATCH_BYTES, ImageReader, ImageWriter, encode_alarm};
+use crate::link::{BATCH_BYTES, ImageReader, ImageWriter, encode_alarm, encode_changes};
 use crate::params::Params;
 
 /// The image of the parameter set.
 const IMAGE: Object = Object::new(0x5010, 1);
+/// The same, staged and looked at, and no more than that.
+const STAGED: Object = Object::new(0x5010, 9);
+/// What the staged set would change.
+const CHANGES: Object = Object::new(0x5010, 10);
 /// A batch of calls.
 const BATCH: Object = Object::new(0x5020, 1);
+
+/// The parameter set as a whole, on its way in.
+fn is_image(object: Object) -> bool {
+    object == IMAGE || object == STAGED
+}
 
 /// The shelf together with the set in force: what an SDO server serves.
 pub struct Served<'a> {
@@ -42,6 +51,10 @@ impl Objects for Served<'_> {
                 length
             }
             (Kind::Domain, 0x5010) if object == IMAGE => return Ok(ImageWriter::BYTES),
+            (Kind::Domain, 0x5010) if object == CHANGES => {
+                let (before, after) = (self.params, &shelf.draft);
+                encode_changes(before, after, &mut shelf.buffer).map_err(|_| Abort::OutOfMemory)?
+            }
             (Kind::Domain, 0x5010) => {
                 let reason = shelf.keeper.reason();
                 encode_alarm(reason, &mut shelf.buffer).map_err(|_| Abort::Internal)?
@@ -106,14 +119,14 @@ impl Objects for Served<'_> {
         let shelf = &mut *self.shelf;
         shelf.length = 0;
         shelf.buffer = [0; BATCH_BYTES];
-        if object == IMAGE {
+        if is_image(object) {
             shelf.admit(self.params, Change::Whole)?;
             shelf.image = ImageReader::new();
         }
         let Some(size) = size else { return Ok(()) };
         let most = match item.kind.bytes() {
             Some(bytes) => bytes as u32,
-            None if object == IMAGE => ImageWriter::BYTES,
+            None if is_image(object) => ImageWriter::BYTES,
             None => BATCH_BYTES as u32,
         };
         if size > most {
@@ -127,7 +140,7 @@ impl Objects for Served<'_> {
 
     fn write(&mut self, object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort> {
         let shelf = &mut *self.shelf;
-        if object == IMAGE {
+        if is_image(object) {
             let taken = shelf.image.take(bytes, &mut shelf.draft);
             return taken.or_else(|error| shelf.refuse_image(error));
         }
@@ -144,12 +157,16 @@ impl Objects for Served<'_> {
     fn end_write(&mut self, object: Object, length: u32) -> Result<(), Abort> {
         let item = find(object)?;
         let shelf = &mut *self.shelf;
-        if object == IMAGE {
+        if is_image(object) {
             shelf.admit(self.params, Change::Whole)?;
             if let Err(error) = shelf.image.finish(&shelf.draft) {
                 return shelf.refuse_image(error);
             }
-            return shelf.stage(self.params);
+            shelf.look(self.params)?;
+            if object == IMAGE {
+                shelf.stage(self.params);
+            }
+            return Ok(());
         }
         if object == BATCH {
             let snapshot = &shelf.snapshot;

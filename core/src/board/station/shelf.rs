@@ -363,6 +363,7 @@ impl Shelf {
                 return self.keeper.recall();
             }
             (0x5010, 6) => return self.password(value, params),
+            (0x5010, 11) => return self.commit(value, params),
             (0x1016, 1) => {
                 let watch = HeartbeatWatch::from_raw(value);
                 if watch.is_none() && value != 0 {

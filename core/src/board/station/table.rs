@@ -349,7 +349,7 @@ const LINES: &[Line] = &[
     mapped(0x5001, 10, "spindle angle", U16, Read),
     mapped(0x5001, 11, "spindle speed", I32, Read),
     mapped(0x5001, 12, "synchronism error", I16, Read),
-    highest(0x5010, 8),
+    highest(0x5010, 11),
     item(0x5010, 1, "image", Domain, Both),
     item(0x5010, 2, "state of the last change", U8, Read),
     item(0x5010, 3, "checksum of the stored set", U32, Read),
@@ -358,6 +358,9 @@ const LINES: &[Line] = &[
     item(0x5010, 6, "password", U32, Write),
     item(0x5010, 7, "why the last change was refused", U16, Read),
     item(0x5010, 8, "why, with its figures", Domain, Read),
+    item(0x5010, 9, "image to be staged", Domain, Write),
+    item(0x5010, 10, "what the staged set would change", Domain, Read),
+    item(0x5010, 11, "checksum: commit the staged set", U32, Write),
     highest(0x5020, 6),
     item(0x5020, 1, "batch of calls", Domain, Write),
     with(

@@ -13,7 +13,16 @@ use crate::setup::Setup;
 use crate::state::{StateFile, stored_set};
 use crate::words::{Both, both};
 
-/// A board that has been greeted, and what is known of it.
+/// A board that has been greeted. Nothing is known of it but that it is one, with this program's parameter table.
+#[derive(Debug)]
+pub struct Greeted {
+    /// The link to it.
+    pub link: Link,
+    /// The simulated machine behind the link, the file of its flash, and what was in that.
+    inside: Option<(Inside, StateFile, Flash)>,
+}
+
+/// The same, and its parameter set.
 #[derive(Debug)]
 pub struct Machine {
     /// The link to it.
@@ -21,12 +30,11 @@ pub struct Machine {
     /// Its parameter set.
     pub params: Params,
     identity: u32,
-    /// The simulated machine behind the link, the file of its flash, and what was in that.
     inside: Option<(Inside, StateFile, Flash)>,
 }
 
-impl Machine {
-    /// Meets the board of the options and reads its parameter set. With `sim` it is the one whose flash is in `--state`.
+impl Greeted {
+    /// Meets the board of the options. With `sim` it is the one whose flash is in `--state`.
     ///
     /// # Errors
     /// No bus, no board, another version.
@@ -43,13 +51,39 @@ impl Machine {
         };
         link.greet()?;
         link.check_table()?;
-        let set = link.parameters()?;
-        Ok(Self {
-            link,
+        Ok(Self { link, inside })
+    }
+
+    /// Reads its parameter set.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn read(mut self) -> Outcome<Machine> {
+        let set = self.link.parameters()?;
+        Ok(Machine {
+            link: self.link,
             params: set.params,
             identity: set.identity,
-            inside,
+            inside: self.inside,
         })
+    }
+
+    /// As [`Machine::keep`].
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(&self) -> Outcome {
+        keep(self.inside.as_ref())
+    }
+}
+
+impl Machine {
+    /// Meets the board of the options and reads its parameter set.
+    ///
+    /// # Errors
+    /// As [`Greeted::meet`].
+    pub fn meet(global: &Global) -> Outcome<Self> {
+        Greeted::meet(global)?.read()
     }
 
     /// What a simulated board has stored is in its file.
@@ -57,15 +91,7 @@ impl Machine {
     /// # Errors
     /// A file that cannot be written.
     pub fn keep(&self) -> Outcome {
-        let Some((inside, state, before)) = &self.inside else {
-            return Ok(());
-        };
-        let flash = inside.sim().flash().clone();
-        if flash.image() == before.image() {
-            Ok(())
-        } else {
-            state.save(&flash)
-        }
+        keep(self.inside.as_ref())
     }
 
     /// Refuses options that say otherwise than the board: it would be another machine that is checked than the one that
@@ -83,6 +109,18 @@ impl Machine {
              change the board's parameters first",
             "`--params` 和 `--set` 给出的机床与节点 {node} 上的不同（对象 1020h）：请去掉这些选项，或先修改控制板的参数"
         )))
+    }
+}
+
+fn keep(inside: Option<&(Inside, StateFile, Flash)>) -> Outcome {
+    let Some((inside, state, before)) = inside else {
+        return Ok(());
+    };
+    let flash = inside.sim().flash().clone();
+    if flash.image() == before.image() {
+        Ok(())
+    } else {
+        state.save(&flash)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::json::Json;
 use crate::link::Link;
 use crate::words::{both, pick};
 
-pub use machine::{Machine, base};
+pub use machine::{Greeted, Machine, base};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
 pub use run::run;

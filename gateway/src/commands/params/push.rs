@@ -1,28 +1,32 @@
 //! `params push`: a set to a board, as one transaction.
 //!
 //! ```text
-//! read and check the files ─► read the board's set ─► compare ─► may it change now? ─► drives ─► the set ─► read back
+//! read and check the files ─► read the board's set ─► compare ─► stage ─► drives ─► commit by its hash ─► read back
 //! ```
 //!
-//! Whatever happens on the way, the board has its old set or the new one. The drives come first: where one of them refuses,
-//! the board's set has not been touched [D122].
+//! Whatever happens on the way, the board has its old set or the new one. The drives come between: the board has looked at
+//! the set before any of them is written, and where one of them refuses, the board's set has not been touched [D122].
+//!
+//! Files that name every value need no set to be laid over: then the board's is not read, but asked, once the new one is
+//! staged, what that would change [D155].
 
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use leadscrew_core::alarm::Lang;
+use leadscrew_can::Address;
+use leadscrew_core::alarm::{Code, Lang};
 use leadscrew_core::bus::Order;
 use leadscrew_core::link::identity;
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
 
-use super::home::Home;
 use super::{drive, print, told_good};
 use crate::cli::{Global, Push};
-use crate::commands::board::Machine;
+use crate::commands::board::{Greeted, Machine};
 use crate::diagnostics::say;
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
+use crate::link::{Link, Trouble};
 use crate::params::difference::{self, Change, DriveChange, changes};
 use crate::params::{self, Loaded};
 use crate::words::{Both, both, pick};
@@ -85,11 +89,22 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
         .iter()
         .any(|d| !d.warning && d.number < 4420)
     {
-        told_good(global, alone)?;
+        return told_good(global, alone).map(drop);
     }
-    let Home::Board(mut machine) = Home::open(global)? else {
+    if global.bus == Address::Sim && global.state.is_none() {
         return Err(no_board());
-    };
+    }
+    let mut greeted = Greeted::meet(global)?;
+    let whole = wish.built_in || alone.names_all();
+    if whole && alone.drives.is_empty() && !new_password(&alone.params) && !global.dry_run {
+        let wanted = told_good(global, alone)?;
+        let done = replace(&mut greeted.link, &wanted.params, wish.password);
+        greeted.keep()?;
+        if let Some(done) = done? {
+            return tell(global, &done);
+        }
+    }
+    let mut machine = greeted.read()?;
     let base = if wish.built_in {
         Params::slant_bed()
     } else {
@@ -101,6 +116,40 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     let done = done?;
     kept?;
     tell(global, &done)
+}
+
+/// It holds a password that is to become the board's: no identity shows whether that is the one there is.
+fn new_password(params: &Params) -> bool {
+    let password = Entry::find(PASSWORD, None).map_or(0, |entry| params.get(entry));
+    !matches!(password, 0 | PASSWORD_KEPT)
+}
+
+/// Puts a set in the place of the one in force, without reading that. `None` where the board is protected: the write
+/// enable may be all that changes, and that needs another way.
+fn replace(link: &mut Link, wanted: &Params, password: Option<u32>) -> Outcome<Option<Done>> {
+    let mut done = Done {
+        identity: identity(wanted),
+        ..Done::default()
+    };
+    if link.parameters_identity()? == done.identity {
+        return Ok(Some(done));
+    }
+    link.attend()?;
+    if let Some(password) = password {
+        link.open_parameters(password)?;
+    }
+    match link.stage(wanted) {
+        Err(Trouble::Parameters {
+            reason: Some(alarm),
+            ..
+        }) if alarm.code == Code::ParametersProtected => return Ok(None),
+        staged => staged?,
+    }
+    let old = link.before(wanted)?;
+    drive::check_periods(link, &[], &old, wanted)?;
+    link.commit(wanted)?;
+    done.changes = changes(&old, wanted);
+    Ok(Some(done))
 }
 
 /// Nothing that could be written to was named.
@@ -139,25 +188,30 @@ fn carry_out(
         link.open_parameters(password)?;
     }
     let bar = progress(global.lang(), pending.len() + 1);
-    if !pending.is_empty() {
-        link.may_change()?;
-        let alarmed = link.status()?.alarm.is_some();
-        done.notes = drive::apply(link, &pending, &mut || bar.inc(1))?;
-        if done.changes.is_empty() {
-            // The board has noticed that they were silent; there may be an alarm of its own that nobody has seen.
-            if !alarmed {
-                link.order(Order::Reset)?;
-            }
-        } else {
-            link.wait_at_rest()?;
-        }
+    // The write enable is taken where a whole set is not.
+    let switch = match done.changes[..] {
+        [Change { entry, .. }] if entry.no == WRITE_ENABLE => Some(entry),
+        _ => None,
+    };
+    if switch.is_none() {
+        link.stage(&wanted.params)?;
     }
-    match done.changes[..] {
-        [] => {}
-        [Change { entry, .. }] if entry.no == WRITE_ENABLE => {
-            link.commit_value(entry, &wanted.params)?;
-        }
-        _ => link.commit(&wanted.params)?,
+    let alarmed = link.status()?.alarm.is_some();
+    if !pending.is_empty() {
+        done.notes = drive::apply(link, &pending, &mut || bar.inc(1))?;
+        link.wait_at_rest()?;
+    }
+    let changed = match switch {
+        _ if done.changes.is_empty() => Ok(()),
+        Some(entry) => link.commit_value(entry, &wanted.params),
+        None => link.commit(&wanted.params),
+    };
+    if let Err(trouble) = changed {
+        return Err(drive::with_drives(link, &pending, trouble, !alarmed));
+    }
+    // The board has noticed that the drives were silent; there may be an alarm of its own that nobody has seen.
+    if done.changes.is_empty() && !alarmed {
+        link.order(Order::Reset)?;
     }
     bar.finish_and_clear();
     machine.params.clone_from(&wanted.params);

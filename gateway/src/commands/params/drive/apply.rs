@@ -4,7 +4,7 @@
 //! and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets its old
 //! value back.
 
-use leadscrew_core::bus::{NmtCommand, NodeId, Object, SdoError};
+use leadscrew_core::bus::{NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
 use super::{Found, Pending, is, read, refused};
@@ -71,13 +71,7 @@ pub fn check_periods(link: &mut Link, settings: &[Setting], old: &Params, new: &
 /// # Errors
 /// The first that is refused, or does not read back; what was written before it has its old value again.
 pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Outcome<Vec<Both>> {
-    let mut drives: Vec<DriveName> = pending.iter().map(|pending| pending.drive).collect();
-    drives.dedup();
-    drives.sort_unstable();
-    drives.dedup();
-    for drive in &drives {
-        link.send(&[NmtCommand::PreOperational.frame(Some(drive.node()))])?;
-    }
+    let drives = to_pre_operational(link, pending)?;
     for (at, pending_) in pending.iter().enumerate() {
         let written = write(link, pending_.drive, &pending_.wanted);
         let wrong = match written {
@@ -108,6 +102,75 @@ pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Ou
     }
     start(link, &drives)?;
     Ok(notes)
+}
+
+/// The drives of these objects, in pre-operational.
+fn to_pre_operational(link: &mut Link, pending: &[Pending]) -> LinkResult<Vec<DriveName>> {
+    let mut drives: Vec<DriveName> = pending.iter().map(|pending| pending.drive).collect();
+    drives.sort_unstable();
+    drives.dedup();
+    for drive in &drives {
+        link.send(&[NmtCommand::PreOperational.frame(Some(drive.node()))])?;
+    }
+    Ok(drives)
+}
+
+/// What to say where the board's set did not come into force after the drives were written. Where the board has said so,
+/// the drives get their old values back first [D156]; `reset`: there was no alarm before, and there is to be none because
+/// of that.
+pub fn with_drives(link: &mut Link, pending: &[Pending], trouble: Trouble, reset: bool) -> Failure {
+    if pending.is_empty() {
+        return trouble.into();
+    }
+    if !matches!(trouble, Trouble::Parameters { .. }) {
+        return joined(
+            trouble.into(),
+            &both!(
+                "; the drives have their new values, and whether the board has the new set is not known: push again",
+                "；驱动器已写入新值，控制板是否采用新参数集不详：请重新写入"
+            ),
+        );
+    }
+    let lost = take_back(link, pending, reset);
+    joined(
+        trouble.into(),
+        &match lost {
+            Ok(lost) if lost.is_empty() => both!(
+                "; the drives have their old values again",
+                "；驱动器已恢复原值"
+            ),
+            Ok(lost) => both!(
+                "; these did not take their old value back: {lost}",
+                "；以下对象未能恢复原值：{lost}",
+                lost = lost.join(", ")
+            ),
+            Err(trouble) => {
+                let Both { en, zh } = trouble.words();
+                both!(
+                    "; the drives may have their new values: {en}",
+                    "；驱动器可能仍为新值：{zh}"
+                )
+            }
+        },
+    )
+}
+
+fn take_back(link: &mut Link, pending: &[Pending], reset: bool) -> LinkResult<Vec<String>> {
+    let drives = to_pre_operational(link, pending)?;
+    let lost = undo(link, pending);
+    for drive in &drives {
+        // Whether it keeps anything has been said at the first time.
+        match link.write_of(drive.node(), STORE, &SAVE) {
+            Err(trouble) if trouble.refusal().is_none() => return Err(trouble),
+            _ => {}
+        }
+    }
+    start(link, &drives)?;
+    link.wait_at_rest()?;
+    if reset {
+        link.order(Order::Reset)?;
+    }
+    Ok(lost)
 }
 
 /// Gives what was written its old value back, the last first; what cannot be is named.
@@ -162,9 +225,14 @@ fn with(failure: Failure, lost: Vec<String>) -> Failure {
             lost = lost.join(", ")
         )
     };
+    joined(failure, &back)
+}
+
+/// The words of a failure, and more of them.
+fn joined(failure: Failure, more: &Both) -> Failure {
     let join = |words: Both| Both {
-        en: words.en + &back.en,
-        zh: words.zh + &back.zh,
+        en: words.en + &more.en,
+        zh: words.zh + &more.zh,
     };
     match failure {
         Failure::WrongBecause(words) => Failure::WrongBecause(join(words)),

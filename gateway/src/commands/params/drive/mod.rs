@@ -10,7 +10,7 @@ use crate::params::difference::DriveChange;
 use crate::params::drives::{DriveName, Kind, Setting, Wanted, mapping_text, object_text};
 use crate::words::both;
 
-pub use apply::{apply, check_periods};
+pub use apply::{apply, check_periods, with_drives};
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]

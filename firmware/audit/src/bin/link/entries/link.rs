@@ -4,7 +4,7 @@ use audit::any::{any, sink};
 use leadscrew_core::board::Event;
 use leadscrew_core::link::{
     Batch, BatchWriter, EventReader, ImageReader, ImageWriter, LinkError, Logged, Status, bounds,
-    encode_call, encode_event, identity,
+    decode_changes, encode_call, encode_changes, encode_event, identity,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Call;
@@ -55,6 +55,11 @@ fn image() {
     sink((
         ImageWriter::new(&params).read(any(), &mut bytes),
         identity(&params),
+    ));
+    let other: Params = any();
+    sink((
+        encode_changes(&params, &other, &mut bytes),
+        decode_changes(&bytes, &other),
     ));
     let mut staged = params;
     let mut reader = ImageReader::new();
