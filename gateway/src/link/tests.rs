@@ -331,7 +331,7 @@ fn a_set_that_changes_everywhere_is_told_whole() {
         if (9000..9030).contains(&entry.no) {
             continue;
         }
-        for other in [entry.max, entry.min] {
+        for other in [entry.max(), entry.min()] {
             if other != raw && old.set(entry, other).is_ok() && old.validate().is_ok() {
                 break;
             }
