@@ -1,36 +1,128 @@
-//! The board on the emulated Cortex-M4F, driven by `leadscrew` over its serial line.
+//! The board on the emulated Cortex-M4F, driven by `leadscrew`: over its serial line, and over an interface of the kernel
+//! behind that.
 
-use anyhow::Result;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Stdio};
 
-use crate::{emulator, run};
+use anyhow::{Context, Result};
+
+use crate::{emulator, run, vcan};
 
 /// Where the tests find the image.
 const IMAGE: &str = "LEADSCREW_IMAGE";
+/// What the names of the tests begin with that need a kernel with CAN.
+const IN_KERNEL: &str = "kernel::";
 
-/// Builds the image, in which failures can be provoked, and the tests and runs them; each line that is printed is handed to `seen`. True where they passed.
-pub fn tests(filter: &str, seen: impl FnMut(&str)) -> Result<bool> {
+/// Builds the image, in which failures can be provoked, and the tests and runs them; each line that is printed is handed to
+/// `seen`. True where they passed.
+pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
     let image = emulator::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
     run::show(run::cargo(
         &root,
         &["build", "--quiet", "--package", "leadscrew"],
     ))?;
-    let mut tests = run::cargo(
-        &root,
-        &[
-            "test",
-            "--quiet",
-            "--package",
-            "leadscrew-tests",
-            "--test",
-            "emulated",
-            "--features",
-            "emulated",
-            "--",
-            "--color=never",
-            filter,
-        ],
-    );
-    tests.env(IMAGE, image);
-    run::watch(tests, seen)
+    let program = run::test_program("emulated", &[])?;
+    let program = program.to_string_lossy();
+    let list = run::read(run::command(&root, &program, &["--list", filter]))?;
+    let (inside, outside): (Vec<&str>, Vec<&str>) =
+        names(&list).partition(|name| name.starts_with(IN_KERNEL));
+    let mut passed = true;
+    if !outside.is_empty() {
+        let args = [&["--color=never", "--exact"], &outside[..]].concat();
+        let mut here = run::command(&root, &program, &args);
+        here.env(IMAGE, &image);
+        passed &= run::watch(here, &mut seen)?;
+    }
+    for name in inside {
+        let board = OnTerminal::start(&image)?;
+        println!("{}", vcan::place().name());
+        let script =
+            format!("LEADSCREW_TERMINAL=$TERMINAL '{program}' --color=never --exact {name}");
+        passed &= vcan::run_with("emulated", &script, Some(&board.terminal), &mut seen)?;
+    }
+    Ok(passed)
+}
+
+/// A board on a terminal, emulated until this is dropped.
+struct OnTerminal {
+    emulator: Child,
+    terminal: String,
+}
+
+impl OnTerminal {
+    fn start(image: &Path) -> Result<Self> {
+        let image = image.to_string_lossy();
+        let semihosting = format!("enable=on,target=native,arg={image}");
+        let mut emulator = run::command(
+            &run::root(),
+            "qemu-system-arm",
+            &[
+                "-M",
+                "mps2-an386",
+                "-nographic",
+                "-monitor",
+                "none",
+                "-serial",
+                "pty",
+                "-semihosting-config",
+                &semihosting,
+                "-kernel",
+                &image,
+            ],
+        )
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("cannot start `qemu-system-arm`")?;
+        // It says first where the terminal is.
+        let mut line = String::new();
+        let said = match emulator.stdout.as_mut() {
+            Some(stdout) => BufReader::new(stdout).read_line(&mut line),
+            None => Ok(0),
+        };
+        let mut board = Self {
+            emulator,
+            terminal: String::new(),
+        };
+        said?;
+        board.terminal = terminal(&line)
+            .with_context(|| format!("the emulator has made no terminal: {line}"))?
+            .to_owned();
+        Ok(board)
+    }
+}
+
+impl Drop for OnTerminal {
+    fn drop(&mut self) {
+        // One that has ended by itself is gone already.
+        let _ = self.emulator.kill();
+        let _ = self.emulator.wait();
+    }
+}
+
+/// Where the terminal is that a line tells of: `char device redirected to /dev/pts/0 (label serial0)`.
+fn terminal(line: &str) -> Option<&str> {
+    let (_, place) = line.split_once("redirected to ")?;
+    place.split_whitespace().next()
+}
+
+/// The tests in a list.
+fn names(list: &str) -> impl Iterator<Item = &str> {
+    list.lines().filter_map(|line| line.strip_suffix(": test"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tests_and_terminals_are_told_from_the_words_around_them() {
+        let list = "kernel::a: test\nrun::b: test\n\n2 tests, 0 benchmarks\n";
+        let line = "char device redirected to /dev/pts/7 (label serial0)\n";
+        assert_eq!(terminal(line), Some("/dev/pts/7"));
+        assert_eq!(terminal("no room\n"), None);
+        assert_eq!(names(list).collect::<Vec<_>>(), ["kernel::a", "run::b"]);
+    }
 }

@@ -39,6 +39,29 @@ pub fn cargo(dir: &Path, args: &[&str]) -> Command {
     command
 }
 
+/// Builds the tests of the feature of this name; where the program is.
+pub fn test_program(name: &str, profile: &[&str]) -> Result<PathBuf> {
+    let build = [
+        "test",
+        "--quiet",
+        "--package",
+        "leadscrew-tests",
+        "--test",
+        name,
+        "--features",
+        name,
+        "--no-run",
+        "--message-format",
+        "json",
+    ];
+    let told = read(cargo(&root(), &[&build[..], profile].concat()))?;
+    told.lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .find(|message| message["target"]["name"] == name && message["executable"].is_string())
+        .and_then(|message| message["executable"].as_str().map(PathBuf::from))
+        .with_context(|| format!("cargo named no program of the tests `{name}`"))
+}
+
 fn line_of(command: &Command) -> String {
     let program = Path::new(command.get_program());
     let mut line = program

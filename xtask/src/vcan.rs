@@ -46,7 +46,7 @@ pub fn place() -> Place {
             // Not here is an answer too.
             let _ = run::read(run::command(Path::new("/"), program, args));
         };
-        quietly("modprobe", &["vcan"]);
+        quietly("modprobe", &["--all", "vcan", "slcan"]);
         quietly("ip", &["link", "add", "dev", INTERFACE, "type", "vcan"]);
         quietly("ip", &["link", "set", INTERFACE, "mtu", "72", "up"]);
     }
@@ -55,11 +55,25 @@ pub fn place() -> Place {
 
 /// Runs a shell script where the bus is, in the folder of the workspace; its lines are shown and handed to `seen`. True
 /// where it succeeded.
-pub fn run(name: &str, script: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
+pub fn run(name: &str, script: &str, seen: impl FnMut(&str)) -> Result<bool> {
+    run_with(name, script, None, seen)
+}
+
+/// The same with what is on this terminal on a serial line of the machine: in the script `$TERMINAL`.
+pub fn run_with(
+    name: &str,
+    script: &str,
+    terminal: Option<&str>,
+    mut seen: impl FnMut(&str),
+) -> Result<bool> {
     setup::tools(setup::CAN)?;
     let root = run::root();
     match place() {
-        Place::Here => run::watch(run::command(&root, "sh", &["-c", script]), seen),
+        Place::Here => {
+            let mut here = run::command(&root, "sh", &["-c", script]);
+            here.env("TERMINAL", terminal.unwrap_or_default());
+            run::watch(here, seen)
+        }
         Place::Booted => {
             let dir = run::scratch("vcan")?;
             let status = dir.join(format!("{name}.status"));
@@ -73,7 +87,7 @@ pub fn run(name: &str, script: &str, mut seen: impl FnMut(&str)) -> Result<bool>
             }
             write_script(&init, &boot(&root, script, &status)?)?;
             let mut inside = false;
-            let command = kernel(&init);
+            let command = kernel(&init, terminal);
             run::watch_some(command, |line| match line.trim_end() {
                 BEGIN => {
                     inside = true;
@@ -100,9 +114,9 @@ pub fn run(name: &str, script: &str, mut seen: impl FnMut(&str)) -> Result<bool>
     }
 }
 
-fn kernel(init: &Path) -> std::process::Command {
+fn kernel(init: &Path, terminal: Option<&str>) -> std::process::Command {
     let init = format!("init={}", init.display());
-    run::command(
+    let mut command = run::command(
         &run::root(),
         "timeout",
         &[
@@ -117,9 +131,14 @@ fn kernel(init: &Path) -> std::process::Command {
             &init,
             "con=null",
             "con0=fd:0,fd:1",
+            "ssl=null",
             "quiet",
         ],
-    )
+    );
+    if let Some(terminal) = terminal {
+        command.arg(format!("ssl0=tty:{terminal}"));
+    }
+    command
 }
 
 /// The first program of the booted kernel.
@@ -138,7 +157,7 @@ fn boot(root: &Path, script: &str, status: &Path) -> Result<String> {
     let path = std::env::var("PATH").unwrap_or_default();
     let _ = write!(
         text,
-        "export PATH='{path}:/usr/sbin:/usr/bin:/sbin:/bin' LEADSCREW_BOOTED=1\n\
+        "export PATH='{path}:/usr/sbin:/usr/bin:/sbin:/bin' LEADSCREW_BOOTED=1 TERMINAL=/dev/ttyS0\n\
          ip link set lo up\n\
          ip link add dev {INTERFACE} type vcan && ip link set {INTERFACE} mtu 72 up\n\
          cd '{}'\n\
@@ -193,28 +212,9 @@ pub fn tests(profile: &[&str], filter: &str, seen: impl FnMut(&str)) -> Result<b
         "leadscrew-board-sim-host",
     ];
     run::show(run::cargo(&root, &[&programs[..], profile].concat()))?;
-    let build = [
-        "test",
-        "--quiet",
-        "-p",
-        "leadscrew-tests",
-        "--test",
-        "vcan",
-        "--features",
-        "vcan",
-        "--no-run",
-        "--message-format",
-        "json",
-    ];
-    let told = run::read(run::cargo(&root, &[&build[..], profile].concat()))?;
-    let program = told
-        .lines()
-        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .find(|message| message["target"]["name"] == "vcan" && message["executable"].is_string())
-        .and_then(|message| message["executable"].as_str().map(str::to_owned))
-        .context("cargo named no program of the tests on vcan")?;
+    let program = run::test_program("vcan", profile)?;
     // Built beside the tests, in the folder above theirs.
-    let leadscrew = Path::new(&program)
+    let leadscrew = program
         .ancestors()
         .nth(2)
         .context("the program of the tests lies in no folder")?
@@ -225,9 +225,10 @@ pub fn tests(profile: &[&str], filter: &str, seen: impl FnMut(&str)) -> Result<b
     run(
         "tests",
         &format!(
-            "CANOPEN_PYTHON='{}' CANOPEN_EDS='{}' '{program}' --test-threads=1 --color=never {filter}",
+            "CANOPEN_PYTHON='{}' CANOPEN_EDS='{}' '{}' --test-threads=1 --color=never {filter}",
             python.display(),
-            eds.display()
+            eds.display(),
+            program.display()
         ),
         seen,
     )

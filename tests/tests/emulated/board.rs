@@ -1,20 +1,32 @@
 //! An emulated board, and `leadscrew` on its line.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::kernel::Interface;
+
 /// How long anything is waited for before it counts as lost.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Seconds that a command may take; what hangs is ended, and shows in its exit code 124.
 const LIMIT: &str = "300";
 
+/// What carries the board's frames.
+enum Wire {
+    /// Its serial line, as a socket: one gateway at a time.
+    Line(PathBuf),
+    /// The kernel, with an interface behind the serial line: as many as there are.
+    Kernel(Interface),
+}
+
 /// A board that runs until it is dropped.
 pub struct Board {
-    emulator: Child,
-    line: PathBuf,
+    wire: Wire,
+    /// The emulator, and where it says what it prints; `None` where the board was there before this test.
+    emulator: Option<(Running, PathBuf)>,
 }
 
 impl Board {
@@ -25,39 +37,31 @@ impl Board {
 
     /// The same with words on the image's command line.
     pub fn start_with(words: &[&str]) -> Self {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let line = std::env::temp_dir().join(format!(
-            "leadscrew-emulated-{}-{number}",
-            std::process::id()
-        ));
-        let image = std::env::var("LEADSCREW_IMAGE")
-            .expect("`cargo xtask emulated` builds the image of the board and says where it is");
-        let mut semihosting = format!("enable=on,target=native,arg={image}");
-        for word in words {
-            semihosting.push_str(",arg=");
-            semihosting.push_str(word);
-        }
-        let emulator = Command::new("qemu-system-arm")
-            .args(["-M", "mps2-an386", "-nographic", "-monitor", "none"])
-            .args([
-                "-serial",
-                &format!("unix:{},server=on,wait=off", line.display()),
-            ])
-            .args(["-semihosting-config", &semihosting, "-kernel", &image])
-            .stdin(Stdio::null())
-            .spawn()
-            .expect("`qemu-system-arm` (`cargo xtask setup` installs it)");
-        let board = Self { emulator, line };
-        let started = Instant::now();
-        while !board.line.exists() {
-            assert!(started.elapsed() < PATIENCE, "there is no line");
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        let line = scratch("line");
+        let emulator = emulate(&line, words);
+        eventually("there is a line", || line.exists());
+        Self::up(Wire::Line(line), Some(emulator))
+    }
+
+    /// The one on this machine's serial line, which nobody has used before: an interface of the kernel is made of it.
+    pub fn in_kernel() -> Self {
+        Self::up(Wire::Kernel(Interface::attach()), None)
+    }
+
+    fn up(wire: Wire, emulator: Option<(Running, PathBuf)>) -> Self {
+        let board = Self { wire, emulator };
         board.wait_for("the drives come up", |status| {
             field(status, "state") != "starting"
         });
         board
+    }
+
+    /// What `--bus` is for it.
+    fn bus(&self) -> String {
+        match &self.wire {
+            Wire::Line(path) => format!("slcan:unix:{}", path.display()),
+            Wire::Kernel(_) => format!("socketcan:{}", Interface::NAME),
+        }
     }
 
     /// `leadscrew` on its line, to its end.
@@ -66,12 +70,24 @@ impl Board {
             .arg(LIMIT)
             .arg(ours())
             .args(args)
-            .arg("--bus")
-            .arg(format!("slcan:unix:{}", self.line.display()))
+            .args(["--bus", &self.bus()])
             .env("NO_COLOR", "1")
             .stdin(Stdio::null())
             .output();
         output.expect("`timeout` of coreutils")
+    }
+
+    /// `leadscrew` on its line, beside this test.
+    pub fn start_leadscrew(&self, args: &[&str]) -> Running {
+        let child = Command::new(ours())
+            .args(args)
+            .args(["--bus", &self.bus()])
+            .env("NO_COLOR", "1")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn();
+        Running(Some(child.expect("it starts")))
     }
 
     /// What it printed, where it ended well.
@@ -106,19 +122,138 @@ impl Board {
             if output.status.success() && wanted(&status) {
                 return status;
             }
-            assert!(started.elapsed() < PATIENCE, "{what}: {}", both(&output));
-            std::thread::sleep(Duration::from_millis(50));
+            assert!(
+                started.elapsed() < PATIENCE,
+                "{what}: {}{}",
+                both(&output),
+                self.said()
+            );
+            // Whoever asks without a pause leaves no room for a program.
+            std::thread::sleep(Duration::from_millis(200));
         }
+    }
+
+    /// What emulator and image have printed.
+    pub fn said(&self) -> String {
+        let said = self.emulator.as_ref().map(|(_, path)| std::fs::read(path));
+        let said = said.map(|said| said.expect("what it said"));
+        String::from_utf8_lossy(&said.unwrap_or_default()).into_owned()
     }
 }
 
 impl Drop for Board {
     fn drop(&mut self) {
-        // One that has ended by itself is gone already.
-        let _ = self.emulator.kill();
-        let _ = self.emulator.wait();
-        let _ = std::fs::remove_file(&self.line);
+        if let Some((emulator, said)) = &mut self.emulator {
+            emulator.end();
+            let _ = std::fs::remove_file(said);
+        }
+        if let Wire::Line(path) = &self.wire {
+            let _ = std::fs::remove_file(path);
+        }
     }
+}
+
+/// Starts the image; gives where it says what it prints, too.
+fn emulate(line: &Path, words: &[&str]) -> (Running, PathBuf) {
+    let image = std::env::var("LEADSCREW_IMAGE")
+        .expect("`cargo xtask emulated` builds the image of the board and says where it is");
+    let mut semihosting = format!("enable=on,target=native,arg={image}");
+    for word in words {
+        semihosting.push_str(",arg=");
+        semihosting.push_str(word);
+    }
+    let serial = format!("unix:{},server=on,wait=off", line.display());
+    let said = scratch("said");
+    let emulator = Command::new("qemu-system-arm")
+        .args(["-M", "mps2-an386", "-nographic", "-monitor", "none"])
+        .args(["-serial", &serial])
+        .args(["-semihosting-config", &semihosting, "-kernel", &image])
+        .stdin(Stdio::null())
+        .stdout(File::create(&said).expect("a place for what it says"))
+        .spawn()
+        .expect("`qemu-system-arm` (`cargo xtask setup` installs it)");
+    (Running(Some(emulator)), said)
+}
+
+/// A process that is ended with whoever holds this.
+pub struct Running(Option<Child>);
+
+impl Running {
+    /// Another program, with nothing of its own said.
+    pub fn start(program: &str, args: &[&str]) -> Self {
+        let child = Command::new(program)
+            .args(args)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        Self(Some(child.unwrap_or_else(|error| {
+            panic!("`{program}` (`cargo xtask setup` installs it): {error}")
+        })))
+    }
+
+    /// Ends it at once.
+    pub fn end(&mut self) {
+        if let Some(mut child) = self.0.take() {
+            // One that has ended by itself is gone already.
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+
+    /// What it printed, at its end, which must be near.
+    #[track_caller]
+    pub fn finish(mut self) -> Output {
+        let mut child = self.0.take().expect("it has not been ended");
+        let started = Instant::now();
+        while child.try_wait().expect("a process").is_none() {
+            if started.elapsed() > PATIENCE {
+                let _ = child.kill();
+                panic!(
+                    "it does not end: {}",
+                    both(&child.wait_with_output().expect("its output"))
+                );
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        child.wait_with_output().expect("its output")
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Waits until a condition holds, or fails.
+#[track_caller]
+pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
+    let started = Instant::now();
+    while !holds() {
+        assert!(started.elapsed() < PATIENCE, "{what}: not in time");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// A file of the test's own; nothing is there yet. In a machine that is started for the tests alone numbers of processes come
+/// again, and its files stay.
+pub fn scratch(name: &str) -> PathBuf {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    let process = std::process::id();
+    let path = std::env::temp_dir().join(format!("leadscrew-emulated-{process}-{number}-{name}"));
+    match std::fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => panic!("{error}"),
+        _ => path,
+    }
+}
+
+/// A program of the test's own.
+pub fn program(text: &str) -> String {
+    let path = scratch("program.nc");
+    std::fs::write(&path, text).expect("a place for a program");
+    path.display().to_string()
 }
 
 /// What was printed on either stream.

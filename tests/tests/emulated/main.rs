@@ -1,9 +1,11 @@
-//! The board on the emulated Cortex-M4F, driven as any board by `leadscrew` over a serial line: the same setpoints as in
-//! simulation, the same answers to an operator.
+//! The board on the emulated Cortex-M4F, driven as any board by `leadscrew`, over its serial line and over an interface of the
+//! kernel behind it: the same setpoints as in simulation, the same answers to an operator.
 //!
 //! `cargo xtask emulated` builds the image, says in `LEADSCREW_IMAGE` where it is, and runs these tests.
 
 mod board;
 mod failure;
+mod kernel;
 mod operate;
+mod params;
 mod run;

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::board::{Board, example, field, ours};
+use crate::board::{Board, example, field, ours, program};
 
 /// What `--bus sim` makes of it.
 fn simulated(program: &str) -> String {
@@ -14,10 +14,11 @@ fn simulated(program: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
+/// Runs it there and here. The machine begins where the board's stands at power-up.
 #[track_caller]
-fn same_as_simulated(program: &str) {
+pub fn same_as_simulated(board: &Board, program: &str) {
     let simulated = simulated(program);
-    let ran = Board::start().good(&["run", program, "--json"]);
+    let ran = board.good(&["run", program, "--json"]);
     for name in ["ok", "moves", "setpoint_hash", "late"] {
         assert_eq!(
             field(&ran, name),
@@ -30,26 +31,24 @@ fn same_as_simulated(program: &str) {
 
 #[test]
 fn a_thread_by_g76() {
-    same_as_simulated(&example("o0013-g76-m68x6.nc"));
+    same_as_simulated(&Board::start(), &example("o0013-g76-m68x6.nc"));
 }
 
 #[test]
 fn grooves_by_g75() {
-    let path = std::env::temp_dir().join(format!("leadscrew-grooves-{}.nc", std::process::id()));
-    let text = "O0075\nG50 X40 Z20\nM3 S800\nG0 X34 Z-10\nG75 R0.3\nG75 X30 Z-16 P1000 Q6000 F200\n\
-                G0 X40 Z20\nM30\n";
-    std::fs::write(&path, text).expect("a place for a program");
-    same_as_simulated(&path.display().to_string());
-    std::fs::remove_file(&path).expect("it is still there");
+    let path = program(
+        "O0075\nG50 X40 Z20\nM3 S800\nG0 X34 Z-10\nG75 R0.3\nG75 X30 Z-16 P1000 Q6000 F200\nG0 X40 Z20\nM30\n",
+    );
+    same_as_simulated(&Board::start(), &path);
 }
 
 #[test]
 fn taps_by_g84() {
-    same_as_simulated(&example("g84-tap.nc"));
-    same_as_simulated(&example("g84-floating.nc"));
+    same_as_simulated(&Board::start(), &example("g84-tap.nc"));
+    same_as_simulated(&Board::start(), &example("g84-floating.nc"));
 }
 
 #[test]
 fn a_shaft() {
-    same_as_simulated(&example("shaft.nc"));
+    same_as_simulated(&Board::start(), &example("shaft.nc"));
 }

@@ -5,7 +5,7 @@ use cortex_m_semihosting::syscall1;
 /// The options.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// `traffic=all`: what the board and its drives say to each other is on the wire, too.
+    /// `traffic=all`: SYNC and the process data of the drives are on the wire, too.
     pub traffic: bool,
     /// `provoke=panic@300`: the image fails like that at this tick, if it has not failed before.
     #[cfg(feature = "provoke")]

@@ -4,7 +4,7 @@ use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_app::{Inputs, TickMachine};
 use leadscrew_board_sim::plant::Plant;
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{CobId, Frame};
 use leadscrew_core::spindle::EncoderSample;
 
 use crate::options::Options;
@@ -17,8 +17,9 @@ pub struct Shop {
     plant: Plant,
     /// The drives' frames, for the next tick.
     answers: Deque<Frame, ANSWERS>,
-    options: Options,
-    told: Producer<'static, Frame>,
+    wire: Wire,
+    #[cfg(feature = "provoke")]
+    provoke: Option<crate::provoke::Provoke>,
     /// What others on the wire have said.
     asked: Consumer<'static, Frame>,
     #[cfg(feature = "provoke")]
@@ -35,29 +36,39 @@ impl Shop {
         Self {
             plant,
             answers: Deque::new(),
-            options,
-            told,
+            wire: Wire {
+                told,
+                all: options.traffic,
+            },
+            #[cfg(feature = "provoke")]
+            provoke: options.provoke,
             asked,
             #[cfg(feature = "provoke")]
             ticks: 0,
         }
     }
+}
 
-    fn exchange(&mut self, frames: &[Frame]) {
-        let (answers, told, traffic) = (&mut self.answers, &mut self.told, self.options.traffic);
-        let mut tell = |frame: &Frame| {
-            if traffic {
-                // The thread lets no tick happen before it has room.
-                let _ = told.enqueue(*frame);
-            }
-        };
-        frames.iter().for_each(&mut tell);
-        self.plant.exchange(frames, |answer| {
-            tell(&answer);
-            // Seven drives do not say more in a period.
-            let _ = answers.push_back(answer);
-        });
+/// The way from the tick and its drives to the wire.
+struct Wire {
+    told: Producer<'static, Frame>,
+    /// Process data, too.
+    all: bool,
+}
+
+impl Wire {
+    fn tell(&mut self, frame: &Frame) {
+        if self.all || !is_cyclic(frame) {
+            // The thread lets no tick happen before it has room.
+            let _ = self.told.enqueue(*frame);
+        }
     }
+}
+
+/// True for SYNC and process data: what comes in every period.
+fn is_cyclic(frame: &Frame) -> bool {
+    let id = frame.id();
+    id == CobId::SYNC || (0x180..0x580).contains(&id.get())
 }
 
 impl TickMachine for Shop {
@@ -66,7 +77,7 @@ impl TickMachine for Shop {
         #[cfg(feature = "provoke")]
         {
             self.ticks += 1;
-            if let Some(provoke) = self.options.provoke {
+            if let Some(provoke) = self.provoke {
                 provoke.act(self.ticks);
             }
         }
@@ -82,10 +93,19 @@ impl TickMachine for Shop {
     }
 
     fn send(&mut self, frames: &[Frame]) -> bool {
-        while let Some(frame) = self.asked.dequeue() {
-            self.exchange(&[frame]);
+        for frame in frames {
+            self.wire.tell(frame);
         }
-        self.exchange(frames);
+        let (plant, answers, wire) = (&mut self.plant, &mut self.answers, &mut self.wire);
+        let mut answer = |frame: Frame| {
+            wire.tell(&frame);
+            // Seven drives do not say more in a period.
+            let _ = answers.push_back(frame);
+        };
+        while let Some(frame) = self.asked.dequeue() {
+            plant.hear(&frame, &mut answer);
+        }
+        plant.exchange(frames, &mut answer);
         true
     }
 
