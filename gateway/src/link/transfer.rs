@@ -24,6 +24,9 @@ const QUIET: Duration = Duration::from_millis(8);
 const YIELD: Duration = Duration::from_millis(16);
 /// Clients that wait equally long would meet again: each adds up to this.
 const JITTER: Duration = Duration::from_millis(8);
+/// Frames of a block that are handed over at a time: on a slow wire, what is waited for an answer begins when the last of them
+/// has found room.
+const AT_ONCE: usize = 16;
 /// The longest wait for silence: another client that never pauses is interrupted.
 const TURN: Duration = Duration::from_millis(300);
 /// Another client that has been heard so lately may be waiting for its turn.
@@ -294,10 +297,12 @@ impl Link {
         let (began, attempt) = (self.began, Instant::now());
         let mut out = Vec::new();
         loop {
-            out.extend(std::iter::from_fn(|| transfer.poll(began.elapsed())));
+            let frames = std::iter::from_fn(|| transfer.poll(began.elapsed()));
+            out.extend(frames.take(AT_ONCE));
             if !out.is_empty() {
                 self.send(&out)?;
                 out.clear();
+                continue;
             }
             if let Some(outcome) = transfer.outcome() {
                 return Ok(outcome);
