@@ -60,7 +60,7 @@ impl Board {
     fn bus(&self) -> String {
         match &self.wire {
             Wire::Line(path) => format!("slcan:unix:{}", path.display()),
-            Wire::Kernel(_) => format!("socketcan:{}", Interface::NAME),
+            Wire::Kernel(interface) => interface.bus(),
         }
     }
 

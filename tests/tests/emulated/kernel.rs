@@ -10,11 +10,14 @@ use crate::board::{Board, Running, both, eventually, example, field, program};
 use crate::run::same_as_simulated;
 
 /// A CAN interface behind a serial line.
-pub struct Interface(Running);
+pub struct Interface {
+    /// Who makes it, as long as this is held.
+    _slcand: Running,
+}
 
 impl Interface {
     /// No other is called like that.
-    pub const NAME: &str = "emulated0";
+    const NAME: &str = "emulated0";
 
     /// Makes it of the serial line, at 1 Mbit/s, and switches it on.
     pub fn attach() -> Self {
@@ -30,7 +33,12 @@ impl Interface {
             .output()
             .expect("`ip` (`cargo xtask setup` installs it)");
         assert!(up.status.success(), "{}", both(&up));
-        Self(slcand)
+        Self { _slcand: slcand }
+    }
+
+    /// What `--bus` is for it.
+    pub fn bus(&self) -> String {
+        format!("socketcan:{}", Self::NAME)
     }
 
     fn is_there() -> bool {
