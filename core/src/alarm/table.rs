@@ -605,9 +605,9 @@ codes! {
         "驱动器 {0}（节点 {1}）使能后将跳动 {2}", "请复位；若再次出现，请作为控制板程序故障报告";
 
     // 4363–4369: the firmware of the board, as told at its next start.
-    /// A watchdog has started the board anew.
-    FirmwareHung = 4363, "the board's firmware hung, and its watchdog started it anew", "report it as a fault of the program in the board; then reset",
-        "控制板固件曾停止响应，已由看门狗重新启动", "请作为控制板程序故障报告；然后复位";
+    /// A watchdog has started the board anew: ticks since the start before.
+    FirmwareHung = 4363, "the board's firmware hung, {0} ticks after its start, and its watchdog started it anew", "report it as a fault of the program in the board; then reset",
+        "控制板固件在启动后 {0} 个周期停止响应，已由看门狗重新启动", "请作为控制板程序故障报告；然后复位";
     /// A fault of the processor: address of the instruction, return address, ticks since power-up, version.
     FirmwareFault = 4364, "the board's firmware stopped: processor fault at {0}, called from {1}, {2} ticks after power-up (firmware {3})",
         "report these figures as a fault of the program in the board; then reset",
@@ -620,6 +620,19 @@ codes! {
     FirmwareStack = 4366, "the board's firmware stopped: its stack ran over, {0} ticks after power-up (firmware {1})",
         "report these figures as a fault of the program in the board; then reset",
         "控制板固件已停止：堆栈溢出，上电后 {0} 个周期（固件 {1}）", "请将这些数据作为控制板程序故障报告；然后复位";
+
+    /// A brown-out: ticks since the start before.
+    PowerDropped = 4367, "the supply of the board dropped for a moment, {0} ticks after its start", "check the supply and its wiring; then reset",
+        "控制板供电在启动后 {0} 个周期瞬时跌落", "请检查电源及其接线；然后复位";
+    /// No reset helps: how many failures, number of the last one's alarm, its place and what it was called from.
+    FailsAgain = 4368, "the board has failed {0} times in a row, the last time with alarm {1} (place {2}, called from {3}): it stays at rest",
+        "report these figures as a fault of the board; it moves again when it has been switched off for ten seconds or its processor has been reset",
+        "控制板已连续失效 {0} 次，最近一次为报警 {1}（位置 {2}，调用自 {3}）：保持静止",
+        "请将这些数据作为控制板故障报告；断电十秒或复位处理器后方可再次运动";
+    /// The processor was reset by its button or a debugger: a warning, in the event log.
+    ResetFromOutside = 4369, "the board's processor was reset from outside: its button, or a debugger",
+        "nothing needs to be done where that was meant; else check the wiring of its reset pin",
+        "控制板处理器由外部复位：复位按钮或调试器", "若为有意操作则无需处理；否则请检查复位引脚的接线";
 
     // 4370–4379: the bus as a whole.
     /// The controller has left the bus; errors counted while sending and receiving.

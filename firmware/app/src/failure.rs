@@ -17,6 +17,8 @@ pub enum FailureKind {
     StackOverflow,
     /// The watchdog: tick or background had stopped.
     Hung,
+    /// The power has dropped for a moment.
+    PowerDropped,
 }
 
 /// What is known of a failure.
@@ -32,6 +34,8 @@ pub struct Failure {
     pub ticks: u32,
     /// Of the firmware that failed; see [`VERSION`].
     pub version: u32,
+    /// Which failure in a row this is, from 1: between them was no good run ([`Left::GOOD`](crate::Left::GOOD)).
+    pub in_a_row: u32,
 }
 
 /// This firmware: major, minor and patch version in a byte each.
@@ -67,21 +71,33 @@ const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 impl Failure {
     /// Words of a record.
-    pub const WORDS: usize = 7;
+    pub const WORDS: usize = 8;
+
+    /// With so many in a row the board does not move any more before somebody has switched it off, or reset its processor.
+    pub const LIMIT: u32 = 3;
+
+    /// With so many in a row it fails on its way to where it could say so: the firmware does not start any more.
+    pub const LAST: u32 = 10;
 
     /// In front of a record: memory at power-up does not look like it.
     const MARK: u32 = 0x4C53_4651;
 
-    /// A watchdog has started the board anew: nothing more is known.
-    #[must_use]
-    pub const fn hung() -> Self {
+    /// One that leaves no record.
+    pub(crate) const fn untold(kind: FailureKind) -> Self {
         Self {
-            kind: FailureKind::Hung,
+            kind,
             place: 0,
             within: 0,
             ticks: 0,
             version: VERSION,
+            in_a_row: 1,
         }
+    }
+
+    /// The board stays at rest, whatever it is told.
+    #[must_use]
+    pub const fn is_final(&self) -> bool {
+        self.in_a_row >= Self::LIMIT
     }
 
     /// As a record.
@@ -92,6 +108,7 @@ impl Failure {
             FailureKind::Panic => 2,
             FailureKind::StackOverflow => 3,
             FailureKind::Hung => 4,
+            FailureKind::PowerDropped => 5,
         };
         let words = [
             Self::MARK,
@@ -100,16 +117,18 @@ impl Failure {
             self.within,
             self.ticks,
             self.version,
+            self.in_a_row,
         ];
-        let [a, b, c, d, e, f] = words;
-        [a, b, c, d, e, f, checksum(&words)]
+        let [a, b, c, d, e, f, g] = words;
+        [a, b, c, d, e, f, g, checksum(&words)]
     }
 
     /// The failure in a record; `None` where there is none, or it is not whole.
     #[must_use]
     pub fn decode(record: &[u32; Self::WORDS]) -> Option<Self> {
-        let &[mark, kind, place, within, ticks, version, sum] = record;
-        if mark != Self::MARK || sum != checksum(&[mark, kind, place, within, ticks, version]) {
+        let &[mark, kind, place, within, ticks, version, in_a_row, sum] = record;
+        let words = [mark, kind, place, within, ticks, version, in_a_row];
+        if mark != Self::MARK || sum != checksum(&words) {
             return None;
         }
         let kind = match kind {
@@ -117,6 +136,7 @@ impl Failure {
             2 => FailureKind::Panic,
             3 => FailureKind::StackOverflow,
             4 => FailureKind::Hung,
+            5 => FailureKind::PowerDropped,
             _ => return None,
         };
         Some(Self {
@@ -125,16 +145,44 @@ impl Failure {
             within,
             ticks,
             version,
+            in_a_row,
         })
     }
 
-    /// What the board stands on until it is reset.
+    /// What the board stands on: until it is reset, or for good where it [is final](Self::is_final).
     #[must_use]
     pub const fn alarm(&self) -> Alarm {
+        let (code, args) = self.told();
+        let (code, args) = if self.is_final() {
+            let again = [
+                Arg::Int(self.in_a_row as i64),
+                Arg::Int(code.number() as i64),
+                Arg::Key(self.place),
+                Arg::Key(self.within),
+            ];
+            (Code::FailsAgain, again)
+        } else {
+            (code, args)
+        };
+        Alarm::new(
+            code,
+            Span {
+                line: 0,
+                column: 0,
+                end: 0,
+            },
+        )
+        .with(args)
+    }
+
+    const fn told(&self) -> (Code, [Arg; 4]) {
         let ticks = Arg::Int(self.ticks as i64);
         let version = Arg::Key(self.version);
-        let (code, args) = match self.kind {
-            FailureKind::Hung => (Code::FirmwareHung, [Arg::None; 4]),
+        match self.kind {
+            FailureKind::Hung => (Code::FirmwareHung, [ticks, Arg::None, Arg::None, Arg::None]),
+            FailureKind::PowerDropped => {
+                (Code::PowerDropped, [ticks, Arg::None, Arg::None, Arg::None])
+            }
             FailureKind::Fault => (
                 Code::FirmwareFault,
                 [Arg::Key(self.place), Arg::Key(self.within), ticks, version],
@@ -151,20 +199,12 @@ impl Failure {
             FailureKind::StackOverflow => {
                 (Code::FirmwareStack, [ticks, version, Arg::None, Arg::None])
             }
-        };
-        Alarm::new(
-            code,
-            Span {
-                line: 0,
-                column: 0,
-                end: 0,
-            },
-        )
-        .with(args)
+        }
     }
 }
 
-fn checksum(words: &[u32; 6]) -> u32 {
+/// CRC-32 of words, little-endian.
+pub(crate) fn checksum(words: &[u32]) -> u32 {
     let mut digest = CRC.digest();
     for word in words {
         digest.update(&word.to_le_bytes());
@@ -182,6 +222,7 @@ mod tests {
         within: file_key("src/tick.rs"),
         ticks: 4711,
         version: VERSION,
+        in_a_row: 2,
     };
 
     #[test]
@@ -191,6 +232,7 @@ mod tests {
             FailureKind::Panic,
             FailureKind::StackOverflow,
             FailureKind::Hung,
+            FailureKind::PowerDropped,
         ] {
             let failure = Failure { kind, ..PANIC };
             assert_eq!(Failure::decode(&failure.encode()), Some(failure));

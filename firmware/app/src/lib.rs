@@ -52,12 +52,16 @@
 
 mod background;
 mod failure;
+mod left;
 mod queues;
 mod report;
+mod reset;
 mod tick;
 
 pub use background::{BackgroundSide, Machine};
 pub use failure::{Failure, FailureKind, VERSION, file_key};
+pub use left::Left;
 pub use queues::{BackgroundPlace, PowerUp, Queues, TickerPlace};
 pub use report::{Order, Report};
+pub use reset::{ResetCause, ResetFlags};
 pub use tick::{Inputs, TickMachine, TickSide};

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use heapless::spsc::Queue;
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::{self, Detours, Events, Notice, Segments, Snapshot, Ticker};
+use leadscrew_core::board::{self, Detours, Event, Events, Notice, Segments, Snapshot, Ticker};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
@@ -13,6 +13,7 @@ use leadscrew_core::program::Position;
 use crate::background::{BackgroundSide, Ends as BackgroundEnds};
 use crate::failure::Failure;
 use crate::report::{Order, Report};
+use crate::reset::ResetCause;
 use crate::tick::{Ends as TickEnds, TickSide};
 
 // One place of a ring stays empty.
@@ -53,8 +54,10 @@ pub struct PowerUp<'a> {
     pub tap: Option<TapRecord>,
     /// Its number on the bus.
     pub node: NodeId,
-    /// Why the firmware stopped the last time: nothing moves before a reset.
+    /// Why the board stopped the last time: nothing moves before a reset, or any more.
     pub failure: Option<Failure>,
+    /// What started it.
+    pub cause: ResetCause,
 }
 
 impl Queues {
@@ -131,6 +134,11 @@ impl Queues {
             },
         );
         background.desk().power_up(up.set);
+        if up.failure.is_none()
+            && let Some(warning) = up.cause.warning()
+        {
+            background.desk().note(&Event::Warning(warning));
+        }
         background.desk().join(up.node)?;
         Ok((tick, background))
     }

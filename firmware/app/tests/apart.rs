@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use leadscrew_app::{
     BackgroundPlace, BackgroundSide, Failure, FailureKind, Inputs, Machine, PowerUp, Queues,
-    TickMachine, TickSide, TickerPlace, VERSION,
+    ResetCause, TickMachine, TickSide, TickerPlace, VERSION,
 };
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
@@ -139,8 +139,22 @@ impl Apart {
         Self::behind(params, None)
     }
 
+    /// An emergency message with this code and the number of this alarm has been sent.
+    fn has_told(&self, emergency: u16, number: u16) -> bool {
+        self.bench.sent.iter().any(|frame| {
+            let payload = frame.payload();
+            frame.id().service() == Some((Service::Emcy, NodeId::BOARD))
+                && payload[..2] == emergency.to_le_bytes()
+                && payload[3..5] == number.to_le_bytes()
+        })
+    }
+
     /// One that is switched on behind a failure.
     fn behind(params: &Params, failure: Option<Failure>) -> Self {
+        Self::started(params, failure, ResetCause::Power)
+    }
+
+    fn started(params: &Params, failure: Option<Failure>, cause: ResetCause) -> Self {
         // For good, as in an image.
         let queues = Box::leak(Box::new(Queues::new()));
         let ticker = Box::leak(Box::new(TickerPlace::uninit()));
@@ -152,6 +166,7 @@ impl Apart {
             tap: None,
             node: NodeId::BOARD,
             failure,
+            cause,
         };
         let (tick, background) = queues
             .power_up(ticker, background, &up)
@@ -446,10 +461,24 @@ fn behind_a_failure_nothing_moves_before_a_reset() {
         within: 0x0800_2345,
         ticks: 4711,
         version: VERSION,
+        in_a_row: 1,
     };
     for (failure, code) in [
         (failure, Code::FirmwareFault),
-        (Failure::hung(), Code::FirmwareHung),
+        (
+            Failure {
+                kind: FailureKind::Hung,
+                ..failure
+            },
+            Code::FirmwareHung,
+        ),
+        (
+            Failure {
+                kind: FailureKind::PowerDropped,
+                ..failure
+            },
+            Code::PowerDropped,
+        ),
     ] {
         let mut apart = Apart::behind(&params, Some(failure));
         for _ in 0..500 {
@@ -461,14 +490,11 @@ fn behind_a_failure_nothing_moves_before_a_reset() {
         );
         assert_eq!(failure.alarm().code, code);
         let number = failure.alarm().number();
-        let told = apart.bench.sent.iter().any(|frame| {
-            frame.id().service() == Some((Service::Emcy, NodeId::BOARD))
-                && frame
-                    .payload()
-                    .windows(2)
-                    .any(|two| two == number.to_le_bytes())
-        });
-        assert!(told, "an emergency message with its number");
+        let emergency = match code {
+            Code::PowerDropped => 0x3200,
+            _ => 0x6100,
+        };
+        assert!(apart.has_told(emergency, number));
         assert!(apart.bench.events.is_empty());
         apart.order(Order::Reset);
         for _ in 0..500 {
@@ -479,5 +505,61 @@ fn behind_a_failure_nothing_moves_before_a_reset() {
             apart.run("G0 X60 Z5\nM30\n", &params),
             whole(&mut sim(&params), "G0 X60 Z5\nM30\n", &params)
         );
+    }
+}
+
+#[test]
+fn behind_too_many_failures_nothing_lets_it_move() {
+    let params = Params::slant_bed();
+    let failure = Failure {
+        kind: FailureKind::Panic,
+        place: 120,
+        within: 0x1234_5678,
+        ticks: 4711,
+        version: VERSION,
+        in_a_row: Failure::LIMIT,
+    };
+    let mut apart = Apart::behind(&params, Some(failure));
+    let at_rest = State::Alarm(failure.alarm());
+    assert_eq!(failure.alarm().code, Code::FailsAgain);
+    for number in 0..4 {
+        match number {
+            1 => apart.order(Order::Reset),
+            // The application begins anew, and so it does with other parameters.
+            2 => {
+                let anew = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
+                apart.bench.others.push_back(anew);
+            }
+            3 => apart.order(Order::Reset),
+            _ => {}
+        }
+        for _ in 0..500 {
+            apart.step();
+        }
+        assert_eq!(apart.background.snapshot().state, at_rest);
+    }
+    assert!(apart.has_told(0x6100, Code::FailsAgain.number()));
+    assert!(apart.bench.events.is_empty());
+}
+
+#[test]
+fn a_reset_from_outside_is_in_the_event_log() {
+    let params = Params::slant_bed();
+    // 5040h:01, the number of the newest event.
+    let ask = [0x40, 0x40, 0x50, 0x01, 0, 0, 0, 0];
+    let ask = Frame::new(CobId::of(Service::SdoRequest, NodeId::BOARD), &ask).expect("a frame");
+    for (cause, newest) in [
+        (ResetCause::Power, 0),
+        (ResetCause::Pin, 1),
+        (ResetCause::Software, 1),
+    ] {
+        let mut apart = Apart::started(&params, None, cause);
+        apart.bench.others.push_back(ask);
+        for _ in 0..3 {
+            apart.step();
+        }
+        let reply = CobId::of(Service::SdoReply, NodeId::BOARD);
+        let told = apart.bench.sent.iter().find(|frame| frame.id() == reply);
+        assert_eq!(told.expect("an answer").payload()[4..], [newest, 0, 0, 0]);
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! Nothing that is known still holds then. All interrupts stop, and with them SYNC and setpoints: the drives stop by their own
 //! supervision. What happened is written to memory that a reset leaves as it is ([`Failure`]), and the processor starts anew;
-//! the image hands what it finds ([`take`]) to the board's power-up, which stands on an alarm until somebody has taken note.
+//! the image hands what it finds ([`left`]) to the board's power-up, which stands on an alarm until somebody has taken note.
+//! Failures in a row are counted there, too ([`begin`]).
 //!
 //! An image that links this has no other handler of `HardFault`. Its stack lies below its data, so that it runs into memory that
 //! is not there, or into a [guard](guard_stack); its `memory.x` says where: `_stack_end` and `_stack_start`. The handler needs
@@ -13,27 +14,79 @@ use core::arch::naked_asm;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 use core::ptr::{read_volatile, write_volatile};
-use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{MPU, SCB};
-use leadscrew_app::{Failure, FailureKind, VERSION, file_key};
+use leadscrew_app::{Failure, FailureKind, Left, VERSION, file_key};
 
-type Record = [u32; Failure::WORDS];
+/// What a reset leaves as it is.
+#[repr(C)]
+struct Memory {
+    head: [u32; Left::HEAD],
+    /// SYNC periods since the start.
+    ticks: u32,
+    record: [u32; Failure::WORDS],
+}
 
 // Neither loaded nor cleared at start.
 #[unsafe(link_section = ".uninit.failure")]
-static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+static mut MEMORY: MaybeUninit<Memory> = MaybeUninit::uninit();
 
-/// SYNC periods since power-up.
-static TICKS: AtomicU32 = AtomicU32::new(0);
+/// Reads one part of it.
+fn read<T>(part: *const T) -> T {
+    // SAFETY: called with parts of `MEMORY` only; they are aligned, and any bits are words.
+    unsafe { read_volatile(part) }
+}
+
+/// Writes one part of it.
+fn write<T>(part: *mut T, value: T) {
+    // SAFETY: as for reading. Ticks belong to the tick alone once that runs; the rest is written before it runs, and by
+    // handlers, which do not return.
+    unsafe { write_volatile(part, value) }
+}
+
+fn memory() -> *mut Memory {
+    (&raw mut MEMORY).cast()
+}
+
+/// The parts of it: head, ticks, record.
+fn parts() -> (*mut [u32; Left::HEAD], *mut u32, *mut [u32; Failure::WORDS]) {
+    let memory = memory();
+    // SAFETY: within `MEMORY`; nothing is read.
+    unsafe {
+        (
+            &raw mut (*memory).head,
+            &raw mut (*memory).ticks,
+            &raw mut (*memory).record,
+        )
+    }
+}
 
 /// A SYNC period has begun: called in each tick.
 pub fn tick() {
-    // Only the tick writes it; it is read when nothing else runs any more.
-    TICKS.store(
-        TICKS.load(Ordering::Relaxed).wrapping_add(1),
-        Ordering::Relaxed,
-    );
+    let (_, ticks, _) = parts();
+    write(ticks, read(ticks).wrapping_add(1));
+}
+
+/// What the run before this start has left: the image decides by it, and [begins](begin).
+#[must_use]
+pub fn left() -> Left {
+    let (head, ticks, record) = parts();
+    Left::decode(&read(head), read(ticks), &read(record))
+}
+
+/// A run begins, behind this failure, if it was one. Where there have been too many in a row, it does not.
+pub fn begin(failure: Option<&Failure>) {
+    let in_a_row = failure.map_or(0, |failure| failure.in_a_row);
+    let (head, ticks, record) = parts();
+    write(head, Left::head(in_a_row));
+    write(ticks, 0);
+    write(record, [0; Failure::WORDS]);
+    if in_a_row >= Failure::LAST {
+        cortex_m::interrupt::disable();
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
 }
 
 /// Lets nothing touch the 4 KiB below `_stack_end`, for memory that does not end there by itself. They begin at a multiple of
@@ -56,17 +109,6 @@ pub fn guard_stack(mpu: &mut MPU) {
     cortex_m::asm::isb();
 }
 
-/// What stopped the firmware before this start, once.
-#[must_use]
-pub fn take() -> Option<Failure> {
-    let place = (&raw mut RECORD).cast::<Record>();
-    // SAFETY: within `RECORD`, aligned, and any bits are words; handlers that write it do not return.
-    let record = unsafe { read_volatile(place) };
-    // SAFETY: as above.
-    unsafe { write_volatile(place, [0; Failure::WORDS]) };
-    Failure::decode(&record)
-}
-
 /// For the image's handler of panics.
 pub fn panicked(info: &PanicInfo<'_>) -> ! {
     let (line, file) = info
@@ -78,15 +120,16 @@ pub fn panicked(info: &PanicInfo<'_>) -> ! {
 /// Writes down what is known, and starts the processor anew.
 fn end(kind: FailureKind, place: u32, within: u32) -> ! {
     cortex_m::interrupt::disable();
+    let (_, ticks, record) = parts();
     let failure = Failure {
         kind,
         place,
         within,
-        ticks: TICKS.load(Ordering::Relaxed),
+        ticks: read(ticks),
         version: VERSION,
+        in_a_row: left().next(),
     };
-    // SAFETY: nothing else runs any more, and this does not return.
-    unsafe { write_volatile((&raw mut RECORD).cast(), failure.encode()) };
+    write(record, failure.encode());
     SCB::sys_reset()
 }
 

@@ -1,16 +1,17 @@
-//! What has stopped the program the last time: its own record, or the watchdog's.
+//! What has started the program, and what had stopped it: its own record, the watchdog, or the power.
 
-use leadscrew_app::Failure;
-use leadscrew_parts::ResetCause;
+use leadscrew_app::{Failure, ResetCause, ResetFlags};
 
-/// The failure before this start, if it was one; and a guard below the stack from now on.
-pub fn start(cause: ResetCause) -> Option<Failure> {
+/// The cause of this start, and the failure before it, if it was one; and a guard below the stack from now on.
+pub fn start(flags: ResetFlags) -> (ResetCause, Option<Failure>) {
     if let Some(mut core) = cortex_m::Peripherals::take() {
         leadscrew_fault::guard_stack(&mut core.MPU);
     }
-    // Without power the memory has lost its meaning, whatever it looks like.
-    let record = leadscrew_fault::take().filter(|_| cause != ResetCause::Power);
-    record.or_else(|| (cause == ResetCause::Watchdog).then(Failure::hung))
+    let left = leadscrew_fault::left();
+    let cause = ResetCause::of(flags, left.is_kept());
+    let failure = left.failure(cause);
+    leadscrew_fault::begin(failure.as_ref());
+    (cause, failure)
 }
 
 #[cfg(not(feature = "defmt"))]

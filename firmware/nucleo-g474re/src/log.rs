@@ -5,14 +5,15 @@
 #[cfg(feature = "defmt")]
 use {defmt_rtt as _, panic_probe as _};
 
+use leadscrew_app::ResetCause;
 use leadscrew_core::board::Event;
-use leadscrew_parts::ResetCause;
 
 /// The processor has started.
 #[cfg(feature = "defmt")]
 pub fn started(cause: ResetCause) {
     let cause = match cause {
         ResetCause::Power => "power",
+        ResetCause::BrownOut => "brown-out",
         ResetCause::Watchdog => "watchdog",
         ResetCause::Software => "program",
         ResetCause::Pin => "pin",

@@ -230,8 +230,7 @@ fn main() -> ! {
 /// Everything up to the first tick. What it needs on the stack is free again behind it.
 #[inline(never)]
 fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
-    let cause = reset::cause();
-    let failure = fault::start(cause);
+    let (cause, failure) = fault::start(reset::flags());
     let hardware = clock::start();
     log::started(cause);
     let mut storage = Storage(Some(flash::start(hardware.FLASH)));
@@ -257,6 +256,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         tap: tap.unwrap_or_default(),
         node: NodeId::BOARD,
         failure,
+        cause,
     };
     let (queues, ticker, background) = (QUEUES.take(), TICKER.take(), BACKGROUND.take());
     let (Some(queues), Some(ticker), Some(background)) = (queues, ticker, background) else {

@@ -1,17 +1,17 @@
 //! Why the processor started.
 
 use embassy_stm32::pac::RCC;
-use leadscrew_parts::{ResetCause, ResetFlags};
+use leadscrew_app::ResetFlags;
 
-/// The cause of the last reset; the flags are cleared, so that the next one is told from it.
-pub fn cause() -> ResetCause {
+/// The flags of the last reset; they are cleared, so that the next one is told from it.
+pub fn flags() -> ResetFlags {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));
-    ResetCause::of(ResetFlags {
+    ResetFlags {
         brown_out: flags.borrstf(),
         watchdog: flags.iwdgrstf(),
         window_watchdog: flags.wwdgrstf(),
         software: flags.sftrstf(),
         pin: flags.pinrstf(),
-    })
+    }
 }

@@ -9,7 +9,6 @@
 //! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
 //! | [`WordFlash`] | flash of words with error correction to the traits of storage |
 //! | [`Contacts`], [`Switches`] | emergency stop, feed hold and clamp, behind the traits of pins |
-//! | [`ResetCause`] | why the processor started |
 //!
 //! Knows no chip, no register and no interrupt; constants of a chip are arguments. Nothing here waits or allocates.
 
@@ -17,12 +16,10 @@ mod edges;
 mod flash;
 mod gate;
 mod panel;
-mod reset;
 mod timing;
 
 pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
 pub use gate::{Gate, Turn};
 pub use panel::{Contacts, Said, Switches};
-pub use reset::{ResetCause, ResetFlags};
 pub use timing::BitTiming;

@@ -28,3 +28,19 @@ fn a_fault_of_the_processor() {
 fn a_stack_that_runs_over() {
     fails("stack", "4366", "its stack ran over");
 }
+
+#[test]
+fn again_and_again_until_it_stays_at_rest() {
+    let board = Board::start_with(&["provoke=panic@500*3"]);
+    board.wait_for("it has failed three times", |status| {
+        status.contains("4368")
+    });
+    let said = board.good(&["status"]);
+    assert!(
+        said.contains("3 times in a row") && said.contains("alarm 4365"),
+        "{said}"
+    );
+    board.good(&["reset"]);
+    let status = board.good(&["status", "--json"]);
+    assert_eq!(field(&status, "state"), "alarm", "no reset helps");
+}

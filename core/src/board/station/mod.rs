@@ -65,7 +65,10 @@ const ANSWERS: usize = 16;
 const PATIENCE_MS: u32 = 1000;
 /// Drives that get a setpoint in every tick: X, Z, C and one spindle.
 const DRIVES: u32 = 4;
-/// Emergency codes of CiA 301: "CAN in error passive mode", "heartbeat error", "recovered from bus-off".
+/// Emergency codes of CiA 301: "voltage inside the device", "internal software", "CAN in error passive mode", "heartbeat
+/// error", "recovered from bus-off".
+const VOLTAGE: u16 = 0x3200;
+const SOFTWARE: u16 = 0x6100;
 const ERROR_PASSIVE: u16 = 0x8120;
 const HEARTBEAT_ERROR: u16 = 0x8130;
 const RECOVERED: u16 = 0x8140;
@@ -496,6 +499,12 @@ impl Station {
                     Code::GatewayLost => HEARTBEAT_ERROR,
                     Code::BusPassive => ERROR_PASSIVE,
                     Code::BusOff => RECOVERED,
+                    Code::PowerDropped => VOLTAGE,
+                    Code::FirmwareHung
+                    | Code::FirmwareFault
+                    | Code::FirmwarePanic
+                    | Code::FirmwareStack
+                    | Code::FailsAgain => SOFTWARE,
                     _ => emcy.code,
                 };
                 if let Code::BusPassive | Code::BusOff = alarm.code {

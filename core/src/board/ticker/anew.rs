@@ -13,11 +13,14 @@ use crate::units::Rpm;
 
 impl Ticker {
     /// Begins anew with `params`: the drives are brought up again, and what was known of taps in holes stays. Where it stood
-    /// comes back, as far as that is known. `None`, and nothing changes, for a set that does not pass its own checks.
-    /// `found`: what is known of the stored parameters now.
+    /// comes back, as far as that is known. `None`, and nothing changes, for a set that does not pass its own checks, and where
+    /// nothing may move any more. `found`: what is known of the stored parameters now.
     ///
     /// The machine has to stand; whoever owns the queues empties them.
     pub fn begin_anew(&mut self, params: &Params, found: Found) -> Option<Option<Position>> {
+        if self.stays_at_rest() {
+            return None;
+        }
         let position = match self.state() {
             // It has not come to know it yet, or not again.
             State::Starting => self.remembered,

@@ -32,6 +32,7 @@ impl Ticker {
     pub(super) fn reset(&mut self, ends: &Ends<'_, '_>) {
         match self.mode {
             Mode::Stopping(Then::Alarm) => return,
+            Mode::Alarm if self.stays_at_rest() => {}
             Mode::Alarm => {
                 self.drives.reset();
                 self.paused = false;

@@ -2,7 +2,7 @@
 //! behind every reset again, until a set has been taken [D115].
 
 use super::{Ends, Mode, Ticker, emit};
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, Code};
 use crate::board::event::Event;
 use crate::board::kept::Found;
 
@@ -12,6 +12,11 @@ impl Ticker {
     pub const fn begin_in_alarm(&mut self, alarm: Alarm) {
         self.alarm = alarm;
         self.mode = Mode::Alarm;
+    }
+
+    /// It has failed too often: neither a reset nor other parameters let it move any more.
+    pub(super) const fn stays_at_rest(&self) -> bool {
+        matches!(self.mode, Mode::Alarm) && matches!(self.alarm.code, Code::FailsAgain)
     }
 
     /// Says what was found of the stored parameters. To be said before the drives are up.

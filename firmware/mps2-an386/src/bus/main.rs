@@ -30,7 +30,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hio;
 use heapless::spsc::Queue;
-use leadscrew_app::{BackgroundPlace, PowerUp, Queues, TickerPlace};
+use leadscrew_app::{BackgroundPlace, PowerUp, Queues, ResetCause, TickerPlace};
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::params::Params;
@@ -57,8 +57,16 @@ fn main() -> ! {
     if let Some(mut core) = cortex_m::Peripherals::take() {
         leadscrew_fault::guard_stack(&mut core.MPU);
     }
-    let failure = leadscrew_fault::take();
-    let options = Options::read(failure.is_some());
+    let left = leadscrew_fault::left();
+    // The emulated board has no flags of a reset: it starts by its power, or behind a failure.
+    let cause = if left.is_kept() {
+        ResetCause::Software
+    } else {
+        ResetCause::Power
+    };
+    let failure = left.failure(cause);
+    leadscrew_fault::begin(failure.as_ref());
+    let options = Options::read(failure.as_ref());
     let around = PlantOptions::default();
     let mut flash = flash::RamFlash::power_up();
     let tap = flash.tap().expect("the flash can be read");
@@ -71,6 +79,7 @@ fn main() -> ! {
         tap,
         node: NodeId::BOARD,
         failure,
+        cause,
     };
     let (tick, background) = QUEUES
         .take()

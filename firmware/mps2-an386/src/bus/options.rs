@@ -1,13 +1,15 @@
 //! What the image is told when it is started: words of its command line, through semihosting.
 
 use cortex_m_semihosting::syscall1;
+use leadscrew_app::Failure;
 
 /// The options.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     /// `traffic=all`: SYNC and the process data of the drives are on the wire, too.
     pub traffic: bool,
-    /// `provoke=panic@300`: the image fails like that at this tick, if it has not failed before.
+    /// `provoke=panic@300`: the image fails like that at this tick, if it has not failed before; with `*3` behind it so many
+    /// times in a row.
     #[cfg(feature = "provoke")]
     pub provoke: Option<crate::provoke::Provoke>,
 }
@@ -26,7 +28,7 @@ impl Options {
     ///
     /// # Panics
     /// Then.
-    pub fn read(has_failed: bool) -> Self {
+    pub fn read(failure: Option<&Failure>) -> Self {
         let mut buffer = [0_u8; LONGEST];
         let mut line = Line {
             text: buffer.as_mut_ptr(),
@@ -36,7 +38,7 @@ impl Options {
         let failed = unsafe { syscall1!(GET_CMDLINE, &raw mut line) };
         let mut options = Self::default();
         #[cfg(not(feature = "provoke"))]
-        let _ = has_failed;
+        let _ = failure;
         if failed != 0 {
             return options;
         }
@@ -50,7 +52,8 @@ impl Options {
                 _ if word.starts_with("provoke=") => {
                     let how = word.trim_start_matches("provoke=");
                     let provoke = crate::provoke::Provoke::read(how).expect("a way to fail");
-                    options.provoke = Some(provoke).filter(|_| !has_failed);
+                    let failed = failure.map_or(0, |failure| failure.in_a_row);
+                    options.provoke = Some(provoke).filter(|provoke| failed < provoke.times);
                 }
                 _ => panic!("`{word}` is no option of this image"),
             }

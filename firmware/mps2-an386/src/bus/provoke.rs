@@ -17,10 +17,12 @@ pub enum Way {
 pub struct Provoke {
     way: Way,
     tick: u32,
+    /// How often, one run after the other.
+    pub times: u32,
 }
 
 impl Provoke {
-    /// `panic@300`, `fault@300`, `stack@300`.
+    /// `panic@300`, `fault@300`, `stack@300*3`.
     pub fn read(text: &str) -> Option<Self> {
         let (way, tick) = text.split_once('@')?;
         let way = match way {
@@ -29,9 +31,11 @@ impl Provoke {
             "stack" => Way::Stack,
             _ => return None,
         };
+        let (tick, times) = tick.split_once('*').unwrap_or((tick, "1"));
         Some(Self {
             way,
             tick: tick.parse().ok()?,
+            times: times.parse().ok()?,
         })
     }
 

@@ -1,0 +1,164 @@
+//! What a start finds in the memory that a reset leaves as it is, and what it makes of it.
+//!
+//! ```text
+//! start ─► head: whole, failures in a row ─► ticks count ─► a failure writes its record ─► reset ─► start
+//! ```
+//!
+//! The head has a checksum: memory behind a loss of power does not look like it. So it tells, too, whether the power was away.
+
+use crate::failure::{Failure, FailureKind, checksum};
+use crate::reset::ResetCause;
+
+/// What was left in memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Left {
+    /// Failures in a row before the last run; `None`: the memory has forgotten.
+    in_a_row: Option<u32>,
+    /// SYNC periods of the last run.
+    ticks: u32,
+    /// What a handler has written down.
+    record: Option<Failure>,
+}
+
+impl Left {
+    /// Words of the head.
+    pub const HEAD: usize = 3;
+
+    /// In front of a head.
+    const MARK: u32 = 0x4C53_4831;
+
+    /// A run of so many SYNC periods, a minute of 1 ms each, was a good one: what failed before it does not count.
+    pub const GOOD: u32 = 60_000;
+
+    /// The head of a run behind so many failures in a row.
+    #[must_use]
+    pub fn head(in_a_row: u32) -> [u32; Self::HEAD] {
+        [Self::MARK, in_a_row, checksum(&[Self::MARK, in_a_row])]
+    }
+
+    /// What the words mean: head, SYNC periods since, record.
+    #[must_use]
+    pub fn decode(head: &[u32; Self::HEAD], ticks: u32, record: &[u32; Failure::WORDS]) -> Self {
+        let &[mark, in_a_row, sum] = head;
+        let whole = mark == Self::MARK && sum == checksum(&[mark, in_a_row]);
+        Self {
+            in_a_row: whole.then_some(in_a_row),
+            ticks,
+            record: Failure::decode(record),
+        }
+    }
+
+    /// The memory is still that of the last run.
+    #[must_use]
+    pub const fn is_kept(&self) -> bool {
+        self.in_a_row.is_some()
+    }
+
+    /// Which one in a row a failure is that ended the last run.
+    #[must_use]
+    pub fn next(&self) -> u32 {
+        let before = self.in_a_row.filter(|_| self.ticks < Self::GOOD);
+        before.unwrap_or(0).saturating_add(1)
+    }
+
+    /// The failure before this start, if it was one. Somebody who presses the reset button or switches on begins anew: what
+    /// was before does not count.
+    #[must_use]
+    pub fn failure(&self, cause: ResetCause) -> Option<Failure> {
+        let told = |kind| Failure {
+            ticks: self.ticks,
+            in_a_row: self.next(),
+            ..Failure::untold(kind)
+        };
+        match cause {
+            ResetCause::Power | ResetCause::Pin => None,
+            ResetCause::Software => self.record,
+            ResetCause::Watchdog => Some(self.record.unwrap_or(told(FailureKind::Hung))),
+            ResetCause::BrownOut => Some(self.record.unwrap_or(told(FailureKind::PowerDropped))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leadscrew_core::alarm::{Arg, Code};
+
+    const NO_RECORD: [u32; Failure::WORDS] = [0; Failure::WORDS];
+
+    fn after(in_a_row: u32, ticks: u32) -> Left {
+        Left::decode(&Left::head(in_a_row), ticks, &NO_RECORD)
+    }
+
+    #[test]
+    fn a_head_tells_whether_the_memory_was_kept() {
+        assert!(after(0, 5).is_kept());
+        for word in 0..Left::HEAD {
+            for bit in 0..32 {
+                let mut head = Left::head(2);
+                head[word] ^= 1 << bit;
+                assert!(!Left::decode(&head, 5, &NO_RECORD).is_kept());
+            }
+        }
+        for word in [0, u32::MAX] {
+            assert!(!Left::decode(&[word; Left::HEAD], 5, &NO_RECORD).is_kept());
+        }
+    }
+
+    #[test]
+    fn every_cause_says_what_it_was() {
+        let left = after(0, 4711);
+        assert_eq!(left.failure(ResetCause::Power), None);
+        assert_eq!(left.failure(ResetCause::Pin), None);
+        assert_eq!(left.failure(ResetCause::Software), None, "a debugger");
+        let hung = left.failure(ResetCause::Watchdog).expect("a failure");
+        assert_eq!((hung.kind, hung.ticks), (FailureKind::Hung, 4711));
+        let dropped = left.failure(ResetCause::BrownOut).expect("a failure");
+        assert_eq!(
+            (dropped.kind, dropped.ticks),
+            (FailureKind::PowerDropped, 4711)
+        );
+        let record = Failure {
+            kind: FailureKind::Panic,
+            place: 7,
+            ..hung
+        };
+        let left = Left::decode(&Left::head(0), 1, &record.encode());
+        for cause in [
+            ResetCause::Software,
+            ResetCause::Watchdog,
+            ResetCause::BrownOut,
+        ] {
+            assert_eq!(left.failure(cause), Some(record));
+        }
+        assert_eq!(left.failure(ResetCause::Pin), None);
+    }
+
+    #[test]
+    fn failures_count_until_a_run_was_good_or_somebody_has_begun_anew() {
+        let mut in_a_row = 0;
+        for expected in 1..=4 {
+            let failure = after(in_a_row, 100)
+                .failure(ResetCause::Watchdog)
+                .expect("one");
+            in_a_row = failure.in_a_row;
+            assert_eq!(in_a_row, expected);
+            assert_eq!(failure.is_final(), expected >= Failure::LIMIT);
+        }
+        assert_eq!(after(2, Left::GOOD - 1).next(), 3);
+        assert_eq!(after(2, Left::GOOD).next(), 1);
+        assert_eq!(Left::default().next(), 1);
+        let last = after(2, 100).failure(ResetCause::BrownOut).expect("one");
+        let alarm = last.alarm();
+        assert_eq!(alarm.code, Code::FailsAgain);
+        assert_eq!(
+            alarm.args,
+            [
+                Arg::Int(3),
+                Arg::Int(Code::PowerDropped.number().into()),
+                Arg::Key(0),
+                Arg::Key(0)
+            ]
+        );
+    }
+}
