@@ -109,6 +109,11 @@ impl Desk {
         self.station.power_up(up);
     }
 
+    /// Sets the serial number of 1018h.
+    pub const fn set_serial(&mut self, serial: u32) {
+        self.station.set_serial(serial);
+    }
+
     /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
     ///
     /// # Errors

@@ -56,6 +56,7 @@ mod left;
 mod queues;
 mod report;
 mod reset;
+mod serial;
 mod tick;
 
 pub use background::{BackgroundSide, Machine};
@@ -64,4 +65,5 @@ pub use left::Left;
 pub use queues::{BackgroundPlace, PowerUp, Queues, TickerPlace};
 pub use report::{Order, Report};
 pub use reset::{ResetCause, ResetFlags};
+pub use serial::serial_of;
 pub use tick::{Inputs, TickMachine, TickSide};

@@ -54,6 +54,8 @@ pub struct PowerUp<'a> {
     pub tap: Option<TapRecord>,
     /// Its number on the bus.
     pub node: NodeId,
+    /// Its serial number (1018h:04); 0: none.
+    pub serial: u32,
     /// Why the board stopped the last time: nothing moves before a reset, or any more.
     pub failure: Option<Failure>,
     /// What started it.
@@ -139,6 +141,7 @@ impl Queues {
         {
             background.desk().note(&Event::Warning(warning));
         }
+        background.desk().set_serial(up.serial);
         background.desk().join(up.node)?;
         Ok((tick, background))
     }

@@ -139,6 +139,21 @@ impl Apart {
         Self::behind(params, None)
     }
 
+    /// A number of four bytes in the object dictionary, read within three ticks.
+    fn object(&mut self, index: u16, sub: u8) -> u32 {
+        let [low, high] = index.to_le_bytes();
+        let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
+        let request = Frame::new(request, &[0x40, low, high, sub, 0, 0, 0, 0]);
+        self.bench.others.push_back(request.expect("a frame"));
+        for _ in 0..3 {
+            self.step();
+        }
+        let reply = CobId::of(Service::SdoReply, NodeId::BOARD);
+        let told = self.bench.sent.iter().find(|frame| frame.id() == reply);
+        let value = told.expect("an answer").payload().last_chunk();
+        u32::from_le_bytes(*value.expect("eight bytes"))
+    }
+
     /// An emergency message with this code and the number of this alarm has been sent.
     fn has_told(&self, emergency: u16, number: u16) -> bool {
         self.bench.sent.iter().any(|frame| {
@@ -165,6 +180,7 @@ impl Apart {
             remembered: Some(options.at),
             tap: None,
             node: NodeId::BOARD,
+            serial: 0x1234_5678,
             failure,
             cause,
         };
@@ -545,21 +561,19 @@ fn behind_too_many_failures_nothing_lets_it_move() {
 #[test]
 fn a_reset_from_outside_is_in_the_event_log() {
     let params = Params::slant_bed();
-    // 5040h:01, the number of the newest event.
-    let ask = [0x40, 0x40, 0x50, 0x01, 0, 0, 0, 0];
-    let ask = Frame::new(CobId::of(Service::SdoRequest, NodeId::BOARD), &ask).expect("a frame");
     for (cause, newest) in [
         (ResetCause::Power, 0),
         (ResetCause::Pin, 1),
         (ResetCause::Software, 1),
     ] {
         let mut apart = Apart::started(&params, None, cause);
-        apart.bench.others.push_back(ask);
-        for _ in 0..3 {
-            apart.step();
-        }
-        let reply = CobId::of(Service::SdoReply, NodeId::BOARD);
-        let told = apart.bench.sent.iter().find(|frame| frame.id() == reply);
-        assert_eq!(told.expect("an answer").payload()[4..], [newest, 0, 0, 0]);
+        // The number of the newest event.
+        assert_eq!(apart.object(0x5040, 1), newest);
     }
+}
+
+#[test]
+fn the_serial_number_is_an_object() {
+    let mut apart = Apart::started(&Params::slant_bed(), None, ResetCause::Power);
+    assert_eq!(apart.object(0x1018, 4), 0x1234_5678);
 }

@@ -36,12 +36,12 @@ use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::entry;
-use embassy_stm32::pac::interrupt;
+use embassy_stm32::pac::{UID, interrupt};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use leadscrew_app::{
     BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide,
-    TickerPlace,
+    TickerPlace, serial_of,
 };
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
@@ -255,6 +255,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         remembered: None,
         tap: tap.unwrap_or_default(),
         node: NodeId::BOARD,
+        serial: serial_of(unique_number()),
         failure,
         cause,
     };
@@ -297,6 +298,11 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         switches: pins::switches(hardware.PC3, hardware.PB0, hardware.PA5),
     };
     (background, PARTS.put(parts))
+}
+
+/// The number that the maker gave the chip.
+fn unique_number() -> [u32; 3] {
+    [0, 1, 2].map(|word| UID.uid(word).read())
 }
 
 #[interrupt]

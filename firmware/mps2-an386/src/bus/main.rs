@@ -78,6 +78,7 @@ fn main() -> ! {
         remembered: Some(around.at),
         tap,
         node: NodeId::BOARD,
+        serial: 0,
         failure,
         cause,
     };
