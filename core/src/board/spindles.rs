@@ -11,7 +11,7 @@ use crate::bus::{
     SpindleMaster,
 };
 use crate::program::TapSpindle;
-use crate::units::{Divisor, Turns};
+use crate::units::{Divisor, Turns, signed_product};
 
 /// Periods from one turn of a spindle that is not selected to its next.
 const ROUND: u32 = 4;
@@ -173,8 +173,8 @@ impl Spindles {
 
     /// The increment nearest to a spindle angle, not wrapped.
     fn increments(&self, angle: Turns) -> i64 {
-        let product = i128::from(angle.raw()).wrapping_mul(i128::from(self.per_turn.get()));
-        (product.wrapping_add(1 << 31) >> 32) as i64
+        let wide = signed_product(angle.raw(), i64::from(self.per_turn.get()));
+        (wide.wrapping_add(1 << 31) >> 32) as i64
     }
 
     /// The last angle told, of a spindle without an encoder on the board.

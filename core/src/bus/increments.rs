@@ -5,7 +5,7 @@
 //! exact rest ([`Told`]), which is the same: nothing is lost from tick to tick, and after any path the drive stands within
 //! half an increment of the exact position.
 
-use crate::units::div_wide;
+use crate::units::{div_wide, signed_product};
 use core::num::NonZeroU32;
 
 /// A position in drive increments, as objects 607Ah and 6064h hold it.
@@ -138,8 +138,7 @@ impl Scale {
         }
         // The floor of the reciprocal makes the product too small in magnitude by less than |position| / 2⁵⁹ < 2⁻¹⁶, so
         // the quotient misses the floor of (position · n + d/2) / d by one at most, on either side.
-        let estimate =
-            ((position as i128).wrapping_mul(self.reciprocal as i128) >> Self::PLACES) as i64;
+        let estimate = (signed_product(position, self.reciprocal) >> Self::PLACES) as i64;
         let denominator = self.denominator.get() as i64;
         // Both products wrap alike; their difference is small: within ±2 d.
         let rest = position

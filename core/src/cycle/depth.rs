@@ -5,7 +5,7 @@
 use core::num::NonZero;
 
 use crate::program::Infeed;
-use crate::units::{Length, div_wide};
+use crate::units::{Length, div_wide, product, root_wide};
 
 /// Rough passes of one cycle at most; more is an alarm.
 pub(crate) const MOST_PASSES: u32 = 9999;
@@ -56,6 +56,7 @@ struct NearRoot {
 impl Depths {
     /// The sequence down to `limit` (k − d, positive) in first steps of `first` (Δd, positive) and last ones of
     /// `min_step` (Δdmin), rounded to `increment`. Lengths are within the input limit.
+    #[inline(never)]
     pub(crate) fn new(
         infeed: Infeed,
         limit: Length,
@@ -175,11 +176,11 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
         return first;
     }
     // 4·n·first² < 2² · 2¹⁴ · 2⁸⁴; the root of a floor is the floor of the root.
-    let square = u128::from(first).wrapping_mul(u128::from(first));
+    let square = product(first, first);
     let value = square.wrapping_mul(u128::from(n)).wrapping_mul(4);
     let wide = u128::from(increment.get());
     let rounded = div_wide(value, wide).and_then(|once| div_wide(once, wide));
-    let twice = rounded.unwrap_or(0).isqrt() as u64;
+    let twice = root_wide(rounded.unwrap_or(0));
     (twice.wrapping_add(1) >> 1).wrapping_mul(increment.get())
 }
 
@@ -187,6 +188,7 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
 ///
 /// `Δd·√n < Δdmin + Δd·√(n−1)`; squared (both sides are positive) `Δd² − Δdmin² < 2·Δd·Δdmin·√(n−1)`; squared again where
 /// the left side is positive. The steps decrease, so once true it stays true.
+#[inline(never)]
 fn first_clamped(first: u64, min_step: u64) -> u32 {
     if min_step == 0 {
         return u32::MAX;
@@ -206,7 +208,7 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     }
     let whole = (ratio.wrapping_mul(ratio) >> 32) as u32;
     let c = whole.wrapping_add(1);
-    if product(left, left) < times(product(right, right), c) {
+    if long_product(left, left) < times(long_product(right, right), c) {
         c.wrapping_add(1)
     } else {
         c.wrapping_add(2)
@@ -214,7 +216,7 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
 }
 
 /// A 256-bit product: (high, low). The factors here are below 2⁸⁶.
-const fn product(a: u128, b: u128) -> (u128, u128) {
+const fn long_product(a: u128, b: u128) -> (u128, u128) {
     let mask = u64::MAX as u128;
     let (a1, a0, b1, b0) = (a >> 64, a & mask, b >> 64, b & mask);
     let low = a0.wrapping_mul(b0);
@@ -228,7 +230,7 @@ const fn product(a: u128, b: u128) -> (u128, u128) {
 
 /// A 256-bit value times a small number.
 const fn times(value: (u128, u128), n: u32) -> (u128, u128) {
-    let (carry, low) = product(value.1, n as u128);
+    let (carry, low) = long_product(value.1, n as u128);
     (value.0.wrapping_mul(n as u128).wrapping_add(carry), low)
 }
 

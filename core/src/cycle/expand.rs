@@ -52,22 +52,21 @@ pub enum Moves {
 /// # Errors
 /// What the geometry of a cycle or the signals forbid, before any of its moves.
 pub fn expand(call: &Call, context: &Context<'_>) -> Result<Moves, Alarm> {
+    let mut moves = Moves::One(None);
+    moves.begin(call, context)?;
+    Ok(moves)
+}
+
+/// The move of a call that is no cycle.
+#[inline(never)]
+fn single(call: &Call, context: &Context<'_>) -> Result<Option<Move>, Alarm> {
     let at = context.at;
     let (to, kind) = match call.kind {
-        CallKind::Thread(ref thread) => {
-            return Ok(Moves::Thread(ThreadMoves::new(thread, call.span)?));
+        CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(None),
+        CallKind::Over | CallKind::Thread(_) | CallKind::Groove(_) | CallKind::Tap(_) => {
+            return Ok(None);
         }
-        CallKind::Groove(ref groove) => {
-            return Ok(Moves::Groove(GrooveMoves::new(groove, call.span)?));
-        }
-        CallKind::TapReturn(ref out) => {
-            return tap_return(out, call.span, context).map(Moves::One);
-        }
-        CallKind::Tap(ref tap) => {
-            return Ok(Moves::Tap(TapMoves::new(tap, context.signals, call.span)?));
-        }
-        CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(Moves::One(None)),
-        CallKind::Over => return Ok(Moves::One(None)),
+        CallKind::TapReturn(ref out) => return tap_return(out, call.span, context),
         CallKind::Rapid(to) => (to, MoveKind::Rapid),
         CallKind::Line(to, feed) => (to, MoveKind::Feed(feed)),
         CallKind::Arc(arc) => {
@@ -93,15 +92,29 @@ pub fn expand(call: &Call, context: &Context<'_>) -> Result<Moves, Alarm> {
         CallKind::Aux(aux) => (at, MoveKind::Aux(aux)),
         CallKind::End(code) => (at, MoveKind::Aux(Aux::M(code))),
     };
-    Ok(Moves::One(Some(Move {
+    Ok(Some(Move {
         span: call.span,
         to,
         kind,
         tag: None,
-    })))
+    }))
 }
 
 impl Moves {
+    /// Makes these the moves of `call`, as [`expand`] does: in place, for they are large.
+    ///
+    /// # Errors
+    /// As [`expand`]; these are as they were.
+    pub fn begin(&mut self, call: &Call, context: &Context<'_>) -> Result<(), Alarm> {
+        *self = match &call.kind {
+            CallKind::Thread(thread) => Self::Thread(ThreadMoves::new(thread, call.span)?),
+            CallKind::Groove(groove) => Self::Groove(GrooveMoves::new(groove, call.span)?),
+            CallKind::Tap(tap) => Self::Tap(TapMoves::new(tap, context.signals, call.span)?),
+            _ => Self::One(single(call, context)?),
+        };
+        Ok(())
+    }
+
     /// Warnings that come before the moves; some calls have one.
     #[must_use]
     pub const fn warning(&self) -> Option<Alarm> {

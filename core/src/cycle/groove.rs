@@ -11,7 +11,7 @@ use crate::units::Length;
 /// Column by column: pecks along X with a retract of e between them, Δd aside at the bottom, back to the start level, on
 /// to the next column. Targets are absolute, whatever the retract was. Moves of no length are left out. The last one ends
 /// at A. Nothing can fail once it is made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct GrooveMoves {
     span: Span,
     start: Position,
@@ -55,6 +55,7 @@ impl GrooveMoves {
     ///
     /// # Errors
     /// No depth (4109), no P, or no Q where the last column is not the first (0319), lengths out of range (4110).
+    #[inline(never)]
     pub fn new(call: &GrooveCall, span: Span) -> Result<Self, Alarm> {
         groove_ranges(call, span)?;
         let depth = call.end_x.value - call.start.x;

@@ -4,7 +4,7 @@
 
 use core::num::NonZero;
 
-use crate::units::{Lead, div_wide};
+use crate::units::{Lead, div_wide, product};
 
 /// Millionths of a degree in a turn.
 pub(crate) const TURN_UDEG: u32 = 360_000_000;
@@ -24,8 +24,8 @@ impl Helix {
     /// For one lead.
     pub(crate) fn new(lead: Lead) -> Self {
         // A Lead is positive by construction.
-        let nm = NonZero::new(lead.numerator().unsigned_abs()).unwrap_or(NonZero::<u64>::MIN);
-        let turns = lead.denominator().unsigned_abs();
+        let (nm, turns) = lead.parts();
+        let nm = NonZero::new(nm).unwrap_or(NonZero::<u64>::MIN);
         let per_nm = (nm.get() < 1 << 34).then(|| {
             let wide = u128::from(nm.get());
             let part = u128::from(turns % nm) << 64;
@@ -46,12 +46,12 @@ impl Helix {
             // Exact: the part of a turn comes out too large, by no more than 2⁻⁶⁴ + 2⁻⁸⁴ turns, which is less than 2⁻³⁵·⁵
             // millionths of a degree; a true value below a half is below it by at least 1/(2·nm) > 2⁻³⁵ of one.
             Some((high, low)) => {
-                let carried = u128::from(distance).wrapping_mul(u128::from(low)) >> 64;
+                let carried = product(distance, low) >> 64;
                 let part = distance
                     .wrapping_mul(high)
                     .wrapping_add(carried as u64)
                     .wrapping_add(1);
-                let scaled = u128::from(part).wrapping_mul(u128::from(TURN_UDEG));
+                let scaled = product(part, u64::from(TURN_UDEG));
                 (scaled.wrapping_add(1 << 63) >> 64) as u32
             }
             None => self.wide_angle(distance),
@@ -62,7 +62,7 @@ impl Helix {
     #[cold]
     fn wide_angle(&self, distance: u64) -> u32 {
         let nm = u128::from(self.nm.get());
-        let turned = u128::from(distance).wrapping_mul(u128::from(self.turns));
+        let turned = product(distance, self.turns);
         let whole = div_wide(turned, nm).unwrap_or(0);
         let part = turned.wrapping_sub(whole.wrapping_mul(nm));
         let scaled = part.wrapping_mul(u128::from(TURN_UDEG));

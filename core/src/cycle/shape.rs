@@ -12,7 +12,7 @@ use super::slope::{FINE_BITS, FINE_HALF, HalfAngle};
 use super::taper::{Taper, flip, quotient, scaled};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{CutIn, ThreadCall};
-use crate::units::{Diameter, Length};
+use crate::units::{Diameter, Length, product, signed_product};
 
 /// A point in the X–Z plane; X is a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,6 +84,7 @@ struct Leave {
 
 impl Shape {
     /// The geometry of a call, or the alarm that forbids it whatever the depths are.
+    #[inline(never)]
     pub(crate) fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         thread_ranges(call, span)?;
         let start = Point {
@@ -182,6 +183,7 @@ impl Shape {
     }
 
     /// The run-out's constants.
+    #[inline(never)]
     fn leave(
         &self,
         call: &ThreadCall,
@@ -200,8 +202,8 @@ impl Shape {
         let (x, z, end) = if self.long_x {
             // |i| ≥ |W| > 0 here.
             let size = NonZero::new(size).unwrap_or(NonZero::<u64>::MIN);
-            let slide = i128::from(travel.get()).wrapping_mul(k);
-            let back = slide.wrapping_add(i128::from(size.get()).wrapping_mul(j));
+            let slide = signed_product(travel.get() as i64, k);
+            let back = slide.wrapping_add(signed_product(size.get() as i64, j));
             let end = self.end.z - quotient(back, size).times(self.sigma);
             (
                 long.times(slant.signum()),
@@ -214,10 +216,8 @@ impl Shape {
                 },
             )
         } else {
-            let slide = i128::from(slant.nm()).wrapping_mul(k);
-            let out = i128::from(travel.get())
-                .wrapping_mul(j)
-                .wrapping_mul(i128::from(self.side));
+            let slide = signed_product(slant.nm(), k);
+            let out = signed_product(travel.get() as i64, flip(j, self.side));
             (
                 quotient(slide, travel),
                 self.end.z - long.times(self.sigma),
@@ -226,8 +226,8 @@ impl Shape {
         };
         // The line itself moves towards A by |i|·K/|W| when the thread grows from C to D: the tool must move faster.
         let grows = slant.signum() == self.side.wrapping_neg();
-        let line = u128::from(size).wrapping_mul(u128::from(length));
-        let tool = u128::from(short.nm().unsigned_abs()).wrapping_mul(u128::from(travel.get()));
+        let line = product(size, length);
+        let tool = product(short.nm().unsigned_abs(), travel.get());
         if !self.long_x && grows && line >= tool {
             return Err(
                 blame(Code::RunOutIntoThread, span, run_out.short.span, b'J').with([

@@ -3,6 +3,7 @@
 //! A cutting point is one closed expression of a depth, rounded once. So slopes carry far more bits than a nanometre
 //! needs: the tangent 63 fractional bits, products with a taper 80. Knows nothing of passes or moves.
 
+use crate::units::product;
 /// `tan(a/2)` for one whole-degree thread angle, with 63 fractional bits (an error below 2⁻⁶⁴, that is 6·10⁻¹⁸ of the
 /// smallest angle's tangent).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,8 +28,8 @@ impl HalfAngle {
     /// `depth · tan(a/2)` to the nearest nanometre, halves up. `depth` < 2⁶³.
     #[inline]
     pub(crate) const fn shift(self, depth: u64) -> u64 {
-        let product = (depth as u128).wrapping_mul(self.0 as u128);
-        (product.wrapping_add(1 << 62) >> 63) as u64
+        let wide = product(depth, self.0);
+        (wide.wrapping_add(1 << 62) >> 63) as u64
     }
 
     /// The tangent as a fine slope.

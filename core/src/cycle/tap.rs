@@ -18,7 +18,7 @@ const INFEEDS: i64 = 9999;
 /// Rapid to the hole, clamp, rapid to R; the strokes of the form; dwell; out to R; rapid to the initial level, unclamp.
 /// Targets are absolute, R ± n·q, clipped at the bottom. Moves of no length are left out. A hole with K198 ends at its
 /// bottom; the call that goes on begins with the infeed. Nothing can fail once it is made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct TapMoves {
     span: Span,
     call: TapCall,
@@ -64,6 +64,7 @@ impl TapMoves {
     /// # Errors
     /// Bottom at R or on the wrong side of it, or d > q (0207); lengths out of range (4110); more than 9999 infeeds (4130);
     /// speeds, or a depth to go on from, that no program can give (4131); two spindles selected at once (4263).
+    #[inline(never)]
     pub fn new(call: &TapCall, signals: Signals, span: Span) -> Result<Self, Alarm> {
         tap_ranges(call, span)?;
         let hand = signals.hand(call.hand);

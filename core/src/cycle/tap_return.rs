@@ -10,6 +10,7 @@ use crate::units::{Length, TurnRatio};
 ///
 /// # Errors
 /// [`Code::TapReturnNothing`] where no tap is in a hole; [`Code::TapReturnUnit`] where the unit has changed since.
+#[inline(never)]
 pub fn tap_return(
     call: &TapReturn,
     span: Span,

@@ -5,7 +5,7 @@
 use core::num::NonZero;
 
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle};
-use crate::units::{Length, Remainder, div_wide};
+use crate::units::{Length, Remainder, div_wide, product};
 
 /// What a taper adds.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,7 @@ pub(crate) struct Taper {
 
 impl Taper {
     /// The slopes of a taper of `slant` (i) over `travel`; `None` for a straight thread.
+    #[inline(never)]
     pub(crate) fn new(
         slant: Length,
         side: i64,
@@ -73,8 +74,8 @@ pub(crate) const fn flip(value: i64, sign: i64) -> i64 {
 /// `a·b/c` to the nearest nanometre, halves up.
 pub(crate) fn scaled(a: u64, b: u64, c: NonZero<u64>) -> Length {
     let c = u128::from(c.get());
-    let product = u128::from(a).wrapping_mul(u128::from(b)).wrapping_mul(2);
-    let rounded = div_wide(product.wrapping_add(c), c).unwrap_or(0) >> 1;
+    let wide = product(a, b).wrapping_mul(2);
+    let rounded = div_wide(wide.wrapping_add(c), c).unwrap_or(0) >> 1;
     Length::from_nm(rounded as i64)
 }
 

@@ -15,7 +15,7 @@ use crate::units::{Length, StartAngle};
 ///
 /// For each depth, for each start: rapid to the pass's start, synchronous run-in (E), stroke and run-out, rapid X to
 /// X_A, rapid Z to Z_A. Moves of no length are left out. The last one ends at A. Nothing can fail once it is made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct ThreadMoves {
     /// A.
     home: Point,
@@ -95,6 +95,7 @@ impl ThreadMoves {
     /// # Errors
     /// Everything that geometry forbids, before the first move: see the codes 0315, 0316 and 4100–4110. Alarms about one
     /// pass name its number.
+    #[inline(never)]
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         let shape = Shape::new(call, span)?;
         if call.starts.value == 0 {

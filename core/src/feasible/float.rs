@@ -10,9 +10,10 @@ use crate::program::{Hand, TapCall, TapSpindle};
 use crate::units::{CentiRpm, Length};
 
 /// The report of a call whose feeds have been checked.
+#[inline(never)]
 pub(super) fn floating(
     call: &TapCall,
-    moves: TapMoves,
+    moves: &mut TapMoves,
     hand: Hand,
     span: Span,
     params: &Params,

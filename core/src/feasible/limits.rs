@@ -4,7 +4,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind};
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Angle, Axis, Diameter, Length};
+use crate::units::{Angle, Axis, Diameter, Length, product, root_wide, signed_product};
 
 /// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis.
 ///
@@ -27,11 +27,10 @@ pub fn within_limits(
                 z: at.z + k,
                 c: at.c,
             };
-            for extreme in extremes(at, next.to, centre, clockwise)
-                .into_iter()
-                .flatten()
-            {
-                inside(extreme, next.span, params)?;
+            for extreme in 0..4 {
+                if let Some(extreme) = farthest(extreme, at, next.to, centre, clockwise) {
+                    inside(extreme, next.span, params)?;
+                }
             }
         }
         at = next.to;
@@ -39,6 +38,7 @@ pub fn within_limits(
     Ok(())
 }
 
+#[inline(never)]
 fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
     for axis in Axis::ALL {
         let value = match axis {
@@ -73,13 +73,16 @@ fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
 /// A vector in the Z–X plane: Z to the right, X up; counter-clockwise is G03.
 type Vector = (i64, i64);
 
-/// Where the arc from `start` to `end` around `centre` is farthest out along Z and X, as far as it gets there.
-fn extremes(
+/// Where the arc from `start` to `end` around `centre` is farthest out: along +Z (0), +X, −Z or −X (3). `None` where it
+/// does not get there.
+#[inline(never)]
+fn farthest(
+    which: u8,
     start: Position,
     end: Position,
     centre: Position,
     clockwise: bool,
-) -> [Option<Position>; 4] {
+) -> Option<Position> {
     let from = |p: Position| ((p.z - centre.z).nm(), (p.x - centre.x).nm());
     let (first, last) = if clockwise {
         (from(end), from(start))
@@ -88,22 +91,26 @@ fn extremes(
     };
     let radius = radius(first).max(radius(last));
     let minus = radius.saturating_neg();
-    [(radius, 0), (0, radius), (minus, 0), (0, minus)].map(|point| {
-        passes(first, point, last).then(|| Position {
-            x: centre.x + Length::from_nm(point.1),
-            z: centre.z + Length::from_nm(point.0),
-            c: start.c,
-        })
+    let point = match which {
+        0 => (radius, 0),
+        1 => (0, radius),
+        2 => (minus, 0),
+        _ => (0, minus),
+    };
+    passes(first, point, last).then(|| Position {
+        x: centre.x + Length::from_nm(point.1),
+        z: centre.z + Length::from_nm(point.0),
+        c: start.c,
     })
 }
 
 /// The length of a vector, rounded up.
 fn radius((z, x): Vector) -> i64 {
-    let square = |v: i64| u128::from(v.unsigned_abs()).wrapping_mul(u128::from(v.unsigned_abs()));
+    let square = |v: i64| product(v.unsigned_abs(), v.unsigned_abs());
     let sum = square(z).saturating_add(square(x));
-    let root = sum.isqrt();
-    let up = u128::from(root.wrapping_mul(root) < sum);
-    i64::try_from(root.wrapping_add(up)).unwrap_or(i64::MAX)
+    let root = root_wide(sum);
+    let up = u64::from(product(root, root) < sum);
+    i64::try_from(root.saturating_add(up)).unwrap_or(i64::MAX)
 }
 
 /// True where one comes through `point` on the way counter-clockwise from `first` to `last` (a whole turn where they
@@ -127,11 +134,11 @@ fn half(from: Vector, to: Vector) -> u8 {
 }
 
 fn cross(a: Vector, b: Vector) -> i128 {
-    let left = i128::from(a.0).wrapping_mul(i128::from(b.1));
-    left.wrapping_sub(i128::from(a.1).wrapping_mul(i128::from(b.0)))
+    let left = signed_product(a.0, b.1);
+    left.wrapping_sub(signed_product(a.1, b.0))
 }
 
 fn dot(a: Vector, b: Vector) -> i128 {
-    let left = i128::from(a.0).wrapping_mul(i128::from(b.0));
-    left.wrapping_add(i128::from(a.1).wrapping_mul(i128::from(b.1)))
+    let left = signed_product(a.0, b.0);
+    left.wrapping_add(signed_product(a.1, b.1))
 }

@@ -10,7 +10,7 @@ use crate::program::{
     Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, div_wide, mul_div};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, div_wide, mul_div, product};
 
 /// What a tapping cycle does on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,14 +59,14 @@ pub fn tap(
     span: Span,
     params: &Params,
 ) -> Result<TapReport, Alarm> {
-    let moves = TapMoves::new(call, signals, span)?;
+    let mut moves = TapMoves::new(call, signals, span)?;
     taps_with(moves.spindle(), span, params)?;
     in_step(call, span, params)?;
     for speed in [call.speed, call.extract] {
         feed(call.axis, call.lead.value, speed, span, params)?;
     }
     if call.mode == TapMode::Floating {
-        return floating(call, moves, signals.hand(call.hand), span, params);
+        return floating(call, &mut moves, signals.hand(call.hand), span, params);
     }
 
     let limits = Limits::from_params(params);
@@ -182,9 +182,9 @@ fn feed(
     };
     let most = params.max_feed(axis);
     let nm = mul_div(
-        lead.numerator().unsigned_abs(),
+        lead.parts().0,
         u64::from(speed.get().unsigned_abs()),
-        lead.denominator().unsigned_abs().saturating_mul(100),
+        lead.parts().1.saturating_mul(100),
     );
     let wanted = Feed::from_nm_per_min(i64::try_from(nm).unwrap_or(i64::MAX));
     if wanted <= most {
@@ -205,13 +205,9 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
     let feed = u64::from(rate.raw()).saturating_mul(6_000_000_000);
     let divisor = u64::from(tick_us).saturating_mul(256);
     let nm = mul_div(feed, 1, divisor);
-    let half = lead.numerator().unsigned_abs() >> 1;
-    let scaled = u128::from(nm).saturating_mul(u128::from(lead.denominator().unsigned_abs()));
-    let rounded = div_wide(
-        scaled.saturating_add(u128::from(half)),
-        u128::from(lead.numerator().unsigned_abs()),
-    )
-    .unwrap_or(0);
+    let (lead_nm, turns) = lead.parts();
+    let scaled = product(nm, turns).saturating_add(u128::from(lead_nm >> 1));
+    let rounded = div_wide(scaled, u128::from(lead_nm)).unwrap_or(0);
     CentiRpm::new(i32::try_from(rounded).unwrap_or(i32::MAX))
 }
 

@@ -8,7 +8,7 @@ use crate::cycle::{MoveKind, ThreadMoves, ThreadSummary};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
 use crate::program::ThreadCall;
-use crate::units::{Axis, Feed, Length, Rpm, mul_div};
+use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed_product};
 
 /// Different warnings, or different alarms, that one thread cycle can have.
 pub const FINDINGS: usize = 5;
@@ -72,20 +72,24 @@ pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadRe
 /// # Errors
 /// As [`thread`].
 pub fn thread_can_run(call: &ThreadCall, span: Span, params: &Params) -> Result<(), Alarm> {
-    let mut first = None;
-    examine(call, span, params, &mut |alarm| {
-        first.get_or_insert(alarm);
-    })?;
-    first.map_or(Ok(()), Err)
+    let mut first = Ok(());
+    let mut wrong = |alarm| {
+        if first.is_ok() {
+            first = Err(alarm);
+        }
+    };
+    examine(call, span, params, &mut wrong, &mut |_| {})?;
+    first
 }
 
-/// Plans the passes that ask most of the machine, and says everything that is wrong.
+/// Plans the passes that ask most of the machine, shows the plans, and says everything that is wrong.
 fn examine(
     call: &ThreadCall,
     span: Span,
     params: &Params,
     wrong: &mut impl FnMut(Alarm),
-) -> Result<(ThreadSummary, Figures), Alarm> {
+    seen: &mut impl FnMut(&ThreadPlan),
+) -> Result<ThreadSummary, Alarm> {
     let summary = summary(call, span)?;
     let speed = call.rpm.abs();
     if speed == 0 {
@@ -103,17 +107,19 @@ fn examine(
     if let Some(alarm) = pitch(call, summary.shortest_stroke) {
         wrong(alarm);
     }
-    let mut figures = Figures::default();
     if speed != 0 {
         let extremes = Extremes::of(call, span)?;
         for pass in extremes.passes() {
-            if let Err(alarm) = figures.take(call, &pass, params) {
-                wrong(alarm);
-                break;
+            match &plan(call, &pass, params, call.rpm) {
+                Ok(plan) => seen(plan),
+                Err(alarm) => {
+                    wrong(*alarm);
+                    break;
+                }
             }
         }
     }
-    Ok((summary, figures))
+    Ok(summary)
 }
 
 // Each of these has the moves of a cycle on its stack; who plans a pass has not, at the same time [D140].
@@ -132,7 +138,14 @@ pub fn thread_findings(
     params: &Params,
 ) -> Result<ThreadFindings, Alarm> {
     let mut alarms = List::default();
-    let (summary, figures) = examine(call, span, params, &mut |alarm| alarms.push(alarm))?;
+    let mut figures = Figures::default();
+    let summary = examine(
+        call,
+        span,
+        params,
+        &mut |alarm| alarms.push(alarm),
+        &mut |plan| figures.take(plan),
+    )?;
     if alarms.first().is_some() {
         return Ok(ThreadFindings {
             alarms: alarms.0,
@@ -240,12 +253,27 @@ pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Al
 }
 
 /// Plans a pass, and checks its run-out's speed.
+#[inline(never)]
 fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<ThreadPlan, Alarm> {
-    let plan = ThreadPlan::for_rpm(pass.from, pass.moves(), params, rpm)
-        .map_err(|alarm| at_word(call, alarm))?;
+    // A plan is large, and stays where it is written.
+    let mut plan = ThreadPlan::for_rpm(pass.from, pass.moves(), params, rpm);
+    match &mut plan {
+        Err(alarm) => to_word(call, alarm),
+        Ok(_) => {
+            if let Some(alarm) = run_out_too_fast(call, pass, params, rpm) {
+                plan = Err(alarm);
+            }
+        }
+    }
+    plan
+}
+
+/// The alarm for a run-out above the short axis' feed.
+#[inline(never)]
+fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Option<Alarm> {
     let last = pass.last();
-    let (MoveKind::Thread(thread), Some(run_out)) = (last.kind, call.run_out) else {
-        return Ok(plan);
+    let (MoveKind::Thread(thread), Some(run_out)) = (&last.kind, &call.run_out) else {
+        return None;
     };
     let from = pass.last_from();
     let (dx, dz) = ((last.to.x - from.x).abs(), (last.to.z - from.z).abs());
@@ -255,12 +283,12 @@ fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<Thr
         (Axis::X, dx, dz)
     };
     if pass.moves().len() < 2 || long == Length::ZERO {
-        return Ok(plan);
+        return None;
     }
     let lead_speed = mul_div(
-        thread.lead.numerator().unsigned_abs(),
+        thread.lead.parts().0,
         u64::from(rpm.abs()),
-        thread.lead.denominator().unsigned_abs(),
+        thread.lead.parts().1,
     );
     let speed = mul_div(
         lead_speed,
@@ -270,7 +298,7 @@ fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<Thr
     let speed = Feed::from_nm_per_min(i64::try_from(speed).unwrap_or(i64::MAX));
     let most = params.max_feed(short_axis);
     if speed <= most {
-        return Ok(plan);
+        return None;
     }
     let span = run_out.short.span;
     let span = if span == Span::default() {
@@ -284,7 +312,7 @@ fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<Thr
         Arg::Feed(most),
         Arg::Rpm(positive(rpm)),
     ];
-    Err(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
+    Some(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
 }
 
 /// S as it is written: without the direction.
@@ -293,7 +321,7 @@ const fn positive(rpm: Rpm) -> Rpm {
 }
 
 /// Puts the planner's alarm at the word that has to change, where it is written.
-fn at_word(call: &ThreadCall, mut alarm: Alarm) -> Alarm {
+fn to_word(call: &ThreadCall, alarm: &mut Alarm) {
     let span = match alarm.code {
         Code::LeadTooFast => call.lead.span,
         Code::RunInTooFast => call.run_in.span,
@@ -304,16 +332,13 @@ fn at_word(call: &ThreadCall, mut alarm: Alarm) -> Alarm {
     if span != Span::default() {
         alarm.span = span;
     }
-    alarm
 }
 
 /// A pitch (lead over starts) longer than the shortest stroke is a feed rate by mistake.
 fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
     let lead = call.lead.value;
     let starts = i64::from(call.starts.value.max(1));
-    let room = i128::from(stroke.nm())
-        .wrapping_mul(i128::from(lead.denominator()))
-        .wrapping_mul(i128::from(starts));
+    let room = signed_product(stroke.nm(), lead.denominator()).wrapping_mul(i128::from(starts));
     if i128::from(lead.numerator()) <= room {
         return None;
     }
@@ -422,15 +447,12 @@ struct Figures {
 }
 
 impl Figures {
-    #[inline(never)]
-    fn take(&mut self, call: &ThreadCall, pass: &Pass, params: &Params) -> Result<(), Alarm> {
-        let plan = plan(call, pass, params, call.rpm)?;
+    fn take(&mut self, plan: &ThreadPlan) {
         self.lead_in = self.lead_in.max(plan.lead_in());
         self.braking = self.braking.max(plan.braking());
         self.falling = self.falling.max(plan.falling_lead());
         self.lag = self.lag.max(plan.run_out_lag().abs());
         self.needed = self.needed.max(plan.run_out_needed());
-        Ok(())
     }
 }
 

@@ -3,7 +3,9 @@
 use super::line::ceil_sqrt;
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Direction, Length, div_wide, mul_div, mul_high, mul_wide};
+use crate::units::{
+    Direction, Length, div_wide, mul_div, mul_high, mul_wide, product, root_wide, signed_product,
+};
 
 /// How far the end may be from the circle through the start, at most; see [`Arc::new`].
 pub const ARC_TOLERANCE: Length = Length::from_nm(10_000);
@@ -64,6 +66,7 @@ impl Arc {
     /// # Errors
     ///
     /// [`ArcError`]. The end may be off the circle by [`ARC_TOLERANCE`], and by a quarter of the radius.
+    #[inline(never)]
     pub fn new(
         from: Position,
         to: Position,
@@ -99,11 +102,8 @@ impl Arc {
         let mean = r0.midpoint(r1);
         // 2⁻²⁰ nm · 2⁻⁶³ turns · 2⁻⁶⁰: 2⁻¹⁵ nm.
         let arc = mul_high(mul_high(mean, turn << 1), TAU);
-        let (arc, off) = (
-            u128::from(arc.div_ceil(1 << 15)),
-            u128::from(off.div_ceil(1 << 20)),
-        );
-        let length = ceil_sqrt(arc.wrapping_mul(arc).saturating_add(off.wrapping_mul(off))).max(1);
+        let (arc, off) = (arc.div_ceil(1 << 15), off.div_ceil(1 << 20));
+        let length = ceil_sqrt(product(arc, arc).saturating_add(product(off, off))).max(1);
         let travel = length << 16;
         let shift = travel.leading_zeros();
         let inverse = div_wide(u128::MAX >> 1, u128::from(travel << shift)).unwrap_or(0);
@@ -221,7 +221,7 @@ impl Ray {
 
     /// Its length in 2⁻²⁰ nm: below 2⁶³, of a square below 2¹²⁶.
     fn radius(&self) -> u64 {
-        mul_wide(self.dot(self) as u128, 1 << 40).isqrt() as u64
+        root_wide(mul_wide(self.dot(self) as u128, 1 << 40))
     }
 
     fn phase(&self) -> Direction {
@@ -229,14 +229,12 @@ impl Ray {
     }
 
     fn dot(&self, other: &Self) -> i128 {
-        let product = |a: i64, b: i64| i128::from(a).wrapping_mul(i128::from(b));
-        product(self.x, other.x).saturating_add(product(self.z, other.z))
+        signed_product(self.x, other.x).saturating_add(signed_product(self.z, other.z))
     }
 
     /// Positive where `other` lies from this one towards a turn from +Z to +X.
     fn cross(&self, other: &Self) -> i128 {
-        let product = |a: i64, b: i64| i128::from(a).wrapping_mul(i128::from(b));
-        product(self.z, other.x).saturating_sub(product(self.x, other.z))
+        signed_product(self.z, other.x).saturating_sub(signed_product(self.x, other.z))
     }
 
     /// The turn from this one to `other`, from +Z to +X, in 2⁻⁶² turns; a full one for the same direction. The sign of

@@ -6,7 +6,9 @@ use super::arc::Bend;
 use super::line::Line;
 use super::rate::PathRate;
 use crate::params::Params;
-use crate::units::{Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide};
+use crate::units::{
+    Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide, product, root_wide,
+};
 
 /// Whether a move is a rapid or cuts; they have different top speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,11 +145,11 @@ impl Limits {
         let wide = |value: u64| u128::from(value);
 
         // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick; beyond 2³⁶ nm of radius the second cannot matter.
-        let by_acceleration = (mul_wide(wide(acceleration), radius) >> 17).isqrt();
+        let by_acceleration = root_wide(mul_wide(wide(acceleration), radius) >> 17);
         let near = radius.min(1 << 36);
         let by_jerk = cube_root(mul_wide(wide(jerk), mul_wide(near, near)) >> 10);
         let speed = wide(u64::from(speed.min(top.raw())))
-            .min(by_acceleration)
+            .min(u128::from(by_acceleration))
             .min(wide(by_jerk.into()))
             .min(radius << 5)
             .max(2);
@@ -203,8 +205,8 @@ impl AxisLimits {
 
 /// `limit` · `ratio` / 2^`shift`, saturating.
 fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
-    let product = u128::from(limit).wrapping_mul(u128::from(ratio)) >> shift.min(63);
-    u64::try_from(product).unwrap_or(u64::MAX)
+    let wide = product(limit, ratio) >> shift.min(63);
+    u64::try_from(wide).unwrap_or(u64::MAX)
 }
 
 fn over(value: u128, divisor: u128) -> u128 {

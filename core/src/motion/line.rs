@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Angle, Length, div_wide, mul_high};
+use crate::units::{Angle, Length, div_wide, mul_high, product, root_wide};
 
 /// A straight path in X, Z and C.
 ///
@@ -28,7 +28,7 @@ impl Line {
         let dx = magnitude(from.x.nm(), to.x.nm());
         let dz = magnitude(from.z.nm(), to.z.nm());
         let dc = magnitude(from.c.udeg(), to.c.udeg());
-        let square = |d: u64| u128::from(d).wrapping_mul(u128::from(d));
+        let square = |d: u64| product(d, d);
         // Rounded up, so that no share is above one.
         let flat = ceil_sqrt(square(dx).saturating_add(square(dz)));
         let length = flat.max(dc);
@@ -121,11 +121,11 @@ const fn along(from: i64, to: i64, way: u64, share: u64) -> i64 {
 
 /// The least integer whose square is not below `value`.
 pub(super) const fn ceil_sqrt(value: u128) -> u64 {
-    let root = value.isqrt();
-    if root.wrapping_mul(root) < value {
-        root.saturating_add(1) as u64
+    let root = root_wide(value);
+    if product(root, root) < value {
+        root.saturating_add(1)
     } else {
-        root as u64
+        root
     }
 }
 

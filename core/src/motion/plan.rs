@@ -62,13 +62,13 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
         MoveKind::Rapid => {
             let line = line(from, target)?;
             let path = limits.line(&line, Pace::Rapid);
-            plan(Path::Line(line), path.speed, &path, None, span, limits).map(Some)
+            plan(Path::Line(line), path.speed, &path, None, span, limits)
         }
         MoveKind::Feed(feed) => {
             let line = line(from, target)?;
             let path = limits.line(&line, Pace::Cutting);
             let nominal = nominal(feed, line.length(), line.feed_length(), limits, span)?;
-            plan(Path::Line(line), nominal, &path, Some(feed), span, limits).map(Some)
+            plan(Path::Line(line), nominal, &path, Some(feed), span, limits)
         }
         MoveKind::Arc {
             i,
@@ -82,7 +82,7 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
                 Arc::new(from, target.to, i, k, clockwise).map_err(|error| refusal(error, span))?;
             let nominal = nominal(feed, arc.length(), arc.length(), limits, span)?;
             let path = arc_limits(&arc, nominal, limits);
-            plan(Path::Arc(arc), nominal, &path, Some(feed), span, limits).map(Some)
+            plan(Path::Arc(arc), nominal, &path, Some(feed), span, limits)
         }
         MoveKind::Thread(_)
         | MoveKind::Tap(_)
@@ -94,6 +94,7 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
 
 /// The limits of an arc. The bend takes its part of acceleration and jerk, so that a ramp which a line could just make
 /// may be too long here: then the arc is driven slower, which gives back some of both and makes the ramp shorter.
+#[inline(never)]
 fn arc_limits(arc: &Arc, nominal: PathRate, limits: &Limits) -> PathLimits {
     let bend = arc.bend();
     let mut path = limits.arc(&bend, FEED_OVERRIDE_MAX.of(nominal));
@@ -106,6 +107,7 @@ fn arc_limits(arc: &Arc, nominal: PathRate, limits: &Limits) -> PathLimits {
     path
 }
 
+#[inline(never)]
 fn line(from: Position, target: &Move) -> Result<Line, Alarm> {
     in_range(from, target.span)?;
     in_range(target.to, target.span)?;
@@ -169,6 +171,7 @@ fn nominal(
     Ok(PathRate::from_raw(scaled))
 }
 
+#[inline(never)]
 fn plan(
     path: Path,
     nominal: PathRate,
@@ -176,7 +179,7 @@ fn plan(
     feed: Option<FeedRate>,
     span: Span,
     limits: &Limits,
-) -> Result<Timed, Alarm> {
+) -> Result<Option<Timed>, Alarm> {
     let mut bounds = *bounds;
     if feed.is_some() {
         bounds.speed = bounds.speed.min(FEED_OVERRIDE_MAX.of(nominal));
@@ -191,14 +194,14 @@ fn plan(
             Arg::None,
         ]));
     };
-    Ok(Timed {
+    Ok(Some(Timed {
         path,
         length,
         nominal,
         ramp,
         exit: PathRate::ZERO,
         feed,
-    })
+    }))
 }
 
 #[cfg(test)]

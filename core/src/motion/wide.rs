@@ -2,15 +2,15 @@
 //!
 //! Every function saturates: at the end of the range where a result does not fit, and where a divisor is zero.
 
-use crate::units::div_wide;
+use crate::units::{div_wide, product, root_wide};
 
 /// a · b / c rounded up.
 #[inline(never)]
 pub(crate) fn mul_div_up(a: u64, b: u64, c: u64) -> u64 {
-    let product = u128::from(a).wrapping_mul(u128::from(b));
-    // c < 2⁶⁴ and product ≤ (2⁶⁴ − 1)²: the sum fits.
+    let wide = product(a, b);
+    // c < 2⁶⁴ and wide ≤ (2⁶⁴ − 1)²: the sum fits.
     narrow(div_wide(
-        product.wrapping_add(u128::from(c.saturating_sub(1))),
+        wide.wrapping_add(u128::from(c.saturating_sub(1))),
         u128::from(c),
     ))
 }
@@ -32,11 +32,11 @@ pub(crate) fn ratio(a: i64, b: u64, shift: u32) -> i64 {
 /// √(a · b / c) rounded up.
 #[inline(never)]
 pub(crate) fn root_mul_div_up(a: u64, b: u64, c: u64) -> u64 {
-    let product = u128::from(a).wrapping_mul(u128::from(b));
-    let Some(square) = div_wide(product, u128::from(c)) else {
+    let wide = product(a, b);
+    let Some(square) = div_wide(wide, u128::from(c)) else {
         return u64::MAX;
     };
-    narrow(Some(square.isqrt().wrapping_add(1)))
+    root_wide(square).saturating_add(1)
 }
 
 fn narrow(value: Option<u128>) -> u64 {

@@ -16,7 +16,7 @@
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles are 2⁻³² turns, speed and
 //! acceleration 2⁻⁴⁸ turns per tick and per tick², so no rounding accumulates that a lead could show.
 
-use crate::units::{Ticks, TurnRate, Turns};
+use crate::units::{Ticks, TurnRate, Turns, product};
 
 /// What the encoder hardware delivers once a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -386,7 +386,7 @@ const fn rounded(value: i64, bits: u32) -> i64 {
 
 /// Product of two numbers in 2⁻³², neither above 2.
 const fn mul(a: u64, b: u64) -> u64 {
-    ((a as u128).wrapping_mul(b as u128) >> 32) as u64
+    (product(a, b) >> 32) as u64
 }
 
 const fn clamp(value: u32, low: u32, high: u32) -> u32 {

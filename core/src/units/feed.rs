@@ -3,7 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::Length;
+use super::{Length, saturating};
 
 /// Path speed in nanometres per minute (G98), never negative.
 #[derive(
@@ -69,7 +69,7 @@ impl FeedPerTurn {
     /// The feed at a spindle speed (its magnitude).
     #[must_use]
     pub const fn at(self, rpm: Rpm) -> Feed {
-        Feed(self.0.saturating_mul(rpm.abs() as i64))
+        Feed(saturating::times(self.0, rpm.abs() as i64))
     }
 }
 
@@ -118,6 +118,12 @@ impl Lead {
     #[must_use]
     pub const fn denominator(self) -> i64 {
         self.turns
+    }
+
+    /// Both without a sign: nanometres, turns.
+    #[must_use]
+    pub const fn parts(self) -> (u64, u64) {
+        (self.nm as u64, self.turns as u64)
     }
 
     /// The lead rounded to the nearest nanometre.

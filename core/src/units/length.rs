@@ -5,6 +5,8 @@ use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::saturating;
+
 /// A length or a coordinate in nanometres: Z, a radius, a depth.
 #[derive(
     Clone,
@@ -43,25 +45,25 @@ impl Length {
     /// The magnitude.
     #[must_use]
     pub const fn abs(self) -> Self {
-        Self(self.0.saturating_abs())
+        Self(saturating::magnitude(self.0))
     }
 
     /// −1, 0 or +1.
     #[must_use]
     pub const fn signum(self) -> i64 {
-        self.0.signum()
+        saturating::sign(self.0)
     }
 
     /// `self` times a small whole number.
     #[must_use]
     pub const fn times(self, n: i64) -> Self {
-        Self(self.0.saturating_mul(n))
+        Self(saturating::times(self.0, n))
     }
 
     /// True where the magnitude is within [`Length::INPUT_LIMIT`].
     #[must_use]
     pub const fn is_in_range(self) -> bool {
-        self.0.saturating_abs() <= Self::INPUT_LIMIT.0
+        saturating::magnitude(self.0) <= Self::INPUT_LIMIT.0
     }
 }
 
@@ -82,31 +84,31 @@ impl Remainder {
         Self(raw)
     }
 
-    /// `length` with this remainder, in 2⁻¹⁵ nm.
+    /// `length`, within [`Length::INPUT_LIMIT`], with this remainder, in 2⁻¹⁵ nm.
     #[must_use]
-    pub const fn behind(self, length: Length) -> i128 {
-        ((length.0 as i128) << Self::BITS).wrapping_add(self.0 as i128)
+    pub const fn behind(self, length: Length) -> i64 {
+        (length.0 << Self::BITS).wrapping_add(self.0 as i64)
     }
 }
 
 impl Add for Length {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self(self.0.saturating_add(other.0))
+        Self(saturating::sum(self.0, other.0))
     }
 }
 
 impl Sub for Length {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self(self.0.saturating_sub(other.0))
+        Self(saturating::difference(self.0, other.0))
     }
 }
 
 impl Neg for Length {
     type Output = Self;
     fn neg(self) -> Self {
-        Self(self.0.saturating_neg())
+        Self(saturating::negative(self.0))
     }
 }
 
@@ -156,7 +158,7 @@ impl Diameter {
     /// The diameter whose half is `radius`.
     #[must_use]
     pub const fn of_radius(radius: Length) -> Self {
-        Self(radius.0.saturating_mul(2))
+        Self(saturating::times(radius.0, 2))
     }
 
     /// Half of the diameter. Exact for every programmable value; a stray odd nanometre is dropped towards zero.

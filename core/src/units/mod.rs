@@ -13,6 +13,7 @@ mod feed;
 mod length;
 mod rate;
 mod ratio;
+mod saturating;
 mod trig;
 mod wide;
 
@@ -25,4 +26,4 @@ pub use rate::{Ticks, TurnRate};
 pub use ratio::TurnRatio;
 pub use trig::Direction;
 pub use wide::{Divisor, mul_div, mul_high};
-pub(crate) use wide::{div_wide, mul_wide};
+pub(crate) use wide::{div_wide, mul_wide, product, root_wide, signed_product};

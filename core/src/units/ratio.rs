@@ -1,7 +1,7 @@
 //! Turns of a geared spindle, exactly ([`TurnRatio`]).
 
 use super::wide::div_wide;
-use super::{Lead, Length};
+use super::{Lead, Length, saturating};
 
 /// Signed spindle turns as an exact ratio; the denominator is positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,7 +16,7 @@ impl TurnRatio {
     #[must_use]
     pub const fn of_travel(travel: Length, lead: Lead) -> Self {
         Self {
-            numerator: travel.nm().saturating_mul(lead.denominator()),
+            numerator: saturating::times(travel.nm(), lead.denominator()),
             denominator: lead.numerator(),
         }
     }
@@ -25,7 +25,7 @@ impl TurnRatio {
     #[must_use]
     pub const fn reversed(self) -> Self {
         Self {
-            numerator: self.numerator.saturating_neg(),
+            numerator: saturating::negative(self.numerator),
             denominator: self.denominator,
         }
     }

@@ -4,8 +4,7 @@
 //! a quarter turn, from a short series. Good to 2⁻⁵⁸: on a circle of 1 m radius that is 4·10⁻⁹ nm.
 
 use super::Turns;
-use super::wide::div_wide;
-use super::wide::mul_high;
+use super::wide::{div_wide, mul_high, product, root_wide, signed_product};
 
 /// A direction: an angle in 2⁻⁶⁴ turns, wrapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -15,7 +14,7 @@ pub struct Direction(u64);
 const HALF_PI: u64 = 14_488_038_916_154_245_685;
 
 /// 1/2π in 2⁻⁶⁴.
-const TURNS_PER_RADIAN: i128 = 2_935_890_503_282_001_226;
+const TURNS_PER_RADIAN: i64 = 2_935_890_503_282_001_226;
 
 /// sin(k/64 of a quarter turn) in 2⁻⁶², rounded to the nearest.
 #[rustfmt::skip]
@@ -168,27 +167,25 @@ impl Direction {
         // The unit vector in 2⁻⁶², from the vector times 2^shift to use the whole of the root.
         let shift = a.max(b).leading_zeros().saturating_sub(2);
         let square = |v: u64| {
-            let v = u128::from(v << shift);
-            v.wrapping_mul(v)
+            let v = v << shift;
+            product(v, v)
         };
-        let radius = square(a).saturating_add(square(b)).isqrt();
+        let radius = u128::from(root_wide(square(a).saturating_add(square(b))));
         let unit = |v: i64| {
             let size = u128::from(v.unsigned_abs()) << (shift.saturating_add(62));
-            let size = div_wide(size, radius).unwrap_or(0) as i128;
+            let size = div_wide(size, radius).unwrap_or(0) as i64;
             if v < 0 { size.wrapping_neg() } else { size }
         };
         let (unit_along, unit_across) = (unit(along), unit(across));
+        let times = |a: i64, b: i64| (signed_product(a, b) >> 62) as i64;
         // The sine of what the guess lacks gives the angle: asin s = s + s³/6 + 3·s⁵/40 + …: after two rounds nothing
         // that counts is left.
         for _ in 0..2 {
             let (sin, cos) = phase.sin_cos();
-            let s = unit_across
-                .wrapping_mul(i128::from(cos))
-                .wrapping_sub(unit_along.wrapping_mul(i128::from(sin)))
-                >> 62;
-            let cube = (s.wrapping_mul(s) >> 62).wrapping_mul(s) >> 62;
-            let angle = s.wrapping_add(cube / 6);
-            phase = phase.turned((angle.wrapping_mul(TURNS_PER_RADIAN) >> 62) as i64);
+            let s = signed_product(unit_across, cos).wrapping_sub(signed_product(unit_along, sin));
+            let s = (s >> 62) as i64;
+            let cube = times(times(s, s), s);
+            phase = phase.turned(times(s.wrapping_add(cube / 6), TURNS_PER_RADIAN));
         }
         phase
     }

@@ -7,8 +7,48 @@
 ///
 /// A 32-bit processor needs four multiplications for it and no library call.
 #[must_use]
+#[cfg_attr(feature = "small", inline(never))]
 pub const fn mul_high(a: u64, b: u64) -> u64 {
     ((a as u128).wrapping_mul(b as u128) >> 64) as u64
+}
+
+/// `a · b`, exact.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn product(a: u64, b: u64) -> u128 {
+    (a as u128).wrapping_mul(b as u128)
+}
+
+/// `a · b`, exact.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn signed_product(a: i64, b: i64) -> i128 {
+    (a as i128).wrapping_mul(b as i128)
+}
+
+/// The root of `a`, rounded down. For the background, not for the tick.
+#[inline(never)]
+pub(crate) const fn root_wide(a: u128) -> u64 {
+    if a == 0 {
+        return 0;
+    }
+    // The whole width is used: v = a · 2^shift, and the root of a is that of v without shift/2 bits.
+    let shift = a.leading_zeros() & !1;
+    let v = a << shift;
+    // The upper half's root, and what that lacks over twice the root: at most one too many in the last place.
+    let upper = (v >> 64) as u64;
+    let half = upper.isqrt();
+    let lacks = upper.wrapping_sub(half.wrapping_mul(half));
+    let lacks = (lacks << 31) | (v as u64 >> 33);
+    let below = match lacks.checked_div(half) {
+        Some(below) => below,
+        None => 0,
+    };
+    let root = (half << 32).saturating_add(below);
+    let root = if product(root, root) > v {
+        root.wrapping_sub(1)
+    } else {
+        root
+    };
+    root >> (shift >> 1)
 }
 
 /// `a · b / c` rounded down; `u64::MAX` where that does not fit or `c` is zero. A 128-bit division: for the background,
@@ -16,8 +56,7 @@ pub const fn mul_high(a: u64, b: u64) -> u64 {
 #[must_use]
 #[inline(never)]
 pub const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
-    let product = (a as u128).wrapping_mul(b as u128);
-    match div_wide(product, c as u128) {
+    match div_wide(product(a, b), c as u128) {
         Some(q) if q <= u64::MAX as u128 => q as u64,
         _ => u64::MAX,
     }
@@ -77,6 +116,7 @@ impl Divisor {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
 
     /// Numbers with long runs of ones and zeros beside ordinary ones.
@@ -100,6 +140,22 @@ mod tests {
         for (a, b) in samples().zip(samples().skip(1)) {
             let exact = (u128::from(a) * u128::from(b)) >> 64;
             assert_eq!(u128::from(mul_high(a, b)), exact, "{a} * {b}");
+        }
+    }
+
+    #[test]
+    fn the_root_of_128_bits_is_rounded_down() {
+        let mut wide: std::vec::Vec<u128> = samples()
+            .zip(samples().skip(1))
+            .map(|(a, b)| (u128::from(a) << 64) | u128::from(b))
+            .collect();
+        for a in samples() {
+            let square = u128::from(a) * u128::from(a);
+            wide.extend([square.saturating_sub(1), square, square + 1]);
+        }
+        wide.extend((0..128).flat_map(|bit| [(1 << bit) - 1, 1 << bit, u128::MAX >> bit]));
+        for a in wide {
+            assert_eq!(u128::from(root_wide(a)), a.isqrt(), "{a}");
         }
     }
 

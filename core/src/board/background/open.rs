@@ -2,7 +2,7 @@
 
 use super::{Background, Settings, overridden};
 use crate::alarm::{Alarm, Span};
-use crate::cycle::{Context, Move, MoveKind, Moves, expand};
+use crate::cycle::{Context, Move, MoveKind, Moves};
 use crate::feasible;
 use crate::motion::{Action, FloatPlan, Plan, Stops};
 use crate::params::Params;
@@ -64,8 +64,11 @@ impl Background {
             signals,
             tap: settings.tap,
         };
-        self.moves = Some(expand(call, &context)?);
-        Ok(())
+        let begun = self.moves.insert(Moves::One(None)).begin(call, &context);
+        if begun.is_err() {
+            self.moves = None;
+        }
+        begun
     }
 
     #[inline(never)]

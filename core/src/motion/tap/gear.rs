@@ -3,7 +3,7 @@
 //! Knows a lead, a hand and a level; knows nothing of time.
 
 use crate::program::{Hand, Position, TapAxis};
-use crate::units::{Lead, Length, Turns, div_wide, mul_high};
+use crate::units::{Lead, Length, Turns, div_wide, mul_high, product, signed_product};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
 /// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
@@ -89,8 +89,8 @@ impl Gear {
                 self.factor,
             )
         } else {
-            let product = u128::from(size).wrapping_mul(u128::from(self.factor));
-            (product >> self.shift) as u64
+            let wide = product(size, self.factor);
+            (wide >> self.shift) as u64
         };
         let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
         if (way < 0) == self.falling {
@@ -104,13 +104,14 @@ impl Gear {
     /// A 128-bit division: not for the tick.
     #[must_use]
     pub fn position(&self, turns: Turns) -> Length {
-        let scaled = i128::from(turns.raw()).wrapping_mul(i128::from(self.lead.numerator()));
-        let unit = i128::from(self.lead.denominator()) << 32;
-        let way = scaled
-            .wrapping_add(unit >> 1)
-            .checked_div_euclid(unit)
-            .unwrap_or(0);
+        let scaled = signed_product(turns.raw(), self.lead.numerator());
+        let unit = u128::from(self.lead.parts().1) << 32;
+        let above = scaled.wrapping_add((unit >> 1) as i128);
+        // Rounded down, below zero as above it.
+        let rounding = if above < 0 { unit.wrapping_sub(1) } else { 0 };
+        let way = div_wide(above.unsigned_abs().wrapping_add(rounding), unit).unwrap_or(0);
         let way = Length::from_nm(i64::try_from(way).unwrap_or(i64::MAX));
+        let way = if above < 0 { -way } else { way };
         if self.falling {
             self.level - way
         } else {

@@ -188,12 +188,12 @@ const fn axes(shape: &Shape) -> (Axis, Axis) {
 
 /// Numerator of a lead.
 pub(super) const fn lead_nm(lead: Lead) -> u64 {
-    lead.numerator().unsigned_abs()
+    lead.parts().0
 }
 
 /// Denominator of a lead.
 pub(super) const fn lead_turns(lead: Lead) -> u64 {
-    lead.denominator().unsigned_abs()
+    lead.parts().1
 }
 
 /// Nanometres per second at 2⁻³² turns per second, rounded up.

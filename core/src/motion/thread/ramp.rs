@@ -6,7 +6,7 @@
 
 use crate::motion::ease::{Bounds, Ease, Fine};
 use crate::motion::wide::{mul_div_up, ratio, root_mul_div_up};
-use crate::units::mul_div;
+use crate::units::{mul_div, product, signed_product};
 
 /// Short-axis travel per long-axis travel in 2⁻⁴⁰.
 pub(crate) type Slope = i64;
@@ -18,8 +18,8 @@ pub(crate) const DIAGONAL: u64 = 1 << SLOPE_BITS;
 
 /// `way` · `slope`, rounded to the nearest 2⁻¹⁶ nm.
 pub(crate) fn along(way: Fine, slope: Slope) -> Fine {
-    let product = i128::from(way).wrapping_mul(i128::from(slope));
-    (product.wrapping_add(1 << (SLOPE_BITS - 1)) >> SLOPE_BITS) as i64
+    let wide = signed_product(way, slope);
+    (wide.wrapping_add(1 << (SLOPE_BITS - 1)) >> SLOPE_BITS) as i64
 }
 
 /// The slope that makes `rise` over `way`; `way` positive.
@@ -34,9 +34,9 @@ pub(crate) fn inverse(slope: u64) -> Slope {
 
 /// A speed of the long axis (nm/s) seen on the short one.
 pub(crate) fn seen(speed: u64, slope: u64) -> u64 {
-    let product = u128::from(speed).wrapping_mul(u128::from(slope));
+    let wide = product(speed, slope);
     // Up, so that no limit is missed by the rounding.
-    let up = product.saturating_add(u128::from(DIAGONAL - 1)) >> SLOPE_BITS;
+    let up = wide.saturating_add(u128::from(DIAGONAL - 1)) >> SLOPE_BITS;
     u64::try_from(up).unwrap_or(u64::MAX)
 }
 

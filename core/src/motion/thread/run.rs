@@ -6,7 +6,7 @@ use super::ramp::along;
 use crate::alarm::{Alarm, Code};
 use crate::motion::ease::{Ease, Fine};
 use crate::program::Position;
-use crate::units::{Length, TurnRate, Turns};
+use crate::units::{Length, TurnRate, Turns, signed_product};
 
 /// Where in its pass the tool is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -337,5 +337,5 @@ impl ThreadRun {
 
 /// `fine` · `share` (2⁻³¹).
 fn scaled(fine: Fine, share: i64) -> Fine {
-    (i128::from(fine).wrapping_mul(i128::from(share)) >> 31) as i64
+    (signed_product(fine, share) >> 31) as i64
 }

@@ -36,16 +36,17 @@ impl Shape {
     /// # Errors
     /// [`Code::ThreadMovesMixed`] unless they are a stroke with at most one run-in and one run-out.
     pub fn of(from: Position, moves: &[Move]) -> Result<Self, Alarm> {
-        let nowhere = Alarm::new(Code::ThreadMovesMixed, Span::default());
-        let first = moves.first().ok_or(nowhere)?;
-        let mixed = Alarm::new(Code::ThreadMovesMixed, first.span);
+        let mixed = |span| Err(Alarm::new(Code::ThreadMovesMixed, span));
+        let Some(first) = moves.first() else {
+            return mixed(Span::default());
+        };
         let MoveKind::Thread(thread) = first.kind else {
-            return Err(mixed);
+            return mixed(first.span);
         };
         let (mut run_in, mut stroke, mut run_out) = (None, None, None);
         for each in moves {
             if !matches!(each.kind, MoveKind::Thread(_)) {
-                return Err(mixed);
+                return mixed(first.span);
             }
             let place = match each.tag.map(|tag| tag.stage) {
                 Some(Stage::RunIn) => &mut run_in,
@@ -53,10 +54,12 @@ impl Shape {
                 _ => &mut stroke,
             };
             if place.replace(each.to).is_some() {
-                return Err(mixed);
+                return mixed(first.span);
             }
         }
-        let stroke = stroke.ok_or(mixed)?;
+        let Some(stroke) = stroke else {
+            return mixed(first.span);
+        };
         let end = run_out.unwrap_or(stroke);
 
         let split = |p: Position| {

@@ -37,6 +37,7 @@ pub(super) struct Law {
 
 impl Law {
     /// The law of a hole `length` deep. `None` for a lead that cannot be geared.
+    #[inline(never)]
     pub(super) fn new(
         axis: TapAxis,
         level: Length,
@@ -48,10 +49,7 @@ impl Law {
     ) -> Option<Self> {
         let inward = (bottom - level).signum();
         let gear = Gear::new(axis, level, inward, lead, hand)?;
-        let (nm, turns) = (
-            lead.numerator().unsigned_abs(),
-            lead.denominator().unsigned_abs(),
-        );
+        let (nm, turns) = lead.parts();
         let whole = mul_div(nm, 1, turns);
         let below = nm.wrapping_sub(whole.wrapping_mul(turns));
         let length = (bottom - level).abs().nm().wrapping_shl(16);
@@ -146,10 +144,7 @@ impl Law {
 
 /// The angle of a travel, rounded up: background work.
 fn turns_of(lead: Lead, travel: Fine) -> i64 {
-    let (nm, turns) = (
-        lead.numerator().unsigned_abs(),
-        lead.denominator().unsigned_abs(),
-    );
+    let (nm, turns) = (lead.parts().0, lead.parts().1);
     let scaled = mul_div_up(
         travel.max(0).unsigned_abs(),
         turns.saturating_mul(1 << 16),

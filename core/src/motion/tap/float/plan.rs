@@ -276,7 +276,6 @@ fn turns_of(length: Length, lead: Lead) -> i64 {
 
 /// Nanometres per second (or per second²) at 2⁻³² turns per second (second²), rounded up.
 fn travel(lead: Lead, rate: u64) -> u64 {
-    let nm = lead.numerator().unsigned_abs();
-    let turns = lead.denominator().unsigned_abs();
+    let (nm, turns) = lead.parts();
     mul_div_up(mul_div_up(nm, 1 << 16, turns), rate, 1 << 48)
 }

@@ -1,0 +1,40 @@
+//! 64-bit arithmetic that saturates, each operation written once.
+//!
+//! On a 32-bit processor each of them is a dozen instructions or more. Where time counts the compiler puts them in place;
+//! an image that has to be small has them here once (feature `small`) [D143].
+
+/// a + b.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn sum(a: i64, b: i64) -> i64 {
+    a.saturating_add(b)
+}
+
+/// a − b.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn difference(a: i64, b: i64) -> i64 {
+    a.saturating_sub(b)
+}
+
+/// a · b.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn times(a: i64, b: i64) -> i64 {
+    a.saturating_mul(b)
+}
+
+/// −a.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn negative(a: i64) -> i64 {
+    a.saturating_neg()
+}
+
+/// |a|.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn magnitude(a: i64) -> i64 {
+    a.saturating_abs()
+}
+
+/// −1, 0 or +1.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn sign(a: i64) -> i64 {
+    a.signum()
+}
