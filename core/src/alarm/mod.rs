@@ -97,6 +97,7 @@ pub struct Alarm {
 impl Alarm {
     /// A condition at a place, without a word.
     #[must_use]
+    #[cfg_attr(feature = "small", inline(never))]
     pub const fn new(code: Code, span: Span) -> Self {
         Self {
             code,
@@ -108,6 +109,7 @@ impl Alarm {
 
     /// Names the word to blame.
     #[must_use]
+    #[cfg_attr(feature = "small", inline(never))]
     pub const fn word(mut self, letter: u8) -> Self {
         self.word = Some(letter);
         self
@@ -115,6 +117,7 @@ impl Alarm {
 
     /// Gives the figures of the template.
     #[must_use]
+    #[cfg_attr(feature = "small", inline(never))]
     pub const fn with(mut self, args: [Arg; 4]) -> Self {
         self.args = args;
         self
