@@ -2,7 +2,8 @@
 //!
 //! What a function takes is the sum of everything in its code that lowers the stack pointer; whom it calls, its relocations
 //! say (the image was linked with them kept). A call through a pointer may reach every function whose address stands in a
-//! table. So the bound holds whatever the program does, and may be more than it ever does.
+//! table; one that sets the stack pointer anew ends its way. So the bound holds whatever the program does, and may be more
+//! than it ever does.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
@@ -60,6 +61,8 @@ struct Frame {
     bytes: u64,
     /// It calls through a register.
     indirect: bool,
+    /// It empties the stack: what it calls lies on nothing.
+    empties: bool,
 }
 
 /// The functions of an image, and who calls whom.
@@ -154,6 +157,9 @@ impl Stacks {
         if frame.indirect {
             called.extend(&self.listed);
         }
+        if frame.empties {
+            called.clear();
+        }
         let mut deepest = Deepest::default();
         for callee in called {
             let way = self.from(callee, above)?;
@@ -238,6 +244,7 @@ impl Code<'_> {
             };
             frame.bytes += lowered;
             frame.indirect |= !wide && is_indirect(first);
+            frame.empties |= wide && is_new_stack(first, second);
             at += if wide { 4 } else { 2 };
         }
         Ok(Some(frame))
@@ -247,6 +254,11 @@ impl Code<'_> {
 /// `blx` through a register, or `bx` through any but the return address.
 const fn is_indirect(code: u16) -> bool {
     code & 0xFF87 == 0x4780 || code & 0xFF87 == 0x4700 && code != 0x4770
+}
+
+/// `msr msp`: the stack pointer is set anew.
+const fn is_new_stack(first: u16, second: u16) -> bool {
+    first & 0xFFF0 == 0xF380 && second == 0x8808
 }
 
 /// By how much an instruction lowers the stack pointer; `None` where only a register knows.
@@ -332,5 +344,7 @@ mod tests {
         // blx r3; bx r12; bx lr
         assert!(is_indirect(0x4798) && is_indirect(0x4760));
         assert!(!is_indirect(0x4770));
+        // msr msp, r1; msr psp, r1
+        assert!(is_new_stack(0xF381, 0x8808) && !is_new_stack(0xF381, 0x8809));
     }
 }

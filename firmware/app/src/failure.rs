@@ -7,7 +7,9 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
 
 /// What stopped it.
+// A byte, so that it goes through a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub enum FailureKind {
     /// A fault of the processor: an instruction or an address that does not exist.
     Fault,

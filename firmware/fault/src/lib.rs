@@ -117,9 +117,19 @@ pub fn panicked(info: &PanicInfo<'_>) -> ! {
     end(FailureKind::Panic, line, file_key(file))
 }
 
-/// Writes down what is known, and starts the processor anew.
-fn end(kind: FailureKind, place: u32, within: u32) -> ! {
-    cortex_m::interrupt::disable();
+/// Writes down what is known, and starts the processor anew. With a stack that is empty: so it adds nothing to the deepest.
+#[unsafe(naked)]
+extern "C" fn end(kind: FailureKind, place: u32, within: u32) -> ! {
+    naked_asm!(
+        "cpsid i",
+        "ldr r3, =_stack_start",
+        "msr msp, r3",
+        "b {write_down}",
+        write_down = sym write_down,
+    )
+}
+
+extern "C" fn write_down(kind: FailureKind, place: u32, within: u32) -> ! {
     let (_, ticks, record) = parts();
     let failure = Failure {
         kind,
