@@ -91,14 +91,20 @@ impl Drives {
     /// A frame from the bus.
     pub(super) fn hear(&mut self, frame: &Frame) {
         // Whose it could be shows in seven bits; the drive itself looks closer.
-        let node = frame.id().get() & 0x7F;
-        for drive in &mut self.axes {
-            if u16::from(drive.config().node.get()) == node {
-                drive.receive(frame);
-                return;
-            }
-        }
-        self.spindles.hear(node, frame);
+        let node = (frame.id().get() & 0x7F) as u8;
+        let [x, z, c] = &mut self.axes;
+        let drive = if node == NodeId::DRIVE_X.get() {
+            x
+        } else if node == NodeId::DRIVE_Z.get() {
+            z
+        } else if node == NodeId::DRIVE_C.get() {
+            c
+        } else if let Some(spindle) = self.spindles.of_node(node) {
+            spindle
+        } else {
+            return;
+        };
+        drive.receive(frame);
     }
 
     /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by

@@ -15,8 +15,8 @@ pub struct Operator {
     pub single_block: bool,
     /// The inputs, as they were set last.
     pub signals: Signals,
-    feed: u8,
-    rapid: u8,
+    feed: Override,
+    rapid: Override,
     spindle: u8,
     /// An emergency stop, or a stop with an alarm of its own, for the next tick.
     stop: Option<Code>,
@@ -39,8 +39,8 @@ impl Operator {
             hold: false,
             single_block: false,
             signals: Signals::POWER_UP,
-            feed: 100,
-            rapid: 100,
+            feed: Override::FULL,
+            rapid: Override::FULL,
             spindle: 100,
             stop: None,
             trouble: None,
@@ -70,8 +70,8 @@ impl Operator {
                 self.reset = false;
             }
             Command::SingleBlock(on) => self.single_block = on,
-            Command::FeedOverride(percent) => self.feed = clamp(percent, 0, 150),
-            Command::RapidOverride(percent) => self.rapid = clamp(percent, 0, 100),
+            Command::FeedOverride(percent) => self.feed = Override::of(clamp(percent, 0, 150)),
+            Command::RapidOverride(percent) => self.rapid = Override::of(clamp(percent, 0, 100)),
             Command::SpindleOverride(percent) => self.spindle = clamp(percent, 50, 120),
         }
     }
@@ -127,31 +127,49 @@ impl Operator {
     /// Feed override.
     #[must_use]
     pub const fn feed(&self) -> Rate {
-        Rate::percent(self.feed)
+        self.feed.rate
     }
 
     /// Rapid override.
     #[must_use]
     pub const fn rapid(&self) -> Rate {
-        Rate::percent(self.rapid)
+        self.rapid.rate
     }
 
     /// Feed override in percent.
     #[must_use]
     pub const fn feed_percent(&self) -> u8 {
-        self.feed
+        self.feed.percent
     }
 
     /// Rapid override in percent.
     #[must_use]
     pub const fn rapid_percent(&self) -> u8 {
-        self.rapid
+        self.rapid.percent
     }
 
     /// Spindle override in percent.
     #[must_use]
     pub const fn spindle_percent(&self) -> u8 {
         self.spindle
+    }
+}
+
+/// An override as it was set, and the rate that is, which every tick asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Override {
+    percent: u8,
+    rate: Rate,
+}
+
+impl Override {
+    const FULL: Self = Self::of(100);
+
+    const fn of(percent: u8) -> Self {
+        Self {
+            percent,
+            rate: Rate::percent(percent),
+        }
     }
 }
 

@@ -63,26 +63,33 @@ impl Spindles {
         masters.map(SpindleMaster::drive_mut)
     }
 
-    /// A frame from the bus that comes from this node.
-    pub(super) fn hear(&mut self, node: u16, frame: &Frame) {
-        // Most often it is the one that every machine has.
-        let [first, ..] = &mut self.masters;
-        if u16::from(first.drive().config().node.get()) == node {
-            first.drive_mut().receive(frame);
-            return;
+    /// The drive of this node, if there is one.
+    pub(super) const fn of_node(&mut self, node: u8) -> Option<&mut DriveMaster> {
+        const FIRST: u8 = NodeId::SPINDLE_1.get();
+        const SECOND: u8 = NodeId::SPINDLE_2.get();
+        const THIRD: u8 = NodeId::SPINDLE_3.get();
+        const FOURTH: u8 = NodeId::SPINDLE_4.get();
+        let spindle = match node {
+            FIRST => TapSpindle::First,
+            SECOND => TapSpindle::Second,
+            THIRD => TapSpindle::Third,
+            FOURTH => TapSpindle::Fourth,
+            _ => return None,
+        };
+        if spindle.number() > self.present {
+            return None;
         }
-        let mine = self
-            .drives_mut()
-            .find(|drive| u16::from(drive.config().node.get()) == node);
-        if let Some(drive) = mine {
-            drive.receive(frame);
-        }
+        Some(pick_mut(&mut self.masters, spindle).drive_mut())
     }
 
     /// The first latched failure.
     pub(super) fn failure(&self) -> Option<Alarm> {
-        let [first, ..] = &self.masters;
-        if self.present == 1 && !first.drive().has_failed() {
+        // Those that are not there do not fail.
+        if !self
+            .masters
+            .iter()
+            .any(|master| master.drive().has_failed())
+        {
             return None;
         }
         self.drives().find_map(DriveMaster::alarm)

@@ -347,7 +347,10 @@ impl Ticker {
             feed: self.operator.feed(),
             rapid: self.operator.rapid(),
             hold: self.operator.hold,
-            more: self.source == Source::Program && ends.segments.has_second(),
+            // Asked for where a stroke waits.
+            more: self.executor.is_waiting()
+                && self.source == Source::Program
+                && ends.segments.has_second(),
         };
         let current = ends.current(self.source);
         if let Err(alarm) = self.executor.tick(&conditions, current, setpoint) {

@@ -36,7 +36,8 @@ pub struct Conditions<'a> {
     pub rapid: Rate,
     /// Feed hold is asked for.
     pub hold: bool,
-    /// What comes next is in the queue: a stroke may begin, its retract is there.
+    /// What comes next is in the queue: a stroke may begin, its retract is there. Matters while it
+    /// [waits](Executor::is_waiting).
     pub more: bool,
 }
 
@@ -232,6 +233,12 @@ impl Executor {
             Active::Thread(run) => Some(run),
             _ => None,
         }
+    }
+
+    /// True while a pass waits for its spindle and for what comes behind it.
+    #[must_use]
+    pub const fn is_waiting(&self) -> bool {
+        matches!(self.active, Active::Waiting(_))
     }
 
     /// True while a tap is under way.

@@ -202,19 +202,16 @@ fn no_limit_is_exceeded_and_every_pass_ends_exactly() {
         let mut z = Watch::new(&case.params, Axis::Z, case.from.z.nm());
         let mut thread = start(&case, &plan);
         let mut end = case.from;
-        ticks += u64::from(run(
-            &plan,
-            &mut thread,
-            |tick| Turns::from_raw(step * i64::from(tick)),
-            |_, _, point| {
-                x.see(point.position.x.nm());
-                z.see(point.position.z.nm());
-                if point.phase == Phase::Locked {
-                    assert_eq!(long(&case, point.position), point.exact.nm());
-                }
-                end = point.position;
-            },
-        ));
+        let angle = |tick| Turns::from_raw(step * i64::from(tick));
+        ticks += u64::from(run(&plan, &mut thread, angle, |tick, run, point| {
+            x.see(point.position.x.nm());
+            z.see(point.position.z.nm());
+            if point.phase == Phase::Locked {
+                let exact = run.helix(&plan).at(angle(tick));
+                assert_eq!(long(&case, point.position), exact.nm());
+            }
+            end = point.position;
+        }));
         for _ in 0..3 {
             x.see(end.x.nm());
             z.see(end.z.nm());

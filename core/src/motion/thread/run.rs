@@ -1,7 +1,7 @@
 //! A pass running: the spindle's angle in, a setpoint out, once a tick. No division, no loop.
 
 use super::path::{Helix, Out};
-use super::plan::{ThreadPlan, whole};
+use super::plan::ThreadPlan;
 use super::ramp::along;
 use crate::alarm::{Alarm, Code};
 use crate::motion::ease::{Ease, Fine};
@@ -30,8 +30,6 @@ pub struct ThreadPoint {
     pub position: Position,
     /// Where in the pass it lies.
     pub phase: Phase,
-    /// Where the exact helix stands on the long axis at the angle given.
-    pub exact: Length,
     /// Which move of the pass it belongs to, from 0 (run-in, stroke, run-out in order, as far as there are).
     pub move_index: u8,
 }
@@ -133,28 +131,24 @@ impl ThreadRun {
 
     /// The setpoint for the instant at which the spindle is at `angle`.
     pub fn tick(&mut self, plan: &ThreadPlan, angle: Turns) -> ThreadPoint {
-        let measured = plan.turned(angle) - self.base;
         let (relative, step) = match self.master {
             Master::Coasting(step) => (self.angle + Turns::from_raw(step), step),
-            _ => (measured, (measured - self.angle).raw()),
+            _ => {
+                let measured = plan.turned(angle) - self.base;
+                (measured, (measured - self.angle).raw())
+            }
         };
         self.angle = relative;
         self.step = step;
-        let helix = plan.travel.at(relative);
-        let (way, phase) = self.law(plan, relative, helix);
+        let (way, phase) = self.law(plan, relative);
         self.way = way;
         self.phase = phase;
         if phase == Phase::Done {
             self.master = Master::Rest(way);
         }
-        let exact = match self.master {
-            Master::Spindle => helix,
-            _ => plan.travel.at(measured),
-        };
         ThreadPoint {
             position: plan.position(way, self.out),
             phase,
-            exact: plan.long_at(whole(exact)),
             move_index: plan.move_index(way, self.out.is_some()),
         }
     }
@@ -305,7 +299,7 @@ impl ThreadRun {
     }
 
     /// The long axis' way from the start point, and the phase.
-    fn law(&mut self, plan: &ThreadPlan, relative: Turns, helix: Fine) -> (Fine, Phase) {
+    fn law(&mut self, plan: &ThreadPlan, relative: Turns) -> (Fine, Phase) {
         match &mut self.master {
             Master::Rest(way) => return (*way, Phase::Done),
             Master::Stopping { left, share, rest } => {
@@ -319,6 +313,7 @@ impl ThreadRun {
         if (relative + plan.join_angle).raw() <= 0 {
             return (0, Phase::Waiting);
         }
+        let helix = plan.travel.at(relative);
         if helix < plan.join.half() {
             return (plan.join.at(helix), Phase::Joining);
         }
