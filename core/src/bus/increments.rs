@@ -102,7 +102,11 @@ impl Scale {
         if is_beyond(position) {
             return None;
         }
-        let moved = i32::try_from(position.wrapping_sub(last.position)).ok()?;
+        let way = position.wrapping_sub(last.position);
+        let moved = way as i32;
+        if i64::from(moved) != way {
+            return None;
+        }
         let numerator = i32::try_from(self.numerator.get()).ok()?;
         let rest = moved
             .checked_mul(numerator)?
@@ -208,9 +212,9 @@ impl Scale {
     }
 }
 
-/// Not within ±2⁴³.
+/// Not within ±2⁴³: to be seen in the upper half alone.
 const fn is_beyond(position: i64) -> bool {
-    (position >> 43).wrapping_add(1) as u64 > 1
+    ((position >> 32) as i32).wrapping_add(1 << 11) as u32 >= 1 << 12
 }
 
 #[cfg(test)]

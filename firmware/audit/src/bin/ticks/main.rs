@@ -10,6 +10,8 @@ use audit::work::{self, Counter};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio;
+// As the board's image has it.
+use leadscrew_memory as _;
 
 mod count;
 mod memory;
