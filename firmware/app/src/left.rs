@@ -54,11 +54,11 @@ impl Left {
         self.in_a_row.is_some()
     }
 
-    /// Which one in a row a failure is that ended the last run.
+    /// Which one in a row a failure is that ended the last run. A run in which the board stayed at rest was no good one.
     #[must_use]
     pub fn next(&self) -> u32 {
-        let before = self.in_a_row.filter(|_| self.ticks < Self::GOOD);
-        before.unwrap_or(0).saturating_add(1)
+        let counts = |before: &u32| self.ticks < Self::GOOD || *before >= Failure::LIMIT;
+        self.in_a_row.filter(counts).unwrap_or(0).saturating_add(1)
     }
 
     /// The failure before this start, if it was one. Somebody who presses the reset button or switches on begins anew: what
@@ -147,6 +147,7 @@ mod tests {
         }
         assert_eq!(after(2, Left::GOOD - 1).next(), 3);
         assert_eq!(after(2, Left::GOOD).next(), 1);
+        assert_eq!(after(3, Left::GOOD).next(), 4, "at rest for good");
         assert_eq!(Left::default().next(), 1);
         let last = after(2, 100).failure(ResetCause::BrownOut).expect("one");
         let alarm = last.alarm();

@@ -71,6 +71,9 @@ const FALLBACK: BitTiming = BitTiming {
     jump: 3,
 };
 
+/// In the flash: no copy of it is needed.
+static BUILT_IN: Params = Params::slant_bed();
+
 static QUEUES: Once<Queues> = Once::new(Queues::new());
 static TICKER: Once<TickerPlace> = Once::new(TickerPlace::uninit());
 static BACKGROUND: Once<BackgroundPlace> = Once::new(BackgroundPlace::uninit());
@@ -159,10 +162,9 @@ impl Storage {
     /// The parameters to start with. Behind [`tap`](Self::tap).
     #[inline(never)]
     fn params(&mut self) -> board::PowerUp {
-        let built_in = Params::slant_bed();
-        self.with(|store| Ok(block_on(store.power_up(&built_in))))
+        self.with(|store| Ok(block_on(store.power_up(&BUILT_IN))))
             .unwrap_or_else(|error| {
-                board::PowerUp::of(&built_in, Err(error), Err(error), Err(error))
+                board::PowerUp::of(&BUILT_IN, Err(error), Err(error), Err(error))
             })
     }
 }
