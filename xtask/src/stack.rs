@@ -339,6 +339,54 @@ mod tests {
         assert_eq!(wide_lowers(0xEBAD, 0x0D03), None);
     }
 
+    /// Functions 0 to 3, which take 8, 16, 32 and 64 bytes, and their calls.
+    fn stacks(calls: &[(u64, u64)]) -> Stacks {
+        let numbers = 0..4_u64;
+        let node = |number: u64| Node {
+            name: number.to_string(),
+            end: number + 1,
+        };
+        let frame = |number: u64| Frame {
+            bytes: 8 << number,
+            ..Frame::default()
+        };
+        let mut called: HashMap<u64, BTreeSet<u64>> = HashMap::new();
+        for (from, to) in calls {
+            called.entry(*from).or_default().insert(*to);
+        }
+        Stacks {
+            nodes: numbers.clone().map(|n| (n, node(n))).collect(),
+            frames: numbers.map(|n| (n, frame(n))).collect(),
+            calls: called,
+            listed: BTreeSet::new(),
+            known: HashMap::new(),
+        }
+    }
+
+    fn depth(mut stacks: Stacks) -> Result<u64> {
+        Ok(stacks.from(0, &mut Vec::new())?.bytes)
+    }
+
+    #[test]
+    fn the_deepest_way_counts() {
+        assert_eq!(depth(stacks(&[])).unwrap(), 8);
+        let two_ways = [(0, 1), (1, 2), (0, 2), (0, 3)];
+        assert_eq!(depth(stacks(&two_ways)).unwrap(), 8 + 64);
+        let mut by_pointer = stacks(&[(0, 1)]);
+        by_pointer.listed.insert(2);
+        by_pointer.frames.get_mut(&1).unwrap().indirect = true;
+        assert_eq!(depth(by_pointer).unwrap(), 8 + 16 + 32);
+        let mut anew = stacks(&[(0, 1), (1, 3)]);
+        anew.frames.get_mut(&1).unwrap().empties = true;
+        assert_eq!(depth(anew).unwrap(), 8 + 16);
+    }
+
+    #[test]
+    fn what_may_call_itself_has_no_bound() {
+        let around = depth(stacks(&[(0, 1), (1, 2), (2, 1)]));
+        assert!(around.unwrap_err().to_string().contains("`1`"));
+    }
+
     #[test]
     fn calls_through_a_pointer_are_told_from_returns() {
         // blx r3; bx r12; bx lr
