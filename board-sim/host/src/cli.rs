@@ -104,7 +104,7 @@ pub struct Board {
     /// An input from the start (repeatable)
     #[arg(long, value_name = "NAME=0|1")]
     pub signal: Vec<SetSignal>,
-    /// Trouble of a drive from a tick on (repeatable): silent, stuck, torque-off, fault:CODE, none
+    /// Trouble of a drive from a tick on (repeatable): silent, cut-off, stuck, torque-off, fault:CODE, none; or once: restart
     #[arg(long, value_name = "X|Z|C|S=WHAT@TICK")]
     pub trouble: Vec<Trouble>,
     /// The encoder loses or gains counts at a tick (repeatable)
@@ -128,9 +128,21 @@ pub struct Board {
     /// Runs this program by itself once the drives are up, then ends
     #[arg(long, value_name = "PROG")]
     pub program: Option<PathBuf>,
+    /// Nothing more of `--program` comes meanwhile, as from a gateway that hangs
+    #[arg(long, value_name = "TICK[..TICK]", requires = "program")]
+    pub stall: Option<spoil::Ticks>,
+    /// The version of the link that the board says it speaks, as its key, instead of its own
+    #[arg(long, value_name = "HEX", value_parser = key)]
+    pub link_key: Option<u32>,
     /// Ends after so many ticks
     #[arg(long, value_name = "N")]
     pub ticks: Option<u64>,
+}
+
+/// A key of eight hexadecimal digits.
+fn key(text: &str) -> Result<u32, String> {
+    let digits = text.strip_prefix("0x").unwrap_or(text);
+    u32::from_str_radix(digits, 16).map_err(|_| format!("`{text}`: expected a key, as `0123abcd`"))
 }
 
 /// Drives alone.

@@ -34,16 +34,17 @@ pub fn run(mut machine: Machine) -> Outcome {
         .map(|node| Expected::of(*node))
         .collect();
     let mut last = Instant::now();
+    let mut lost = false;
     while !interrupt::requested() && !machine.is_over() {
         let up = machine.since_up();
         if machine.is_busy() || up.is_none_or(|ticks| !ticks.is_multiple_of(TURN)) {
             machine.listen(Duration::ZERO)?;
-            if up.is_some() && !wait_for_program(&mut machine)? {
+            if up.is_some() && !wait_for_program(&mut machine, &mut lost)? {
                 continue;
             }
             wait_for_gateway(&mut machine)?;
             step(&mut machine, &mut drives)?;
-            if machine.is_held() || up.is_none() {
+            if machine.is_held() || up.is_none() || lost {
                 // Nothing but a person or a drive ends this: at the pace of either.
                 std::thread::sleep(machine.period());
             }
@@ -64,14 +65,17 @@ pub fn run(mut machine: Machine) -> Outcome {
     machine.conclude()
 }
 
-/// True where the tick may be taken.
-fn wait_for_program(machine: &mut Machine) -> Outcome<bool> {
+/// True where the tick may be taken. `lost`: the program has been waited for in vain, and is not again before more of it
+/// has come.
+fn wait_for_program(machine: &mut Machine, lost: &mut bool) -> Outcome<bool> {
+    *lost &= machine.awaits_program();
     let started = Instant::now();
-    while machine.awaits_program() && started.elapsed() < LOST {
+    while !*lost && machine.awaits_program() {
         if interrupt::requested() {
             return Ok(false);
         }
         machine.listen(Duration::from_millis(50))?;
+        *lost = started.elapsed() >= LOST;
     }
     Ok(true)
 }

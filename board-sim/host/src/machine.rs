@@ -18,6 +18,7 @@ use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Periods, Service}
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 
+use crate::claim::Claim;
 use crate::cli;
 use crate::program::Feeder;
 use crate::when::Script;
@@ -41,6 +42,10 @@ pub struct Machine {
     /// What the board has where nothing is stored.
     built_in: Params,
     feeder: Option<Feeder>,
+    /// Nothing comes from it.
+    stall: Option<Span>,
+    /// The version that the board says it has.
+    claim: Option<Claim>,
     output: Output,
     /// Drives' frames for the next tick.
     waiting: Vec<Frame>,
@@ -148,6 +153,8 @@ impl Machine {
                 drags: args.drag.clone(),
             },
             feeder,
+            stall: args.stall.map(|ticks| ticks.0),
+            claim: args.link_key.map(|key| Claim::new(node, key)),
             output: Output::default(),
             waiting: Vec::new(),
             out: Vec::new(),
@@ -336,14 +343,18 @@ impl Machine {
         }
         self.out.clear();
         while let Some(frame) = self.board.transmit() {
-            self.out.push(frame);
+            self.out.push(match &mut self.claim {
+                Some(claim) => claim.pass(frame),
+                None => frame,
+            });
         }
         self.send()
     }
 
     fn feed(&mut self) -> Outcome<bool> {
-        let up = self.since_up().is_some();
-        let Some(feeder) = self.feeder.as_mut().filter(|_| up) else {
+        let stalled = |tick| self.stall.is_some_and(|stall| stall.has(tick));
+        let comes = self.since_up().is_some_and(|tick| !stalled(tick));
+        let Some(feeder) = self.feeder.as_mut().filter(|_| comes) else {
             return Ok(false);
         };
         feeder.feed(&mut self.board).map_err(|alarm| {

@@ -17,8 +17,17 @@ fn at(text: &str) -> Result<(&str, u64), String> {
 pub struct Trouble {
     /// `None`: the spindle's.
     axis: Option<Axis>,
-    what: plant::Trouble,
+    what: What,
     tick: u64,
+}
+
+/// What happens to a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    /// It is in this state from then on.
+    Trouble(plant::Trouble),
+    /// It loses its power for a moment, and starts anew where it stands.
+    Restart,
 }
 
 impl FromStr for Trouble {
@@ -37,19 +46,21 @@ impl FromStr for Trouble {
             _ => return Err(format!("there is no drive `{name}`: X, Z, C and S are")),
         };
         let what = match what {
-            "none" => plant::Trouble::None,
-            "silent" => plant::Trouble::Silent,
-            "stuck" => plant::Trouble::Stuck,
-            "torque-off" => plant::Trouble::TorqueOff,
+            "none" => What::Trouble(plant::Trouble::None),
+            "silent" => What::Trouble(plant::Trouble::Silent),
+            "cut-off" => What::Trouble(plant::Trouble::CutOff),
+            "stuck" => What::Trouble(plant::Trouble::Stuck),
+            "torque-off" => What::Trouble(plant::Trouble::TorqueOff),
+            "restart" => What::Restart,
             _ => match what
                 .strip_prefix("fault:")
                 .map(|code| u16::from_str_radix(code, 16))
             {
-                Some(Ok(code)) => plant::Trouble::Fault(code),
+                Some(Ok(code)) => What::Trouble(plant::Trouble::Fault(code)),
                 _ => {
                     return Err(format!(
-                        "`{what}`: expected silent, stuck, torque-off, none, or fault: and an emergency code, as \
-                         `fault:7305`"
+                        "`{what}`: expected silent, cut-off, stuck, torque-off, restart, none, or fault: and an emergency code, \
+                         as `fault:7305`"
                     ));
                 }
             },
@@ -114,9 +125,13 @@ impl Script {
     /// Lets happen what happens at this tick.
     pub fn act(&self, tick: u64, plant: &mut Plant) {
         for trouble in self.troubles.iter().filter(|one| one.tick == tick) {
-            match trouble.axis {
-                Some(axis) => plant.drive(axis).trouble(trouble.what),
-                None => plant.spindle_drive().trouble(trouble.what),
+            let drive = match trouble.axis {
+                Some(axis) => plant.drive(axis),
+                None => plant.spindle_drive(),
+            };
+            match trouble.what {
+                What::Trouble(what) => drive.trouble(what),
+                What::Restart => drive.restart(),
             }
         }
         for slip in self.slips.iter().filter(|one| one.tick == tick) {
@@ -141,9 +156,13 @@ mod tests {
             "x=fault:7305@4000".parse(),
             Ok(Trouble {
                 axis: Some(Axis::X),
-                what: plant::Trouble::Fault(0x7305),
+                what: What::Trouble(plant::Trouble::Fault(0x7305)),
                 tick: 4000
             })
+        );
+        assert_eq!(
+            "Z=restart@9".parse::<Trouble>().map(|trouble| trouble.what),
+            Ok(What::Restart)
         );
         assert_eq!(
             "S=silent@0".parse::<Trouble>().map(|trouble| trouble.axis),

@@ -23,6 +23,8 @@ pub enum Trouble {
     None,
     /// It follows, and sends nothing.
     Silent,
+    /// Its cable is out: it hears nothing, stands where it was told to be last, and is not heard.
+    CutOff,
     /// It is told where to go, and does not move.
     Stuck,
     /// It goes into fault with this emergency error code and cannot be reset.
@@ -192,7 +194,9 @@ impl Drive {
 
     /// A frame other than SYNC.
     pub fn receive(&mut self, frame: &Frame) {
-        if let Some((command, node)) = NmtCommand::decode(frame) {
+        if self.trouble == Trouble::CutOff {
+            // Nothing comes.
+        } else if let Some((command, node)) = NmtCommand::decode(frame) {
             if node.is_none_or(|node| node == self.node) {
                 self.manage(command);
             }
@@ -210,10 +214,13 @@ impl Drive {
         }
     }
 
+    fn is_mute(&self) -> bool {
+        matches!(self.trouble, Trouble::Silent | Trouble::CutOff)
+    }
+
     /// An SDO request; the answers go to `send`.
     pub fn serve(&mut self, frame: &Frame, mut send: impl FnMut(Frame)) {
-        let silent = self.trouble == Trouble::Silent
-            || matches!(self.nmt, NmtState::BootUp | NmtState::Stopped);
+        let silent = self.is_mute() || matches!(self.nmt, NmtState::BootUp | NmtState::Stopped);
         if silent {
             return;
         }
@@ -261,7 +268,7 @@ impl Drive {
 
     /// A SYNC. `measured` is the position it reports if that is not its own to make (a spindle's).
     pub fn sync(&mut self, measured: Option<Increments>, mut send: impl FnMut(Frame)) {
-        let silent = self.trouble == Trouble::Silent;
+        let silent = self.is_mute();
         let mut send = |frame| {
             if !silent {
                 send(frame);

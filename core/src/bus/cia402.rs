@@ -101,6 +101,8 @@ pub struct Controlword(u16);
 impl Controlword {
     /// Voltage off, from any state: to switch on disabled.
     pub const DISABLE_VOLTAGE: Self = Self(0x0000);
+    /// To quick stop active: the drive brakes by itself.
+    pub const QUICK_STOP: Self = Self(0x0002);
     /// To ready to switch on.
     pub const SHUTDOWN: Self = Self(0x0006);
     /// To switched on.

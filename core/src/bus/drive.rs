@@ -15,7 +15,8 @@
 //! Each step has the same time; what does not answer within it is a [`DriveFailure`] that names the step and the
 //! statusword. A failure is latched until [`DriveMaster::reset`]; nothing is enabled again by itself. A fault or a loss of
 //! operation enabled ends the command at once, since there is nobody left to command. A following error or silence
-//! does not: the drive may still follow, and the board brakes all axes together before it disables them.
+//! does not: the drive may still follow, and the board brakes all axes together before it disables them. A silent one only
+//! as far as its following error may be from where it was last heard; beyond that it is told to stop by itself (0002h).
 
 use super::cia402::{Controlword, State, Statusword};
 use super::emcy::Emcy;
@@ -81,6 +82,8 @@ pub enum Phase {
     Step(Step),
     /// Operation enabled.
     Enabled,
+    /// It is silent, and far from where it was last heard: if it hears anything, it is to stop by itself.
+    Halted,
 }
 
 /// The frames a master wants sent, in this order.
@@ -216,7 +219,7 @@ impl DriveMaster {
         match self.phase {
             Phase::Offline | Phase::Standby => {}
             Phase::Step(Step::Contact) => self.phase = Phase::Offline,
-            Phase::Step(_) | Phase::Enabled => self.phase = Phase::Standby,
+            Phase::Step(_) | Phase::Enabled | Phase::Halted => self.phase = Phase::Standby,
         }
     }
 
@@ -374,7 +377,7 @@ impl DriveMaster {
             Phase::Offline => {}
             // It came up only now: it has not heard the first start.
             Phase::Step(Step::Contact) => self.start = true,
-            Phase::Standby | Phase::Step(_) | Phase::Enabled => {
+            Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {
                 self.fail(DriveFailure::Restarted, Phase::Offline);
             }
         }
@@ -426,13 +429,18 @@ impl DriveMaster {
             .then(|| NmtCommand::Start.frame(Some(self.config.node)));
         self.last_target = self.target;
         if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
-            self.follow(demand);
+            if self.is_out_of_reach(demand) {
+                self.phase = Phase::Halted;
+            } else {
+                self.follow(demand);
+            }
         }
         let control = match self.phase {
             // A drive that has not answered has no position to be held at.
             Phase::Offline | Phase::Step(Step::Contact) => None,
             Phase::Step(Step::Release) => Some(Controlword::DISABLE_VOLTAGE),
             Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
+            Phase::Halted => Some(Controlword::QUICK_STOP),
             Phase::Step(Step::SwitchOn) => Some(Controlword::SWITCH_ON),
             Phase::Step(Step::EnableOperation) | Phase::Enabled => {
                 Some(Controlword::ENABLE_OPERATION)
@@ -482,8 +490,19 @@ impl DriveMaster {
                 self.latch(DriveFailure::Silent);
             }
             Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
-            Phase::Enabled | Phase::Standby | Phase::Offline => {}
+            Phase::Enabled | Phase::Standby | Phase::Offline | Phase::Halted => {}
         }
+    }
+
+    /// One that is silent may hear, and is braked with the others; or it hears nothing and stands where it was. Then a
+    /// setpoint that reaches it again must not be a leap: farther from where it was last heard than its following error may
+    /// be, it gets none.
+    fn is_out_of_reach(&self, demand: Increments) -> bool {
+        let (Some(limit), Some(status)) = (self.config.following, self.status) else {
+            return false;
+        };
+        self.failure == Some(DriveFailure::Silent)
+            && demand.distance(status.actual) > limit.increments
     }
 
     fn check_following(&mut self) {

@@ -115,7 +115,7 @@ impl SpindleMaster {
             // Who is being started knows nothing of what it was told before.
             Phase::Offline | Phase::Step(Step::Contact) => None,
             Phase::Enabled => Some(wish),
-            Phase::Standby | Phase::Step(_) => Some(SpindleCommand {
+            Phase::Standby | Phase::Halted | Phase::Step(_) => Some(SpindleCommand {
                 mode: Mode::Velocity,
                 velocity: MilliRpm::STOPPED,
             }),

@@ -5,6 +5,14 @@ use crate::machine::{
     Board, bad, both, err, example, field, finish, good, leadscrew, program, run, wait_for_status,
 };
 
+/// What `board-sim` says at its end: how many ticks it has taken.
+fn ticks(said: &str) -> u64 {
+    let line = said.lines().find(|line| line.contains(" setpoints late, "));
+    let number = line.and_then(|line| line.strip_prefix("board-sim: ")?.split(' ').next());
+    let number = number.and_then(|number| number.parse().ok());
+    number.unwrap_or_else(|| panic!("no number of ticks: {said}"))
+}
+
 /// A thread of two passes and a groove: some 6 000 ticks.
 const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
                     G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
@@ -25,7 +33,7 @@ fn alone(text: &str, options: &[&str]) -> (Option<i32>, String) {
 
 #[test]
 fn every_option_has_its_alarm_or_none() {
-    let cases: [(&[&str], Option<i32>, &str); 18] = [
+    let cases: [(&[&str], Option<i32>, &str); 20] = [
         (&[], Some(0), "0 setpoints late"),
         (
             &["--bus-off", "2500"],
@@ -87,6 +95,11 @@ fn every_option_has_its_alarm_or_none() {
             "alarm: drive Z (node 17) has sent no status for 12 ticks",
         ),
         (
+            &["--trouble", "Z=cut-off@2500", "--trouble", "Z=none@2530"],
+            Some(4),
+            "alarm: drive Z (node 17) has sent no status for 12 ticks",
+        ),
+        (
             &["--trouble", "X=fault:7305@2500"],
             Some(4),
             "alarm: drive X (node 16) has a fault: statusword 0218h",
@@ -95,6 +108,11 @@ fn every_option_has_its_alarm_or_none() {
             &["--trouble", "X=torque-off@2500"],
             Some(4),
             "alarm: drive X (node 16) left operation enabled by itself",
+        ),
+        (
+            &["--trouble", "X=restart@2500"],
+            Some(4),
+            "alarm: drive X (node 16) restarted",
         ),
         (
             &["--lost-index", "10"],
@@ -120,6 +138,59 @@ fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
         said.contains("the tap journal could not be written"),
         "{said}"
     );
+    // Short holes, more of them than the pages take that are there.
+    let mut holes = String::from("G98 G0 X50 Z1\nM29 S1000\nG84 Z-1 R-1 F2000\n");
+    for n in 0..150 {
+        holes.push_str(if n % 2 == 0 { "X51\n" } else { "X50\n" });
+    }
+    holes.push_str("G80\nM30\n");
+    let (code, said) = alone(&holes, &["--flash-worn", "0"]);
+    assert_eq!(code, Some(4), "{said}");
+    let alarm = said.lines().find(|line| line.contains("alarm: "));
+    let alarm = alarm.unwrap_or_else(|| panic!("{said}"));
+    assert!(
+        alarm.contains("the tap journal could not be written"),
+        "{said}"
+    );
+    // Not the first hole, in line 3, is the one that finds no place.
+    assert!(!alarm.contains("faults.nc:3:"), "{said}");
+}
+
+#[test]
+fn a_program_that_stalls_is_waited_for_outside_the_thread_and_goes_on() {
+    // More than waits in the machine at any time.
+    let once = WORK.trim_end_matches("M30\n");
+    let text = format!("{once}{once}{WORK}");
+    let (code, calm) = alone(&text, &[]);
+    assert_eq!(code, Some(0), "{calm}");
+    for (stall, last) in [("0..15000", 15_000), ("1000..15000", 15_000)] {
+        let (code, said) = alone(&text, &["--stall", stall]);
+        assert_eq!(code, Some(0), "{stall}: {said}");
+        assert!(!said.contains("alarm"), "{stall}: {said}");
+        assert!(
+            ticks(&said) > last && ticks(&calm) < last,
+            "{stall}: {said}"
+        );
+    }
+}
+
+#[test]
+fn a_board_of_another_version_is_refused_with_both_named() {
+    let _board = Board::start(&["--lockstep", "--link-key", "0123abcd"]);
+    let ours = leadscrew_core::link::VERSION.to_string();
+    let program = example("o0013-g76-m68x6.nc");
+    let commands: [&[&str]; 3] = [
+        &["run", program.to_str().unwrap()],
+        &["params", "list"],
+        &["params", "push", "--set", "9007=12"],
+    ];
+    for args in commands {
+        let words = bad(&leadscrew(args), 3);
+        assert!(
+            words.contains("(key 0123abcd)") && words.contains(&ours),
+            "{args:?}: {words}"
+        );
+    }
 }
 
 #[test]

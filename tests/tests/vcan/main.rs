@@ -6,6 +6,7 @@
 mod board;
 mod bus;
 mod faults;
+mod killed;
 mod machine;
 mod mistakes;
 mod operate;
