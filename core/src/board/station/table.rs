@@ -102,16 +102,17 @@ pub struct Row {
     value: Value,
 }
 
-/// The value after power-up, or the range, in few bytes: no object has both.
+/// The value after power-up, or the range: no object has both. In bytes, so that a row has no gaps.
 #[derive(Clone, Copy, Debug)]
 enum Value {
     Unknown,
-    Number(u32),
-    OfNode(u32),
-    Text(&'static &'static str),
+    Number([u8; 4]),
+    OfNode([u8; 4]),
+    DeviceName,
+    SoftwareVersion,
     /// The version of the link: the one number that is longer.
     Link,
-    Within(u16, u16),
+    Within([u8; 2], [u8; 2]),
 }
 
 impl Row {
@@ -119,13 +120,17 @@ impl Row {
     pub fn item(&self, place: usize) -> Item {
         let (initial, range) = match self.value {
             Value::Unknown => (Initial::Unknown, None),
-            Value::Number(number) => (Initial::Number(i64::from(number)), None),
-            Value::OfNode(base) => (Initial::OfNode(base), None),
-            Value::Text(text) => (Initial::Text(text), None),
+            Value::Number(number) => {
+                let number = u32::from_le_bytes(number);
+                (Initial::Number(i64::from(number)), None)
+            }
+            Value::OfNode(base) => (Initial::OfNode(u32::from_le_bytes(base)), None),
+            Value::DeviceName => (Initial::Text("Leadscrew board"), None),
+            Value::SoftwareVersion => (Initial::Text(env!("CARGO_PKG_VERSION")), None),
             Value::Link => (Initial::Number(VERSION.raw() as i64), None),
             Value::Within(low, high) => {
-                let range = (i64::from(low), i64::from(high));
-                (Initial::Unknown, Some(range))
+                let [low, high] = [low, high].map(|end| i64::from(u16::from_le_bytes(end)));
+                (Initial::Unknown, Some((low, high)))
             }
         };
         Item {
@@ -152,6 +157,10 @@ const fn item(index: u16, sub: u8, name: &'static str, kind: Kind, access: Acces
     Line { row, name }
 }
 
+const fn number(value: u32) -> Value {
+    Value::Number(value.to_le_bytes())
+}
+
 const fn with(line: Line, value: Value) -> Line {
     Line {
         row: Row { value, ..line.row },
@@ -160,11 +169,12 @@ const fn with(line: Line, value: Value) -> Line {
 }
 
 const fn fixed(index: u16, sub: u8, name: &'static str, kind: Kind, value: u32) -> Line {
-    with(item(index, sub, name, kind, Const), Value::Number(value))
+    with(item(index, sub, name, kind, Const), number(value))
 }
 
 const fn of_node(index: u16, sub: u8, name: &'static str, access: Access, base: u32) -> Line {
-    with(item(index, sub, name, U32, access), Value::OfNode(base))
+    let value = Value::OfNode(base.to_le_bytes());
+    with(item(index, sub, name, U32, access), value)
 }
 
 const fn mapped(index: u16, sub: u8, name: &'static str, kind: Kind, access: Access) -> Line {
@@ -179,7 +189,7 @@ const fn mapped(index: u16, sub: u8, name: &'static str, kind: Kind, access: Acc
 }
 
 const fn within(line: Line, low: u16, high: u16) -> Line {
-    with(line, Value::Within(low, high))
+    with(line, Value::Within(low.to_le_bytes(), high.to_le_bytes()))
 }
 
 const fn highest(index: u16, sub: u8) -> Line {
@@ -210,15 +220,15 @@ const fn cob_id(index: u16, service: Service) -> Line {
 
 const fn transmission(index: u16) -> Line {
     let line = item(index, 2, "transmission type", U8, Both);
-    with(line, Value::Number(PdoCommunication::EVENT as u32))
+    with(line, number(PdoCommunication::EVENT as u32))
 }
 
 const fn event_timer(index: u16) -> Line {
     within(item(index, 5, "event timer", U16, Both), 0, 0xFFFF)
 }
 
-const fn text(index: u16, name: &'static str, value: &'static &'static str) -> Line {
-    with(item(index, 0, name, Text, Const), Value::Text(value))
+const fn text(index: u16, name: &'static str, value: Value) -> Line {
+    with(item(index, 0, name, Text, Const), value)
 }
 
 /// The rows, by index and sub-index.
@@ -259,17 +269,17 @@ const LINES: &[Line] = &[
     // Bit 30: the board is the one that sends it.
     fixed(0x1005, 0, "COB-ID of SYNC", U32, 0x4000_0080),
     item(0x1006, 0, "Communication cycle period", U32, Read),
-    text(0x1008, "Device name", &"Leadscrew board"),
-    text(0x100A, "Software version", &env!("CARGO_PKG_VERSION")),
+    text(0x1008, "Device name", Value::DeviceName),
+    text(0x100A, "Software version", Value::SoftwareVersion),
     highest(0x1010, 1),
     with(
         item(0x1010, 1, "store all parameters", U32, Both),
-        Value::Number(STORES_ITSELF),
+        number(STORES_ITSELF),
     ),
     highest(0x1011, 1),
     with(
         item(0x1011, 1, "restore all parameters", U32, Both),
-        Value::Number(RESTORES),
+        number(RESTORES),
     ),
     of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80),
     highest(0x1016, 1),
