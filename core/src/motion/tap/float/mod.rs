@@ -29,6 +29,7 @@
 mod course;
 mod law;
 mod plan;
+mod root;
 mod run;
 mod turner;
 

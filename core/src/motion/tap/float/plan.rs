@@ -44,8 +44,8 @@ pub struct FloatPlan {
     pub(super) lag: Ticks,
     /// What the axis may have left of its speed at the rounding before the bottom, squared, and twice its acceleration per
     /// nanometre: both in (nm/16 per tick)².
-    pub(super) corner: i64,
-    pub(super) room: i64,
+    pub(super) corner: u64,
+    pub(super) room: u32,
     /// The axis brakes by so much a tick where the spindle does not, 2⁻¹⁶ nm per tick².
     pub(super) brake: i64,
 }
@@ -133,7 +133,7 @@ impl FloatPlan {
         };
         // ¾ of the axis' acceleration.
         let braking = limits.acceleration.saturating_sub(limits.acceleration >> 2);
-        let square = |value: u64| i64::try_from(value.saturating_mul(256)).unwrap_or(i64::MAX);
+        let square = |value: u64| value.saturating_mul(256);
         Ok(Self {
             span,
             law,
@@ -152,7 +152,7 @@ impl FloatPlan {
                 brake.half_nm().unsigned_abs(),
                 1,
             )),
-            room: square(per_tick2(braking).saturating_mul(2)),
+            room: u32::try_from(square(per_tick2(braking).saturating_mul(2))).unwrap_or(u32::MAX),
             brake: i64::try_from(per_tick2(braking) << 16)
                 .unwrap_or(i64::MAX)
                 .max(1),

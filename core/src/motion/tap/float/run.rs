@@ -367,13 +367,14 @@ impl FloatRun {
             turner.top()
         } else {
             let near = self.speed.saturating_abs().wrapping_add(turner.gentle());
-            if turner.stops_from(near.max(turner.top()).saturating_add(1), left) {
-                turner.top()
+            // Only a spindle that brakes already is known to want the root.
+            let stopping = if self.braking {
+                turner.stopping(left)
             } else {
-                let stopping = turner.stopping(left);
-                self.braking |= stopping <= near;
-                stopping.min(turner.top())
-            }
+                turner.stopping_or(left, near.max(turner.top()).saturating_add(1))
+            };
+            self.braking |= stopping <= near;
+            stopping.min(turner.top())
         };
         let wanted = if outwards { most.wrapping_neg() } else { most };
         self.speed = turner.towards(self.speed, wanted);
@@ -480,6 +481,12 @@ fn runs_on(plan: &FloatPlan, way: Fine, step: Fine, region: Region) -> bool {
     if step <= 0 || region == Region::Bottom {
         return false;
     }
+    // nm/16 per tick.
+    let speed = u64::from(u32::try_from(step >> 12).unwrap_or(u32::MAX));
+    let square = speed.wrapping_mul(speed);
+    if square <= plan.corner {
+        return false;
+    }
     let (_, round) = plan.law.halves();
     let left = plan
         .law
@@ -487,8 +494,8 @@ fn runs_on(plan: &FloatPlan, way: Fine, step: Fine, region: Region) -> bool {
         .wrapping_sub(round)
         .wrapping_sub(way)
         .wrapping_sub(step);
-    let room = plan.room.saturating_mul((left >> 16).max(0));
-    // nm/16 per tick.
-    let speed = step >> 12;
-    speed.saturating_mul(speed) > plan.corner.saturating_add(room)
+    // Nobody stops from further than four metres.
+    let left = u32::try_from(left.max(0) >> 16).unwrap_or(u32::MAX);
+    let room = u64::from(plan.room).wrapping_mul(u64::from(left));
+    square > plan.corner.saturating_add(room)
 }

@@ -1,6 +1,7 @@
 //! How the spindle is commanded from one turning point to the next: speeds that it can follow, and from which it stops
 //! where it should. Speeds in 2⁻³² turns per tick, inwards positive; angles in 2⁻³² turns.
 
+use super::root::root;
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
 use crate::units::{CentiRpm, Lead, TurnRate, mul_div};
@@ -15,6 +16,8 @@ pub(super) struct Turner {
     gentle: u64,
     /// The quickest ramp.
     full: u64,
+    /// From so far ahead it stops from any speed, 2⁻³² turns: no square of a speed is larger than fits.
+    furthest: u64,
     /// 2⁻¹⁶.
     ticks_per_second: i64,
 }
@@ -47,11 +50,15 @@ impl Turner {
         );
         // More would be a tenth of a turn a tick in ten ticks.
         let full = per_tick.clamp(8, 1 << 32);
+        let gentle = full.wrapping_sub(full >> 3);
+        // (g/2)² is a quarter of what fits at most.
+        let furthest = mul_div(u64::MAX >> 2, 3, gentle << 1);
         Self {
             top: mul_div(top_rate, tick_us, 1_000_000) as i64,
             top_rate: TurnRate::from_raw(i64::try_from(top_rate).unwrap_or(i64::MAX)),
-            gentle: full.wrapping_sub(full >> 3),
+            gentle,
             full,
+            furthest,
             ticks_per_second: i64::try_from(ticks_per_second).unwrap_or(i64::MAX),
         }
     }
@@ -71,24 +78,35 @@ impl Turner {
         if left <= 0 {
             return 0;
         }
-        let half = self.gentle >> 1;
-        (self.square(left).isqrt() as i64)
-            .wrapping_sub(half as i64)
-            .max(0)
+        self.speed_of(self.square(left))
     }
 
-    /// True where the spindle stops within an angle also from a speed greater than `speed`: no root needs to be taken to know.
-    pub(super) fn stops_from(&self, speed: i64, left: i64) -> bool {
-        let root = speed.unsigned_abs().wrapping_add(self.gentle >> 1);
-        left > 0 && root < 1 << 32 && root.wrapping_mul(root) <= self.square(left)
+    /// As [`stopping`](Self::stopping), or `enough` where it is that much: no root needs to be taken to know.
+    pub(super) fn stopping_or(&self, left: i64, enough: i64) -> i64 {
+        if left <= 0 {
+            return 0;
+        }
+        let square = self.square(left);
+        let root = enough.unsigned_abs().wrapping_add(self.gentle >> 1);
+        match u32::try_from(root) {
+            Ok(root) if u64::from(root).wrapping_mul(u64::from(root)) <= square => enough,
+            _ => self.speed_of(square),
+        }
+    }
+
+    /// The speed of a [`square`](Self::square).
+    fn speed_of(&self, square: u64) -> i64 {
+        (root(square) as i64)
+            .wrapping_sub((self.gentle >> 1) as i64)
+            .max(0)
     }
 
     /// v² / 2g, the last step of a tick counted as it is: (v + g/2)² = 2·g·left + (g/2)².
     fn square(&self, left: i64) -> u64 {
         let half = self.gentle >> 1;
         (self.gentle << 1)
-            .saturating_mul(left.unsigned_abs())
-            .saturating_add(half.wrapping_mul(half))
+            .wrapping_mul(left.unsigned_abs().min(self.furthest))
+            .wrapping_add(half.wrapping_mul(half))
     }
 
     /// The greatest speed in a stroke over an angle from rest to rest.
