@@ -71,6 +71,7 @@ fn whatever_happens_nothing_happens_that_must_not() {
     let often = TICKS / 250_000;
     let all = [
         counts.alarms,
+        counts.bus,
         counts.troubles,
         counts.cuts,
         counts.pushed,

@@ -11,9 +11,8 @@ use crate::{audit, run, target};
 const TICK_LIMIT: u64 = 2000;
 /// Rows of this name count whole ticks of the board.
 const WHOLE_TICK: &str = "board/";
-/// Those that may cost more: three more spindles are three more drives, and an ordinary tap takes a root. They may not grow
-/// either.
-const NOT_LIMITED: [&str; 2] = ["board/seven-drives", "board/tap-ordinary"];
+/// Those that may cost more: three more spindles are three more drives. They may not grow either.
+const NOT_LIMITED: [&str; 1] = ["board/seven-drives"];
 /// A row may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
 /// The loop of known length that shows that the emulated clock counts instructions.

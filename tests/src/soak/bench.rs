@@ -19,6 +19,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 
 use super::operator::{Mood, Operator};
+use super::trouble::OF_BUS;
 use super::watch::Watch;
 use crate::gateway::NODE;
 use crate::random::Random;
@@ -83,6 +84,8 @@ pub struct Counts {
     pub orders: [u64; 5],
     /// Alarms.
     pub alarms: u64,
+    /// Those of the bus itself.
+    pub bus: u64,
     /// Parameter sets taken.
     pub pushed: u64,
     /// Parameter writes refused.
@@ -109,6 +112,7 @@ impl Counts {
             *sum += more;
         }
         self.alarms += other.alarms;
+        self.bus += other.bus;
         self.pushed += other.pushed;
         self.refused += other.refused;
         self.cuts += other.cuts;
@@ -374,6 +378,7 @@ impl Bench {
             Event::Alarm(alarm) => {
                 self.alarms += 1;
                 self.counts.alarms += 1;
+                self.counts.bus += u64::from(OF_BUS.contains(&alarm.code));
                 assert_eq!(self.alarms, 1, "a second alarm without a reset: {alarm:?}");
                 assert!(
                     self.operator.explains(alarm),

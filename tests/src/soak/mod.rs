@@ -11,8 +11,10 @@
 
 mod bench;
 mod operator;
+mod parameters;
 mod programs;
 mod shift;
+mod trouble;
 mod watch;
 
 pub use bench::Counts;
@@ -55,8 +57,8 @@ impl core::fmt::Display for Soaked {
         )?;
         writeln!(
             f,
-            "{:>12} faults of drives, spindle, encoder and flash; {} alarms, each with its cause",
-            counts.troubles, counts.alarms
+            "{:>12} faults of drives, spindle, encoder, flash and wire; {} alarms, {} of them of the bus, each with its cause",
+            counts.troubles, counts.alarms, counts.bus
         )?;
         writeln!(
             f,

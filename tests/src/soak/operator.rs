@@ -6,6 +6,7 @@ use leadscrew_core::bus::{BoardCommand, CobId, Frame, NmtCommand, Object, Order,
 use leadscrew_core::units::Axis;
 
 use super::bench::Bench;
+use super::trouble::{break_something, mend_wire};
 use crate::gateway::NODE;
 
 /// How much happens: the mean number of ticks between two things done, 0 for none, and what they may be.
@@ -49,29 +50,14 @@ pub struct Operator {
     /// NMT reset node is on its way, or done.
     resets_node: bool,
     now: u64,
-    /// Drives, spindle or encoder are not as they should be.
-    broken: bool,
+    /// Drives, spindle, encoder or wire are not as they should be.
+    pub(super) broken: bool,
+    /// Until this tick of the machine its wire is bad; 0: by chance, until somebody mends it.
+    pub(super) spoilt: Option<u64>,
 }
 
-/// Alarms of a drive that has any trouble.
-const OF_DRIVES: [Code; 13] = [
-    Code::DriveNoAnswer,
-    Code::DriveNotInitialised,
-    Code::DriveNotReleased,
-    Code::DriveNotReady,
-    Code::DriveNotSwitchedOn,
-    Code::DriveNotEnabled,
-    Code::DriveFaultNotReset,
-    Code::DriveFault,
-    Code::DriveLost,
-    Code::DriveRestarted,
-    Code::DriveSilent,
-    Code::FollowingError,
-    Code::DriveJump,
-];
-
 /// Alarms of a spindle that does not turn as the program tells it.
-const OF_SPINDLE: [Code; 10] = [
+pub(super) const OF_SPINDLE: [Code; 10] = [
     Code::SpindleNotArrived,
     Code::SpindleNotStopped,
     Code::SpindleStopped,
@@ -159,6 +145,7 @@ impl Operator {
     pub fn put_right(bench: &mut Bench) {
         bench.operator.mood = Mood::AWAY;
         bench.operator.quiet_until = 0;
+        mend_wire(bench);
         bench.beats = true;
         bench.send(NmtCommand::Start.frame(Some(NODE)));
         let plant = bench.sim.plant();
@@ -256,53 +243,4 @@ fn network(bench: &mut Bench) {
     bench.operator.resets_node |= command == NmtCommand::ResetNode;
     bench.operator.quiet_until = bench.now + 100;
     bench.send(command.frame(Some(NODE)));
-}
-
-fn break_something(bench: &mut Bench) {
-    bench.counts.troubles += 1;
-    bench.operator.broken = true;
-    let axis = bench.random.of(&Axis::ALL);
-    let trouble = bench.random.of(&[
-        Trouble::Silent,
-        Trouble::Stuck,
-        Trouble::Fault(0x2310),
-        Trouble::TorqueOff,
-    ]);
-
-    match bench.random.within(0, 9) {
-        0..=3 => {
-            bench.operator.cause(&OF_DRIVES);
-            bench.sim.plant().drive(axis).trouble(trouble);
-        }
-        4 => {
-            bench.operator.cause(&OF_DRIVES);
-            bench.operator.cause(&OF_SPINDLE);
-            bench.sim.plant().spindle_drive().trouble(trouble);
-        }
-        5 => {
-            bench.operator.cause(&OF_DRIVES);
-            bench.sim.plant().drive(axis).restart();
-        }
-        6 => {
-            bench.operator.cause(&[Code::IndexSlipped, Code::NoIndex]);
-            bench.operator.cause(&OF_SPINDLE);
-            let counts = bench.random.within(1, 400) * bench.random.sign();
-            bench.sim.plant().encoder().slip(counts as i32);
-            bench.slipped = true;
-            bench.watch.set_slipped(true);
-        }
-        7 => {
-            bench.operator.cause(&[Code::NoIndex]);
-            bench.sim.plant().encoder().break_index(true);
-        }
-        8 => {
-            bench.operator.cause(&OF_SPINDLE);
-            let percent = bench.random.of(&[0, 40, 80, 130]);
-            bench.sim.plant().spindle().disturb(percent);
-        }
-        _ => {
-            bench.operator.cause(&[Code::TapJournalNotWritten]);
-            bench.sim.flash_mut().set_broken(true);
-        }
-    }
 }

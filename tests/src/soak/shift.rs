@@ -5,7 +5,7 @@ use leadscrew_board_sim::plant::{DriveOptions, Flash, PlantOptions, Ripple};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::State;
 use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError};
-use leadscrew_core::link::{ImageWriter, identity};
+use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Call, Position, TapAxis};
 use leadscrew_core::units::{Length, Turns};
@@ -17,29 +17,14 @@ use super::watch::Judged;
 use crate::gateway::{BATCH, Upload};
 use crate::random::Random;
 
-const IMAGE: Object = Object::new(0x5010, 1);
-
-/// What a set that is not taken may be refused with; anything else is the wire.
-const REFUSALS: [Abort; 4] = [
-    Abort::Value,
-    Abort::TooHigh,
-    Abort::TooLow,
-    Abort::Incompatible,
-];
-
-/// 5010h:02: a set is being stored.
-const STORING: u64 = 1;
-/// 5010h:02: it is stored and in force.
-const DONE: u64 = 2;
-
 /// A program undisturbed, and any stop, is over within so many ticks.
-const LONGEST: u64 = 150_000;
+pub(super) const LONGEST: u64 = 150_000;
 
 /// A shift.
 pub struct Shift {
-    bench: Bench,
+    pub(super) bench: Bench,
     /// The set that the board has of its own.
-    built_in: Params,
+    pub(super) built_in: Params,
     seed: u64,
     /// Number of the last program, and its text.
     program: u32,
@@ -58,7 +43,7 @@ impl Drop for Shift {
     }
 }
 
-fn set(params: &mut Params, number: &str, value: i64) {
+pub(super) fn set(params: &mut Params, number: &str, value: i64) {
     let entry = Entry::find_text(number).expect("a parameter");
     params.set(entry, value).expect("in its range");
 }
@@ -80,7 +65,7 @@ fn machine(r: &mut Random) -> Params {
 }
 
 /// Other values of what a plant does not depend on.
-fn changed(r: &mut Random, params: &Params) -> Params {
+pub(super) fn changed(r: &mut Random, params: &Params) -> Params {
     let mut changed = params.clone();
     for axis in ["X", "Z"] {
         set(
@@ -164,7 +149,8 @@ impl Shift {
         match choice {
             0..=84 => self.run(),
             85..=92 => self.push(),
-            93..=95 => self.refused(),
+            93..=94 => self.refused(),
+            95 => self.locked(),
             96..=97 => {
                 self.bench.sim.cut_power();
                 self.power_up();
@@ -349,7 +335,7 @@ impl Shift {
 
 impl Shift {
     /// The power is back: what is stored is what the board knows. A tap that was below R is known to be there.
-    fn power_up(&mut self) {
+    pub(super) fn power_up(&mut self) {
         let bench = &mut self.bench;
         bench.counts.cuts += 1;
         let at = bench.position();
@@ -371,6 +357,7 @@ impl Shift {
         bench.sim = Sim::with_flash(&self.built_in, &bench.options, flash).expect("it starts");
         bench.slipped = false;
         bench.watch.set_slipped(false);
+        bench.operator.spoilt = None;
         bench.connect();
         if let Some(hole) = inside {
             let stored = bench.sim.board().tap_record();
@@ -497,81 +484,6 @@ M30
             bench.tick();
         }
     }
-
-    /// Another parameter set comes into force, unless the power goes while it is being stored: then it is the old one or the
-    /// new one.
-    fn push(&mut self) {
-        let bench = &mut self.bench;
-        bench.stands(20);
-        let params = changed(&mut bench.random, &bench.params);
-        let stood = bench.position();
-        let mut image = [0; ImageWriter::BYTES as usize];
-        ImageWriter::new(&params).read(0, &mut image);
-        let cut = bench.random.chance(30);
-        if cut {
-            let bytes = bench.random.within(0, 5_000);
-            bench.sim.flash_mut().cut_after(bytes as u32);
-        }
-        bench.watch.set_params(&params);
-        let taken = bench.write(IMAGE, &image, &REFUSALS);
-        while bench.sim.has_power() {
-            match bench.number(0x5010, 2) {
-                Ok(STORING) => bench.tick(),
-                Ok(state) => {
-                    assert_eq!((state, taken), (DONE, Ok(())), "a set that can work");
-                    break;
-                }
-                Err(_) => {}
-            }
-        }
-        if !bench.sim.has_power() {
-            self.old_or_new(params);
-            return;
-        }
-        bench.sim.flash_mut().power(true);
-        bench.params = params;
-        bench.counts.pushed += 1;
-        bench.until("the drives", LONGEST, |bench| {
-            bench.state() == State::Idle && bench.says(BoardState::Idle)
-        });
-        assert_eq!(bench.position(), stood, "the position is not kept");
-    }
-
-    /// The power went while a set was being stored.
-    fn old_or_new(&mut self, new: Params) {
-        self.power_up();
-        let bench = &mut self.bench;
-        let theirs = bench.number(0x1020, 1).expect("the identity");
-        if theirs == u64::from(identity(&new)) {
-            bench.params = new;
-            bench.counts.pushed += 1;
-        }
-        // `compare` says whether it is the old one where it is not the new one.
-        bench.watch.set_params(&bench.params);
-    }
-
-    /// A damaged image, or a value out of its range.
-    fn refused(&mut self) {
-        let bench = &mut self.bench;
-        bench.counts.refused += 1;
-        let outcome = if bench.random.chance(50) {
-            let params = changed(&mut bench.random, &bench.params);
-            let mut image = [0; ImageWriter::BYTES as usize];
-            ImageWriter::new(&params).read(0, &mut image);
-            let place = bench.random.within(0, image.len() as i64 - 1) as usize;
-            image[place] ^= 1 << bench.random.within(0, 7);
-            let refusals = [&REFUSALS[..], &[Abort::Crc]].concat();
-            bench.write(IMAGE, &image, &refusals)
-        } else {
-            let tolerance = Object::new(0x2000 + 9007, 0);
-            let value = bench.random.of(&[0_u8, 51, 200, 255]);
-            bench.write(tolerance, &[value], &REFUSALS)
-        };
-        assert!(
-            matches!(outcome, Err(SdoError::Refused(_))),
-            "taken: {outcome:?}"
-        );
-    }
 }
 
 /// Everything is put right, and the board knows: a frame that says so may be lost.
@@ -584,7 +496,8 @@ fn settle(bench: &mut Bench) {
             operator.rapid_percent(),
             operator.spindle_percent(),
         ];
-        if percents == [100; 3] && !operator.single_block {
+        let well = bench.operator.spoilt.is_none();
+        if percents == [100; 3] && !operator.single_block && well {
             return;
         }
         bench.tick();

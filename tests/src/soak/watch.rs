@@ -145,6 +145,11 @@ impl Watch {
         self.broken_until = 0;
     }
 
+    /// The tick of the machine that comes.
+    pub fn tick_to_come(&self) -> u64 {
+        self.ticks as u64
+    }
+
     /// Whether the axes may be said to stand elsewhere: an entry of the tap journal is being dropped.
     pub fn set_replaces(&mut self, replaces: bool) {
         self.replaces = replaces;
