@@ -5,7 +5,7 @@
 use core::num::NonZero;
 
 use crate::program::Infeed;
-use crate::units::{Length, div_wide, product, root_wide};
+use crate::units::{Length, div_wide, mul_wide, product, root_wide};
 
 /// Rough passes of one cycle at most; more is an alarm.
 pub(crate) const MOST_PASSES: u32 = 9999;
@@ -177,7 +177,7 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
     }
     // 4·n·first² < 2² · 2¹⁴ · 2⁸⁴; the root of a floor is the floor of the root.
     let square = product(first, first);
-    let value = square.wrapping_mul(u128::from(n)).wrapping_mul(4);
+    let value = mul_wide(square, u128::from(n) << 2);
     let wide = u128::from(increment.get());
     let rounded = div_wide(value, wide).and_then(|once| div_wide(once, wide));
     let twice = root_wide(rounded.unwrap_or(0));
@@ -196,9 +196,8 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     if min_step >= first {
         return 2;
     }
-    let (d, m) = (u128::from(first), u128::from(min_step));
-    let left = d.wrapping_mul(d).wrapping_sub(m.wrapping_mul(m));
-    let right = d.wrapping_mul(m).wrapping_mul(2);
+    let left = product(first, first).wrapping_sub(product(min_step, min_step));
+    let right = product(first, min_step) << 1;
     // Wanted: the smallest c = n − 1 with left² < c · right². The ratio with 16 fractional bits, rounded down, puts
     // (left/right)² into a gap of less than 1.004 above `whole`: the answer is one of two, and long products tell which.
     let ratio = div_wide(left << 16, right).unwrap_or(0);
@@ -217,21 +216,20 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
 
 /// A 256-bit product: (high, low). The factors here are below 2⁸⁶.
 const fn long_product(a: u128, b: u128) -> (u128, u128) {
-    let mask = u64::MAX as u128;
-    let (a1, a0, b1, b0) = (a >> 64, a & mask, b >> 64, b & mask);
-    let low = a0.wrapping_mul(b0);
-    let middle = a1
-        .wrapping_mul(b0)
-        .wrapping_add(a0.wrapping_mul(b1))
+    let (a1, a0) = ((a >> 64) as u64, a as u64);
+    let (b1, b0) = ((b >> 64) as u64, b as u64);
+    let low = product(a0, b0);
+    let middle = product(a1, b0)
+        .wrapping_add(product(a0, b1))
         .wrapping_add(low >> 64);
-    let high = a1.wrapping_mul(b1).wrapping_add(middle >> 64);
-    (high, (middle << 64) | (low & mask))
+    let high = product(a1, b1).wrapping_add(middle >> 64);
+    (high, (middle << 64) | low as u64 as u128)
 }
 
 /// A 256-bit value times a small number.
 const fn times(value: (u128, u128), n: u32) -> (u128, u128) {
     let (carry, low) = long_product(value.1, n as u128);
-    (value.0.wrapping_mul(n as u128).wrapping_add(carry), low)
+    (mul_wide(value.0, n as u128).wrapping_add(carry), low)
 }
 
 /// A length's magnitude as a number of nanometres.

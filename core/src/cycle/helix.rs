@@ -4,7 +4,7 @@
 
 use core::num::NonZero;
 
-use crate::units::{Lead, div_wide, product};
+use crate::units::{Lead, div_wide, mul_wide, product};
 
 /// Millionths of a degree in a turn.
 pub(crate) const TURN_UDEG: u32 = 360_000_000;
@@ -30,7 +30,7 @@ impl Helix {
             let wide = u128::from(nm.get());
             let part = u128::from(turns % nm) << 64;
             let high = div_wide(part, wide).unwrap_or(0);
-            let rest = part.wrapping_sub(high.wrapping_mul(wide));
+            let rest = part.wrapping_sub(mul_wide(high, wide));
             // rest < nm < 2³⁴, so one more does not carry.
             let low = div_wide(rest << 64, wide).unwrap_or(0).wrapping_add(1);
             (high as u64, low as u64)
@@ -64,8 +64,8 @@ impl Helix {
         let nm = u128::from(self.nm.get());
         let turned = product(distance, self.turns);
         let whole = div_wide(turned, nm).unwrap_or(0);
-        let part = turned.wrapping_sub(whole.wrapping_mul(nm));
-        let scaled = part.wrapping_mul(u128::from(TURN_UDEG));
+        let part = turned.wrapping_sub(mul_wide(whole, nm));
+        let scaled = mul_wide(part, u128::from(TURN_UDEG));
         div_wide(scaled.wrapping_add(nm >> 1), nm).unwrap_or(0) as u32
     }
 }

@@ -8,7 +8,7 @@ use core::num::NonZero;
 
 use super::Stage;
 use super::check::{blame, thread_ranges};
-use super::slope::{FINE_BITS, FINE_HALF, HalfAngle};
+use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
 use super::taper::{Taper, flip, quotient, scaled};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{CutIn, ThreadCall};
@@ -281,7 +281,7 @@ impl Shape {
         let z = moved(self.start.z, shift as i64, self.sigma);
         let x = match &self.taper {
             None => x_end,
-            Some(taper) => x_end + taper.left_after(u128::from(u).wrapping_mul(taper.per_depth)),
+            Some(taper) => x_end + taper.left_after(after(u, taper.per_depth)),
         };
         let at_line = Point { x, z };
         let (begin, line) = if self.run_in == 0 {
@@ -329,8 +329,6 @@ impl Shape {
     /// Begin and end of the run-in of E, clipped at the start level ([D9]: 45°).
     #[cold]
     fn run_in(&self, at_line: Point, x_end: Length, shift: u64, u: u64) -> (Point, Point) {
-        let u = u128::from(u);
-        let run_in = u128::from(self.run_in);
         // Room between the line's start and A on the radius: a whole number where there is no taper, and
         // `whole ± u·tan·|i|/|W|` where there is one.
         let to_end = flip((self.start.x - x_end).nm(), self.side);
@@ -349,22 +347,20 @@ impl Shape {
         };
         let size = taper.size as i64;
         let (whole, room) = if taper.towards_start {
-            let whole = to_end.wrapping_sub(size).max(0) as u128;
+            let whole = to_end.wrapping_sub(size).max(0) as u64;
             (
                 whole,
-                (whole << FINE_BITS).wrapping_add(u.wrapping_mul(taper.per_depth)),
+                (Fine::from(whole) << FINE_BITS).wrapping_add(after(u, taper.per_depth)),
             )
         } else {
-            let whole = to_end.wrapping_add(size).max(0) as u128;
+            let whole = to_end.wrapping_add(size).max(0) as u64;
             (
                 whole,
-                (whole << FINE_BITS).wrapping_sub(u.wrapping_mul(taper.per_depth)),
+                (Fine::from(whole) << FINE_BITS).wrapping_sub(after(u, taper.per_depth)),
             )
         };
-        if run_in << FINE_BITS <= room {
-            let lost = run_in
-                .wrapping_mul(taper.per_travel)
-                .wrapping_add(u.wrapping_mul(taper.per_depth));
+        if Fine::from(self.run_in) << FINE_BITS <= room {
+            let lost = after(self.run_in, taper.per_travel).wrapping_add(after(u, taper.per_depth));
             let begin = Point {
                 x: at_line.x + Length::from_nm(flip(self.run_in as i64, self.side)),
                 z: at_line.z,
@@ -380,10 +376,8 @@ impl Shape {
                 z: at_line.z,
             };
             // Along Z the line is met after u·tan plus the room, in one expression.
-            let z = u.wrapping_mul(self.tangent.fine()).wrapping_add(room);
-            let lost = whole
-                .wrapping_mul(taper.per_travel)
-                .wrapping_add(u.wrapping_mul(taper.per_clipped));
+            let z = after(u, self.tangent.fine()).wrapping_add(room);
+            let lost = after(whole, taper.per_travel).wrapping_add(after(u, taper.per_clipped));
             let line = Point {
                 x: x_end + taper.left_after(lost),
                 z: along((z.wrapping_add(FINE_HALF) >> FINE_BITS) as u64),
@@ -458,7 +452,7 @@ impl Shape {
             if self.travel <= taken {
                 return false;
             }
-            let lost = (u128::from(u).wrapping_mul(taper.per_depth) >> FINE_BITS) as u64;
+            let lost = (after(u, taper.per_depth) >> FINE_BITS) as u64;
             taper.size > lost.saturating_add(out).saturating_add(2)
         } else {
             self.travel > taken.saturating_add(out)

@@ -16,6 +16,12 @@ pub(crate) const FINE_BITS: u32 = 80;
 /// module stay below 2¹²⁷ for inputs within [`Length::INPUT_LIMIT`](crate::units::Length::INPUT_LIMIT).
 pub(crate) type Fine = u128;
 
+/// What a slope makes of a way.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn after(way: u64, slope: Fine) -> Fine {
+    (way as Fine).wrapping_mul(slope)
+}
+
 /// Half a nanometre.
 pub(crate) const FINE_HALF: Fine = 1 << (FINE_BITS - 1);
 

@@ -178,6 +178,7 @@ impl TapMoves {
         }
     }
 
+    #[inline(never)]
     fn rapid(&mut self, to: Position, stage: Stage) -> Option<Move> {
         if to == self.at {
             return None;
@@ -252,6 +253,7 @@ impl TapMoves {
         (self.cut - back).max(Length::ZERO)
     }
 
+    #[inline(never)]
     fn aux(&self, code: Option<u16>, stage: Stage) -> Option<Move> {
         code.map(|code| self.make(MoveKind::Aux(Aux::M(code)), stage, 0))
     }

@@ -4,7 +4,7 @@
 
 use core::num::NonZero;
 
-use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle};
+use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
 use crate::units::{Length, Remainder, div_wide, product};
 
 /// What a taper adds.
@@ -37,10 +37,9 @@ impl Taper {
             return None;
         }
         let size = slant.nm().unsigned_abs();
-        let wide = u128::from(size);
         let travel = u128::from(travel.get());
         let towards_start = slant.signum() == side;
-        let per_depth = div_wide(wide.wrapping_mul(tangent.fine()), travel)?;
+        let per_depth = div_wide(after(size, tangent.fine()), travel)?;
         let both = if towards_start {
             tangent.fine().wrapping_add(per_depth)
         } else {
@@ -51,8 +50,8 @@ impl Taper {
             size,
             towards_start,
             per_depth,
-            per_travel: div_wide(wide << FINE_BITS, travel)?,
-            per_clipped: div_wide(wide.wrapping_mul(both), travel)?,
+            per_travel: div_wide(Fine::from(size) << FINE_BITS, travel)?,
+            per_clipped: div_wide(after(size, both), travel)?,
         })
     }
 

@@ -109,8 +109,11 @@ fn examine(
     }
     if speed != 0 {
         let extremes = Extremes::of(call, span)?;
-        for pass in extremes.passes() {
-            match &plan(call, &pass, params, call.rpm) {
+        for number in extremes.numbers() {
+            let Some(pass) = &extremes.pass(number) else {
+                continue;
+            };
+            match &plan(call, pass, params, call.rpm) {
                 Ok(plan) => seen(plan),
                 Err(alarm) => {
                     wrong(*alarm);
@@ -406,8 +409,12 @@ impl Extremes {
         found
     }
 
-    fn passes(&self) -> impl Iterator<Item = Pass> {
+    const fn numbers(&self) -> [u32; 3] {
         [self.last, self.shortest, 0]
+    }
+
+    fn passes(&self) -> impl Iterator<Item = Pass> {
+        self.numbers()
             .into_iter()
             .filter_map(|number| self.pass(number))
     }

@@ -3,7 +3,7 @@
 
 use super::Params;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::units::{Axis, Rpm};
+use crate::units::{Axis, Rpm, product, signed_product};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
@@ -18,7 +18,7 @@ const OBSERVER_SMOOTH: u32 = 79_577;
 const LONGEST_STEP: i64 = 1 << 24;
 
 /// Increments to a nanometre (µ°) that a drive's scale does not reach.
-const FINEST: i128 = 16;
+const FINEST: u64 = 16;
 
 /// Half a turn in a tick, in rpm·µs: from there on the direction of turning is a guess.
 const HALF_TURN: u32 = 30_000_000;
@@ -57,18 +57,16 @@ impl Params {
         if self.max_feed(axis) > self.rapid(axis) {
             blame(Code::FeedAboveRapid);
         }
-        let numerator = i128::from(self.drive_numerator(axis));
-        let denominator = i128::from(self.drive_denominator(axis));
+        let numerator = u64::from(self.drive_numerator(axis));
+        let denominator = u64::from(self.drive_denominator(axis));
         // An axis without a limit may turn for ever, and its target wraps.
-        let beyond = |limit: i64| {
-            let increments = i128::from(limit).saturating_mul(numerator);
-            increments.saturating_abs() > denominator.saturating_mul(i128::from(i32::MAX))
-        };
+        let most = product(denominator, i32::MAX as u64);
+        let beyond = |limit: i64| product(limit.unsigned_abs(), numerator) > most;
         if (plus != i64::MAX && beyond(plus)) || (minus != i64::MIN && beyond(minus)) {
             blame(Code::TravelBeyondDrive);
         }
-        let limit = i128::from(self.following_error_limit(axis));
-        if limit.saturating_mul(numerator) < denominator {
+        let limit = signed_product(self.following_error_limit(axis), numerator as i64);
+        if limit < i128::from(denominator) {
             blame(Code::IncrementAboveLimit);
         }
         if numerator >= denominator.saturating_mul(FINEST) {
