@@ -9,16 +9,22 @@ use anyhow::{Context, Result};
 
 use crate::{emulator, run, vcan};
 
-/// Where the tests find the image.
+/// Where the tests find the image, and the one with messages.
 const IMAGE: &str = "LEADSCREW_IMAGE";
+const WITH_MESSAGES: &str = "LEADSCREW_IMAGE_DEFMT";
 /// What the names of the tests begin with that need a kernel with CAN.
 const IN_KERNEL: &str = "kernel::";
 
-/// Builds the image, in which failures can be provoked, and the tests and runs them; each line that is printed is handed to
-/// `seen`. True where they passed.
+/// Builds the images (the one in which failures can be provoked, and the one with messages) and the tests and runs them; each
+/// line that is printed is handed to `seen`. True where they passed.
 pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
-    let image = emulator::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
+    let built = emulator::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
+    let scratch = run::scratch("emulated")?;
+    let image = scratch.join("mps2-bus");
+    // The next one is built in the same place.
+    std::fs::copy(built, &image)?;
+    let with_messages = emulator::build("mps2-an386", "mps2-bus", &["--features", "defmt"])?;
     run::show(run::cargo(
         &root,
         &["build", "--quiet", "--package", "leadscrew"],
@@ -32,7 +38,7 @@ pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     if !outside.is_empty() {
         let args = [&["--color=never", "--exact"], &outside[..]].concat();
         let mut here = run::command(&root, &program, &args);
-        here.env(IMAGE, &image);
+        here.env(IMAGE, &image).env(WITH_MESSAGES, with_messages);
         passed &= run::watch(here, &mut seen)?;
     }
     for name in inside {

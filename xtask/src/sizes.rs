@@ -23,10 +23,47 @@ const USERS: Users = Users {
     interrupts: &["FDCAN1_IT0", "TIM6_DAC", "NonMaskableInt"],
 };
 
-/// An image: its name here, its package, and its features.
-const IMAGES: [(&str, &str, &str); 2] = [
-    ("nucleo-g474re", "nucleo-g474re", ""),
-    ("nucleo-g474re+defmt", "nucleo-g474re", "defmt"),
+/// An image.
+struct Image {
+    /// Its name here.
+    name: &'static str,
+    package: &'static str,
+    program: &'static str,
+    features: &'static str,
+    /// It has to fit into a chip: the limits count, and the stack that is kept free is what can ever be used.
+    chip: Option<Users>,
+}
+
+const IMAGES: [Image; 4] = [
+    Image {
+        name: "nucleo-g474re",
+        package: "nucleo-g474re",
+        program: "nucleo-g474re",
+        features: "",
+        chip: Some(USERS),
+    },
+    Image {
+        name: "nucleo-g474re+defmt",
+        package: "nucleo-g474re",
+        program: "nucleo-g474re",
+        features: "defmt",
+        chip: Some(USERS),
+    },
+    // With the plant in it.
+    Image {
+        name: "mps2-bus",
+        package: "mps2-an386",
+        program: "mps2-bus",
+        features: "",
+        chip: None,
+    },
+    Image {
+        name: "mps2-bus+defmt",
+        package: "mps2-an386",
+        program: "mps2-bus",
+        features: "defmt",
+        chip: None,
+    },
 ];
 
 /// What an image takes, in bytes.
@@ -39,8 +76,8 @@ struct Row {
     ram: u64,
     /// What is kept free for the stack.
     stack: u64,
-    /// How much of it can ever be used.
-    deepest: u64,
+    /// How much of it can ever be used, of an image for a chip.
+    deepest: Option<u64>,
 }
 
 impl Row {
@@ -52,8 +89,8 @@ impl Row {
 /// Builds and measures the images, and compares with the table or (`write`) renews it.
 pub fn sizes(write: bool) -> Result<()> {
     let mut rows = Vec::new();
-    for (name, package, features) in IMAGES {
-        rows.push(measure(name, package, features)?);
+    for image in &IMAGES {
+        rows.push(measure(image)?);
     }
     print!("{}", table(&rows));
     let path = run::firmware().join("audit").join("sizes.txt");
@@ -76,23 +113,24 @@ pub fn sizes(write: bool) -> Result<()> {
     Ok(())
 }
 
-fn measure(name: &str, package: &str, features: &str) -> Result<Row> {
+fn measure(image: &Image) -> Result<Row> {
     let firmware = run::firmware();
-    let mut build = vec!["build", "--quiet", "--release"];
-    if !features.is_empty() {
-        build.extend(["--features", features]);
+    let mut build = vec!["build", "--quiet", "--release", "--bin", image.program];
+    if !image.features.is_empty() {
+        build.extend(["--features", image.features]);
     }
     // In its own folder: the settings there are the ones it is flashed with.
-    run::show(run::cargo(&firmware.join(package), &build))?;
+    run::show(run::cargo(&firmware.join(image.package), &build))?;
     let path = firmware
         .join("target")
         .join(target::TARGET)
         .join("release")
-        .join(package);
-    size(name, &path)
+        .join(image.program);
+    size(image, &path)
 }
 
-fn size(name: &str, path: &Path) -> Result<Row> {
+fn size(image: &Image, path: &Path) -> Result<Row> {
+    let name = image.name;
     let data = std::fs::read(path).with_context(|| format!("there is no {}", path.display()))?;
     let file = object::File::parse(data.as_slice())?;
     let (mut flash, mut ram) = (0, 0);
@@ -119,7 +157,18 @@ fn size(name: &str, path: &Path) -> Result<Row> {
             .ok_or_else(|| anyhow!("{name}: no symbol {wanted}"))
     };
     let stack = symbol("_stack_start")?.saturating_sub(symbol("_stack_end")?);
-    let (deepest, parts) = stack::deepest(path, &USERS)?;
+    let deepest = image.chip.as_ref().map(|users| deepest(name, path, users));
+    Ok(Row {
+        name: name.into(),
+        flash,
+        ram,
+        stack,
+        deepest: deepest.transpose()?,
+    })
+}
+
+fn deepest(name: &str, path: &Path, users: &Users) -> Result<u64> {
+    let (deepest, parts) = stack::deepest(path, users)?;
     println!("{name}: the deepest ways of the stack");
     for part in parts {
         for (function, bytes) in part.way {
@@ -127,19 +176,13 @@ fn size(name: &str, path: &Path) -> Result<Row> {
         }
         println!("  {:>6} in all", part.bytes);
     }
-    Ok(Row {
-        name: name.into(),
-        flash,
-        ram,
-        stack,
-        deepest,
-    })
+    Ok(deepest)
 }
 
 /// Images above a limit that they have kept before, or that are new. One that the table has above it is printed plainly.
 fn too_large(table: &[Row], now: &[Row]) -> Vec<String> {
     let mut complaints = Vec::new();
-    for row in now {
+    for row in now.iter().filter(|row| row.deepest.is_some()) {
         let old = table.iter().find(|old| old.name == row.name);
         let limits = [
             ("flash", row.flash, old.map(|old| old.flash), FLASH_LIMIT),
@@ -168,12 +211,12 @@ fn too_large(table: &[Row], now: &[Row]) -> Vec<String> {
 /// Images whose stack may be deeper than what is kept free for it.
 fn too_deep(now: &[Row]) -> Vec<String> {
     now.iter()
-        .filter(|row| row.stack < row.deepest)
-        .map(|row| {
-            format!(
-                "{}: {} bytes of stack, and {} may be needed",
-                row.name, row.stack, row.deepest
-            )
+        .filter_map(|row| {
+            let deepest = row.deepest.filter(|deepest| row.stack < *deepest)?;
+            Some(format!(
+                "{}: {} bytes of stack, and {deepest} may be needed",
+                row.name, row.stack
+            ))
         })
         .collect()
 }
@@ -211,7 +254,7 @@ fn compare(table: &[Row], now: &[Row]) -> Vec<String> {
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
         "# Bytes of the images: fat LTO, profile release. RAM is variables; stack is what is kept free for it, deepest what of that\n\
-         # can ever be used, by the calls in the image.\n",
+         # can ever be used, by the calls in the image. What is not for a chip (-) has the plant in it, and no limits.\n",
     );
     // Writing to a string cannot fail.
     let _ = writeln!(
@@ -229,6 +272,7 @@ fn table(rows: &[Row]) -> String {
             row.stack,
             row.whole_ram(),
             row.deepest
+                .map_or_else(|| "-".to_owned(), |deepest| deepest.to_string())
         );
     }
     text
@@ -247,7 +291,10 @@ fn parse(text: &str) -> Result<Vec<Row>> {
                 flash: flash.parse()?,
                 ram: ram.parse()?,
                 stack: stack.parse()?,
-                deepest: deepest.parse()?,
+                deepest: match *deepest {
+                    "-" => None,
+                    bytes => Some(bytes.parse()?),
+                },
             })
         })
         .collect()
@@ -263,13 +310,14 @@ mod tests {
             flash,
             ram,
             stack,
-            deepest: stack,
+            deepest: Some(stack),
         }
     }
 
     #[test]
     fn a_table_reads_back() {
-        let rows = [row("a", 1000, 200, 30), row("b+defmt", 1, 2, 3)];
+        let mut rows = [row("a", 1000, 200, 30), row("b+defmt", 1, 2, 3)];
+        rows[1].deepest = None;
         assert_eq!(parse(&table(&rows)).unwrap(), rows);
         assert!(parse("a 1 2 3\n").is_err());
         assert!(parse("a 1 2 x 3 4\n").is_err());
@@ -291,6 +339,9 @@ mod tests {
         let above = [row("a", FLASH_LIMIT + 1, RAM_LIMIT - 100, 101)];
         assert_eq!(too_large(&below, &above).len(), 2);
         assert_eq!(too_large(&[], &above).len(), 2);
+        let mut elsewhere = above.clone();
+        elsewhere[0].deepest = None;
+        assert!(too_large(&[], &elsewhere).is_empty());
         // Known to be above: growth is what is watched then.
         assert!(too_large(&above, &above).is_empty());
     }
@@ -299,7 +350,7 @@ mod tests {
     fn the_deepest_stack_has_to_fit() {
         let mut rows = [row("a", 1, 1, 3000)];
         assert!(too_deep(&rows).is_empty());
-        rows[0].deepest = 3001;
+        rows[0].deepest = Some(3001);
         assert_eq!(too_deep(&rows).len(), 1);
     }
 }

@@ -3,12 +3,11 @@
 //! Runs every example and a thousand random programs on the emulated Cortex-M4F, the board in lock-step with its plant, and
 //! prints a row `name hash ticks alarm` for each: a host prints the same.
 
-use core::fmt::{Arguments, Write};
+use core::fmt::Arguments;
 use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use cortex_m_semihosting::hio;
+use leadscrew_console::print;
 use leadscrew_core::params::Params;
 
 mod programs;
@@ -32,8 +31,7 @@ fn main() -> ! {
         let outcome = run::run(programs::random(seed).as_bytes(), &params);
         row(format_args!("random-{seed}"), outcome);
     }
-    debug::exit(EXIT_SUCCESS);
-    stop()
+    leadscrew_console::done()
 }
 
 fn row(name: Arguments, outcome: run::Outcome) {
@@ -43,21 +41,5 @@ fn row(name: Arguments, outcome: run::Outcome) {
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    print(format_args!("{info}\n"));
-    debug::exit(EXIT_FAILURE);
-    stop()
-}
-
-/// Prints on the emulator's standard output.
-fn print(text: Arguments) {
-    // Where the host takes no output there is nobody to tell.
-    if let Ok(mut out) = hio::hstdout() {
-        let _ = out.write_fmt(text);
-    }
-}
-
-fn stop() -> ! {
-    loop {
-        core::hint::spin_loop();
-    }
+    leadscrew_console::panicked(info)
 }

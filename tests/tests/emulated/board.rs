@@ -37,8 +37,13 @@ impl Board {
 
     /// The same with words on the image's command line.
     pub fn start_with(words: &[&str]) -> Self {
+        Self::start_image("LEADSCREW_IMAGE", words)
+    }
+
+    /// The same with the image of this variable.
+    pub fn start_image(image: &str, words: &[&str]) -> Self {
         let line = scratch("line");
-        let emulator = emulate(&line, words);
+        let emulator = emulate(&image_of(image), &line, words);
         eventually("there is a line", || line.exists());
         Self::up(Wire::Line(line), Some(emulator))
     }
@@ -126,7 +131,7 @@ impl Board {
                 started.elapsed() < PATIENCE,
                 "{what}: {}{}",
                 both(&output),
-                self.said()
+                String::from_utf8_lossy(&self.said())
             );
             // Whoever asks without a pause leaves no room for a program.
             std::thread::sleep(Duration::from_millis(200));
@@ -134,10 +139,10 @@ impl Board {
     }
 
     /// What emulator and image have printed.
-    pub fn said(&self) -> String {
+    pub fn said(&self) -> Vec<u8> {
         let said = self.emulator.as_ref().map(|(_, path)| std::fs::read(path));
-        let said = said.map(|said| said.expect("what it said"));
-        String::from_utf8_lossy(&said.unwrap_or_default()).into_owned()
+        said.map(|said| said.expect("what it said"))
+            .unwrap_or_default()
     }
 }
 
@@ -153,10 +158,14 @@ impl Drop for Board {
     }
 }
 
+/// Where the image of this variable is.
+pub fn image_of(variable: &str) -> String {
+    std::env::var(variable)
+        .expect("`cargo xtask emulated` builds the images of the board and says where they are")
+}
+
 /// Starts the image; gives where it says what it prints, too.
-fn emulate(line: &Path, words: &[&str]) -> (Running, PathBuf) {
-    let image = std::env::var("LEADSCREW_IMAGE")
-        .expect("`cargo xtask emulated` builds the image of the board and says where it is");
+fn emulate(image: &str, line: &Path, words: &[&str]) -> (Running, PathBuf) {
     let mut semihosting = format!("enable=on,target=native,arg={image}");
     for word in words {
         semihosting.push_str(",arg=");
@@ -167,7 +176,7 @@ fn emulate(line: &Path, words: &[&str]) -> (Running, PathBuf) {
     let emulator = Command::new("qemu-system-arm")
         .args(["-M", "mps2-an386", "-nographic", "-monitor", "none"])
         .args(["-serial", &serial])
-        .args(["-semihosting-config", &semihosting, "-kernel", &image])
+        .args(["-semihosting-config", &semihosting, "-kernel", image])
         .stdin(Stdio::null())
         .stdout(File::create(&said).expect("a place for what it says"))
         .spawn()

@@ -2,6 +2,7 @@
 //!
 //! | level | interrupt | owns |
 //! |---|---|---|
+//! | above all | the watchdog's, which cannot be masked | nothing: it waits for the reset |
 //! | 0 | 20, no device's: set by the thread, one for each SYNC period | the tick's side and the plant |
 //! | 32 | 0, a byte on the UART | the end of the byte ring that it fills |
 //! | 64 | 9, a millisecond has passed | nothing: it wakes the thread |

@@ -13,9 +13,11 @@
 //! program gives the same setpoints here as anywhere. On the wire is everything but SYNC and the process data of the drives;
 //! those are there too where the image is started with `traffic=all` in its command line.
 
+mod around;
 mod clock;
 mod flash;
 mod interrupts;
+mod log;
 mod options;
 mod outside;
 mod pace;
@@ -23,15 +25,14 @@ mod pace;
 mod provoke;
 mod shop;
 mod uart;
+mod watchdog;
 
-use core::fmt::Write as _;
 use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::hio;
 use heapless::spsc::Queue;
 use leadscrew_app::{BackgroundPlace, PowerUp, Queues, ResetCause, TickerPlace};
-use leadscrew_board_sim::plant::{Plant, PlantOptions};
+use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::params::Params;
 use static_cell::{ConstStaticCell, StaticCell};
@@ -58,16 +59,21 @@ fn main() -> ! {
         leadscrew_fault::guard_stack(&mut core.MPU);
     }
     let left = leadscrew_fault::left();
-    // The emulated board has no flags of a reset: it starts by its power, or behind a failure.
-    let cause = if left.is_kept() {
+    // The emulated board has no flags of a reset: it starts by its power, behind a failure that it has written down, or
+    // else by its watchdog.
+    let cause = if !left.is_kept() {
+        ResetCause::Power
+    } else if left.failure(ResetCause::Software).is_some() {
         ResetCause::Software
     } else {
-        ResetCause::Power
+        ResetCause::Watchdog
     };
     let failure = left.failure(cause);
     leadscrew_fault::begin(failure.as_ref());
+    log::started(cause);
     let options = Options::read(failure.as_ref());
-    let around = PlantOptions::default();
+    let begins = PlantOptions::default();
+    let kept = around::kept();
     let mut flash = flash::RamFlash::power_up();
     let tap = flash.tap().expect("the flash can be read");
     let set = flash
@@ -75,7 +81,8 @@ fn main() -> ! {
         .expect("the flash is one");
     let up = PowerUp {
         set: &set,
-        remembered: Some(around.at),
+        // Behind a reset the drives are asked.
+        remembered: kept.is_none().then_some(begins.at),
         tap,
         node: NodeId::BOARD,
         serial: 0,
@@ -86,21 +93,20 @@ fn main() -> ! {
         .take()
         .power_up(TICKER.take(), BACKGROUND.take(), &up)
         .expect("what was stored was good, and what is built in");
-    let plant = Plant::new(&set.params, &around).expect("it makes a machine, too");
+    let plant = kept.unwrap_or_else(|| around::new(&set.params, &begins));
     let (told_in, told_out) = TOLD.take().split();
     let (asked_in, asked_out) = ASKED.take().split();
     interrupts::own_tick(tick, Shop::new(plant, options, told_in, asked_out));
     let bytes = interrupts::own_uart();
     let outside = OUTSIDE.init(Outside::new(bytes, told_out, asked_in, flash));
     interrupts::enable();
+    watchdog::start();
     Pace::new(&set.params).run(background, outside)
 }
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    // Where the host takes no output there is nobody to tell.
-    if let Ok(mut out) = hio::hstdout() {
-        let _ = writeln!(out, "{info}");
-    }
+    #[cfg(not(feature = "defmt"))]
+    leadscrew_console::print(format_args!("{info}\n"));
     leadscrew_fault::panicked(info)
 }

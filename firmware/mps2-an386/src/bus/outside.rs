@@ -10,6 +10,7 @@ use leadscrew_core::params::Params;
 use leadscrew_store::BUFFER;
 
 use crate::flash::RamFlash;
+use crate::log;
 use crate::pace::Times;
 use crate::uart;
 
@@ -166,7 +167,13 @@ impl Machine for Outside {
         then(self.flash.read(region, &mut buffer));
     }
 
-    fn event(&mut self, _: &Event) {}
+    fn event(&mut self, event: &Event) {
+        #[cfg(feature = "provoke")]
+        if let Event::Started { line, .. } = event {
+            crate::provoke::line(*line);
+        }
+        log::event(event);
+    }
 
     /// This wire loses nothing.
     fn controller(&mut self) -> Controller {

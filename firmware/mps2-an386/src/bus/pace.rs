@@ -13,12 +13,13 @@ use leadscrew_core::params::Params;
 use crate::clock::Clock;
 use crate::interrupts;
 use crate::outside::Outside;
+use crate::watchdog;
 
 /// Ticks after which the SYNC counter shows the same again.
 const TURN: u64 = SyncProducer::LAST as u64;
 
-/// A program or a gateway that does not go on for so many milliseconds is not waited for any more.
-const LOST_MS: u64 = 2000;
+/// A program or a gateway that does not go on for so many milliseconds is not waited for any more. The host may be slow.
+const LOST_MS: u64 = 10_000;
 
 /// What the parameters say of time.
 #[derive(Clone, Copy, Debug)]
@@ -88,9 +89,13 @@ impl Pace {
                     // The tick after the one that brought it up: the axes stand, and nothing has been handed over yet.
                     self.up = Some(self.ticks);
                 }
-            } else if outside.is_quiet() {
-                // A byte or the next millisecond ends this.
-                cortex_m::asm::wfi();
+            } else {
+                // Time stands still, and nobody hangs.
+                watchdog::feed();
+                if outside.is_quiet() {
+                    // A byte or the next millisecond ends this.
+                    cortex_m::asm::wfi();
+                }
             }
         }
     }

@@ -1,6 +1,15 @@
 //! Failures on purpose, to see what becomes of them: never in an image that is not told to have them.
 
 use core::hint::black_box;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// The source line of the move that has been started last.
+static LINE: AtomicU32 = AtomicU32::new(0);
+
+/// A move of this line has been started.
+pub fn line(line: u32) {
+    LINE.store(line, Ordering::Relaxed);
+}
 
 /// A way to fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,38 +19,60 @@ pub enum Way {
     Fault,
     /// Calls without end.
     Stack,
+    /// The tick does not end.
+    Hang,
 }
 
 /// A failure at a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Provoke {
     way: Way,
-    tick: u32,
+    /// Counted from the first move of this line; `None`: from power-up.
+    line: Option<u32>,
+    /// Ticks that are left.
+    ticks: u32,
     /// How often, one run after the other.
     pub times: u32,
 }
 
 impl Provoke {
-    /// `panic@300`, `fault@300`, `stack@300*3`.
+    /// `panic@300`, `fault@300`, `hang@300`, `stack@300*3`; `panic@line5+300`.
     pub fn read(text: &str) -> Option<Self> {
-        let (way, tick) = text.split_once('@')?;
+        let (way, when) = text.split_once('@')?;
         let way = match way {
             "panic" => Way::Panic,
             "fault" => Way::Fault,
             "stack" => Way::Stack,
+            "hang" => Way::Hang,
             _ => return None,
         };
-        let (tick, times) = tick.split_once('*').unwrap_or((tick, "1"));
+        let (when, times) = when.split_once('*').unwrap_or((when, "1"));
+        let (line, ticks) = match when.strip_prefix("line") {
+            Some(rest) => {
+                let (line, ticks) = rest.split_once('+')?;
+                (Some(line.parse().ok()?), ticks)
+            }
+            None => (None, when),
+        };
         Some(Self {
             way,
-            tick: tick.parse().ok()?,
+            line,
+            ticks: ticks.parse().ok()?,
             times: times.parse().ok()?,
         })
     }
 
-    /// Fails at its tick.
-    pub fn act(self, tick: u32) {
-        if tick != self.tick {
+    /// A tick begins.
+    pub fn tick(&mut self) {
+        if self
+            .line
+            .is_some_and(|line| line != LINE.load(Ordering::Relaxed))
+        {
+            return;
+        }
+        self.line = None;
+        self.ticks = self.ticks.saturating_sub(1);
+        if self.ticks > 0 {
             return;
         }
         match self.way {
@@ -50,6 +81,9 @@ impl Provoke {
             Way::Stack => {
                 black_box(deeper(0));
             }
+            Way::Hang => loop {
+                core::hint::spin_loop();
+            },
         }
     }
 }

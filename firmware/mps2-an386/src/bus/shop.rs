@@ -8,6 +8,7 @@ use leadscrew_core::bus::{CobId, Frame};
 use leadscrew_core::spindle::EncoderSample;
 
 use crate::options::Options;
+use crate::{around, watchdog};
 
 /// Answers of seven drives to one SYNC, and what they say besides.
 const ANSWERS: usize = 32;
@@ -22,8 +23,6 @@ pub struct Shop {
     provoke: Option<crate::provoke::Provoke>,
     /// What others on the wire have said.
     asked: Consumer<'static, Frame>,
-    #[cfg(feature = "provoke")]
-    ticks: u32,
 }
 
 impl Shop {
@@ -43,8 +42,6 @@ impl Shop {
             #[cfg(feature = "provoke")]
             provoke: options.provoke,
             asked,
-            #[cfg(feature = "provoke")]
-            ticks: 0,
         }
     }
 }
@@ -75,11 +72,8 @@ impl TickMachine for Shop {
     fn sample(&mut self) -> EncoderSample {
         leadscrew_fault::tick();
         #[cfg(feature = "provoke")]
-        {
-            self.ticks += 1;
-            if let Some(provoke) = self.provoke {
-                provoke.act(self.ticks);
-            }
+        if let Some(provoke) = &mut self.provoke {
+            provoke.tick();
         }
         self.plant.advance()
     }
@@ -106,8 +100,11 @@ impl TickMachine for Shop {
             plant.hear(&frame, &mut answer);
         }
         plant.exchange(frames, &mut answer);
+        around::keep(plant);
         true
     }
 
-    fn feed_watchdog(&mut self) {}
+    fn feed_watchdog(&mut self) {
+        watchdog::feed();
+    }
 }

@@ -3,13 +3,11 @@
 //! Copies, moves and fills of every length and alignment on the emulated Cortex-M4F, with the functions the images of boards
 //! have (`leadscrew-memory`), against the same thing done byte by byte.
 
-use core::fmt::{Arguments, Write};
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use cortex_m_semihosting::hio;
+use leadscrew_console::print;
 use leadscrew_memory as _;
 
 type Copy = unsafe extern "C" fn(*mut u8, *const u8, usize) -> *mut u8;
@@ -57,8 +55,7 @@ fn main() -> ! {
         "{checks} copies and fills, each byte in its place
 "
     ));
-    debug::exit(EXIT_SUCCESS);
-    stop()
+    leadscrew_console::done()
 }
 
 /// Memory with another value in every byte.
@@ -126,21 +123,5 @@ fn fill(to: usize, bytes: usize, value: u8, work: impl FnOnce(*mut u8)) {
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    print(format_args!("{info}\n"));
-    debug::exit(EXIT_FAILURE);
-    stop()
-}
-
-/// Prints on the emulator's standard output.
-fn print(text: Arguments) {
-    // Where the host takes no output there is nobody to tell.
-    if let Ok(mut out) = hio::hstdout() {
-        let _ = out.write_fmt(text);
-    }
-}
-
-fn stop() -> ! {
-    loop {
-        core::hint::spin_loop();
-    }
+    leadscrew_console::panicked(info)
 }

@@ -9,7 +9,7 @@ use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use audit::work::{Counter, Work};
 
-use crate::print;
+use leadscrew_console::print;
 
 const TIMER0: usize = 0x4000_0000;
 const CONTROL: *mut u32 = TIMER0 as *mut u32;

@@ -9,7 +9,7 @@ use leadscrew_core::board::{Background, Board, Events, Output, Segments, Station
 use leadscrew_core::motion::{Profile, Segment, ThreadPlan};
 use leadscrew_core::params::Params;
 
-use crate::print;
+use leadscrew_console::print;
 
 /// Bytes of each part, as rows.
 pub fn parts() {
