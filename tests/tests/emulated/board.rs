@@ -103,6 +103,20 @@ impl Board {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
+    /// Gives an order. Where the host is so slow that it is not confirmed in time, again.
+    #[track_caller]
+    pub fn order(&self, name: &str) {
+        for _ in 0..10 {
+            let output = self.leadscrew(&[name]);
+            match output.status.code() {
+                Some(0) => return,
+                Some(3) if both(&output).contains("does not confirm") => {}
+                _ => panic!("{name}: {}", both(&output)),
+            }
+        }
+        panic!("`{name}` is never confirmed");
+    }
+
     /// What it said, where it ended with this exit code.
     #[track_caller]
     pub fn bad(&self, args: &[&str], code: i32) -> String {

@@ -10,7 +10,7 @@ fn fails(way: &str, number: &str, words: &str) {
     let said = board.good(&["status"]);
     assert!(said.contains(number) && said.contains(words), "{said}");
     assert!(said.contains("1000 ticks after power-up"), "{said}");
-    board.good(&["reset"]);
+    board.order("reset");
     board.wait_for("it is ready", |status| field(status, "state") == "idle");
 }
 
@@ -40,7 +40,7 @@ fn again_and_again_until_it_stays_at_rest() {
         said.contains("3 times in a row") && said.contains("alarm 4365"),
         "{said}"
     );
-    board.good(&["reset"]);
+    board.order("reset");
     let status = board.good(&["status", "--json"]);
     assert_eq!(field(&status, "state"), "alarm", "no reset helps");
 }

@@ -60,14 +60,14 @@ fn override_hold_and_resume_from_other_terminals_while_a_program_runs() {
     let path = program("O0001\nG98\nG0 X50 Z0\nG1 Z-200 F6000\nG0 Z5\nM30\n");
     let running = board.start_leadscrew(&["run", &path, "--json"]);
     board.wait_for("the program runs", |status| field(status, "line") == "4");
-    board.good(&["hold"]);
+    board.order("hold");
     board.wait_for("it holds", |status| field(status, "state") == "hold");
     board.good(&["override", "feed", "100"]);
     let held = board.good(&["status", "--json"]);
     for (name, value) in [("state", "hold"), ("feed", "100"), ("mz", "0")] {
         assert_eq!(field(&held, name), value, "{held}");
     }
-    board.good(&["resume"]);
+    board.order("resume");
     let output = running.finish();
     assert_eq!(output.status.code(), Some(0), "{}", both(&output));
     assert_eq!(field(&both(&output), "ok"), "true");
@@ -83,13 +83,13 @@ fn a_stop_in_a_hole_is_an_alarm_and_retract_brings_the_tap_out() {
     board.wait_for("the tap is in its hole", |status| {
         status.contains("\"in_hole\":true")
     });
-    board.good(&["stop"]);
+    board.order("stop");
     let output = running.finish();
     assert_eq!(output.status.code(), Some(4), "{}", both(&output));
     assert!(both(&output).contains("4300"), "{}", both(&output));
     let refused = board.bad(&["retract"], 4);
     assert!(refused.contains("leadscrew reset"), "{refused}");
-    board.good(&["reset"]);
+    board.order("reset");
     board.wait_for("it is ready again", |status| {
         field(status, "state") == "idle"
     });

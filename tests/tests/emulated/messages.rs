@@ -13,7 +13,7 @@ fn what_happens_is_told() {
     let texts = texts(&std::fs::read(image_of(IMAGE)).expect("the image"));
     let board = Board::start_image(IMAGE, &[]);
     board.good(&["run", &program("O0001\nG98\nG1 Z-2 F600\nM30\n")]);
-    board.good(&["stop"]);
+    board.order("stop");
     board.wait_for("it stands", |status| field(status, "state") == "alarm");
     let told = || -> Vec<String> {
         let said = board.said();

@@ -24,7 +24,7 @@ fn parameters_are_those_that_were_pushed() {
     let status = fails_in(&board, "O0001\nG98\nG1 Z-20 F6000\nM30\n");
     assert!(status.contains("4365"), "{status}");
     assert_eq!(field(&status, "parameters"), field(&pushed, "parameters"));
-    board.good(&["reset"]);
+    board.order("reset");
     board.wait_for("it is ready", idle);
     assert_eq!(
         board.bad(&["params", "diff"], 1),
@@ -45,7 +45,7 @@ fn a_tap_in_its_hole_is_known_behind_a_tick_that_hangs_and_is_brought_out() {
     assert!(status.contains("\"in_hole\":true"), "{status}");
     let refused = board.bad(&["retract"], 4);
     assert!(refused.contains("leadscrew reset"), "{refused}");
-    board.good(&["reset"]);
+    board.order("reset");
     let status = board.wait_for("it is ready", |status| field(status, "state") == "idle");
     // The drives have kept their power, and are asked.
     assert_eq!(
