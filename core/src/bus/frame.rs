@@ -132,7 +132,9 @@ pub enum Service {
 }
 
 /// A data frame of classical CAN. Bytes from `len` on are zero, so that equal frames compare equal.
+// On words: it is copied by the word then, and in line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(align(4))]
 pub struct Frame {
     id: CobId,
     len: u8,
