@@ -221,7 +221,7 @@ mod tests {
         let rows = [
             row("board/line", 2000),
             row("board/arc", 2001),
-            row("board/tap-ordinary", 2600),
+            row("board/seven-drives", 2600),
             row("plan/line", 30_000),
         ];
         let dear = too_dear(&rows);

@@ -144,7 +144,8 @@ fn in_a_push_the_old_set_counts_or_the_new_one() {
     let block = |command| move |frame: &Frame| about(frame, REQUEST, command, [0x10, 0x50, 9]);
     let acknowledged =
         |frame: &Frame| frame.id().get() == REPLY && frame.payload().first() == Some(&0xA2);
-    let places: [(&str, Box<dyn Fn(&Frame) -> bool>, usize); 6] = [
+    type Wanted = Box<dyn Fn(&Frame) -> bool>;
+    let places: [(&str, Wanted, usize); 6] = [
         ("the first frame", Box::new(block(0xC6)), 0),
         ("the first block", Box::new(acknowledged), 0),
         ("the second block", Box::new(acknowledged), 1),
