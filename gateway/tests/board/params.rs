@@ -102,6 +102,13 @@ fn a_machine_at_work_keeps_its_set() {
         told.contains("4344 ") && told.contains("未作任何改动"),
         "{told}"
     );
+    // The switch itself would be taken, but no drive is touched for it.
+    let switch = file(
+        "switch-at-work.toml",
+        "\"9026.0\" = 0\n[drive.Z]\nprofile_acceleration = 5\n",
+    );
+    let told = bad(&leadscrew(&["params", "push", &switch], &bus), 1);
+    assert!(told.contains("4344 "), "{told}");
     good(&leadscrew(&["reset"], &bus));
     run.end();
     wait_for(&bus, "it stands", |status| status["program"] == false);

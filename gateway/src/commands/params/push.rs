@@ -99,8 +99,10 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     if whole && alone.drives.is_empty() && !new_password(&alone.params) && !global.dry_run {
         let wanted = told_good(global, alone)?;
         let done = replace(&mut greeted.link, &wanted.params, wish.password);
-        greeted.keep()?;
-        if let Some(done) = done? {
+        let kept = greeted.keep();
+        let done = done?;
+        kept?;
+        if let Some(done) = done {
             return tell(global, &done);
         }
     }
@@ -188,12 +190,12 @@ fn carry_out(
         link.open_parameters(password)?;
     }
     let bar = progress(global.lang(), pending.len() + 1);
-    // The write enable is taken where a whole set is not.
+    // The write enable is taken where a whole set is not; no drive is touched where that is not.
     let switch = match done.changes[..] {
         [Change { entry, .. }] if entry.no == WRITE_ENABLE => Some(entry),
         _ => None,
     };
-    if switch.is_none() {
+    if switch.is_none() || !pending.is_empty() {
         link.stage(&wanted.params)?;
     }
     let alarmed = link.status()?.alarm.is_some();

@@ -122,7 +122,8 @@ pub fn with_drives(link: &mut Link, pending: &[Pending], trouble: Trouble, reset
     if pending.is_empty() {
         return trouble.into();
     }
-    if !matches!(trouble, Trouble::Parameters { .. }) {
+    let refused = matches!(trouble, Trouble::Parameters { .. }) || trouble.refusal().is_some();
+    if !refused {
         return joined(
             trouble.into(),
             &both!(
