@@ -108,7 +108,9 @@ impl Pace {
         let snapshot = background.snapshot();
         let busy = background.is_busy() || snapshot.in_program;
         if busy || !self.ticks.wrapping_sub(up).is_multiple_of(TURN) {
-            if self.waits_for_program(background, now) || self.outruns_gateway(now) {
+            // Without a program a gateway may come and go.
+            let outruns = snapshot.in_program && self.outruns_gateway(now);
+            if self.waits_for_program(background, now) || outruns {
                 return false;
             }
             // Nothing but a person ends a hold.
