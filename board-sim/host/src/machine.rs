@@ -94,6 +94,10 @@ impl Machine {
             Some(_) => stored_params(&mut flash, &built_in).map_err(no_board)?,
             None => PowerUp::given(&built_in),
         };
+        if let Some(torn) = args.spoil.torn_write {
+            flash.set_tear(torn.tear);
+            flash.cut_after(torn.bytes);
+        }
         let params = &up.params;
         let plant = Plant::new(params, &options).map_err(|error| {
             unusable(format!(
@@ -222,7 +226,9 @@ impl Machine {
         }
         if count > 0 && has_power {
             self.keep()?;
-            self.serve(0)?;
+            if self.has_power() {
+                self.serve(0)?;
+            }
         }
         Ok(count > 0)
     }
@@ -374,8 +380,12 @@ impl Machine {
         let sample = self.plant.advance();
         self.board.tick(sample, &self.waiting, &mut self.output);
         self.keep()?;
-        self.ticks += 1;
         self.waiting.clear();
+        if !self.has_power() {
+            self.ticks += 1;
+            return Ok(());
+        }
+        self.ticks += 1;
         self.out.clear();
         self.out.extend_from_slice(&self.output.frames);
         self.exchange();
@@ -408,6 +418,15 @@ impl Machine {
     fn keep(&mut self) -> Outcome {
         let before = self.flash.written();
         keep(&mut self.board, &mut self.flash);
+        if !self.flash.is_on() && self.cut.is_none() {
+            say("the power goes in the middle of a write");
+            let from = self.since_up().unwrap_or(0);
+            let away = 100_000 / u64::from(self.tick_us).max(1);
+            self.cut = Some(Span {
+                from,
+                to: from.saturating_add(away),
+            });
+        }
         match &self.state {
             Some(state) if self.flash.written() != before => state.save(&self.flash),
             _ => Ok(()),

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use leadscrew_board_sim::line::{self, Faults, Intruder, Noise, Way};
+use leadscrew_board_sim::plant::Tear;
 use leadscrew_core::bus::NodeId;
 
 /// Ticks as they are typed: `4000` (from there on), `4000..4500`.
@@ -91,6 +92,34 @@ fn drive(name: &str) -> Option<NodeId> {
     }
 }
 
+/// Where a write is cut, and how what is cut reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Torn {
+    /// Bytes that are still written.
+    pub bytes: u32,
+    /// How it looks afterwards.
+    pub tear: Tear,
+}
+
+impl FromStr for Torn {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (bytes, unreadable) = match text.strip_suffix(":half") {
+            Some(bytes) => (bytes, false),
+            None => (text, true),
+        };
+        let bytes = bytes.parse().map_err(|_| {
+            format!("`{text}`: expected a number of bytes, as `1000` or `1000:half`")
+        })?;
+        let tear = Tear {
+            unreadable,
+            from_the_end: false,
+        };
+        Ok(Self { bytes, tear })
+    }
+}
+
 /// The options.
 #[derive(clap::Args, Debug, Default)]
 #[command(next_help_heading = "Faults of the wire and of the storage")]
@@ -125,6 +154,10 @@ pub struct Options {
     /// The flash is worn: it refuses to erase after so many pages
     #[arg(long, value_name = "PAGES")]
     pub flash_worn: Option<u32>,
+    /// The board's power goes in a write of its flash, after so many more bytes, and is back a tenth of a second of its time
+    /// later; the torn word cannot be read, or reads half written
+    #[arg(long, value_name = "BYTES[:half]", conflicts_with = "cut_power")]
+    pub torn_write: Option<Torn>,
     /// The board loses its power, its drives do not; without an end board-sim ends there, with exit code 4
     #[arg(long, value_name = "TICK[..TICK]")]
     pub cut_power: Option<Ticks>,
@@ -161,6 +194,22 @@ impl Options {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_torn_word_is_unreadable_unless_said_otherwise() {
+        let torn = |bytes, unreadable| {
+            let tear = Tear {
+                unreadable,
+                from_the_end: false,
+            };
+            Ok(Torn { bytes, tear })
+        };
+        assert_eq!("1000".parse(), torn(1000, true));
+        assert_eq!("7:half".parse(), torn(7, false));
+        for wrong in ["", ":half", "7:whole", "-1", "x"] {
+            assert!(wrong.parse::<Torn>().is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn ticks_have_a_beginning_and_may_have_an_end() {

@@ -156,6 +156,36 @@ fn flash_that_fails_and_flash_that_is_worn_stop_a_tap_before_its_hole() {
     assert!(!alarm.contains("faults.nc:3:"), "{said}");
 }
 
+/// A parameter set that is torn on its way into the flash, at its beginning, in the middle and near its end.
+#[test]
+fn power_that_goes_in_a_write_leaves_the_old_set_or_the_new_one() {
+    let mut outcomes = [0, 0];
+    for torn in ["1", "100:half", "700", "1200:half", "100000"] {
+        let board = Board::start(&["--lockstep", "--torn-write", torn]);
+        let pushed = leadscrew(&["params", "push", "--set", "9007=12"]);
+        let whole = torn == "100000";
+        assert_eq!(
+            pushed.status.code() == Some(0),
+            whole,
+            "{torn}: {}",
+            both(&pushed)
+        );
+        if !whole {
+            board.wait_for("the power goes in the middle of a write");
+            board.wait_for("the power is back");
+        }
+        let status = wait_for_status("it is idle", |status| field(status, "state") == "idle");
+        assert!(status.contains("\"alarm\":null"), "{torn}: {status}");
+        let has = good(&leadscrew(&["params", "get", "9007"]));
+        let new = has.contains("= 12 %");
+        assert!(new || has.contains("= 15 %"), "{torn}: {has}");
+        assert_eq!(new, whole, "{torn}: {has}");
+        outcomes[usize::from(new)] += 1;
+        drop(board);
+    }
+    assert_eq!(outcomes, [4, 1]);
+}
+
 #[test]
 fn a_program_that_stalls_is_waited_for_outside_the_thread_and_goes_on() {
     // More than waits in the machine at any time.
