@@ -61,6 +61,8 @@ pub struct Seen {
     pub bit_rate: Option<BitRate>,
     /// What clients have sent, and what the SDO servers have answered.
     pub dialogue: Vec<Frame>,
+    /// Clients that are there.
+    pub clients: usize,
 }
 
 /// A server until it is dropped.
@@ -102,9 +104,17 @@ impl Server {
         self.seen.lock().unwrap().bit_rate
     }
 
-    /// What clients have sent, and what the SDO servers have answered, since the last time somebody asked.
+    /// What clients have sent, and what the SDO servers have answered, since the last time somebody asked. Waits until the
+    /// last client has been heard to its end and is gone.
     pub fn dialogue(&self) -> Vec<Frame> {
-        std::mem::take(&mut self.seen.lock().unwrap().dialogue)
+        loop {
+            let mut seen = self.seen.lock().unwrap();
+            if seen.clients == 0 {
+                return std::mem::take(&mut seen.dialogue);
+            }
+            drop(seen);
+            std::thread::sleep(Duration::from_millis(1));
+        }
     }
 
     /// Hash of the first board's setpoints so far.
@@ -224,6 +234,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
         while let Ok((line, _)) = listener.accept() {
             came += 1;
             clients.push(Client::new(came, line));
+            seen.lock().unwrap().clients = clients.len();
         }
         let plugged = options.unplugged_at.is_none_or(|at| ticks < at);
         let mut busy = false;
@@ -293,6 +304,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             }
         }
         clients.retain_mut(Client::flush);
+        seen.lock().unwrap().clients = clients.len();
         if !busy && burst == 0 {
             std::thread::sleep(Duration::from_micros(100));
         }

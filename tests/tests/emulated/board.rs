@@ -106,15 +106,21 @@ impl Board {
     /// Gives an order. Where the host is so slow that it is not confirmed in time, again.
     #[track_caller]
     pub fn order(&self, name: &str) {
+        self.order_with(&[name]);
+    }
+
+    /// An order with what belongs to it.
+    #[track_caller]
+    pub fn order_with(&self, args: &[&str]) {
         for _ in 0..10 {
-            let output = self.leadscrew(&[name]);
+            let output = self.leadscrew(args);
             match output.status.code() {
                 Some(0) => return,
                 Some(3) if both(&output).contains("does not confirm") => {}
-                _ => panic!("{name}: {}", both(&output)),
+                _ => panic!("{args:?}: {}", both(&output)),
             }
         }
-        panic!("`{name}` is never confirmed");
+        panic!("{args:?} is never confirmed");
     }
 
     /// What it said, where it ended with this exit code.

@@ -55,16 +55,16 @@ fn a_thread_by_g76() {
 fn override_hold_and_resume_from_other_terminals_while_a_program_runs() {
     let board = Board::in_kernel();
     // However fast its time goes: it waits here.
-    board.good(&["override", "feed", "0"]);
+    board.order_with(&["override", "feed", "0"]);
     board.wait_for("it is told", |status| field(status, "feed") == "0");
     let path = program("O0001\nG98\nG0 X50 Z0\nG1 Z-200 F6000\nG0 Z5\nM30\n");
     let running = board.start_leadscrew(&["run", &path, "--json"]);
     board.wait_for("the program runs", |status| field(status, "line") == "4");
     board.order("hold");
     board.wait_for("it holds", |status| field(status, "state") == "hold");
-    board.good(&["override", "feed", "100"]);
-    let held = board.good(&["status", "--json"]);
-    for (name, value) in [("state", "hold"), ("feed", "100"), ("mz", "0")] {
+    board.order_with(&["override", "feed", "100"]);
+    let held = board.wait_for("it is told again", |status| field(status, "feed") == "100");
+    for (name, value) in [("state", "hold"), ("mz", "0")] {
         assert_eq!(field(&held, name), value, "{held}");
     }
     board.order("resume");
@@ -78,7 +78,8 @@ fn override_hold_and_resume_from_other_terminals_while_a_program_runs() {
 #[test]
 fn a_stop_in_a_hole_is_an_alarm_and_retract_brings_the_tap_out() {
     let board = Board::in_kernel();
-    let path = program("O0084\nG98\nG0 X50 Z0\nM29 S1000\nG84 Z-30 P9999 F1000\nG80\nM30\n");
+    // Half a minute of its time in the hole: however fast that goes, there is time for a stop.
+    let path = program("O0084\nG98\nG0 X50 Z0\nM29 S200\nG84 Z-30 P9999 F200\nG80\nM30\n");
     let running = board.start_leadscrew(&["run", &path, "--json"]);
     board.wait_for("the tap is in its hole", |status| {
         status.contains("\"in_hole\":true")

@@ -180,6 +180,8 @@ fn in_a_push_the_old_set_counts_or_the_new_one() {
             .spawn()
             .unwrap();
         kill_at(&mut can, pushing, skip, like);
+        // Until the transfer is given up, what is asked may be taken for a piece of it.
+        eventually("it answers", || leadscrew(&["status"]).status.success());
         let after = identity();
         // What counts is what is stored.
         board.kill();
