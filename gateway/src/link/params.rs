@@ -6,6 +6,7 @@
 
 use std::time::{Duration, Instant};
 
+use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::bus::{Abort, BoardState, Object};
 use leadscrew_core::link::{ImageWriter, decode_changes, identity};
 use leadscrew_core::params::{Entry, Params, TABLE_KEY};
@@ -24,10 +25,14 @@ const STAGED: Object = Object::new(0x5010, 9);
 pub(super) const CHANGES: Object = Object::new(0x5010, 10);
 pub(super) const COMMIT: Object = Object::new(0x5010, 11);
 
+/// 5010h:02h: none since power-up.
+const NONE: u64 = 0;
 /// 5010h:02h: it is being stored.
 const UNDER_WAY: u64 = 1;
 /// 5010h:02h: it is stored and in force.
 const DONE: u64 = 2;
+/// 5010h:02h: refused, or it could not be stored.
+const REFUSED: u64 = 3;
 /// 5010h:05h: the last good set.
 const RECALL: u32 = 1;
 
@@ -94,6 +99,22 @@ impl Link {
         self.explained(written)
     }
 
+    /// Stages a set that was laid over this one, which was in force when it was read.
+    ///
+    /// # Errors
+    /// As [`stage`](Self::stage), and [`Code::StagedSetGone`] where somebody else has changed parameters since: the staged
+    /// set would put their old values back. What comes later makes it void by itself.
+    pub fn stage_over(&mut self, old: &Params, params: &Params) -> LinkResult {
+        self.stage(params)?;
+        if self.parameters_identity()? == identity(old) {
+            return Ok(());
+        }
+        Err(Trouble::Parameters {
+            node: self.node().get(),
+            reason: Some(Alarm::new(Code::StagedSetGone, Span::default())),
+        })
+    }
+
     /// The set in force, told by what this staged one would change of it; as a whole where that is too much.
     ///
     /// # Errors
@@ -110,11 +131,12 @@ impl Link {
     ///
     /// # Errors
     /// [`Trouble::Parameters`] where the board refuses it or cannot store it: the set before is then in force and stored.
+    /// [`Trouble::Unsettled`] where it does not say what has become of it.
     pub fn commit(&mut self, params: &Params) -> LinkResult {
         let expected = identity(params);
         let written = self.write(COMMIT, &expected.to_le_bytes());
         self.explained(written)?;
-        self.wait_until_stored()?;
+        self.wait_until_stored(LONGEST)?;
         self.is_in_force(expected)
     }
 
@@ -127,7 +149,7 @@ impl Link {
         let byte = u8::try_from(params.get(entry)).unwrap_or(0);
         let written = self.write(object, &[byte]);
         self.explained(written)?;
-        self.wait_until_stored()?;
+        self.wait_until_stored(LONGEST)?;
         self.is_in_force(identity(params))
     }
 
@@ -147,11 +169,12 @@ impl Link {
     pub fn recall(&mut self) -> LinkResult {
         let written = self.write(COMMAND, &RECALL.to_le_bytes()[..1]);
         self.explained(written)?;
-        self.wait_until_stored()
+        self.wait_until_stored(LONGEST)
     }
 
-    fn wait_until_stored(&mut self) -> LinkResult {
-        let end = Instant::now() + LONGEST;
+    /// Waits until the change that the board has taken is stored.
+    pub(super) fn wait_until_stored(&mut self, longest: Duration) -> LinkResult {
+        let end = Instant::now() + longest;
         let mut pause = PAUSE;
         loop {
             match self.read_number(STATE)? {
@@ -160,8 +183,20 @@ impl Link {
                     self.idle(pause)?;
                     pause = LONGEST_PAUSE.min(pause * 2);
                 }
-                _ => return Err(self.refused()),
+                REFUSED => return Err(self.refused()),
+                // Only a refusal says that the old set is in force: one under way may still be stored, and one that is
+                // stored and not yet marked counts when the board starts again [D114].
+                UNDER_WAY => return Err(self.unsettled(false)),
+                NONE => return Err(self.unsettled(true)),
+                _ => return Err(self.strange(STATE)),
             }
+        }
+    }
+
+    fn unsettled(&self, restarted: bool) -> Trouble {
+        Trouble::Unsettled {
+            node: self.node().get(),
+            restarted,
         }
     }
 

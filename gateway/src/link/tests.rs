@@ -320,6 +320,123 @@ fn a_staged_set_is_committed_by_its_hash_and_once() {
     assert_eq!(link.last_good().unwrap(), Some(identity(&old)));
 }
 
+/// As above, where the set that is in force by then lets nobody change anything.
+#[test]
+fn a_commit_comes_twice_also_of_a_set_that_shuts_the_board() {
+    for (key, raw) in [("9026.0", 0), ("9028", 4711)] {
+        let old = set(&[("9007", 12)]);
+        let new = set(&[("9007", 13), (key, raw)]);
+        let inside = machine(flash_with(&old));
+        let mut link = link(&inside);
+        link.stage(&new).unwrap();
+        link.commit(&new).unwrap();
+        link.commit(&new).unwrap();
+        assert_eq!(stored(&inside), (Found::Newest, new), "{key}");
+        assert_eq!(link.last_good().unwrap(), Some(identity(&old)), "once");
+        // It is shut.
+        assert!(link.stage(&old).is_err());
+        refused(
+            link.commit(&old),
+            if raw == 0 {
+                Code::ParametersProtected
+            } else {
+                Code::PasswordMissing
+            },
+        );
+    }
+}
+
+#[test]
+fn what_somebody_else_has_changed_since_it_was_read_is_not_put_back() {
+    let old = set(&[("9007", 12)]);
+    let inside = machine(flash_with(&old));
+    let mut link = link(&inside);
+    let read = link.parameters().unwrap().params;
+    let mut wanted = read.clone();
+    wanted
+        .set(Entry::find_text("1420.X").unwrap(), 11_000_000_000)
+        .unwrap();
+    link.write(Object::new(0x2000 + 9007, 0), &[13]).unwrap();
+    link.idle(Duration::from_millis(200)).unwrap();
+    refused(link.stage_over(&read, &wanted), Code::StagedSetGone);
+    let (_, kept) = stored(&inside);
+    assert_eq!(
+        kept.spindle_tolerance_percent(),
+        set(&[("9007", 13)]).spindle_tolerance_percent()
+    );
+    // Read again it goes.
+    let read = link.parameters().unwrap().params;
+    link.stage_over(&read, &set(&[("9007", 13), ("1420.X", 11_000_000_000)]))
+        .unwrap();
+}
+
+/// An end of the bus on which the board's 5010h:02h says something else than it is.
+struct Told {
+    inside: Inside,
+    state: u8,
+}
+
+impl Can for Told {
+    fn name(&self) -> &str {
+        "told"
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        self.inside.send(frames)
+    }
+
+    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
+        let before = into.len();
+        let count = self.inside.receive(into, patience)?;
+        for received in into.iter_mut().skip(before) {
+            let Packet::Frame(frame) = &received.packet else {
+                continue;
+            };
+            if let [0x4F, 0x10, 0x50, 2, ..] = frame.payload() {
+                let said = [0x4F, 0x10, 0x50, 2, self.state, 0, 0, 0];
+                received.packet = Packet::Frame(Frame::new(frame.id(), &said).unwrap());
+            }
+        }
+        Ok(count)
+    }
+
+    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
+        self.inside.listen_for(filters)
+    }
+
+    fn dropped(&self) -> Result<u64, CanError> {
+        Ok(0)
+    }
+}
+
+/// Only a refusal says that the old set is in force.
+#[test]
+fn a_board_that_does_not_say_what_became_of_a_set_has_not_refused_it() {
+    let inside = machine(Flash::erased());
+    let told = |state| {
+        let inside = inside.clone();
+        let mut link = Link::on(Box::new(Told { inside, state }), NodeId::BOARD);
+        link.wait_until_stored(Duration::ZERO)
+    };
+    assert!(matches!(
+        told(0),
+        Err(Trouble::Unsettled {
+            restarted: true,
+            ..
+        })
+    ));
+    assert!(matches!(
+        told(1),
+        Err(Trouble::Unsettled {
+            restarted: false,
+            ..
+        })
+    ));
+    assert!(matches!(told(2), Ok(())));
+    assert!(matches!(told(3), Err(Trouble::Parameters { .. })));
+    assert!(matches!(told(4), Err(Trouble::Strange { .. })));
+}
+
 /// More values change than their list has room for: the set in force is read as a whole.
 #[test]
 fn a_set_that_changes_everywhere_is_told_whole() {

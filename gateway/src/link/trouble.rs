@@ -97,6 +97,13 @@ pub enum Trouble {
         /// Why, where it says so.
         reason: Option<Alarm>,
     },
+    /// The board has taken a change of its parameters, and does not say what has become of it.
+    Unsettled {
+        /// The number.
+        node: u8,
+        /// It has started again meanwhile; else it is still being stored.
+        restarted: bool,
+    },
     /// The board takes an order and does not say that it did.
     Unconfirmed {
         /// The number.
@@ -378,12 +385,28 @@ impl Trouble {
                     alarm_words,
                 );
                 both!(
-                    "node {node} has not taken the parameters, and nothing has been changed: {en}",
-                    "节点 {node} 未接受参数，未作任何改动：{zh}",
+                    "node {node} has not taken the parameters, and its set has not been changed: {en}",
+                    "节点 {node} 未接受参数，其参数集未作改动：{zh}",
                     en = why.en,
                     zh = why.zh
                 )
             }
+            Self::Unsettled {
+                node,
+                restarted: true,
+            } => both!(
+                "node {node} has started again while it stored the parameters: whether it has the new set or the old one is \
+                 not known; push again",
+                "节点 {node} 在保存参数时重新启动：其参数集是新的还是旧的不得而知；请重新写入"
+            ),
+            Self::Unsettled {
+                node,
+                restarted: false,
+            } => both!(
+                "node {node} has not stored the parameters in time (object 5010h:02h): whether it has the new set or the old \
+                 one is not known; push again",
+                "节点 {node} 未能按时保存参数（对象 5010h:02h）：其参数集是新的还是旧的不得而知；请重新写入"
+            ),
             Self::Unconfirmed { node, order } => both!(
                 "node {node} does not confirm `{order}` (object 5001h:05h, count of the last order): look at the machine; its \
                  own stop button works without this bus",

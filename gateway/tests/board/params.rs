@@ -91,7 +91,7 @@ fn a_machine_at_work_keeps_its_set() {
     wait_for(&bus, "the program runs", |status| status["program"] == true);
     let told = bad(&leadscrew(&["params", "set", "9007=12"], &bus), 1);
     assert!(
-        told.contains("4344 ") && told.contains("nothing has been changed"),
+        told.contains("4344 ") && told.contains("its set has not been changed"),
         "{told}"
     );
     let told = bad(
@@ -99,7 +99,7 @@ fn a_machine_at_work_keeps_its_set() {
         1,
     );
     assert!(
-        told.contains("4344 ") && told.contains("未作任何改动"),
+        told.contains("4344 ") && told.contains("其参数集未作改动"),
         "{told}"
     );
     // The switch itself would be taken, but no drive is touched for it.
@@ -193,7 +193,7 @@ fn drives_get_their_old_values_back_where_the_board_cannot_store_its_set() {
     let lathe = file("unstored.toml", LATHE);
     let told = bad(&leadscrew(&["params", "push", &lathe], &bus), 1);
     assert!(
-        told.contains("nothing has been changed: 4343 ")
+        told.contains("its set has not been changed: 4343 ")
             && told.ends_with("; the drives have their old values again\n"),
         "{told}"
     );

@@ -107,9 +107,14 @@ impl Shelf {
         Ok(())
     }
 
+    /// The draft is in force already, and stored.
+    fn is_there(&self, params: &Params) -> bool {
+        self.draft == *params && self.keeper.is_stored()
+    }
+
     /// The draft, which has been looked at, is stored and comes into force.
     pub(super) fn stage(&mut self, params: &Params) {
-        if self.draft == *params && self.keeper.is_stored() {
+        if self.is_there(params) {
             self.keeper.nothing_to_do();
         } else {
             self.keeper.begin();
@@ -127,6 +132,11 @@ impl Shelf {
     pub(super) fn commit(&mut self, expected: u32, params: &Params) -> Result<(), Abort> {
         let same = identity(&self.draft) == expected;
         if same && self.is_changing() {
+            return Ok(());
+        }
+        // Before it is asked who may change anything: it may be this very set that protects the board now.
+        if same && self.is_there(params) {
+            self.keeper.nothing_to_do();
             return Ok(());
         }
         self.admit(params, Change::Whole)?;

@@ -96,6 +96,7 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     }
     let mut greeted = Greeted::meet(global)?;
     let whole = wish.built_in || alone.names_all();
+    let mut told = None;
     if whole && alone.drives.is_empty() && !new_password(&alone.params) && !global.dry_run {
         let wanted = told_good(global, alone)?;
         let done = replace(&mut greeted.link, &wanted.params, wish.password);
@@ -105,14 +106,21 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
         if let Some(done) = done {
             return tell(global, &done);
         }
+        // It names every value: laid over the board's set it is the same, and its warnings have been said.
+        told = Some(wanted);
     }
     let mut machine = greeted.read()?;
-    let base = if wish.built_in {
-        Params::slant_bed()
-    } else {
-        machine.params.clone()
+    let wanted = match told {
+        Some(wanted) => wanted,
+        None => {
+            let base = if wish.built_in {
+                Params::slant_bed()
+            } else {
+                machine.params.clone()
+            };
+            told_good(global, load(global, wish, base)?)?
+        }
     };
-    let wanted = told_good(global, load(global, wish, base)?)?;
     let done = carry_out(global, &mut machine, &wanted, wish.password);
     let kept = machine.keep();
     let done = done?;
@@ -189,19 +197,22 @@ fn carry_out(
     if let Some(password) = password {
         link.open_parameters(password)?;
     }
-    let bar = progress(global.lang(), pending.len() + 1);
+    let steps = pending.len() + usize::from(!done.changes.is_empty());
+    let bar = progress(global.lang(), steps);
     // The write enable is taken where a whole set is not; no drive is touched where that is not.
     let switch = match done.changes[..] {
         [Change { entry, .. }] if entry.no == WRITE_ENABLE => Some(entry),
         _ => None,
     };
     if switch.is_none() || !pending.is_empty() {
-        link.stage(&wanted.params)?;
+        link.stage_over(&old, &wanted.params)?;
     }
     let alarmed = link.status()?.alarm.is_some();
     if !pending.is_empty() {
         done.notes = drive::apply(link, &pending, &mut || bar.inc(1))?;
-        link.wait_at_rest()?;
+        if let Err(trouble) = link.wait_at_rest() {
+            return Err(drive::only_drives(trouble.into()));
+        }
     }
     let changed = match switch {
         _ if done.changes.is_empty() => Ok(()),
@@ -211,9 +222,11 @@ fn carry_out(
     if let Err(trouble) = changed {
         return Err(drive::with_drives(link, &pending, trouble, !alarmed));
     }
+    bar.inc(1);
     // The board has noticed that the drives were silent; there may be an alarm of its own that nobody has seen.
     if done.changes.is_empty() && !alarmed {
-        link.order(Order::Reset)?;
+        let reset = link.order(Order::Reset);
+        reset.map_err(|trouble| drive::only_drives(trouble.into()))?;
     }
     bar.finish_and_clear();
     machine.params.clone_from(&wanted.params);

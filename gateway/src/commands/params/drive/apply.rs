@@ -84,7 +84,8 @@ pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Ou
         };
         if let Some(failure) = wrong {
             let back = undo(link, &pending[..=at]);
-            start(link, &drives)?;
+            // A bus that fails now, too, would say less than what has failed first.
+            let _ = start(link, &drives);
             return Err(with(failure, back));
         }
         done();
@@ -97,11 +98,28 @@ pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Ou
                 "drive {drive} does not keep this by itself (1010h): after it was switched off it has to be pushed again",
                 "驱动器 {drive} 自身不保存这些值（1010h）：断电后需要重新写入"
             )),
-            Err(trouble) => return Err(trouble.into()),
+            Err(trouble) => {
+                // As above.
+                let _ = start(link, &drives);
+                return Err(only_drives(refused(*drive, &trouble)));
+            }
         }
     }
-    start(link, &drives)?;
-    Ok(notes)
+    match start(link, &drives) {
+        Ok(()) => Ok(notes),
+        Err(trouble) => Err(only_drives(trouble.into())),
+    }
+}
+
+/// What to say where something fails behind the drives and before the board is told to take its set.
+pub fn only_drives(failure: Failure) -> Failure {
+    joined(
+        failure,
+        &both!(
+            "; the drives have their new values and may lose them when switched off, and the board's set has not been changed",
+            "；驱动器已写入新值，断电后可能丢失；控制板的参数集未作改动"
+        ),
+    )
 }
 
 /// The drives of these objects, in pre-operational.
@@ -122,15 +140,18 @@ pub fn with_drives(link: &mut Link, pending: &[Pending], trouble: Trouble, reset
     if pending.is_empty() {
         return trouble.into();
     }
-    let refused = matches!(trouble, Trouble::Parameters { .. }) || trouble.refusal().is_some();
-    if !refused {
-        return joined(
-            trouble.into(),
-            &both!(
+    // Any other trouble, an abort of something asked behind the commit too, leaves it open which set the board has.
+    if !matches!(trouble, Trouble::Parameters { .. }) {
+        let more = match trouble {
+            Trouble::Unsettled { .. } => {
+                both!("; the drives have their new values", "；驱动器已写入新值")
+            }
+            _ => both!(
                 "; the drives have their new values, and whether the board has the new set is not known: push again",
                 "；驱动器已写入新值，控制板是否采用新参数集不详：请重新写入"
             ),
-        );
+        };
+        return joined(trouble.into(), &more);
     }
     let lost = take_back(link, pending, reset);
     joined(
@@ -159,18 +180,23 @@ pub fn with_drives(link: &mut Link, pending: &[Pending], trouble: Trouble, reset
 fn take_back(link: &mut Link, pending: &[Pending], reset: bool) -> LinkResult<Vec<String>> {
     let drives = to_pre_operational(link, pending)?;
     let lost = undo(link, pending);
+    let mut kept = Ok(());
     for drive in &drives {
         // Whether it keeps anything has been said at the first time.
         match link.write_of(drive.node(), STORE, &SAVE) {
-            Err(trouble) if trouble.refusal().is_none() => return Err(trouble),
+            Err(trouble) if trouble.refusal().is_none() => kept = kept.and(Err(trouble)),
             _ => {}
         }
     }
-    start(link, &drives)?;
-    link.wait_at_rest()?;
-    if reset {
-        link.order(Order::Reset)?;
-    }
+    // The values are what they are: a bus that fails now, too, takes nothing of what there is to say about them. The
+    // machine stands on its alarm then, until somebody resets it.
+    let _ = start(link, &drives)
+        .and_then(|()| link.wait_at_rest())
+        .and_then(|()| match reset {
+            true => link.order(Order::Reset),
+            false => Ok(()),
+        });
+    kept?;
     Ok(lost)
 }
 

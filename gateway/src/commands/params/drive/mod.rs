@@ -1,6 +1,8 @@
 //! The drives' own objects: read, and compared with what they are to be.
 
 mod apply;
+#[cfg(test)]
+mod tests;
 
 use leadscrew_core::bus::{Mapped, Object};
 
@@ -10,7 +12,7 @@ use crate::params::difference::DriveChange;
 use crate::params::drives::{DriveName, Kind, Setting, Wanted, mapping_text, object_text};
 use crate::words::both;
 
-pub use apply::{apply, check_periods, with_drives};
+pub use apply::{apply, check_periods, only_drives, with_drives};
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]

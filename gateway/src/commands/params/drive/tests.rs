@@ -1,0 +1,176 @@
+//! Against the drives of a board inside this process.
+
+use std::time::Duration;
+
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
+use leadscrew_core::bus::{Abort, CobId, Frame, NodeId, Object, Service};
+use leadscrew_core::params::Params;
+
+use super::{Found, Pending, apply, with_drives};
+use crate::failure::Failure;
+use crate::link::{Inside, Link, Trouble};
+use crate::params::drives::{DriveName, Kind, Wanted};
+
+const VELOCITY: Object = Object::new(0x607F, 0);
+
+/// An end of the bus on which the drive of X does not do what it is told.
+struct Wayward {
+    inside: Inside,
+    /// What is written to it, as SDO has it: command, index, sub-index.
+    at: [u8; 4],
+    /// It says so; else nothing at all.
+    says: bool,
+    answer: Option<Frame>,
+}
+
+impl Can for Wayward {
+    fn name(&self) -> &str {
+        "wayward"
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        let node = DriveName::X.node();
+        for frame in frames {
+            let written = frame.id() == CobId::of(Service::SdoRequest, node)
+                && frame.payload().starts_with(&self.at);
+            if !written {
+                self.inside.send(&[*frame])?;
+            } else if self.says {
+                let [_, low, high, sub] = self.at;
+                let [a, b, c, d] = Abort::Access.code().to_le_bytes();
+                let refusal = [0x80, low, high, sub, a, b, c, d];
+                let from = CobId::of(Service::SdoReply, node);
+                self.answer = Some(Frame::new(from, &refusal).unwrap());
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
+        if let Some(frame) = self.answer.take() {
+            into.push(Received {
+                time: Stamp::now(),
+                packet: Packet::Frame(frame),
+            });
+            return Ok(1);
+        }
+        self.inside.receive(into, patience)
+    }
+
+    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
+        self.inside.listen_for(filters)
+    }
+
+    fn dropped(&self) -> Result<u64, CanError> {
+        Ok(0)
+    }
+}
+
+fn machine() -> Inside {
+    let options = PlantOptions::default();
+    let mut sim = Sim::power_up(&Params::slant_bed(), &options, Flash::erased())
+        .map(Box::new)
+        .unwrap();
+    sim.join(NodeId::BOARD).unwrap();
+    let tick_us = sim.tick_us();
+    Inside::new(sim, tick_us)
+}
+
+fn link(inside: &Inside) -> Link {
+    Link::on(Box::new(inside.clone()), NodeId::BOARD)
+}
+
+fn wayward(inside: &Inside, at: [u8; 4], says: bool) -> Link {
+    let can = Wayward {
+        inside: inside.clone(),
+        at,
+        says,
+        answer: None,
+    };
+    let mut link = Link::on(Box::new(can), NodeId::BOARD);
+    link.set_patience(Duration::from_millis(50));
+    link
+}
+
+/// The limit of X's velocity is to be another one.
+fn velocity(value: i64) -> Vec<Pending> {
+    vec![Pending {
+        drive: DriveName::X,
+        wanted: Wanted::Number {
+            object: VELOCITY,
+            kind: Kind::U32,
+            value,
+        },
+        found: Found::Number(10_000_000),
+    }]
+}
+
+fn number(link: &mut Link, object: Object) -> u32 {
+    let bytes = link.read_of(DriveName::X.node(), object).unwrap();
+    let mut raw = [0; 4];
+    raw[..bytes.len()].copy_from_slice(&bytes);
+    u32::from_le_bytes(raw)
+}
+
+#[track_caller]
+fn ends_with(failure: Failure, end: &str) {
+    let (Failure::WrongBecause(words) | Failure::Bus(words)) = failure else {
+        panic!("{failure:?}");
+    };
+    assert!(words.en.ends_with(end), "{}", words.en);
+}
+
+#[test]
+fn a_drive_that_falls_silent_when_it_is_to_keep_its_values_is_told_of_and_started() {
+    let inside = machine();
+    let pending = velocity(500_000);
+    let mut failing = wayward(&inside, [0x23, 0x10, 0x10, 1], false);
+    let failure = apply(&mut failing, &pending, &mut || ()).unwrap_err();
+    assert!(matches!(failure, Failure::Bus(_)));
+    ends_with(failure, "and the board's set has not been changed");
+    let mut link = link(&inside);
+    assert_eq!(number(&mut link, VELOCITY), 500_000);
+    // In pre-operational it would take this.
+    let period = Object::new(0x60C2, 1);
+    let written = link.write_of(DriveName::X.node(), period, &[1]);
+    assert!(written.is_err_and(|trouble| trouble.is_abort(Abort::State)));
+}
+
+#[test]
+fn drives_keep_their_new_values_where_it_is_open_which_set_the_board_has() {
+    let inside = machine();
+    let mut link = link(&inside);
+    let pending = velocity(500_000);
+    apply(&mut link, &pending, &mut || ()).unwrap();
+    let node = NodeId::BOARD.get();
+    let aborted = Trouble::Transfer {
+        node,
+        object: Object::new(0x1020, 1),
+        write: false,
+        error: leadscrew_core::bus::SdoError::Refused(Abort::Internal.code()),
+    };
+    for (trouble, end) in [
+        (
+            Trouble::Unsettled {
+                node,
+                restarted: true,
+            },
+            "the drives have their new values",
+        ),
+        (
+            aborted,
+            "whether the board has the new set is not known: push again",
+        ),
+    ] {
+        let failure = with_drives(&mut link, &pending, trouble, false);
+        assert!(matches!(failure, Failure::Bus(_)), "{failure:?}");
+        ends_with(failure, end);
+        assert_eq!(number(&mut link, VELOCITY), 500_000);
+    }
+    let refusal = Trouble::Parameters { node, reason: None };
+    let failure = with_drives(&mut link, &pending, refusal, false);
+    ends_with(failure, "the drives have their old values again");
+    assert_eq!(number(&mut link, VELOCITY), 10_000_000);
+}
