@@ -117,7 +117,7 @@ impl Home {
                 _ => None,
             };
             let by = match (found, period) {
-                (Found::Mapping(objects), _) => mapping_literal(&objects),
+                (Found::Mapping { objects, .. }, _) => mapping_literal(&objects),
                 (Found::Number(_), Some((value, exponent))) => period_literal(value, exponent)
                     .ok_or_else(|| {
                         Failure::WrongBecause(both!(

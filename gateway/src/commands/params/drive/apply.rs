@@ -4,7 +4,7 @@
 //! and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets its old
 //! value back.
 
-use leadscrew_core::bus::{NmtCommand, NodeId, Object, Order, SdoError};
+use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
 use super::{Found, Pending, is, read, refused};
@@ -200,36 +200,51 @@ fn take_back(link: &mut Link, pending: &[Pending], reset: bool) -> LinkResult<Ve
     Ok(lost)
 }
 
-/// Gives what was written its old value back, the last first; what cannot be is named.
+/// Gives what was written its old value back, the last first; what is not as it was then is named.
 fn undo(link: &mut Link, written: &[Pending]) -> Vec<String> {
     let mut lost = Vec::new();
     for pending in written.iter().rev() {
-        let old = match (&pending.wanted, &pending.found) {
-            (Wanted::Number { object, kind, .. }, Found::Number(value)) => Wanted::Number {
-                object: *object,
-                kind: *kind,
-                value: *value,
-            },
-            (
-                Wanted::Mapping {
-                    mapping,
-                    communication,
-                    ..
-                },
-                Found::Mapping(objects),
-            ) => Wanted::Mapping {
-                mapping: *mapping,
-                communication: *communication,
-                objects: objects.clone(),
-            },
-            _ => continue,
-        };
-        let as_before = read(link, pending.drive, &old).is_ok_and(|found| is(&old, &found));
-        if !as_before && write(link, pending.drive, &old).is_err() {
-            lost.push(format!("{} {}", pending.drive, object_text(old.object())));
+        if is_as_before(link, pending) {
+            continue;
+        }
+        // It is looked at whatever the drive says.
+        let _ = put_back(link, pending);
+        if !is_as_before(link, pending) {
+            let object = object_text(pending.wanted.object());
+            lost.push(format!("{} {object}", pending.drive));
         }
     }
     lost
+}
+
+fn is_as_before(link: &mut Link, pending: &Pending) -> bool {
+    read(link, pending.drive, &pending.wanted).is_ok_and(|found| found == pending.found)
+}
+
+fn put_back(link: &mut Link, pending: &Pending) -> LinkResult {
+    let node = pending.drive.node();
+    match (&pending.wanted, &pending.found) {
+        (Wanted::Number { object, kind, .. }, Found::Number(value)) => {
+            link.write_of(node, *object, &kind.encode(*value))
+        }
+        (
+            Wanted::Mapping {
+                mapping,
+                communication,
+                ..
+            },
+            Found::Mapping { objects, cob_id },
+        ) => {
+            let pdo = Pdo {
+                node,
+                mapping: *mapping,
+                communication: *communication,
+            };
+            pdo.map(link, objects, *cob_id, *cob_id)
+        }
+        // A number is read as a number.
+        _ => Ok(()),
+    }
 }
 
 fn start(link: &mut Link, drives: &[DriveName]) -> LinkResult {
@@ -281,24 +296,55 @@ fn write(link: &mut Link, drive: DriveName, wanted: &Wanted) -> LinkResult {
             communication,
             objects,
         } => {
-            // As CiA 301 has it: the PDO off, its mapping empty, the objects, their number, the PDO on.
-            let cob_id = Object::new(*communication, 1);
-            let count = Object::new(*mapping, 0);
-            let bytes = link.read_of(node, cob_id)?;
+            let pdo = Pdo {
+                node,
+                mapping: *mapping,
+                communication: *communication,
+            };
+            let bytes = link.read_of(node, pdo.cob_id())?;
             let mut raw = [0; 4];
             for (place, byte) in raw.iter_mut().zip(bytes) {
                 *place = byte;
             }
             let id = u32::from_le_bytes(raw);
-            link.write_of(node, cob_id, &(id | INVALID).to_le_bytes())?;
-            link.write_of(node, count, &[0])?;
-            for (sub, mapped) in (1..).zip(objects) {
-                let object = Object::new(*mapping, sub);
-                link.write_of(node, object, &mapped.raw().to_le_bytes())?;
-            }
-            link.write_of(node, count, &[objects.len() as u8])?;
-            link.write_of(node, cob_id, &(id & !INVALID).to_le_bytes())
+            pdo.map(link, objects, id & !INVALID, id)
         }
+    }
+}
+
+/// A PDO of a drive.
+struct Pdo {
+    node: NodeId,
+    /// 1600h … 1A01h.
+    mapping: u16,
+    /// 1400h … 1801h.
+    communication: u16,
+}
+
+impl Pdo {
+    const fn cob_id(&self) -> Object {
+        Object::new(self.communication, 1)
+    }
+
+    /// Maps these, as CiA 301 has it: the PDO off, its mapping empty, the objects, their number, the PDO on. It ends with
+    /// the COB-ID `then`, or with `back` where the drive refuses: a fixed mapping does not leave the PDO off.
+    fn map(&self, link: &mut Link, objects: &[Mapped], then: u32, back: u32) -> LinkResult {
+        let (node, cob_id) = (self.node, self.cob_id());
+        link.write_of(node, cob_id, &(then | INVALID).to_le_bytes())?;
+        let mapped = self.fill(link, objects);
+        let id = if mapped.is_ok() { then } else { back };
+        let ended = link.write_of(node, cob_id, &id.to_le_bytes());
+        mapped.and(ended)
+    }
+
+    fn fill(&self, link: &mut Link, objects: &[Mapped]) -> LinkResult {
+        let count = Object::new(self.mapping, 0);
+        link.write_of(self.node, count, &[0])?;
+        for (sub, mapped) in (1..).zip(objects) {
+            let object = Object::new(self.mapping, sub);
+            link.write_of(self.node, object, &mapped.raw().to_le_bytes())?;
+        }
+        link.write_of(self.node, count, &[objects.len() as u8])
     }
 }
 

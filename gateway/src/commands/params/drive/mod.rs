@@ -20,7 +20,12 @@ pub enum Found {
     /// A number.
     Number(i64),
     /// The mapping of a PDO.
-    Mapping(Vec<Mapped>),
+    Mapping {
+        /// What is in it.
+        objects: Vec<Mapped>,
+        /// Its COB-ID, with the bit that switches it off.
+        cob_id: u32,
+    },
 }
 
 /// An object that is another one than wanted.
@@ -41,7 +46,7 @@ impl Pending {
             (Found::Number(old), Wanted::Number { value, .. }) => {
                 (old.to_string(), value.to_string())
             }
-            (Found::Mapping(old), Wanted::Mapping { objects, .. }) => {
+            (Found::Mapping { objects: old, .. }, Wanted::Mapping { objects, .. }) => {
                 (mapping_text(old), mapping_text(objects))
             }
             // A number is read as a number.
@@ -86,7 +91,7 @@ pub fn pending(link: &mut Link, settings: &[Setting]) -> Outcome<Vec<Pending>> {
 fn is(wanted: &Wanted, found: &Found) -> bool {
     match (wanted, found) {
         (Wanted::Number { value, .. }, Found::Number(is)) => value == is,
-        (Wanted::Mapping { objects, .. }, Found::Mapping(are)) => objects == are,
+        (Wanted::Mapping { objects, .. }, Found::Mapping { objects: are, .. }) => objects == are,
         _ => false,
     }
 }
@@ -102,7 +107,12 @@ fn read(link: &mut Link, drive: DriveName, wanted: &Wanted) -> Outcome<Found> {
     };
     match wanted {
         Wanted::Number { object, kind, .. } => Ok(Found::Number(number(*object, *kind)?)),
-        Wanted::Mapping { mapping, .. } => {
+        Wanted::Mapping {
+            mapping,
+            communication,
+            ..
+        } => {
+            let cob_id = number(Object::new(*communication, 1), Kind::U32)? as u32;
             let count = number(Object::new(*mapping, 0), Kind::U8)?;
             let objects: Outcome<Vec<Mapped>> = (1..=u8::try_from(count).unwrap_or(0))
                 .map(|sub| {
@@ -111,7 +121,10 @@ fn read(link: &mut Link, drive: DriveName, wanted: &Wanted) -> Outcome<Found> {
                     Ok(Mapped::new(u16::from_le_bytes([low, high]), sub, bits))
                 })
                 .collect();
-            Ok(Found::Mapping(objects?))
+            Ok(Found::Mapping {
+                objects: objects?,
+                cob_id,
+            })
         }
     }
 }

@@ -5,15 +5,17 @@ use std::time::Duration;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
-use leadscrew_core::bus::{Abort, CobId, Frame, NodeId, Object, Service};
+use leadscrew_core::bus::{Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service};
 use leadscrew_core::params::Params;
 
-use super::{Found, Pending, apply, with_drives};
+use super::{Found, Pending, apply, read, with_drives};
 use crate::failure::Failure;
 use crate::link::{Inside, Link, Trouble};
 use crate::params::drives::{DriveName, Kind, Wanted};
 
 const VELOCITY: Object = Object::new(0x607F, 0);
+/// Of the first RPDO.
+const COB_ID: Object = Object::new(0x1400, 1);
 
 /// An end of the bus on which the drive of X does not do what it is told.
 struct Wayward {
@@ -173,4 +175,63 @@ fn drives_keep_their_new_values_where_it_is_open_which_set_the_board_has() {
     let failure = with_drives(&mut link, &pending, refusal, false);
     ends_with(failure, "the drives have their old values again");
     assert_eq!(number(&mut link, VELOCITY), 10_000_000);
+}
+
+/// X's first RPDO is to have something else in it, which the simulated drive does not take.
+fn mapping(link: &mut Link) -> Vec<Pending> {
+    let drive = DriveName::X;
+    let objects = vec![Mapped::new(0x6040, 0, 16), Mapped::new(0x6060, 0, 8)];
+    let wanted = Wanted::Mapping {
+        mapping: 0x1600,
+        communication: 0x1400,
+        objects,
+    };
+    let found = read(link, drive, &wanted).unwrap();
+    vec![Pending {
+        drive,
+        wanted,
+        found,
+    }]
+}
+
+/// X has its first RPDO as `pending` found it, and the message says so.
+#[track_caller]
+fn is_back(inside: &Inside, pending: &[Pending], failure: Failure) {
+    assert!(matches!(failure, Failure::WrongBecause(_)), "{failure:?}");
+    ends_with(
+        failure,
+        "; what was written before it has its old value again, and nothing of the board's set has been changed",
+    );
+    let mut link = link(inside);
+    for pending in pending {
+        let found = read(&mut link, pending.drive, &pending.wanted).unwrap();
+        assert_eq!(found, pending.found);
+    }
+}
+
+#[test]
+fn a_pdo_whose_mapping_is_fixed_stays_on() {
+    let inside = machine();
+    let pending = mapping(&mut link(&inside));
+    let mut fixed = wayward(&inside, [0x2F, 0x00, 0x16, 0], true);
+    let failure = apply(&mut fixed, &pending, &mut || ()).unwrap_err();
+    assert_eq!(number(&mut link(&inside), COB_ID), 0x210, "on");
+    is_back(&inside, &pending, failure);
+}
+
+#[test]
+fn a_pdo_gets_its_old_mapping_back_and_is_on_or_off_as_it_was() {
+    for id in [0x210, 0x8000_0210_u32] {
+        let inside = machine();
+        let mut link = link(&inside);
+        let node = DriveName::X.node();
+        link.send(&[NmtCommand::PreOperational.frame(Some(node))])
+            .unwrap();
+        link.write_of(node, COB_ID, &id.to_le_bytes()).unwrap();
+        let pending = mapping(&mut link);
+        // The second object is refused, when the mapping is empty already.
+        let failure = apply(&mut link, &pending, &mut || ()).unwrap_err();
+        assert_eq!(number(&mut link, COB_ID), id);
+        is_back(&inside, &pending, failure);
+    }
 }
