@@ -1,7 +1,7 @@
 //! The board on the emulated Cortex-M4F, driven by `leadscrew`: over its serial line, and over an interface of the kernel
 //! behind that.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Stdio};
 
@@ -84,8 +84,8 @@ impl OnTerminal {
         .context("cannot start `qemu-system-arm`")?;
         // It says first where the terminal is.
         let mut line = String::new();
-        let said = match emulator.stdout.as_mut() {
-            Some(stdout) => BufReader::new(stdout).read_line(&mut line),
+        let said = match emulator.stdout.take() {
+            Some(stdout) => first_line(stdout, &mut line),
             None => Ok(0),
         };
         let mut board = Self {
@@ -108,6 +108,15 @@ impl Drop for OnTerminal {
     }
 }
 
+/// Reads one line. What comes behind it is nobody's, but somebody takes it: a full pipe would stop the emulator.
+fn first_line(stdout: impl Read + Send + 'static, line: &mut String) -> std::io::Result<usize> {
+    let mut stdout = BufReader::new(stdout);
+    let said = stdout.read_line(line);
+    // It ends with the emulator; an error means that there is nothing left to read.
+    std::thread::spawn(move || std::io::copy(&mut stdout, &mut std::io::sink()));
+    said
+}
+
 /// Where the terminal is that a line tells of: `char device redirected to /dev/pts/0 (label serial0)`.
 fn terminal(line: &str) -> Option<&str> {
     let (_, place) = line.split_once("redirected to ")?;
@@ -121,7 +130,20 @@ fn names(list: &str) -> impl Iterator<Item = &str> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
     use super::*;
+
+    #[test]
+    fn what_comes_behind_the_first_line_stops_nobody() {
+        let (stdout, mut emulator) = std::io::pipe().unwrap();
+        let mut line = String::new();
+        emulator.write_all(b"first\n").unwrap();
+        assert_eq!(first_line(stdout, &mut line).unwrap(), 6);
+        assert_eq!(line, "first\n");
+        // Far more than a pipe holds.
+        emulator.write_all(&vec![b'.'; 1 << 20]).unwrap();
+    }
 
     #[test]
     fn tests_and_terminals_are_told_from_the_words_around_them() {

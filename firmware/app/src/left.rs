@@ -62,7 +62,8 @@ impl Left {
     }
 
     /// The failure before this start, if it was one. Somebody who presses the reset button or switches on begins anew: what
-    /// was before does not count.
+    /// was before does not count. Power that was away for a moment only does count, for that may be the supply; but not up to
+    /// where the board does not start any more: whoever switches it off and on again finds it on its alarm.
     #[must_use]
     pub fn failure(&self, cause: ResetCause) -> Option<Failure> {
         let told = |kind| Failure {
@@ -74,7 +75,14 @@ impl Left {
             ResetCause::Power | ResetCause::Pin => None,
             ResetCause::Software => self.record,
             ResetCause::Watchdog => Some(self.record.unwrap_or(told(FailureKind::Hung))),
-            ResetCause::BrownOut => Some(self.record.unwrap_or(told(FailureKind::PowerDropped))),
+            ResetCause::BrownOut => {
+                let failure = self.record.unwrap_or(told(FailureKind::PowerDropped));
+                let in_a_row = failure.in_a_row.min(Failure::LAST - 1);
+                Some(Failure {
+                    in_a_row,
+                    ..failure
+                })
+            }
         }
     }
 }
@@ -132,6 +140,35 @@ mod tests {
             assert_eq!(left.failure(cause), Some(record));
         }
         assert_eq!(left.failure(ResetCause::Pin), None);
+    }
+
+    #[test]
+    fn power_that_drops_never_keeps_the_board_from_starting() {
+        let mut in_a_row = 0;
+        for expected in (1..Failure::LAST).chain([Failure::LAST - 1; 3]) {
+            let failure = after(in_a_row, 100)
+                .failure(ResetCause::BrownOut)
+                .expect("one");
+            in_a_row = failure.in_a_row;
+            assert_eq!(in_a_row, expected);
+        }
+        // One that did not start any more, and is switched off and on again: it starts, and stays at rest.
+        let again = after(Failure::LAST, 0)
+            .failure(ResetCause::BrownOut)
+            .expect("one");
+        assert_eq!(again.in_a_row, Failure::LAST - 1);
+        assert!(again.is_final());
+        let last = Failure {
+            in_a_row: Failure::LAST,
+            ..Failure::untold(FailureKind::Panic)
+        };
+        let left = Left::decode(&Left::head(Failure::LAST - 1), 1, &last.encode());
+        let dropped = left.failure(ResetCause::BrownOut).expect("one");
+        assert_eq!(dropped.kind, FailureKind::Panic);
+        assert_eq!(dropped.in_a_row, Failure::LAST - 1);
+        assert_eq!(left.failure(ResetCause::Software), Some(last));
+        let hung = left.failure(ResetCause::Watchdog).expect("one");
+        assert_eq!(hung.in_a_row, Failure::LAST);
     }
 
     #[test]

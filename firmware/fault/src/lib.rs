@@ -64,7 +64,8 @@ fn parts() -> (*mut [u32; Left::HEAD], *mut u32, *mut [u32; Failure::WORDS]) {
 /// A SYNC period has begun: called in each tick.
 pub fn tick() {
     let (_, ticks, _) = parts();
-    write(ticks, read(ticks).wrapping_add(1));
+    // More than 49 days of 1 ms: still a good run.
+    write(ticks, read(ticks).saturating_add(1));
 }
 
 /// What the run before this start has left: the image decides by it, and [begins](begin).

@@ -1,6 +1,6 @@
 #![no_std]
 //! What the compiler calls to copy, move and fill memory, in few bytes: those that come with it are made for speed and take
-//! 3.5 KiB, these take 160 bytes. An image has them by `use leadscrew_memory as _`.
+//! 3.5 KiB, these a small part of that. An image has them by `use leadscrew_memory as _`.
 //!
 //! For ARMv7E-M, where a word may be read and written at any address. What is aligned is copied sixteen bytes at a time.
 

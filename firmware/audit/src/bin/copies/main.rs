@@ -52,8 +52,7 @@ fn main() -> ! {
         }
     }
     print(format_args!(
-        "{checks} copies and fills, each byte in its place
-"
+        "{checks} copies and fills, each byte in its place\n"
     ));
     leadscrew_console::done()
 }
