@@ -8,7 +8,10 @@ use std::path::Path;
 
 use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian, SectionId};
 use anyhow::{Context, Result};
-use object::{Object, ObjectSection, ObjectSymbol, RelocationTarget, SectionFlags, SymbolKind};
+use object::{
+    Object, ObjectSection, ObjectSymbol, RelocationFlags, RelocationTarget, SectionFlags,
+    SymbolKind,
+};
 
 /// A function or a table.
 pub struct Node {
@@ -131,15 +134,25 @@ pub fn nodes(file: &object::File) -> BTreeMap<u64, Node> {
 }
 
 fn references(file: &object::File, nodes: &BTreeMap<u64, Node>) -> Vec<Reference> {
-    let within = |(at, target)| {
-        let (from, to) = (within(nodes, at)?, within(nodes, target)?);
+    let within = |Target { at, to, .. }| {
+        let (from, to) = (within(nodes, at)?, within(nodes, to)?);
         Some(Reference { from, to, at })
     };
     targets(file).into_iter().filter_map(within).collect()
 }
 
-/// Every address that code or data of the image refers to, and where.
-pub fn targets(file: &object::File) -> Vec<(u64, u64)> {
+/// An address that code or data of the image refers to.
+pub struct Target {
+    /// Where it does.
+    pub at: u64,
+    /// What it refers to.
+    pub to: u64,
+    /// As an instruction that goes there; else as a value.
+    pub is_jump: bool,
+}
+
+/// All of them.
+pub fn targets(file: &object::File) -> Vec<Target> {
     let mut found = Vec::new();
     for section in file.sections() {
         let is_loaded = matches!(section.flags(), SectionFlags::Elf { sh_flags, .. }
@@ -152,11 +165,35 @@ pub fn targets(file: &object::File) -> Vec<(u64, u64)> {
                 continue;
             };
             if let Ok(symbol) = file.symbol_by_index(index) {
-                found.push((at, symbol.address() & !1));
+                found.push(Target {
+                    at,
+                    to: symbol.address() & !1,
+                    is_jump: is_jump(&relocation),
+                });
             }
         }
     }
     found
+}
+
+/// An instruction that goes to its target: `bl`, `b`.
+fn is_jump(relocation: &object::Relocation) -> bool {
+    use object::elf::{
+        R_ARM_THM_JUMP6, R_ARM_THM_JUMP19, R_ARM_THM_JUMP24, R_ARM_THM_PC8, R_ARM_THM_PC11,
+        R_ARM_THM_PC22,
+    };
+    let RelocationFlags::Elf { r_type } = relocation.flags() else {
+        return false;
+    };
+    [
+        R_ARM_THM_PC22,
+        R_ARM_THM_JUMP24,
+        R_ARM_THM_JUMP19,
+        R_ARM_THM_JUMP6,
+        R_ARM_THM_PC11,
+        R_ARM_THM_PC8,
+    ]
+    .contains(&r_type)
 }
 
 /// The node that holds `address`.

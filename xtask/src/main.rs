@@ -15,6 +15,7 @@ mod demo;
 mod docs;
 mod emulated;
 mod emulator;
+mod held;
 mod licences;
 mod rules;
 mod run;

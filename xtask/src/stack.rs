@@ -2,8 +2,8 @@
 //!
 //! What a function takes is the sum of everything in its code that lowers the stack pointer; whom it calls, its relocations
 //! say (the image was linked with them kept). A call through a pointer may reach every function whose address stands in a
-//! table; one that sets the stack pointer anew ends its way. So the bound holds whatever the program does, and may be more
-//! than it ever does.
+//! table or is handed on by code; one that sets the stack pointer anew ends its way. What the processor calls is known by
+//! name, and nothing else has a handler. So the bound holds whatever the program does, and may be more than it ever does.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
@@ -11,7 +11,8 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-use crate::callgraph::{self, Node};
+use crate::callgraph::{self, Node, Target};
+use crate::held;
 
 /// What the processor stores of what it interrupts: with floating-point registers, and aligned.
 const INTERRUPTED: u64 = 104 + 4;
@@ -30,10 +31,14 @@ pub struct Deepest {
 pub struct Users {
     /// The thread.
     pub thread: &'static str,
-    /// Of its functions the one that runs before there are interrupts.
+    /// Of its functions the one that runs while interrupts are masked.
     pub start: &'static str,
     /// The handlers.
     pub interrupts: &'static [&'static str],
+    /// Handlers that nothing masks.
+    pub always: &'static [&'static str],
+    /// Handlers that end the run: they begin with an empty stack, or do not use it.
+    pub ends: &'static [&'static str],
 }
 
 /// How deep the stack of an image can get, and each of its parts by name.
@@ -41,14 +46,19 @@ pub fn deepest(image: &Path, users: &Users) -> Result<(u64, Vec<Deepest>)> {
     let mut stacks = Stacks::read(image)?;
     let start = stacks.address(users.start)?;
     let thread = stacks.address(users.thread)?;
-    let whole = stacks.from(thread, &mut Vec::new())?;
+    stacks.known_handlers(users)?;
+    let mut whole = stacks.from(thread, &mut Vec::new())?;
     stacks.known = HashMap::from([(start, Deepest::default())]);
     let mut parts = vec![stacks.from(thread, &mut Vec::new())?];
     let mut bytes: u64 = parts.iter().map(|part| part.bytes).sum();
-    for name in users.interrupts {
+    for name in users.interrupts.iter().chain(users.always) {
         let handler = stacks.address(name)?;
         let part = stacks.from(handler, &mut Vec::new())?;
         bytes += part.bytes + INTERRUPTED;
+        if users.always.contains(name) {
+            whole.bytes += part.bytes + INTERRUPTED;
+            whole.way.push(((*name).into(), part.bytes + INTERRUPTED));
+        }
         parts.push(part);
     }
     parts.push(whole.clone());
@@ -70,8 +80,10 @@ struct Stacks {
     nodes: BTreeMap<u64, Node>,
     frames: HashMap<u64, Frame>,
     calls: HashMap<u64, BTreeSet<u64>>,
-    /// Functions whose address stands in a table.
+    /// Functions whose address stands in a table, or is handed on by code.
     listed: BTreeSet<u64>,
+    /// Functions that the processor calls.
+    handlers: BTreeSet<u64>,
     known: HashMap<u64, Deepest>,
 }
 
@@ -81,54 +93,84 @@ impl Stacks {
             std::fs::read(image).with_context(|| format!("cannot read {}", image.display()))?;
         let file = object::File::parse(data.as_slice())?;
         let nodes = callgraph::nodes(&file);
-        let mut frames = HashMap::new();
+        let marks = marks(&file);
+        let mut codes = Vec::new();
         for section in file.sections() {
-            if section.kind() != SectionKind::Text {
-                continue;
+            if section.kind() == SectionKind::Text {
+                codes.push(Code::new(section.address(), section.data()?, &marks));
             }
-            let code = Code {
-                base: section.address(),
-                bytes: section.data()?,
-                marks: marks(&file),
-            };
+        }
+        let mut frames = HashMap::new();
+        for code in &codes {
             for (start, node) in &nodes {
                 if let Some(frame) = code.frame(*start, node.end)? {
                     frames.insert(*start, frame);
                 }
             }
         }
-        let mut calls: HashMap<u64, BTreeSet<u64>> = HashMap::new();
-        let mut listed = BTreeSet::new();
-        let references = callgraph::targets(&file);
-        if references.is_empty() {
-            bail!("{}: linked without its relocations", image.display());
-        }
-        for (at, target) in references {
-            if !frames.contains_key(&target) {
-                continue;
-            }
-            // A function that is called often has its address in a register: that is a call, too.
-            match callgraph::within(&nodes, at).filter(|from| frames.contains_key(from)) {
-                Some(from) => {
-                    calls.entry(from).or_default().insert(target);
-                }
-                None => {
-                    let by_processor = callgraph::within(&nodes, at)
-                        .and_then(|table| nodes.get(&table))
-                        .is_some_and(|table| VECTORS.contains(&table.name.as_str()));
-                    if !by_processor {
-                        listed.insert(target);
-                    }
-                }
-            }
-        }
-        Ok(Self {
+        let mut stacks = Self {
             nodes,
             frames,
-            calls,
-            listed,
+            calls: HashMap::new(),
+            listed: BTreeSet::new(),
+            handlers: BTreeSet::new(),
             known: HashMap::new(),
-        })
+        };
+        let targets = callgraph::targets(&file);
+        if targets.is_empty() {
+            bail!("{}: linked without its relocations", image.display());
+        }
+        for target in targets {
+            stacks.refer(&target, &codes)?;
+        }
+        Ok(stacks)
+    }
+
+    /// Notes who may go where by this reference.
+    fn refer(&mut self, target: &Target, codes: &[Code<'_>]) -> Result<()> {
+        let Target { at, to, is_jump } = *target;
+        if !self.frames.contains_key(&to) {
+            let is_code = codes.iter().any(|code| code.half(to).is_some());
+            if is_code {
+                bail!("at {at:#x}: {to:#x} is no function whose size is known");
+            }
+            return Ok(());
+        }
+        let within = callgraph::within(&self.nodes, at);
+        if let Some(from) = within.filter(|from| self.frames.contains_key(from)) {
+            self.calls.entry(from).or_default().insert(to);
+            let end = self.nodes.get(&from).map_or(from, |node| node.end);
+            let is_called = |code: &Code<'_>| {
+                code.half(from).is_some() && held::is_only_called(code, from, end, at)
+            };
+            if !is_jump && !codes.iter().any(is_called) {
+                self.listed.insert(to);
+            }
+        } else if codes.iter().any(|code| code.half(at).is_some()) && is_jump {
+            bail!("at {at:#x}: a call from where no function is whose size is known");
+        } else if within
+            .and_then(|table| self.nodes.get(&table))
+            .is_some_and(|table| VECTORS.contains(&table.name.as_str()))
+        {
+            self.handlers.insert(to);
+        } else {
+            self.listed.insert(to);
+        }
+        Ok(())
+    }
+
+    /// Complains of a handler that the users of the stack do not name.
+    fn known_handlers(&self, users: &Users) -> Result<()> {
+        let named = [users.interrupts, users.always, users.ends].concat();
+        for handler in &self.handlers {
+            let name = self.nodes.get(handler).map_or("?", |node| &node.name);
+            if !named.contains(&name) {
+                bail!(
+                    "the processor may call `{name}`, which is not among those that use the stack"
+                );
+            }
+        }
+        Ok(())
     }
 
     /// The function of this name.
@@ -192,22 +234,30 @@ fn marks(file: &object::File) -> Vec<(u64, bool)> {
     marks
 }
 
-struct Code<'a> {
+/// A section of code.
+pub struct Code<'a> {
     base: u64,
     bytes: &'a [u8],
     /// As of [`marks`].
-    marks: Vec<(u64, bool)>,
+    marks: &'a [(u64, bool)],
 }
 
-impl Code<'_> {
-    fn is_data(&self, address: u64) -> bool {
+impl<'a> Code<'a> {
+    /// From the address `base` on, with what [`marks`] says of it.
+    pub const fn new(base: u64, bytes: &'a [u8], marks: &'a [(u64, bool)]) -> Self {
+        Self { base, bytes, marks }
+    }
+
+    /// True for data between instructions.
+    pub fn is_data(&self, address: u64) -> bool {
         let next = self.marks.partition_point(|(at, _)| *at <= address);
         next.checked_sub(1)
             .and_then(|at| self.marks.get(at))
             .is_some_and(|(_, data)| *data)
     }
 
-    fn half(&self, address: u64) -> Option<u16> {
+    /// Two bytes of it.
+    pub fn half(&self, address: u64) -> Option<u16> {
         let at = usize::try_from(address.checked_sub(self.base)?).ok()?;
         let pair = self.bytes.get(at..at.checked_add(2)?)?;
         Some(u16::from_le_bytes(pair.try_into().ok()?))
@@ -271,6 +321,10 @@ fn narrow_lowers(code: u16) -> Option<u64> {
         // sub sp, #
         return Some(4 * u64::from(code & 0x7F));
     }
+    if code & 0xFF87 == 0x4685 || code & 0xFF87 == 0x4485 {
+        // mov sp, register; add sp, register
+        return None;
+    }
     Some(0)
 }
 
@@ -294,8 +348,16 @@ fn wide_lowers(first: u16, second: u16) -> Option<u64> {
         }
         // sub sp, sp, register
         (0xEBAD | 0xEBBD, how) if how & 0x0F00 == 0x0D00 => None,
+        // add.w sp, sp, #; addw sp, sp, #
+        (0xF10D | 0xF50D | 0xF20D | 0xF60D, how) if how & 0x8F00 == 0x0D00 => Some(0),
+        _ if is_from_elsewhere(first, second) => None,
         _ => Some(0),
     }
+}
+
+/// The stack pointer becomes what was somewhere else.
+fn is_from_elsewhere(first: u16, second: u16) -> bool {
+    held::wide_effect(first, second).writes & 1 << 13 != 0
 }
 
 /// The twelve bits of an immediate, which lie in three places.
@@ -327,6 +389,10 @@ mod tests {
         assert_eq!(narrow_lowers(0xB084), Some(16));
         assert_eq!(narrow_lowers(0xB004), Some(0));
         assert_eq!(narrow_lowers(0xBD80), Some(0));
+        // mov sp, r4; add sp, r4; mov r5, sp
+        assert_eq!(narrow_lowers(0x46A5), None);
+        assert_eq!(narrow_lowers(0x44A5), None);
+        assert_eq!(narrow_lowers(0x466D), Some(0));
         // push.w {r8, r9, r10, r11}; str r11, [sp, #-4]!; strd r6, r7, [sp, #-16]!; vpush {d8, d9}
         assert_eq!(wide_lowers(0xE92D, 0x0F00), Some(16));
         assert_eq!(wide_lowers(0xF84D, 0xBD04), Some(4));
@@ -337,6 +403,11 @@ mod tests {
         assert_eq!(wide_lowers(0xF2AD, 0x4D04), Some(1028));
         assert_eq!(wide_lowers(0xF5AD, 0x7D14), Some(592));
         assert_eq!(wide_lowers(0xEBAD, 0x0D03), None);
+        // mov.w sp, r4; add.w sp, r7, #8; ldr.w sp, [r0]; add.w sp, sp, #592
+        assert_eq!(wide_lowers(0xEA4F, 0x0D04), None);
+        assert_eq!(wide_lowers(0xF107, 0x0D08), None);
+        assert_eq!(wide_lowers(0xF8D0, 0xD000), None);
+        assert_eq!(wide_lowers(0xF50D, 0x7D14), Some(0));
     }
 
     /// Functions 0 to 3, which take 8, 16, 32 and 64 bytes, and their calls.
@@ -359,6 +430,7 @@ mod tests {
             frames: numbers.map(|n| (n, frame(n))).collect(),
             calls: called,
             listed: BTreeSet::new(),
+            handlers: BTreeSet::new(),
             known: HashMap::new(),
         }
     }
@@ -379,6 +451,49 @@ mod tests {
         let mut anew = stacks(&[(0, 1), (1, 3)]);
         anew.frames.get_mut(&1).unwrap().empties = true;
         assert_eq!(depth(anew).unwrap(), 8 + 16);
+    }
+
+    #[test]
+    fn an_address_that_is_handed_on_may_be_called_by_anybody() {
+        let target = |at, to, is_jump| Target { at, to, is_jump };
+        let mut stacks = stacks(&[(0, 1)]);
+        stacks.refer(&target(0, 2, true), &[]).unwrap();
+        assert!(stacks.listed.is_empty());
+        stacks.refer(&target(0, 2, false), &[]).unwrap();
+        stacks.refer(&target(9, 3, false), &[]).unwrap();
+        assert_eq!(stacks.listed, BTreeSet::from([2, 3]));
+        assert_eq!(stacks.calls[&0], BTreeSet::from([1, 2]));
+        // 0 hands 2 to 1, which calls through a pointer: all three lie upon each other, or 3 in place of 2.
+        stacks.frames.get_mut(&1).unwrap().indirect = true;
+        assert_eq!(depth(stacks).unwrap(), 8 + 16 + 64);
+    }
+
+    #[test]
+    fn code_of_unknown_size_is_complained_of() {
+        let code = [Code::new(0, &[0; 8], &[])];
+        for is_jump in [true, false] {
+            let into = |at, to| stacks(&[]).refer(&Target { at, to, is_jump }, &code);
+            assert!(into(0, 6).is_err());
+            assert!(into(0, 8).is_ok(), "not code");
+            assert_eq!(into(6, 0).is_err(), is_jump);
+        }
+    }
+
+    #[test]
+    fn the_processor_calls_nobody_unknown() {
+        let mut users = Users {
+            thread: "0",
+            start: "1",
+            interrupts: &["2"],
+            always: &[],
+            ends: &[],
+        };
+        let mut stacks = stacks(&[]);
+        stacks.handlers = BTreeSet::from([2, 3]);
+        let complaint = stacks.known_handlers(&users).unwrap_err().to_string();
+        assert!(complaint.contains("`3`"));
+        users.ends = &["3"];
+        assert!(stacks.known_handlers(&users).is_ok());
     }
 
     #[test]

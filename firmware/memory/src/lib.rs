@@ -15,6 +15,12 @@ global_asm!(
     ".thumb_func",
     "\\name:",
     ".endm",
+    // Each reaches to the end of its section: without a size nobody could tell what it takes of the stack.
+    ".macro ends names:vararg",
+    ".irp name, \\names",
+    ".size \\name, . - \\name",
+    ".endr",
+    ".endm",
     // (to, from, bytes) -> to. Up to three bytes are left for the end of each.
     ".section .text.memcpy, \"ax\", %progbits",
     ".balign 2",
@@ -84,6 +90,8 @@ global_asm!(
     "subs r2, #1",
     "bne 1b",
     "bx lr",
+    "ends memmove, __aeabi_memmove, __aeabi_memmove4, __aeabi_memmove8",
+    "ends memcpy, __aeabi_memcpy, __aeabi_memcpy4, __aeabi_memcpy8",
     // (to, bytes)
     ".section .text.memset, \"ax\", %progbits",
     ".balign 2",
@@ -119,6 +127,9 @@ global_asm!(
     "bne 1b",
     "3:",
     "bx lr",
+    "ends __aeabi_memclr, __aeabi_memclr4, __aeabi_memclr8",
+    "ends __aeabi_memset, __aeabi_memset4, __aeabi_memset8, memset",
     ".purgem entry",
+    ".purgem ends",
     ".text",
 );
