@@ -142,7 +142,10 @@ pub struct Board {
 /// A key of eight hexadecimal digits.
 fn key(text: &str) -> Result<u32, String> {
     let digits = text.strip_prefix("0x").unwrap_or(text);
-    u32::from_str_radix(digits, 16).map_err(|_| format!("`{text}`: expected a key, as `0123abcd`"))
+    // Eight of them, and no sign, which the standard library would take.
+    let eight = digits.len() == 8 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let key = u32::from_str_radix(digits, 16).ok().filter(|_| eight);
+    key.ok_or_else(|| format!("`{text}`: expected a key of eight digits, as `0123abcd`"))
 }
 
 /// Drives alone.
@@ -249,6 +252,15 @@ mod tests {
     fn the_options_fit_together() {
         use clap::CommandFactory as _;
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_key_has_eight_digits() {
+        assert_eq!(key("0123abcd"), Ok(0x0123_ABCD));
+        assert_eq!(key("0xFFFFFFFF"), Ok(u32::MAX));
+        for wrong in ["", "0x", "123abcd", "00123abcd", "+123abcd", "0123abcg"] {
+            assert!(key(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]
