@@ -8,7 +8,12 @@ use leadscrew_core::params::Params;
 use super::bench::Bench;
 use super::shift::{LONGEST, Shift, changed, set};
 
+/// A set that comes into force at once.
 const IMAGE: Object = Object::new(0x5010, 1);
+/// A set that is put aside.
+const STAGED: Object = Object::new(0x5010, 9);
+/// What is put aside comes into force, by its identity.
+const COMMIT: Object = Object::new(0x5010, 11);
 
 /// Where the password is given.
 const PASSWORD: Object = Object::new(0x5010, 6);
@@ -33,16 +38,30 @@ fn parameter(number: u16) -> Object {
 
 /// What was written is stored, or the power is gone.
 fn stored(bench: &mut Bench, taken: Result<(), SdoError>) {
+    let end = bench.now + LONGEST;
     while bench.sim.has_power() {
+        assert!(bench.now < end, "a set is not stored");
         match bench.number(0x5010, 2) {
             Ok(STORING) => bench.tick(),
             Ok(state) => {
                 assert_eq!((state, taken), (DONE, Ok(())), "a set that can work");
                 return;
             }
-            Err(_) => {}
+            // Anything but the power that goes has been tried again.
+            Err(error) => assert!(!bench.sim.has_power(), "{error:?}"),
         }
     }
+}
+
+/// A set is written as a whole: in one step, or put aside and committed, in turn.
+fn write(bench: &mut Bench, params: &Params) -> Result<(), SdoError> {
+    let mut image = [0; ImageWriter::BYTES as usize];
+    ImageWriter::new(params).read(0, &mut image);
+    if bench.counts.pushed.is_multiple_of(2) {
+        return bench.write(IMAGE, &image, &REFUSALS);
+    }
+    bench.write(STAGED, &image, &REFUSALS)?;
+    bench.write(COMMIT, &identity(params).to_le_bytes(), &REFUSALS)
 }
 
 /// The machine is ready again with another set.
@@ -103,15 +122,13 @@ impl Shift {
         bench.stands(20);
         let params = changed(&mut bench.random, &bench.params);
         let stood = bench.position();
-        let mut image = [0; ImageWriter::BYTES as usize];
-        ImageWriter::new(&params).read(0, &mut image);
         let cut = bench.random.chance(30);
         if cut {
             let bytes = bench.random.within(0, 5_000);
             bench.sim.flash_mut().cut_after(bytes as u32);
         }
         bench.watch.set_params(&params);
-        let taken = bench.write(IMAGE, &image, &REFUSALS);
+        let taken = write(bench, &params);
         stored(bench, taken);
         if !bench.sim.has_power() {
             self.old_or_new(params);
