@@ -18,6 +18,10 @@ use crate::units::{Angle, Axis, Length, Turns};
 /// A status comes every fourth SYNC; three of them missing is silence.
 const SILENCE: Periods = Periods::new(12);
 
+/// A silent spindle in a tap is braked with its axis within this part of a turn from where it was last heard: what it turns
+/// in the periods of [`SILENCE`] at 1250 rpm and 1 ms, and a jump of a quarter of the lead at most [D124].
+const SPINDLE_REACH: u32 = 4;
+
 /// X, Z, C and the spindles.
 #[derive(Debug)]
 pub(super) struct Drives {
@@ -55,17 +59,21 @@ impl Drives {
                 time: Periods::from_ms(params.following_error_ms(), tick_us)?,
             })
         };
-        let config = |letter, node, scale: Scale, following| DriveConfig {
+        let config = |letter, node, scale: Scale, following, reach| DriveConfig {
             letter,
             node,
             scale,
             step,
             silence: SILENCE,
             following,
+            reach,
         };
         let axis = |axis: Axis, node, scale| {
-            DriveMaster::new(config(axis.letter(), node, scale, following(axis, scale)))
+            let following: Option<FollowingLimit> = following(axis, scale);
+            let reach = following.map_or(0, |limit| limit.increments);
+            DriveMaster::new(config(axis.letter(), node, scale, following, reach))
         };
+        let spindle_reach = params.spindle_increments() / SPINDLE_REACH;
         Some(Self {
             axes: [
                 axis(Axis::X, NodeId::DRIVE_X, scale_x),
@@ -76,7 +84,7 @@ impl Drives {
             offsets: [0; 3],
             last: scales.map(|scale| scale.find(0)),
             spindles: Spindles::new(
-                config(b'S', NodeId::SPINDLE_1, scale_c, None),
+                config(b'S', NodeId::SPINDLE_1, scale_c, None, spindle_reach),
                 params.tap_spindles(),
                 params.spindle_increments(),
             ),
@@ -144,7 +152,10 @@ impl Drives {
         if !self.all().any(|drive| drive.has_failed()) {
             return;
         }
-        let silent = |drive: &DriveMaster| drive.failure() == Some(DriveFailure::Silent);
+        // Silent from the first, or since something else failed.
+        let silent = |drive: &DriveMaster| {
+            drive.failure() == Some(DriveFailure::Silent) || drive.has_failed() && drive.is_silent()
+        };
         let many = self.all().filter(|drive| silent(drive)).count() > 1;
         for drive in self.all() {
             if drive.has_failed() && (at_rest || many && silent(drive)) {

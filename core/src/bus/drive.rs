@@ -15,8 +15,9 @@
 //! Each step has the same time; what does not answer within it is a [`DriveFailure`] that names the step and the
 //! statusword. A failure is latched until [`DriveMaster::reset`]; nothing is enabled again by itself. A fault or a loss of
 //! operation enabled ends the command at once, since there is nobody left to command. A following error or silence
-//! does not: the drive may still follow, and the board brakes all axes together before it disables them. A silent one only
-//! as far as its following error may be from where it was last heard; beyond that it is told to stop by itself (0002h).
+//! does not: the drive may still follow, and the board brakes all axes together before it disables them. A silent one,
+//! whatever failed before, only as far as its reach from where it was last heard; beyond that it is told to stop by itself
+//! (0002h).
 
 use super::cia402::{Controlword, State, Statusword};
 use super::emcy::Emcy;
@@ -43,6 +44,8 @@ pub struct DriveConfig {
     pub silence: Periods,
     /// Following error; `None` for a drive that is not in position mode.
     pub following: Option<FollowingLimit>,
+    /// How far from where it was last heard a silent drive may still be told to be, in increments. Counts in position mode.
+    pub reach: u32,
 }
 
 /// How far an enabled drive may be from its target, and for how long.
@@ -123,6 +126,8 @@ pub struct DriveMaster {
     follows: bool,
     /// Periods since the last status.
     quiet: Periods,
+    /// It was told where to be while it was silent.
+    missed: bool,
     /// Periods for which the following error has been too great.
     astray: Periods,
     /// The last status.
@@ -153,6 +158,7 @@ impl DriveMaster {
             waited: Periods::new(0),
             follows: false,
             quiet: Periods::new(0),
+            missed: false,
             astray: Periods::new(0),
             status: None,
             same: 0,
@@ -352,6 +358,9 @@ impl DriveMaster {
 
     /// A status may be heard before or after the RPDO of its period is sent: the nearer of the last two targets counts.
     fn measure(&mut self, actual: Increments) {
+        if self.missed && !self.is_found(actual) {
+            return;
+        }
         let distance = actual
             .distance(self.target)
             .min(actual.distance(self.last_target));
@@ -361,12 +370,25 @@ impl DriveMaster {
             .is_some_and(|limit| distance > limit.increments);
         if !astray {
             self.astray = Periods::new(0);
-        } else if self.failure == Some(DriveFailure::Silent) {
-            // It has not heard where it was to be, and would set out to be there now.
-            self.phase = Phase::Standby;
         } else if self.astray == Periods::new(0) {
             self.astray = Periods::new(1);
         }
+    }
+
+    /// The first status behind a silence. False where the drive has not heard where it was to be, and would set out to be
+    /// there now.
+    #[cold]
+    #[inline(never)]
+    fn is_found(&mut self, actual: Increments) -> bool {
+        self.missed = false;
+        let reach = self.config.reach;
+        let found = [self.target, self.last_target]
+            .into_iter()
+            .any(|target| actual.turned(target) <= reach);
+        if !found {
+            self.phase = Phase::Standby;
+        }
+        found
     }
 
     fn hear_state(&mut self, state: NmtState) {
@@ -429,6 +451,7 @@ impl DriveMaster {
             .then(|| NmtCommand::Start.frame(Some(self.config.node)));
         self.last_target = self.target;
         if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
+            self.missed |= self.is_silent();
             if self.is_out_of_reach(demand) {
                 self.phase = Phase::Halted;
             } else {
@@ -486,7 +509,7 @@ impl DriveMaster {
                     self.step_failed(step);
                 }
             }
-            Phase::Enabled if self.quiet > self.config.silence => {
+            Phase::Enabled if self.is_silent() => {
                 self.latch(DriveFailure::Silent);
             }
             Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
@@ -494,15 +517,19 @@ impl DriveMaster {
         }
     }
 
+    /// True while no status comes, whatever has failed before.
+    #[must_use]
+    pub(crate) const fn is_silent(&self) -> bool {
+        self.quiet.get() > self.config.silence.get()
+    }
+
     /// One that is silent may hear, and is braked with the others; or it hears nothing and stands where it was. Then a
-    /// setpoint that reaches it again must not be a leap: farther from where it was last heard than its following error may
-    /// be, it gets none.
+    /// setpoint that reaches it again must not be a leap: farther from where it was last heard than its reach, it gets none.
     fn is_out_of_reach(&self, demand: Increments) -> bool {
-        let (Some(limit), Some(status)) = (self.config.following, self.status) else {
+        let Some(status) = self.status else {
             return false;
         };
-        self.failure == Some(DriveFailure::Silent)
-            && demand.distance(status.actual) > limit.increments
+        self.is_silent() && demand.turned(status.actual) > self.config.reach
     }
 
     fn check_following(&mut self) {

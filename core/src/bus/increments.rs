@@ -30,6 +30,12 @@ impl Increments {
     pub const fn distance(self, other: Self) -> u32 {
         self.0.abs_diff(other.0)
     }
+
+    /// The same, of a drive whose count wraps: the shorter way round.
+    #[must_use]
+    pub(crate) const fn turned(self, other: Self) -> u32 {
+        self.0.wrapping_sub(other.0).unsigned_abs()
+    }
 }
 
 /// Where an axis was told to be.
@@ -80,13 +86,16 @@ impl Scale {
     }
 
     /// The increment value nearest to a position in nanometres (µ°), halves upwards; `None` where it is beyond 32 bits, or
-    /// the position not within ±2⁴³. Two multiplications, no division: made for the tick.
+    /// the position not within ±2⁴³. Two multiplications of 64 bits, no division.
     #[must_use]
     pub const fn increments(&self, position: i64) -> Option<Increments> {
         self.find(position).increments
     }
 
-    /// The same, from where the axis was told to be last: what a tick moves is little, and so is what there is to reckon.
+    /// The same, from where the axis was told to be last, made for the tick: what a tick moves is little, and two
+    /// multiplications and a division of 32 bits are enough. An axis that stands costs a comparison, one that moves farther
+    /// than these hold what [`Scale::increments`] costs. `last` must come from this very scale ([`Scale::find`], or this
+    /// function): the rest in it counts in its denominator.
     pub fn follow(&self, last: &mut Told, position: i64) -> Option<Increments> {
         if last.position != position {
             *last = match self.step(last, position) {

@@ -149,6 +149,7 @@ mod tests {
             step: Periods::new(20),
             silence: Periods::new(8),
             following: None,
+            reach: 9_000,
         })
     }
 

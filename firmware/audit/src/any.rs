@@ -150,7 +150,7 @@ records! {
     BoardStatus { state flags alarm count late credit }
     BoardPlace { line number }
     BoardSpindle { angle speed sync_error }
-    DriveConfig { letter node scale step silence following }
+    DriveConfig { letter node scale step silence following reach }
 }
 
 impl Any for Extraction {

@@ -7,7 +7,7 @@ use leadscrew_core::board::State;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
-use crate::bench::{Bench, WORK, calm, places, span};
+use crate::bench::{Bench, TAP, WORK, calm, places, span};
 
 /// Out for so long that it is noticed: nothing is pulled to where the board has braked to meanwhile.
 #[test]
@@ -143,6 +143,71 @@ fn a_drive_that_was_cut_off_is_not_sent_after_the_others() {
         }
     }
     assert!(worst <= limit, "{worst} nm, following error {limit} nm");
+}
+
+/// The same of the spindle in a rigid tap, where it is told angles: it is not sent after its axis, farther than a quarter
+/// of a turn from where it was last heard.
+#[test]
+fn a_spindle_that_was_cut_off_in_a_rigid_tap_is_not_sent_after_its_axis() {
+    let params = Params::slant_bed();
+    let rows = calm(&params, TAP);
+    let moving: Vec<u64> = rows
+        .windows(2)
+        .filter(|pair| pair[1].line == 3 && pair[1].position.z != pair[0].position.z)
+        .map(|pair| pair[1].tick)
+        .collect();
+    let places = (1..12).map(|place| moving[moving.len() * place / 12]);
+    let (mut worst, mut unnoticed, mut stopped) = (0, 0, 0);
+    for tick in places {
+        for ticks in [9, 12, 13, 14, 15, 16, 17, 20, 25, 32, 45, 60, 90, 150, 300] {
+            let what = format!("spindle cut off at {tick} for {ticks}");
+            let mut bench = Bench::at_work(&params, TAP, Faults::NONE);
+            bench.until(&what, tick, |bench| bench.ticks == tick);
+            bench.sim.plant().spindle_drive().trouble(Trouble::CutOff);
+            bench.ticks(ticks);
+            bench.sim.plant().spindle_drive().trouble(Trouble::None);
+            let mut angle = turned(&mut bench);
+            let mut step = |bench: &mut Bench| {
+                bench.tick();
+                let before = std::mem::replace(&mut angle, turned(bench));
+                (angle - before).abs()
+            };
+            if bench.alarm.is_none() {
+                // What was missed before it was missed is made up for.
+                for _ in 0..8 {
+                    unnoticed = unnoticed.max(step(&mut bench));
+                }
+                continue;
+            }
+            stopped += 1;
+            while !matches!(bench.state(), State::Alarm(_)) {
+                worst = worst.max(step(&mut bench));
+                assert!(bench.ticks < tick + 6_000, "{what}: {:?}", bench.state());
+            }
+            assert_eq!(
+                bench.alarm.map(|alarm| alarm.number()),
+                Some(4360),
+                "{what}"
+            );
+            // A spindle that has made up for something may coast on from there, without torque.
+            for _ in 0..100 {
+                worst = worst.max(step(&mut bench));
+            }
+            let power = bench.sim.plant().spindle_drive().power();
+            assert!(!matches!(power, Power::Enabled), "{what}");
+            assert!(bench.has_tap_in_hole(), "{what}");
+            bench.reset(&what);
+        }
+    }
+    assert!(stopped > 100, "{stopped}");
+    assert!(worst <= 250_000, "{worst} millionths of a turn");
+    // Thirteen periods at 1000 rpm, the fastest of this tap.
+    assert!(unnoticed <= 217_000, "{unnoticed} millionths of a turn");
+}
+
+/// Where the spindle is, in millionths of a turn.
+fn turned(bench: &mut Bench) -> i64 {
+    bench.sim.plant().truth().angle.micro_turns()
 }
 
 /// A blocked axis does not go on pushing once all stand, and does not leap when what blocks it is gone.

@@ -33,6 +33,7 @@ impl Bench {
                 increments: 10_000,
                 time: Periods::new(10),
             }),
+            reach: 10_000,
         };
         Self {
             plant: Plant::new(&Params::slant_bed(), options).unwrap(),

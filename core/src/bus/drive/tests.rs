@@ -22,6 +22,7 @@ fn master() -> DriveMaster {
             increments: 1000,
             time: Periods::new(5),
         }),
+        reach: 1000,
     })
 }
 
@@ -304,6 +305,110 @@ fn silence_is_found_and_the_command_goes_on() {
     assert_eq!(sent(output), "210#0F00D8040000");
     m.disable();
     assert_eq!(m.tick(None).command.unwrap().payload()[0], 0x06);
+}
+
+/// Enabled, following at 1234, and just missed.
+fn silent(config: DriveConfig) -> DriveMaster {
+    let mut m = DriveMaster::new(config);
+    m.enable().unwrap();
+    m.tick(None);
+    for status in [0x0250, 0x0231, 0x0233, 0x0237] {
+        answer(&mut m, status, 1234);
+        m.tick(None);
+    }
+    m.tick(Some(Increments::new(1234)));
+    for _ in 0..8 {
+        m.tick(Some(Increments::new(1234)));
+    }
+    assert_eq!(m.failure(), Some(DriveFailure::Silent));
+    m
+}
+
+#[test]
+fn a_silent_drive_has_its_reach_whether_its_following_is_watched_or_not() {
+    for following in [master().config.following, None] {
+        let config = DriveConfig {
+            following,
+            reach: 700,
+            ..master().config
+        };
+        let mut m = silent(config);
+        m.tick(Some(Increments::new(1934)));
+        m.tick(Some(Increments::new(1934)));
+        assert!(m.is_enabled());
+        // It followed, and tells so at last.
+        let mut mute = m;
+        answer(&mut mute, 0x0237, 1934);
+        mute.tick(Some(Increments::new(1940)));
+        assert!(mute.is_enabled());
+        // It stood, and has just heard where it was to be.
+        let mut near = m;
+        answer(&mut near, 0x0237, 1234);
+        near.tick(Some(Increments::new(1934)));
+        assert!(near.is_enabled());
+        // It stands elsewhere.
+        let mut far = m;
+        answer(&mut far, 0x0237, 1233);
+        assert_eq!(far.phase(), Phase::Standby);
+        // A demand for where it would have to leap to.
+        assert_eq!(
+            sent(m.tick(Some(Increments::new(1935)))),
+            "210#02008E070000"
+        );
+        assert_eq!(m.phase(), Phase::Halted);
+    }
+}
+
+#[test]
+fn a_reach_is_counted_across_the_wrap() {
+    let config = DriveConfig {
+        following: None,
+        reach: 700,
+        ..master().config
+    };
+    let mut m = silent(config);
+    m.status = Some(DriveStatus {
+        status: Statusword::from_raw(0x0237),
+        actual: Increments::new(i32::MAX - 100),
+    });
+    m.tick(Some(Increments::new(i32::MIN + 599)));
+    assert!(m.is_enabled());
+    m.tick(Some(Increments::new(i32::MIN + 600)));
+    assert_eq!(m.phase(), Phase::Halted);
+}
+
+#[test]
+fn a_drive_without_demands_has_no_reach() {
+    let mut m = enabled();
+    for _ in 0..20 {
+        m.tick(None);
+    }
+    assert_eq!(m.failure(), Some(DriveFailure::Silent));
+    // A spindle in speed mode has turned on.
+    m.config.following = None;
+    answer(&mut m, 0x0237, 90_000);
+    m.tick(None);
+    assert!(m.is_enabled());
+}
+
+#[test]
+fn silence_behind_another_failure_is_silence_too() {
+    let mut m = enabled();
+    m.tick(Some(Increments::new(1234)));
+    m.tick(Some(Increments::new(2000)));
+    m.tick(Some(Increments::new(2000)));
+    answer(&mut m, 0x0237, 999);
+    for _ in 0..7 {
+        m.tick(Some(Increments::new(2000)));
+    }
+    assert!(matches!(m.failure(), Some(DriveFailure::Following { .. })));
+    assert!(!m.is_silent());
+    for _ in 0..2 {
+        assert!(m.is_enabled());
+        m.tick(Some(Increments::new(2000)));
+    }
+    assert!(m.is_silent());
+    assert_eq!(m.phase(), Phase::Halted);
 }
 
 #[test]

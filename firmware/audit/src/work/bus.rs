@@ -42,6 +42,7 @@ impl Work for Commanding {
                 increments: 10_000,
                 time: Periods::new(10),
             }),
+            reach: 10_000,
         });
         master.enable().expect("a new master has no failure");
         master.tick(None);
