@@ -100,7 +100,7 @@ impl Board {
     fn restart(&mut self) {
         let found = self.desk.station().found();
         let Some(position) = self.ticker.begin_anew(self.desk.params(), found) else {
-            // It has been checked before it was staged.
+            // It has been checked before it was staged; or the board stays at rest [D148].
             return;
         };
         self.desk.begin_anew(position);

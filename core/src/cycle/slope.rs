@@ -4,6 +4,7 @@
 //! needs: the tangent 63 fractional bits, products with a taper 80. Knows nothing of passes or moves.
 
 use crate::units::product;
+
 /// `tan(a/2)` for one whole-degree thread angle, with 63 fractional bits (an error below 2⁻⁶⁴, that is 6·10⁻¹⁸ of the
 /// smallest angle's tangent).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

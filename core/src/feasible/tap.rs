@@ -181,10 +181,11 @@ fn feed(
         TapAxis::Z => (Axis::Z, b'Z'),
     };
     let most = params.max_feed(axis);
+    let (nm, turns) = lead.parts();
     let nm = mul_div(
-        lead.parts().0,
+        nm,
         u64::from(speed.get().unsigned_abs()),
-        lead.parts().1.saturating_mul(100),
+        turns.saturating_mul(100),
     );
     let wanted = Feed::from_nm_per_min(i64::try_from(nm).unwrap_or(i64::MAX));
     if wanted <= most {

@@ -288,11 +288,8 @@ fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -
     if pass.moves().len() < 2 || long == Length::ZERO {
         return None;
     }
-    let lead_speed = mul_div(
-        thread.lead.parts().0,
-        u64::from(rpm.abs()),
-        thread.lead.parts().1,
-    );
+    let (nm, turns) = thread.lead.parts();
+    let lead_speed = mul_div(nm, u64::from(rpm.abs()), turns);
     let speed = mul_div(
         lead_speed,
         short.nm().unsigned_abs(),

@@ -254,10 +254,11 @@ fn ramp(length: Length, nominal: PathRate, bounds: &mut PathLimits) -> Option<Ra
 
 /// S times lead in a tick, to the nearest 1/256 nm.
 fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
+    let (nm, turns) = lead.parts();
     let nm = mul_div(
-        lead.parts().0,
+        nm,
         u64::from(speed.get().unsigned_abs()),
-        lead.parts().1.saturating_mul(100),
+        turns.saturating_mul(100),
     );
     let rate = PathRate::of_feed(
         Feed::from_nm_per_min(i64::try_from(nm).unwrap_or(i64::MAX)),
@@ -273,10 +274,11 @@ fn spindle_acceleration(lead: Lead, ramp_ms: u32, tick_us: u32) -> Option<u64> {
         return None;
     }
     // 1000 / 60 turns a second in ramp_ms / 1000 seconds; the tick is tick_us / 10⁶ seconds.
-    let nm = u128::from(lead.parts().0) << 32;
+    let (nm, turns) = lead.parts();
+    let nm = u128::from(nm) << 32;
     let square = product(u64::from(tick_us), u64::from(tick_us));
     let ramp = u128::from(ramp_ms).wrapping_mul(60_000_000);
-    let divisor = mul_wide(u128::from(lead.parts().1), ramp);
+    let divisor = mul_wide(u128::from(turns), ramp);
     let acceleration = div_wide(mul_wide(nm, square), divisor)?;
     let acceleration = u64::try_from(acceleration).unwrap_or(u64::MAX);
     Some(acceleration.saturating_sub(4 << 16).max(1))

@@ -144,7 +144,7 @@ impl Law {
 
 /// The angle of a travel, rounded up: background work.
 fn turns_of(lead: Lead, travel: Fine) -> i64 {
-    let (nm, turns) = (lead.parts().0, lead.parts().1);
+    let (nm, turns) = lead.parts();
     let scaled = mul_div_up(
         travel.max(0).unsigned_abs(),
         turns.saturating_mul(1 << 16),

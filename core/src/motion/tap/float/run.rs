@@ -15,6 +15,10 @@ use crate::units::{Length, Ticks, TurnRate, Turns};
 /// Ticks for which the axis stands at R before the next segment begins [D52].
 const SETTLING: u8 = 2;
 
+/// So many ticks of the right speed count no more for each of another one: what a spindle collects on its way up to a
+/// speed beyond does not count on its way down [D153]. Not all of them, since ripple leaves the band in every turn of it.
+const UNSETTLING: u32 = 2;
+
 /// What one tick of an ordinary tap depends on.
 #[derive(Clone, Copy, Debug)]
 pub struct FloatTick<'a> {
@@ -49,7 +53,8 @@ pub struct FloatPoint {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// At R, until the spindle turns as it must: ticks it has not had the speed, or the index, and those it has had both.
+    /// At R, until the spindle turns as it must: ticks it has not had the speed, or the index, and those it has had both,
+    /// less what another speed has taken back of these.
     Arriving {
         speed: u32,
         index: u32,
@@ -233,7 +238,7 @@ impl FloatRun {
             self.stage = Stage::Arriving {
                 speed: speed.saturating_add(1),
                 index,
-                settled,
+                settled: settled.saturating_sub(UNSETTLING),
             };
             let args = [
                 Arg::Rpm(now.observer.speed().rpm()),

@@ -5,16 +5,19 @@ extern crate std;
 use super::course::{Course, Leg};
 use super::law::Region;
 use super::plan::{FloatPlan, float_ticks};
+use super::run::{FloatRun, FloatTick};
 use super::turner::Turner;
 use crate::alarm::{At, Code, Span};
 use crate::cycle::{MoveKind, TapMoves};
+use crate::motion::executor::Arrival;
 use crate::params::Params;
 use crate::program::{
     Call, CallKind, Events, Hand, HandChoice, Options, Position, TapAxis, TapCall, TapForm,
     TapMode, TapPeck,
 };
 use crate::signals::Signals;
-use crate::units::{CentiRpm, Lead, Length, Rpm, Turns};
+use crate::spindle::{EncoderSample, Observer};
+use crate::units::{CentiRpm, Lead, Length, Rpm, Ticks, Turns};
 use std::vec::Vec;
 
 fn nm(nm: i64) -> Length {
@@ -281,4 +284,60 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
     let ticks = float_ticks(&stroke, nm(-15_000_000), &params);
     // 12 turns at 500 rpm, and half of the stop.
     assert!((1_440..1_600).contains(&ticks), "{ticks}");
+}
+
+/// The speed at which the hole begins, of a spindle that comes up on its ramp to `peak`, and down again to 1: the speed
+/// of the hole.
+fn begins_at(plan: &FloatPlan, peak: f64) -> f64 {
+    let params = Params::slant_bed();
+    assert_eq!(params.tick_us(), 1_000);
+    let rpm = f64::from(plan.entry_speed().get()) / 100.0;
+    let ramp = 1_000.0 / f64::from(params.spindle_ramp_ms()) / rpm;
+    let mut observer = Observer::new(4096, 50, 1_000);
+    let mut run = FloatRun::new(plan, Position::ZERO);
+    let arrival = Arrival {
+        tolerance_percent: 5,
+        speed_ticks: 10_000,
+        ticks_per_minute: 60_000,
+    };
+    let (mut angle, mut speed, mut wanted) = (0.0_f64, 0.5_f64, peak);
+    for tick in 0..5_000 {
+        let before = angle;
+        angle += speed * plan.entry as f64 / 4_294_967_296.0;
+        let index = (angle.floor() > before.floor()).then_some(angle.floor() as i32 * 4096);
+        let _ = observer.tick(EncoderSample {
+            count: (angle * 4096.0) as i32,
+            edge_age_ns: None,
+            index,
+        });
+        let now = FloatTick {
+            observer: &observer,
+            ahead: Ticks::ONE,
+            hold: false,
+            inside: false,
+            arrival: &arrival,
+        };
+        assert_eq!(run.tick(plan, &now).alarm, None);
+        if run.line(plan).is_some() {
+            return speed;
+        }
+        // It is known where it is before it comes up.
+        if tick >= 400 {
+            speed += (wanted - speed).clamp(-ramp, ramp);
+        }
+        if speed == peak {
+            wanted = 1.0;
+        }
+    }
+    panic!("the hole does not begin");
+}
+
+#[test]
+fn what_a_spindle_collects_on_its_way_up_does_not_count_on_its_way_down() {
+    let plan = plan(&tap("M3 S3000\nG99 G84 Z-20 R-5 Q2 F1.25\n"));
+    assert!(plan.settling > 0);
+    for percent in [108, 110, 115, 120, 140] {
+        let at = begins_at(&plan, f64::from(percent) / 100.0);
+        assert!(at < 1.01, "{percent}: {at}");
+    }
 }
