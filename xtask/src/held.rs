@@ -33,8 +33,17 @@ pub struct Effect {
     pub writes: u16,
 }
 
-/// True where the word at `literal`, in the function from `start` to `end`, is loaded for calls and for nothing else.
-pub fn is_only_called(code: &Code<'_>, start: u64, end: u64, literal: u64) -> bool {
+/// True where the word at `literal`, in the function from `start` to `end`, is loaded for calls and for nothing else. `part`
+/// tells the end of what is a part of its callers and keeps to no rule of calls: it may use any register.
+pub fn is_only_called(
+    code: &Code<'_>,
+    (start, end): (u64, u64),
+    literal: u64,
+    part: &dyn Fn(u64) -> Option<u64>,
+) -> bool {
+    if part(start).is_some() {
+        return false;
+    }
     let instructions = instructions(code, start, end);
     let mut loaded = false;
     for (at, instruction) in &instructions {
@@ -42,7 +51,9 @@ pub fn is_only_called(code: &Code<'_>, start: u64, end: u64, literal: u64) -> bo
             Load::Word(address, register) if address == literal => {
                 loaded = true;
                 let behind = at + if instruction.wide { 4 } else { 2 };
-                if instruction.conditional || !is_held(code, &instructions, behind, register) {
+                if instruction.conditional
+                    || !is_held(code, &instructions, (behind, register), part)
+                {
                     return false;
                 }
             }
@@ -125,8 +136,8 @@ fn load(at: u64, instruction: Instruction) -> Load {
 fn is_held(
     code: &Code<'_>,
     instructions: &BTreeMap<u64, Instruction>,
-    from: u64,
-    register: u16,
+    (from, register): (u64, u16),
+    part: &dyn Fn(u64) -> Option<u64>,
 ) -> bool {
     let mask = 1_u16 << register;
     let mut seen = BTreeSet::new();
@@ -142,9 +153,8 @@ fn is_held(
         let behind = at + if instruction.wide { 4 } else { 2 };
         let passed = instruction.conditional;
         match flow(code, at, *instruction) {
-            Flow::Call(by) => {
-                let others = if by == Some(register) { 0 } else { mask };
-                if mask & TAKEN & others != 0 {
+            Flow::Call(function) => {
+                if mask & TAKEN != 0 || function.is_some_and(|at| part_uses(code, at, mask, part)) {
                     return false;
                 }
                 if mask & LOST == 0 || passed {
@@ -184,13 +194,31 @@ fn is_held(
     true
 }
 
+/// True where a part of functions begins here that may use a register.
+fn part_uses(code: &Code<'_>, start: u64, mask: u16, part: &dyn Fn(u64) -> Option<u64>) -> bool {
+    let Some(end) = part(start) else {
+        return false;
+    };
+    let is_part = |at: u64| part(at).is_some();
+    instructions(code, start, end)
+        .iter()
+        .any(|(at, instruction)| {
+            let goes_on = match flow(code, *at, *instruction) {
+                Flow::Call(function) => function.is_some_and(is_part),
+                Flow::To(places) => places.into_iter().any(is_part),
+                Flow::On | Flow::Returns | Flow::Unknown => false,
+            };
+            goes_on || instruction.effect().reads & mask != 0
+        })
+}
+
 enum Flow {
     /// To what stands behind it.
     On,
     /// To these places.
     To(Vec<u64>),
-    /// There and back; through which register.
-    Call(Option<u16>),
+    /// There and back; `None`: through a register.
+    Call(Option<u64>),
     /// To the caller, or it ends here.
     Returns,
     Unknown,
@@ -201,7 +229,7 @@ fn flow(code: &Code<'_>, at: u64, instruction: Instruction) -> Flow {
     let ahead = |offset: i64| (at + 4).wrapping_add_signed(offset);
     if !instruction.wide {
         return match first >> 12 {
-            _ if first & 0xFF87 == 0x4780 => Flow::Call(Some(first >> 3 & 0xF)),
+            _ if first & 0xFF87 == 0x4780 => Flow::Call(None),
             _ if first == 0x4770 || first & 0xFF00 == 0xBD00 || first & 0xFF00 == 0xDE00 => {
                 Flow::Returns
             }
@@ -222,7 +250,7 @@ fn flow(code: &Code<'_>, at: u64, instruction: Instruction) -> Flow {
     }
     if first >> 11 == 0b11110 && second & 0x8000 != 0 {
         return match second & 0xD000 {
-            0xD000 => Flow::Call(None),
+            0xD000 => Flow::Call(Some(ahead(far(first, second)))),
             // A jump that the linker fills in may leave the function; then it goes to no instruction of it.
             0x9000 => Flow::To(vec![ahead(far(first, second))]),
             0x8000 if first >> 6 & 0xF < 14 => {
@@ -389,6 +417,9 @@ pub fn wide_effect(first: u16, second: u16) -> Effect {
 mod tests {
     use super::*;
 
+    /// Where a part of functions is: mov r0, r4; bx lr.
+    const PART: u64 = 20;
+
     /// Code from address 0 to the literal, with data at these places.
     fn only_called(code: &[u16], marks: &[(u64, bool)]) -> bool {
         let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
@@ -396,7 +427,9 @@ mod tests {
         let marks = [marks, &[(literal, true)]].concat();
         let bytes = [bytes.as_slice(), &[0; 4]].concat();
         let code = Code::new(0, &bytes, &marks);
-        is_only_called(&code, 0, literal + 4, literal)
+        is_only_called(&code, (0, literal + 4), literal, &|at| {
+            (at == PART).then_some(PART + 4)
+        })
     }
 
     #[test]
@@ -431,10 +464,19 @@ mod tests {
     #[test]
     fn arguments_and_results_are_handed_on() {
         let start = [(0, false)];
-        // ldr r0, =f; then blx r4, pop {pc}, or blx r0
+        // ldr r0, =f; then blx r4, pop {pc}, or blx r0, which takes it over as well
         assert!(!only_called(&[0x4801, 0x47A0, 0xBD00, 0xBF00], &start));
         assert!(!only_called(&[0x4801, 0xBD00, 0xBF00, 0xBF00], &start));
-        assert!(only_called(&[0x4801, 0x4780, 0xBD00, 0xBF00], &start));
+        assert!(!only_called(&[0x4801, 0x4780, 0xBD00, 0xBF00], &start));
+        // ldr r4, =f; nop; bl to 24, or to a part at 20, which uses r4 or r5; pop {r4, pc}
+        let call = |second, used| {
+            let end = [used, 0x4770, 0xBF00, 0xBF00];
+            let code = [0x4C06, 0xBF00, 0xF000, second, 0xBD10, 0xBF00];
+            [&code[..], &[0xBF00; 4], &end].concat()
+        };
+        assert!(only_called(&call(0xF808, 0x4620), &start));
+        assert!(!only_called(&call(0xF806, 0x4620), &start));
+        assert!(only_called(&call(0xF806, 0x4628), &start));
     }
 
     #[test]

@@ -141,7 +141,8 @@ impl Stacks {
             self.calls.entry(from).or_default().insert(to);
             let end = self.nodes.get(&from).map_or(from, |node| node.end);
             let is_called = |code: &Code<'_>| {
-                code.half(from).is_some() && held::is_only_called(code, from, end, at)
+                let part = |at| self.part(at);
+                code.half(from).is_some() && held::is_only_called(code, (from, end), at, &part)
             };
             if !is_jump && !codes.iter().any(is_called) {
                 self.listed.insert(to);
@@ -171,6 +172,13 @@ impl Stacks {
             }
         }
         Ok(())
+    }
+
+    /// The end of what several functions have in common, and the compiler has put elsewhere.
+    fn part(&self, at: u64) -> Option<u64> {
+        let node = self.nodes.get(&at)?;
+        let is_part = node.name.starts_with("OUTLINED_FUNCTION");
+        is_part.then_some(node.end)
     }
 
     /// The function of this name.
