@@ -9,6 +9,8 @@
 //! A [`Link`] is one end of a bus and one board on it. Whatever it waits for, it hears everything meanwhile: statuses,
 //! emergencies and heartbeats are kept in [`Seen`]. Time is the real one; nothing here is needed for a setpoint.
 
+#[cfg(test)]
+pub(crate) mod bench;
 mod board;
 mod feed;
 mod inside;

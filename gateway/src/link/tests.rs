@@ -1,18 +1,16 @@
 //! Against a board inside this process.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use leadscrew_board_sim::plant::{Flash, PlantOptions};
-use leadscrew_board_sim::{Sim, stored_params};
-use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
+use leadscrew_board_sim::plant::Flash;
+use leadscrew_board_sim::stored_params;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
 use leadscrew_core::bus::{Abort, CobId, Frame, NodeId, Object, Order, Service};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
+use super::bench::{Fate, between, link, machine};
 use super::params::{CHANGES, COMMIT};
 use super::{Inside, Link, Trouble};
 
@@ -22,20 +20,6 @@ fn set(values: &[(&str, i64)]) -> Params {
         params.set(Entry::find_text(key).unwrap(), *raw).unwrap();
     }
     params
-}
-
-fn machine(flash: Flash) -> Inside {
-    let options = PlantOptions::default();
-    let mut sim = Sim::power_up(&Params::slant_bed(), &options, flash)
-        .map(Box::new)
-        .unwrap();
-    sim.join(NodeId::BOARD).unwrap();
-    let tick_us = sim.tick_us();
-    Inside::new(sim, tick_us)
-}
-
-fn link(inside: &Inside) -> Link {
-    Link::on(Box::new(inside.clone()), NodeId::BOARD)
 }
 
 /// A set as a whole.
@@ -58,41 +42,6 @@ fn stored(inside: &Inside) -> (Found, Params) {
     (up.found, up.params)
 }
 
-/// An end of the bus that is pulled out after so many frames.
-struct Cut {
-    inside: Inside,
-    left: Arc<AtomicUsize>,
-}
-
-impl Can for Cut {
-    fn name(&self) -> &str {
-        "cut"
-    }
-
-    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
-        for frame in frames {
-            if self.left.load(Ordering::Relaxed) == 0 {
-                return Err(CanError::Closed { name: "cut".into() });
-            }
-            self.left.fetch_sub(1, Ordering::Relaxed);
-            self.inside.send(&[*frame])?;
-        }
-        Ok(())
-    }
-
-    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
-        self.inside.receive(into, patience)
-    }
-
-    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
-        self.inside.listen_for(filters)
-    }
-
-    fn dropped(&self) -> Result<u64, CanError> {
-        Ok(0)
-    }
-}
-
 #[test]
 fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
     let old = set(&[("9007", 12), ("1420.X", 11_000_000_000)]);
@@ -105,12 +54,16 @@ fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
     let (mut olds, mut news) = (0, 0);
     for frames in 0.. {
         let inside = machine(flash.clone());
-        let left = Arc::new(AtomicUsize::new(frames));
-        let cut = Cut {
-            inside: inside.clone(),
-            left: left.clone(),
+        // The plug is pulled out after so many frames.
+        let mut left = frames;
+        let pull = move |_: &Frame| {
+            if left == 0 {
+                return Fate::Closed;
+            }
+            left -= 1;
+            Fate::Arrives
         };
-        let sent = push(&mut Link::on(Box::new(cut), NodeId::BOARD), &new);
+        let sent = push(&mut between(&inside, pull, |frame| frame), &new);
         let complete = sent.is_ok();
         // What is under way ends, and somebody else comes.
         let mut other = link(&inside);
@@ -143,60 +96,6 @@ fn a_push_that_ends_at_any_frame_leaves_the_old_set_or_the_new_one() {
     assert!(news > 1, "{news}");
 }
 
-/// An end of the bus on which another client says something in the middle of this one's transfer.
-struct Meddled {
-    inside: Inside,
-    /// Segments of this side's transfer until then; `None`: said.
-    left: Option<usize>,
-    said: Frame,
-    heard: Option<Frame>,
-}
-
-impl Can for Meddled {
-    fn name(&self) -> &str {
-        "meddled"
-    }
-
-    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
-        for frame in frames {
-            self.inside.send(&[*frame])?;
-            if frame.payload().len() < 8 {
-                continue;
-            }
-            match self.left {
-                Some(0) => {
-                    self.left = None;
-                    self.heard = Some(self.said);
-                    self.inside.send(&[self.said])?;
-                }
-                Some(left) => self.left = Some(left - 1),
-                None => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
-        // As on a wire, before what the board says to it.
-        let heard = self.heard.take().map(|frame| Received {
-            time: Stamp::now(),
-            packet: Packet::Frame(frame),
-        });
-        let count = heard.iter().len();
-        into.extend(heard);
-        let patience = if count > 0 { Duration::ZERO } else { patience };
-        Ok(count + self.inside.receive(into, patience)?)
-    }
-
-    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
-        self.inside.listen_for(filters)
-    }
-
-    fn dropped(&self) -> Result<u64, CanError> {
-        Ok(0)
-    }
-}
-
 /// A block's segments carry nothing but their number: the board takes a request of somebody else for one of them where the
 /// number fits.
 #[test]
@@ -211,14 +110,21 @@ fn what_another_client_says_in_a_transfer_does_not_spoil_it() {
             let inside = machine(flash.clone());
             let said = [command, 0x08, 0x10, 0, 0, 0, 0, 0];
             let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
-            let meddled = Meddled {
-                inside: inside.clone(),
-                left: Some(place),
-                said: Frame::new(request, &said).unwrap(),
-                heard: None,
+            let said = Frame::new(request, &said).unwrap();
+            let mut left = Some(place);
+            let meddle = move |frame: &Frame| {
+                if frame.payload().len() < 8 {
+                    return Fate::Arrives;
+                }
+                let now = left == Some(0);
+                left = left.and_then(|left| left.checked_sub(1));
+                if now {
+                    Fate::AndThen(said)
+                } else {
+                    Fate::Arrives
+                }
             };
-            let mut link = Link::on(Box::new(meddled), NodeId::BOARD);
-            let sent = push(&mut link, &new);
+            let sent = push(&mut between(&inside, meddle, |frame| frame), &new);
             assert!(sent.is_ok(), "{command:02X}h at {place}: {sent:?}");
             assert_eq!(stored(&inside), (Found::Newest, new.clone()));
         }
@@ -370,53 +276,19 @@ fn what_somebody_else_has_changed_since_it_was_read_is_not_put_back() {
         .unwrap();
 }
 
-/// An end of the bus on which the board's 5010h:02h says something else than it is.
-struct Told {
-    inside: Inside,
-    state: u8,
-}
-
-impl Can for Told {
-    fn name(&self) -> &str {
-        "told"
-    }
-
-    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
-        self.inside.send(frames)
-    }
-
-    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
-        let before = into.len();
-        let count = self.inside.receive(into, patience)?;
-        for received in into.iter_mut().skip(before) {
-            let Packet::Frame(frame) = &received.packet else {
-                continue;
-            };
-            if let [0x4F, 0x10, 0x50, 2, ..] = frame.payload() {
-                let said = [0x4F, 0x10, 0x50, 2, self.state, 0, 0, 0];
-                received.packet = Packet::Frame(Frame::new(frame.id(), &said).unwrap());
-            }
-        }
-        Ok(count)
-    }
-
-    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
-        self.inside.listen_for(filters)
-    }
-
-    fn dropped(&self) -> Result<u64, CanError> {
-        Ok(0)
-    }
-}
-
 /// Only a refusal says that the old set is in force.
 #[test]
 fn a_board_that_does_not_say_what_became_of_a_set_has_not_refused_it() {
     let inside = machine(Flash::erased());
+    // Its 5010h:02h says something else than it is.
     let told = |state| {
-        let inside = inside.clone();
-        let mut link = Link::on(Box::new(Told { inside, state }), NodeId::BOARD);
-        link.wait_until_stored(Duration::ZERO)
+        let tell = move |frame: Frame| match frame.payload() {
+            [0x4F, 0x10, 0x50, 2, ..] => {
+                Frame::new(frame.id(), &[0x4F, 0x10, 0x50, 2, state, 0, 0, 0]).unwrap()
+            }
+            _ => frame,
+        };
+        between(&inside, |_| Fate::Arrives, tell).wait_until_stored(Duration::ZERO)
     };
     assert!(matches!(
         told(0),

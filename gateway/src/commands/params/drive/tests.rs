@@ -2,14 +2,12 @@
 
 use std::time::Duration;
 
-use leadscrew_board_sim::Sim;
-use leadscrew_board_sim::plant::{Flash, PlantOptions};
-use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
+use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::bus::{Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service};
-use leadscrew_core::params::Params;
 
 use super::{Found, Pending, apply, read, with_drives};
 use crate::failure::Failure;
+use crate::link::bench::{Fate, between, link, machine};
 use crate::link::{Inside, Link, Trouble};
 use crate::params::drives::{DriveName, Kind, Wanted};
 
@@ -17,81 +15,26 @@ const VELOCITY: Object = Object::new(0x607F, 0);
 /// Of the first RPDO.
 const COB_ID: Object = Object::new(0x1400, 1);
 
-/// An end of the bus on which the drive of X does not do what it is told.
-struct Wayward {
-    inside: Inside,
-    /// What is written to it, as SDO has it: command, index, sub-index.
-    at: [u8; 4],
-    /// It says so; else nothing at all.
-    says: bool,
-    answer: Option<Frame>,
+fn board() -> Inside {
+    machine(Flash::erased())
 }
 
-impl Can for Wayward {
-    fn name(&self) -> &str {
-        "wayward"
-    }
-
-    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
-        let node = DriveName::X.node();
-        for frame in frames {
-            let written = frame.id() == CobId::of(Service::SdoRequest, node)
-                && frame.payload().starts_with(&self.at);
-            if !written {
-                self.inside.send(&[*frame])?;
-            } else if self.says {
-                let [_, low, high, sub] = self.at;
-                let [a, b, c, d] = Abort::Access.code().to_le_bytes();
-                let refusal = [0x80, low, high, sub, a, b, c, d];
-                let from = CobId::of(Service::SdoReply, node);
-                self.answer = Some(Frame::new(from, &refusal).unwrap());
-            }
-        }
-        Ok(())
-    }
-
-    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
-        if let Some(frame) = self.answer.take() {
-            into.push(Received {
-                time: Stamp::now(),
-                packet: Packet::Frame(frame),
-            });
-            return Ok(1);
-        }
-        self.inside.receive(into, patience)
-    }
-
-    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
-        self.inside.listen_for(filters)
-    }
-
-    fn dropped(&self) -> Result<u64, CanError> {
-        Ok(0)
-    }
-}
-
-fn machine() -> Inside {
-    let options = PlantOptions::default();
-    let mut sim = Sim::power_up(&Params::slant_bed(), &options, Flash::erased())
-        .map(Box::new)
-        .unwrap();
-    sim.join(NodeId::BOARD).unwrap();
-    let tick_us = sim.tick_us();
-    Inside::new(sim, tick_us)
-}
-
-fn link(inside: &Inside) -> Link {
-    Link::on(Box::new(inside.clone()), NodeId::BOARD)
-}
-
+/// On this end of the bus the drive of X does not do what is written to it `at` (command, index, sub-index, as SDO has it): it
+/// `says` so, or nothing at all.
 fn wayward(inside: &Inside, at: [u8; 4], says: bool) -> Link {
-    let can = Wayward {
-        inside: inside.clone(),
-        at,
-        says,
-        answer: None,
+    let node = DriveName::X.node();
+    let sent = move |frame: &Frame| {
+        let request = CobId::of(Service::SdoRequest, node);
+        if frame.id() != request || !frame.payload().starts_with(&at) {
+            return Fate::Arrives;
+        }
+        let [_, low, high, sub] = at;
+        let [a, b, c, d] = Abort::Access.code().to_le_bytes();
+        let refusal = [0x80, low, high, sub, a, b, c, d];
+        let refusal = Frame::new(CobId::of(Service::SdoReply, node), &refusal);
+        Fate::Lost(refusal.filter(|_| says))
     };
-    let mut link = Link::on(Box::new(can), NodeId::BOARD);
+    let mut link = between(inside, sent, |frame| frame);
     link.set_patience(Duration::from_millis(50));
     link
 }
@@ -126,7 +69,7 @@ fn ends_with(failure: Failure, end: &str) {
 
 #[test]
 fn a_drive_that_falls_silent_when_it_is_to_keep_its_values_is_told_of_and_started() {
-    let inside = machine();
+    let inside = board();
     let pending = velocity(500_000);
     let mut failing = wayward(&inside, [0x23, 0x10, 0x10, 1], false);
     let failure = apply(&mut failing, &pending, &mut || ()).unwrap_err();
@@ -142,7 +85,7 @@ fn a_drive_that_falls_silent_when_it_is_to_keep_its_values_is_told_of_and_starte
 
 #[test]
 fn drives_keep_their_new_values_where_it_is_open_which_set_the_board_has() {
-    let inside = machine();
+    let inside = board();
     let mut link = link(&inside);
     let pending = velocity(500_000);
     apply(&mut link, &pending, &mut || ()).unwrap();
@@ -211,7 +154,7 @@ fn is_back(inside: &Inside, pending: &[Pending], failure: Failure) {
 
 #[test]
 fn a_pdo_whose_mapping_is_fixed_stays_on() {
-    let inside = machine();
+    let inside = board();
     let pending = mapping(&mut link(&inside));
     let mut fixed = wayward(&inside, [0x2F, 0x00, 0x16, 0], true);
     let failure = apply(&mut fixed, &pending, &mut || ()).unwrap_err();
@@ -222,7 +165,7 @@ fn a_pdo_whose_mapping_is_fixed_stays_on() {
 #[test]
 fn a_pdo_gets_its_old_mapping_back_and_is_on_or_off_as_it_was() {
     for id in [0x210, 0x8000_0210_u32] {
-        let inside = machine();
+        let inside = board();
         let mut link = link(&inside);
         let node = DriveName::X.node();
         link.send(&[NmtCommand::PreOperational.frame(Some(node))])

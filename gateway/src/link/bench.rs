@@ -1,0 +1,120 @@
+//! For tests: a board inside this process, and an end of its bus on which not all goes as it should.
+
+use std::time::Duration;
+
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::{Flash, PlantOptions};
+use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
+use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::params::Params;
+
+use super::{Inside, Link};
+
+/// A board at power-up with its drives.
+pub fn machine(flash: Flash) -> Inside {
+    let options = PlantOptions::default();
+    let mut sim = Sim::power_up(&Params::slant_bed(), &options, flash)
+        .map(Box::new)
+        .unwrap();
+    sim.join(NodeId::BOARD).unwrap();
+    let tick_us = sim.tick_us();
+    Inside::new(sim, tick_us)
+}
+
+/// A client of it.
+pub fn link(inside: &Inside) -> Link {
+    Link::on(Box::new(inside.clone()), NodeId::BOARD)
+}
+
+/// What becomes of a frame that this side sends.
+pub enum Fate {
+    /// It arrives.
+    Arrives,
+    /// It arrives, and somebody else sends one behind it.
+    AndThen(Frame),
+    /// It does not arrive, and this is heard, if anything is.
+    Lost(Option<Frame>),
+    /// The bus is gone.
+    Closed,
+}
+
+/// An end of the bus that `sent` and `heard` have their hands in.
+struct Between<S, H> {
+    inside: Inside,
+    /// Asked for each frame that this side sends.
+    sent: S,
+    /// Each frame that the board sends, as it is heard here.
+    heard: H,
+    /// To be heard next, before what the board says.
+    next: Option<Frame>,
+}
+
+/// A client with `sent` and `heard` between it and the board.
+pub fn between(
+    inside: &Inside,
+    sent: impl FnMut(&Frame) -> Fate + Send + 'static,
+    heard: impl FnMut(Frame) -> Frame + Send + 'static,
+) -> Link {
+    let inside = inside.clone();
+    let end = Between {
+        inside,
+        sent,
+        heard,
+        next: None,
+    };
+    Link::on(Box::new(end), NodeId::BOARD)
+}
+
+impl<S, H> Can for Between<S, H>
+where
+    S: FnMut(&Frame) -> Fate + Send,
+    H: FnMut(Frame) -> Frame + Send,
+{
+    fn name(&self) -> &str {
+        "between"
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        for frame in frames {
+            match (self.sent)(frame) {
+                Fate::Arrives => self.inside.send(&[*frame])?,
+                Fate::AndThen(said) => {
+                    self.inside.send(&[*frame, said])?;
+                    self.next = Some(said);
+                }
+                Fate::Lost(answer) => self.next = answer,
+                Fate::Closed => {
+                    let name = self.name().into();
+                    return Err(CanError::Closed { name });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
+        let next = self.next.take().map(|frame| Received {
+            time: Stamp::now(),
+            packet: Packet::Frame(frame),
+        });
+        let count = next.iter().len();
+        into.extend(next);
+        let patience = if count > 0 { Duration::ZERO } else { patience };
+        let before = into.len();
+        let received = self.inside.receive(into, patience)?;
+        for received in into.iter_mut().skip(before) {
+            if let Packet::Frame(frame) = &mut received.packet {
+                *frame = (self.heard)(*frame);
+            }
+        }
+        Ok(count + received)
+    }
+
+    fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
+        self.inside.listen_for(filters)
+    }
+
+    fn dropped(&self) -> Result<u64, CanError> {
+        Ok(0)
+    }
+}
