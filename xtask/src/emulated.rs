@@ -61,27 +61,13 @@ impl OnTerminal {
     fn start(image: &Path) -> Result<Self> {
         let image = image.to_string_lossy();
         let semihosting = format!("enable=on,target=native,arg={image}");
-        let mut emulator = run::command(
-            &run::root(),
-            "qemu-system-arm",
-            &[
-                "-M",
-                "mps2-an386",
-                "-nographic",
-                "-monitor",
-                "none",
-                "-serial",
-                "pty",
-                "-semihosting-config",
-                &semihosting,
-                "-kernel",
-                &image,
-            ],
-        )
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .spawn()
-        .context("cannot start `qemu-system-arm`")?;
+        let mut args = emulator::machine("pty", &semihosting).to_vec();
+        args.extend(["-kernel", &image]);
+        let mut emulator = run::command(&run::root(), emulator::EMULATOR, &args)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .context("cannot start `qemu-system-arm`")?;
         // It says first where the terminal is.
         let mut line = String::new();
         let said = match emulator.stdout.take() {

@@ -98,25 +98,32 @@ pub fn build(package: &str, image: &str, more: &[&str]) -> Result<PathBuf> {
         .join(image))
 }
 
-/// Builds an image and runs it in the emulator; what it prints.
-pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
-    let firmware = run::firmware();
-    let path = build(package, image, &[])?;
-    let path = path.to_string_lossy();
-    // The limit is for an image that hangs.
-    let mut args = vec![
-        "1200",
-        "qemu-system-arm",
+/// The emulator of the board's processor.
+pub const EMULATOR: &str = "qemu-system-arm";
+
+/// What it is told in any case: where the serial line goes, and what the image may ask of the host.
+pub const fn machine<'a>(serial: &'a str, semihosting: &'a str) -> [&'a str; 9] {
+    [
         "-M",
         "mps2-an386",
         "-nographic",
         "-monitor",
         "none",
         "-serial",
-        "none",
+        serial,
         "-semihosting-config",
-        "enable=on,target=native",
-    ];
+        semihosting,
+    ]
+}
+
+/// Builds an image and runs it in the emulator; what it prints.
+pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
+    let firmware = run::firmware();
+    let path = build(package, image, &[])?;
+    let path = path.to_string_lossy();
+    // The limit is for an image that hangs.
+    let mut args = vec!["1200", EMULATOR];
+    args.extend(machine("none", "enable=on,target=native"));
     args.extend_from_slice(options);
     args.extend_from_slice(&["-kernel", &path]);
     run::read(run::command(&firmware, "timeout", &args))

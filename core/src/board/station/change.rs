@@ -128,7 +128,8 @@ impl Shelf {
     }
 
     /// The set that was staged is stored and comes into force, if it is still the one with this identity: whatever has
-    /// been put together here since has another. What is asked for twice, because the answer was lost, is done once.
+    /// been put together here since has another, unless the password alone differs, which is no part of it. What is asked
+    /// for twice, because the answer was lost, is done once.
     pub(super) fn commit(&mut self, expected: u32, params: &Params) -> Result<(), Abort> {
         let same = identity(&self.draft) == expected;
         if same && self.is_changing() {
