@@ -1,7 +1,9 @@
 #![no_std]
 #![no_main]
 //! Copies, moves and fills of every length and alignment on the emulated Cortex-M4F, with the functions the images of boards
-//! have (`leadscrew-memory`), against the same thing done byte by byte.
+//! have (`leadscrew-memory`), against the same thing done byte by byte; and their division.
+
+mod division;
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -53,6 +55,10 @@ fn main() -> ! {
     }
     print(format_args!(
         "{checks} copies and fills, each byte in its place\n"
+    ));
+    let checks = division::checks();
+    print(format_args!(
+        "{checks} divisions, each with its quotient and its rest\n"
     ));
     leadscrew_console::done()
 }
