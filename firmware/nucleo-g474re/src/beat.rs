@@ -1,16 +1,13 @@
 //! The beat of SYNC: TIM6.
 
-use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::pac::TIM6;
-use embassy_stm32::pac::timer::vals::Urs;
-use embassy_stm32::peripherals;
-use embassy_stm32::{Peri, rcc};
+use cortex_m::peripheral::NVIC;
+use stm32_metapac::timer::vals::Urs;
+use stm32_metapac::{TIM6, interrupt};
 
 use crate::clock::CORE_MHZ;
 
 /// Prepares the timer for a period in microseconds, 1 to 65 536, and lets its interrupt through, above everything else.
-pub fn start(_timer: Peri<'static, peripherals::TIM6>, period_us: u32) {
-    rcc::enable_and_reset::<peripherals::TIM6>();
+pub fn start(period_us: u32) {
     TIM6.psc().write_value((CORE_MHZ - 1) as u16);
     set(period_us);
     // Setting it up is no beat.
@@ -20,9 +17,8 @@ pub fn start(_timer: Peri<'static, peripherals::TIM6>, period_us: u32) {
     });
     TIM6.egr().write(|w| w.set_ug(true));
     TIM6.dier().write(|w| w.set_uie(true));
-    interrupt::TIM6_DAC.set_priority(Priority::P0);
-    // SAFETY: what its handler uses is in place.
-    unsafe { interrupt::TIM6_DAC.enable() };
+    // SAFETY: what its handler uses is in place. Its priority is the highest, as a reset leaves it.
+    unsafe { NVIC::unmask(interrupt::TIM6_DAC) };
     TIM6.cr1().modify(|w| w.set_cen(true));
 }
 

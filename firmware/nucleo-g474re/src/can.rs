@@ -7,13 +7,10 @@
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
 //! have missed setpoints must not get new ones out of nowhere. What is told is its state.
 
-use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
-use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
-use embassy_stm32::pac::{FDCAN1, FDCANRAM1};
-use embassy_stm32::peripherals;
-use embassy_stm32::{Peri, interrupt, rcc};
 use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
 use leadscrew_parts::BitTiming;
+use stm32_metapac::can::vals::{Anfe, Anfs, Tfqm};
+use stm32_metapac::{FDCAN1, FDCANRAM1, interrupt};
 
 /// Words of an element of the message memory.
 const ELEMENT: usize = 18;
@@ -21,8 +18,6 @@ const ELEMENT: usize = 18;
 const WORDS: usize = 212;
 /// Places for frames to be sent, and in the first queue of received ones.
 const PLACES: u8 = 3;
-/// Function of the two pins.
-const AF_FDCAN: u8 = 9;
 
 /// Places for frames to be sent, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,24 +38,8 @@ impl Places {
     }
 }
 
-/// Starts the controller. Its pins and its interrupts stay its own.
-pub fn start(
-    _controller: Peri<'static, peripherals::FDCAN1>,
-    rx: Peri<'static, peripherals::PA11>,
-    tx: Peri<'static, peripherals::PA12>,
-    timing: BitTiming,
-) {
-    let mut pin = Flex::new(rx);
-    pin.set_as_af_unchecked(AF_FDCAN, AfType::input(Pull::Up));
-    core::mem::forget(pin);
-    let mut pin = Flex::new(tx);
-    pin.set_as_af_unchecked(
-        AF_FDCAN,
-        AfType::output(OutputType::PushPull, Speed::VeryHigh),
-    );
-    core::mem::forget(pin);
-
-    rcc::enable_and_reset::<peripherals::FDCAN1>();
+/// Starts the controller.
+pub fn start(timing: BitTiming) {
     FDCAN1.cccr().modify(|w| w.set_init(true));
     while !FDCAN1.cccr().read().init() {}
     FDCAN1.cccr().modify(|w| w.set_cce(true));

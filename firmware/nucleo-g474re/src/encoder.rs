@@ -9,18 +9,12 @@
 //! So the time of the last edge needs no wire and no interrupt. The index is filtered longer than the lines: it comes
 //! together with an edge, and the count behind it is the one that belongs to it, whatever the direction.
 
-use embassy_stm32::gpio::{AfType, Flex, Pull};
-use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
-use embassy_stm32::pac::{TIM2, TIM5};
-use embassy_stm32::peripherals;
-use embassy_stm32::{Peri, rcc};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_parts::{EdgeClock, Reading};
+use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
+use stm32_metapac::{TIM2, TIM5};
 
 use crate::clock::CORE_MHZ;
-
-/// Function of the three pins.
-const AF_TIM2: u8 = 1;
 
 /// 16 clocks, 94 ns: shorter pulses of A and B are noise.
 const LINES: FilterValue = FilterValue::FDTS_DIV2_N8;
@@ -36,21 +30,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// Starts both timers. The lines have pull-ups: an encoder with open collectors needs no more.
-    pub fn start(
-        _counter: Peri<'static, peripherals::TIM2>,
-        _clock: Peri<'static, peripherals::TIM5>,
-        a: Peri<'static, peripherals::PA0>,
-        b: Peri<'static, peripherals::PA1>,
-        index: Peri<'static, peripherals::PB10>,
-    ) -> Self {
-        for mut pin in [Flex::new(a), Flex::new(b), Flex::new(index)] {
-            pin.set_as_af_unchecked(AF_TIM2, AfType::input(Pull::Up));
-            core::mem::forget(pin);
-        }
-        rcc::enable_and_reset::<peripherals::TIM2>();
-        rcc::enable_and_reset::<peripherals::TIM5>();
-
+    /// Starts both timers.
+    pub fn start() -> Self {
         TIM2.arr().write_value(u32::MAX);
         TIM2.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
         TIM2.ccmr_input(0).write(|w| {

@@ -6,18 +6,19 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::exception;
-use embassy_stm32::Peri;
-use embassy_stm32::flash::{BANK1_REGION, Blocking, Flash};
-use embassy_stm32::pac::FLASH;
-use embassy_stm32::peripherals;
 use leadscrew_parts::{WordDevice, WordError, WordFlash};
+use stm32_metapac::FLASH;
+use stm32_metapac::flash::regs::Cr;
 
 /// Bytes of a page.
 const PAGE: usize = 2048;
 /// Pages for the regions.
 const PAGES: usize = 16;
-/// Where they begin, behind the first bank.
-const START: u32 = BANK1_REGION.size;
+/// Where they begin: the second bank.
+const START: u32 = 0x0804_0000;
+
+/// What unlocks the registers that write.
+const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
 /// A word has been read whose error correction failed, since somebody last asked.
 static UNREADABLE: AtomicBool = AtomicBool::new(false);
@@ -25,11 +26,53 @@ static UNREADABLE: AtomicBool = AtomicBool::new(false);
 static READING: AtomicBool = AtomicBool::new(false);
 
 /// The pages of the second bank.
-pub struct Bank(Flash<'static, Blocking>);
+pub struct Bank(());
 
 /// Starts it.
-pub fn start(flash: Peri<'static, peripherals::FLASH>) -> WordFlash<Bank> {
-    WordFlash(Bank(Flash::new_blocking(flash)))
+///
+/// # Panics
+/// Where the chip has its flash in one bank: it would stop for every write, and pages are others.
+pub fn start() -> WordFlash<Bank> {
+    if !FLASH.optr().read().dbank() {
+        panic!("one bank");
+    }
+    WordFlash(Bank(()))
+}
+
+/// A change of the flash: unlocked for `work`, which begins it with these bits set. The chip wants its cache of data off
+/// meanwhile, and empty behind it.
+#[inline(never)]
+fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
+    while FLASH.sr().read().bsy() {}
+    if FLASH.cr().read().lock() {
+        for key in KEYS {
+            FLASH.keyr().write_value(key);
+        }
+    }
+    // Written as read: errors of before are cleared.
+    FLASH.sr().modify(|_| {});
+    FLASH.acr().modify(|w| w.set_dcen(false));
+    FLASH.cr().write_value(bits);
+    work();
+    // Nothing is asked before it has begun.
+    cortex_m::asm::dsb();
+    let state = loop {
+        let state = FLASH.sr().read();
+        if !state.bsy() {
+            break state;
+        }
+    };
+    FLASH.acr().modify(|w| w.set_dcrst(true));
+    FLASH.acr().modify(|w| w.set_dcrst(false));
+    FLASH.acr().modify(|w| w.set_dcen(true));
+    FLASH.cr().write(|w| w.set_lock(true));
+    let failed =
+        state.progerr() || state.wrperr() || state.pgaerr() || state.sizerr() || state.pgserr();
+    if failed {
+        Err(WordError::Refused)
+    } else {
+        Ok(())
+    }
 }
 
 impl WordDevice for Bank {
@@ -37,7 +80,7 @@ impl WordDevice for Bank {
     const SIZE: usize = PAGE * PAGES;
 
     fn read(&mut self, offset: u32) -> Result<[u8; 8], WordError> {
-        let at = (embassy_stm32::flash::FLASH_BASE as u32 + START + offset) as *const u32;
+        let at = (START + offset) as *const u32;
         READING.store(true, Ordering::SeqCst);
         // SAFETY: both halves of a word of the second bank; `offset` has been checked.
         let (low, high) = unsafe { (at.read_volatile(), at.add(1).read_volatile()) };
@@ -54,15 +97,31 @@ impl WordDevice for Bank {
     }
 
     fn write(&mut self, offset: u32, word: [u8; 8]) -> Result<(), WordError> {
-        let written = self.0.blocking_write(START + offset, &word);
-        written.map_err(|_| WordError::Refused)
+        let [a, b, c, d, e, f, g, h] = word;
+        let halves = [
+            u32::from_le_bytes([a, b, c, d]),
+            u32::from_le_bytes([e, f, g, h]),
+        ];
+        let mut bits = Cr(0);
+        bits.set_pg(true);
+        change(bits, &|| {
+            let at = (START + offset) as *mut u32;
+            let [low, high] = halves;
+            // SAFETY: both halves of a word of the second bank; `offset` has been checked. They are written in this order.
+            unsafe {
+                at.write_volatile(low);
+                cortex_m::asm::isb();
+                at.add(1).write_volatile(high);
+            }
+        })
     }
 
     fn erase(&mut self, page: u32) -> Result<(), WordError> {
-        let erased = self
-            .0
-            .blocking_erase(START + page, START + page + PAGE as u32);
-        erased.map_err(|_| WordError::Refused)
+        let mut bits = Cr(0);
+        bits.set_per(true);
+        bits.set_bker(true);
+        bits.set_pnb((page / PAGE as u32) as u8);
+        change(bits, &|| FLASH.cr().modify(|w| w.set_strt(true)))
     }
 }
 

@@ -30,15 +30,13 @@ mod log;
 mod owned;
 mod pins;
 mod reset;
+mod watchdog;
 mod wire;
 
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::entry;
-use embassy_stm32::pac::{UID, interrupt};
-use embassy_stm32::peripherals::IWDG;
-use embassy_stm32::wdg::IndependentWatchdog;
 use leadscrew_app::{
     BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide,
     TickerPlace, serial_of,
@@ -52,6 +50,7 @@ use leadscrew_core::spindle::EncoderSample;
 use leadscrew_memory as _;
 use leadscrew_parts::{BitTiming, WordFlash};
 use leadscrew_store::{BUFFER, Store, block_on};
+use stm32_metapac::{UID, interrupt};
 
 use crate::encoder::Encoder;
 use crate::flash::Bank;
@@ -59,8 +58,6 @@ use crate::owned::{Once, Owned};
 use crate::pins::{Contacts, Switches};
 use crate::wire::{BackgroundEnd, TickEnd};
 
-/// The watchdog bites behind this time without being fed.
-const WATCHDOG_US: u32 = 100_000;
 /// For so long a clamp may close.
 const CLAMP_MS: u32 = 1000;
 /// The bit where the parameters name a rate that the crystal does not give: 1 Mbit/s, so that the alarm can be heard.
@@ -91,7 +88,6 @@ struct TickParts {
     encoder: Encoder,
     contacts: Contacts,
     wire: TickEnd,
-    watchdog: IndependentWatchdog<'static, IWDG>,
     /// What was wrong at power-up already.
     trouble: Option<Code>,
 }
@@ -120,7 +116,7 @@ impl TickMachine for TickParts {
     }
 
     fn feed_watchdog(&mut self) {
-        self.watchdog.pet();
+        watchdog::feed();
     }
 }
 
@@ -238,20 +234,16 @@ fn main() -> ! {
 #[inline(never)]
 fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     let (cause, failure) = fault::start(reset::flags());
-    let hardware = clock::start();
+    clock::start();
+    pins::start();
     log::started(cause);
-    let mut storage = Storage(Some(flash::start(hardware.FLASH)));
+    let mut storage = Storage(Some(flash::start()));
     let tap = storage.tap();
     let set = storage.params();
 
     let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
     let timing = BitTiming::of(clock::CRYSTAL_HZ, kbit);
-    can::start(
-        hardware.FDCAN1,
-        hardware.PA11,
-        hardware.PA12,
-        timing.unwrap_or(FALLBACK),
-    );
+    can::start(timing.unwrap_or(FALLBACK));
     let trouble = match (tap, timing) {
         (Err(_), _) => Some(Code::TapJournalDamaged),
         (_, None) => Some(Code::ParametersUnusable),
@@ -274,42 +266,34 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         panic!("a set that has passed its checks works");
     };
     let (tick_end, background_end) = wire::start(kbit);
-    let encoder = Encoder::start(
-        hardware.TIM2,
-        hardware.TIM5,
-        hardware.PA0,
-        hardware.PA1,
-        hardware.PB10,
-    );
+    let encoder = Encoder::start();
     let patience = (CLAMP_MS * 1000).checked_div(tick_us).unwrap_or(0);
-    let contacts = pins::contacts(hardware.PC0, hardware.PC1, hardware.PC2, patience);
-    let mut watchdog = IndependentWatchdog::new(hardware.IWDG, WATCHDOG_US);
-    watchdog.unleash();
+    let contacts = pins::contacts(patience);
+    watchdog::start();
     let tick = Tick {
         side,
         parts: TickParts {
             encoder,
             contacts,
             wire: tick_end,
-            watchdog,
             trouble,
         },
     };
     // SAFETY: the timer is started behind it.
     unsafe { TICK.fill(tick) };
-    beat::start(hardware.TIM6, tick_us);
+    beat::start(tick_us);
     let parts = BackgroundParts {
         wire: background_end,
         storage,
         stored: None,
-        switches: pins::switches(hardware.PC3, hardware.PB0, hardware.PA5),
+        switches: pins::switches(),
     };
     (background, PARTS.put(parts))
 }
 
 /// The number that the maker gave the chip.
 fn unique_number() -> [u32; 3] {
-    [0, 1, 2].map(|word| UID.uid(word).read())
+    [UID.uid(0).read(), UID.uid(1).read(), UID.uid(2).read()]
 }
 
 #[interrupt]

@@ -17,39 +17,126 @@
 //! Not PB8 and PB9 for the bus: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the chip's boot
 //! loader. PA2, PA3, PA13, PA14 and PB3 belong to the debug probe, PF0 and PF1 to the crystal.
 
-use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
-use embassy_stm32::{Peri, peripherals};
+use core::convert::Infallible;
+
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
+use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
+use stm32_metapac::{GPIOA, GPIOB, GPIOC};
 
 /// The board's contacts.
-pub type Contacts = leadscrew_parts::Contacts<Input<'static>, Input<'static>, Input<'static>>;
+pub type Contacts = leadscrew_parts::Contacts<Input, Input, Input>;
 /// What the board switches.
-pub type Switches = leadscrew_parts::Switches<Output<'static>, Output<'static>, Output<'static>>;
+pub type Switches = leadscrew_parts::Switches<Output, Output, Output>;
 
-/// Contacts to ground, with the chip's pull-ups: a broken wire is an open contact. A clamp may take so many periods.
-pub fn contacts(
-    stop: Peri<'static, peripherals::PC0>,
-    hold: Peri<'static, peripherals::PC1>,
-    clamped: Peri<'static, peripherals::PC2>,
-    patience: u32,
-) -> Contacts {
-    let [stop, hold, clamped] = [
-        Input::new(stop, Pull::Up),
-        Input::new(hold, Pull::Up),
-        Input::new(clamped, Pull::Up),
-    ];
-    Contacts::new(stop, hold, clamped, patience)
+/// Numbers of what a pin is connected to within the chip.
+const TIM2: u8 = 1;
+const FDCAN: u8 = 9;
+
+/// Gives every pin its function. What is switched is off. Encoder and contacts have pull-ups: open collectors and contacts to
+/// ground need no more, and a broken wire is an open contact.
+pub fn start() {
+    GPIOA.afr(0).modify(|w| {
+        w.set_afr(0, TIM2);
+        w.set_afr(1, TIM2);
+    });
+    GPIOA.afr(1).modify(|w| {
+        w.set_afr(11 - 8, FDCAN);
+        w.set_afr(12 - 8, FDCAN);
+    });
+    GPIOA.pupdr().modify(|w| {
+        w.set_pupdr(0, Pupdr::PULL_UP);
+        w.set_pupdr(1, Pupdr::PULL_UP);
+        w.set_pupdr(11, Pupdr::PULL_UP);
+    });
+    GPIOA
+        .ospeedr()
+        .modify(|w| w.set_ospeedr(12, Ospeedr::VERY_HIGH_SPEED));
+    GPIOA.moder().modify(|w| {
+        w.set_moder(0, Moder::ALTERNATE);
+        w.set_moder(1, Moder::ALTERNATE);
+        w.set_moder(5, Moder::OUTPUT);
+        w.set_moder(11, Moder::ALTERNATE);
+        w.set_moder(12, Moder::ALTERNATE);
+    });
+
+    GPIOB.afr(1).modify(|w| w.set_afr(10 - 8, TIM2));
+    GPIOB.pupdr().modify(|w| w.set_pupdr(10, Pupdr::PULL_UP));
+    GPIOB.moder().modify(|w| {
+        w.set_moder(0, Moder::OUTPUT);
+        w.set_moder(10, Moder::ALTERNATE);
+    });
+
+    GPIOC.pupdr().modify(|w| {
+        w.set_pupdr(0, Pupdr::PULL_UP);
+        w.set_pupdr(1, Pupdr::PULL_UP);
+        w.set_pupdr(2, Pupdr::PULL_UP);
+    });
+    GPIOC.moder().modify(|w| {
+        w.set_moder(0, Moder::INPUT);
+        w.set_moder(1, Moder::INPUT);
+        w.set_moder(2, Moder::INPUT);
+        w.set_moder(3, Moder::OUTPUT);
+    });
 }
 
-/// All off.
-pub fn switches(
-    clamp: Peri<'static, peripherals::PC3>,
-    spindle: Peri<'static, peripherals::PB0>,
-    light: Peri<'static, peripherals::PA5>,
-) -> Switches {
-    let [clamp, spindle, light] = [
-        Output::new(clamp, Level::Low, Speed::Low),
-        Output::new(spindle, Level::Low, Speed::Low),
-        Output::new(light, Level::Low, Speed::Low),
-    ];
-    Switches::new(clamp, spindle, light)
+/// The contacts. A clamp may take so many periods.
+pub fn contacts(patience: u32) -> Contacts {
+    Contacts::new(Input(1 << 0), Input(1 << 1), Input(1 << 2), patience)
+}
+
+/// What is switched.
+pub fn switches() -> Switches {
+    Switches::new(Output::Clamp, Output::Spindle, Output::Light)
+}
+
+/// A contact: its bit of port C.
+pub struct Input(u8);
+
+impl ErrorType for Input {
+    type Error = Infallible;
+}
+
+impl InputPin for Input {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(GPIOC.idr().read().0 & u32::from(self.0) != 0)
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        self.is_high().map(|high| !high)
+    }
+}
+
+/// Something that is switched.
+pub enum Output {
+    Clamp,
+    Spindle,
+    Light,
+}
+
+impl Output {
+    /// High by its bit of the lower half, low by the one of the upper half.
+    fn set(&self, bits: u32) {
+        let (port, pin) = match self {
+            Self::Clamp => (GPIOC, 3),
+            Self::Spindle => (GPIOB, 0),
+            Self::Light => (GPIOA, 5),
+        };
+        port.bsrr().write(|w| w.0 = bits << pin);
+    }
+}
+
+impl ErrorType for Output {
+    type Error = Infallible;
+}
+
+impl OutputPin for Output {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.set(1 << 16);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.set(1);
+        Ok(())
+    }
 }

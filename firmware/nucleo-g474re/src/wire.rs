@@ -13,11 +13,12 @@
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
-use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
 use leadscrew_core::board::FRAMES;
 use leadscrew_core::bus::{Frame, Service};
 use leadscrew_parts::{Gate, Turn};
+use stm32_metapac::interrupt;
 
 use crate::beat;
 use crate::can::{self, Places};
@@ -28,6 +29,9 @@ const HEARD: usize = 33;
 // While a page of the flash is erased nobody reads them: a transfer that is faster begins its block again.
 const REQUESTS: usize = 33;
 const OTHERS: usize = 9;
+
+/// The second of sixteen priorities, which are the upper bits.
+const BELOW_TICK: u8 = 1 << 4;
 
 /// The frames of one tick on their way, and which tick that is.
 #[derive(Clone, Copy)]
@@ -108,9 +112,12 @@ pub fn start(kbit: u32) -> (TickEnd, BackgroundEnd) {
     };
     // SAFETY: the interrupt is enabled below.
     unsafe { INTERRUPT.fill(bus) };
-    interrupt::FDCAN1_IT0.set_priority(Priority::P1);
-    // SAFETY: what its handler uses is in place.
-    unsafe { interrupt::FDCAN1_IT0.enable() };
+    // SAFETY: what its handler uses is in place, and nobody else sets priorities.
+    unsafe {
+        let mut core = cortex_m::Peripherals::steal();
+        core.NVIC.set_priority(interrupt::FDCAN1_IT0, BELOW_TICK);
+        NVIC::unmask(interrupt::FDCAN1_IT0);
+    }
     let tick = TickEnd {
         heard: heard_out,
         setpoints: setpoints_in,
@@ -268,7 +275,7 @@ pub fn has_lost() -> bool {
     LOST.swap(false, Ordering::Relaxed)
 }
 
-#[embassy_stm32::pac::interrupt]
+#[interrupt]
 fn FDCAN1_IT0() {
     // SAFETY: this is its interrupt.
     unsafe { INTERRUPT.with(Bus::serve) };
