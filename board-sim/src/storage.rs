@@ -31,7 +31,7 @@ pub fn stored_tap(flash: &mut Flash) -> Result<Option<TapRecord>, Alarm> {
 pub fn stored_params(flash: &mut Flash, built_in: &Params) -> Result<PowerUp, Alarm> {
     let lost = Alarm::new(Code::ParametersLost, Span::default());
     let mut store = Store::new(flash).map_err(|_| lost)?;
-    Ok(block_on(store.power_up(built_in)))
+    Ok(block_on(store.power_up(|| built_in.clone())))
 }
 
 /// Carries out what a board asks of its storage.

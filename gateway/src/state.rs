@@ -210,7 +210,7 @@ pub fn stored_set(flash: &Flash) -> Option<Params> {
     let mut store = Store::new(&mut flash).ok()?;
     let up = block_on(async {
         store.recover().await.ok()?;
-        Some(store.power_up(&Params::slant_bed()).await)
+        Some(store.power_up(Params::slant_bed).await)
     })?;
     (up.found != Found::Nothing).then_some(up.params)
 }

@@ -123,8 +123,8 @@ impl<F: NorFlash> Store<F> {
         self.put(request.region, &Wanted(request)).await
     }
 
-    /// Reads what a board starts with; `built_in` is what it has of its own. Behind [`recover`](Self::recover).
-    pub async fn power_up(&mut self, built_in: &Params) -> PowerUp {
+    /// Reads what a board starts with; `built_in` makes what it has of its own. Behind [`recover`](Self::recover).
+    pub async fn power_up(&mut self, built_in: impl Fn() -> Params) -> PowerUp {
         let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
         let mark = self.mark(&mut a).await;
         let a = self.read(Region::ParametersA, &mut a).await;

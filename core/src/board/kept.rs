@@ -278,14 +278,19 @@ impl PowerUp {
         }
     }
 
-    /// The decision over what the regions hold; `built_in` is what the board has of its own.
+    /// The decision over what the regions hold; `built_in` makes what the board has of its own.
     #[must_use]
-    pub fn of(built_in: &Params, mark: Held<'_>, a: Held<'_>, b: Held<'_>) -> Self {
-        let mut params = built_in.clone();
-        let (shelved, found) = decide(mark, [a, b].map(|held| Place::of(held, &mut params)));
-        let source = match found {
-            Found::Newest => shelved.stored,
-            Found::Older => shelved.before,
+    pub fn of(built_in: impl Fn() -> Params, mark: Held<'_>, a: Held<'_>, b: Held<'_>) -> Self {
+        let mut up = Self {
+            params: built_in(),
+            found: Found::Newest,
+            shelved: Shelved::default(),
+        };
+        let places = [Place::of(a, &mut up.params), Place::of(b, &mut up.params)];
+        (up.shelved, up.found) = decide(mark, places);
+        let source = match up.found {
+            Found::Newest => up.shelved.stored,
+            Found::Older => up.shelved.before,
             Found::Nothing | Found::Lost | Found::Foreign { .. } => None,
         };
         let held = match source {
@@ -296,15 +301,11 @@ impl PowerUp {
         let loaded = held
             .ok()
             .flatten()
-            .is_some_and(|bytes| KeptSet::decode(bytes, &mut params).is_ok());
+            .is_some_and(|bytes| KeptSet::decode(bytes, &mut up.params).is_ok());
         if !loaded {
-            params.clone_from(built_in);
+            up.params = built_in();
         }
-        Self {
-            params,
-            found,
-            shelved,
-        }
+        up
     }
 }
 

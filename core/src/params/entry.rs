@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{ENTRIES, RANGES, TEXTS, Unit};
+use super::{ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
 use crate::units::Axis;
 
 /// Which value of a number.
@@ -16,14 +16,11 @@ pub enum Part {
     Axis(Axis),
 }
 
-/// The raw value that stands for "none".
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Extreme {
-    /// The smallest integer.
-    Smallest,
-    /// The largest integer.
-    Largest,
-}
+/// Bits of [`Entry::limits`]: what stands for "none", the largest integer or the smallest; below them the place in the
+/// ranges.
+pub(super) const LARGEST_IS_NONE: u8 = 0x40;
+pub(super) const SMALLEST_IS_NONE: u8 = 0x80;
+const PLACE: u8 = 0x3F;
 
 /// One value of the table: what a machine must know to take or refuse it. There are many, and they lie in the flash of a
 /// board: what is alike is kept once.
@@ -35,15 +32,18 @@ pub struct Entry {
     pub(super) alias: u16,
     /// Which value of the number.
     pub part: Part,
-    /// Unit; raw values are whole numbers of its smallest step.
-    pub unit: Unit,
-    pub(super) none: Option<Extreme>,
-    /// Place in the ranges.
-    pub(super) range: u8,
+    /// Place in the ranges, and whether an extreme stands for "none".
+    pub(super) limits: u8,
     /// Place in the set.
     pub(super) slot: u8,
+}
+
+/// What a value means to a person; a board does not ask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Meaning {
+    pub unit: Unit,
     /// Place in the texts.
-    pub(super) text: u8,
+    pub text: u8,
 }
 
 /// What a person reads about a value.
@@ -111,16 +111,16 @@ impl Entry {
     /// Raw value that stands for "none", where that is allowed.
     #[must_use]
     pub const fn none(&self) -> Option<i64> {
-        match self.none {
-            None => None,
-            Some(Extreme::Smallest) => Some(i64::MIN),
-            Some(Extreme::Largest) => Some(i64::MAX),
+        match self.limits & !PLACE {
+            LARGEST_IS_NONE => Some(i64::MAX),
+            SMALLEST_IS_NONE => Some(i64::MIN),
+            _ => None,
         }
     }
 
     /// The key of the table is made of it before the program runs: hence step by step.
     const fn range(&self) -> (i64, i64) {
-        let (mut ranges, mut place): (&[_], _) = (&RANGES, self.range);
+        let (mut ranges, mut place): (&[_], _) = (&RANGES, self.limits & PLACE);
         while let [first, rest @ ..] = ranges {
             if place == 0 {
                 return *first;
@@ -131,10 +131,24 @@ impl Entry {
         (0, -1)
     }
 
+    /// Place in the table: no two have all the same.
+    fn meaning(&self) -> Option<&'static Meaning> {
+        let place = ENTRIES.iter().position(|entry| entry == self)?;
+        MEANINGS.get(place)
+    }
+
+    /// Unit; raw values are whole numbers of its smallest step.
+    #[must_use]
+    pub fn unit(&self) -> Unit {
+        self.meaning().map_or(Unit::Number, |meaning| meaning.unit)
+    }
+
     /// Name, meaning and source.
     #[must_use]
     pub fn text(&self) -> &'static Text {
-        TEXTS.get(usize::from(self.text)).unwrap_or(&NO_TEXT)
+        self.meaning()
+            .and_then(|meaning| TEXTS.get(usize::from(meaning.text)))
+            .unwrap_or(&NO_TEXT)
     }
 
     /// The value of a number or alias, as a bus asks for it.

@@ -16,8 +16,8 @@ mod tests;
 pub mod unit;
 
 pub use check::PROFILE_TICKS;
-use entry::Extreme;
 pub use entry::{Entry, FindError, Part, Text};
+use entry::{LARGEST_IS_NONE, Meaning, SMALLEST_IS_NONE};
 pub use set::SetError;
 pub use unit::{Unit, ValueError, Writing};
 
@@ -33,8 +33,30 @@ impl Params {
     /// The built-in machine: a small slant-bed lathe (`params/machines/slant-bed.toml`).
     #[must_use]
     pub const fn slant_bed() -> Self {
-        Self { raw: BUILT_IN }
+        let mut raw = [0; SLOTS];
+        let (mut places, mut values): (&mut [i64], &[i32]) = (&mut raw, &BUILT_IN);
+        while let ([place, more @ ..], [value, rest @ ..]) = (places, values) {
+            *place = lengthen(*value);
+            (places, values) = (more, rest);
+        }
+        Self { raw }
     }
+}
+
+/// A value of the built-in set as it lies in flash, where eight bytes for each would be most of it: its digits, and in the
+/// lowest four bits how many zeros are behind them. An extreme stands for an extreme.
+const fn lengthen(value: i32) -> i64 {
+    match value {
+        i32::MIN => return i64::MIN,
+        i32::MAX => return i64::MAX,
+        _ => {}
+    }
+    let (mut digits, mut zeros) = ((value >> 4) as i64, value & 15);
+    while zeros > 0 {
+        digits = digits.wrapping_mul(10);
+        zeros = zeros.wrapping_sub(1);
+    }
+    digits
 }
 
 impl Default for Params {
@@ -58,8 +80,8 @@ pub const TABLE_KEY: u32 = table_key();
 
 const fn table_key() -> u32 {
     let mut key = 0xCBF2_9CE4_8422_2325;
-    let mut entries: &[Entry] = &ENTRIES;
-    while let [entry, rest @ ..] = entries {
+    let (mut entries, mut meanings): (&[Entry], &[Meaning]) = (&ENTRIES, &MEANINGS);
+    while let ([entry, rest @ ..], [meaning, more @ ..]) = (entries, meanings) {
         let part = match entry.part {
             Part::Whole => 0,
             Part::Bit(bit) => 0x100 | bit as i64,
@@ -67,10 +89,10 @@ const fn table_key() -> u32 {
         };
         key = hash(key, entry.no as i64);
         key = hash(key, part);
-        key = hash(key, entry.unit as i64);
+        key = hash(key, meaning.unit as i64);
         key = hash(key, entry.min());
         key = hash(key, entry.max());
-        entries = rest;
+        (entries, meanings) = (rest, more);
     }
     (key ^ (key >> 32)) as u32
 }

@@ -42,7 +42,7 @@ impl Entry {
         {
             return Ok(none);
         }
-        let raw = match self.unit.parse(text, writing) {
+        let raw = match self.unit().parse(text, writing) {
             Ok(raw) => raw,
             Err(ValueError::TooLarge) => return Err(SetError::OutOfRange),
             Err(e) => return Err(SetError::Value(e)),

@@ -64,7 +64,7 @@ const RANGES: &[(&str, &str, &str)] = &[
 
 fn value(params: &Params, key: &str) -> std::string::String {
     let entry = Entry::find_text(key).unwrap_or_else(|e| panic!("{key}: {e:?}"));
-    entry.unit.text(params.get(entry)).to_string()
+    entry.unit().text(params.get(entry)).to_string()
 }
 
 #[test]
@@ -91,8 +91,8 @@ fn every_number_of_the_sheets_is_there_with_its_default_and_nothing_else() {
     }
     for &(key, min, max) in RANGES {
         let entry = Entry::find_text(key).unwrap();
-        assert_eq!(entry.unit.number(entry.min()).to_string(), min, "{key}");
-        assert_eq!(entry.unit.number(entry.max()).to_string(), max, "{key}");
+        assert_eq!(entry.unit().number(entry.min()).to_string(), min, "{key}");
+        assert_eq!(entry.unit().number(entry.max()).to_string(), max, "{key}");
     }
 }
 
@@ -213,13 +213,13 @@ fn every_value_goes_through_text_and_back_and_stays_in_its_range() {
             if entry.none() == Some(raw) {
                 continue;
             }
-            let text = entry.unit.text(raw).to_string();
+            let text = entry.unit().text(raw).to_string();
             assert_eq!(
                 entry.parse(&text, Writing::UnitRequired),
                 Ok(raw),
                 "{entry} {text}"
             );
-            let bare = entry.unit.number(raw).to_string();
+            let bare = entry.unit().number(raw).to_string();
             assert_eq!(
                 entry.parse(&bare, Writing::UnitOptional),
                 Ok(raw),
@@ -230,7 +230,7 @@ fn every_value_goes_through_text_and_back_and_stays_in_its_range() {
             let before = p.clone();
             assert_eq!(p.set(entry, raw), Err(SetError::OutOfRange), "{entry}");
             assert_eq!(p, before);
-            let text = entry.unit.text(raw).to_string();
+            let text = entry.unit().text(raw).to_string();
             assert_eq!(
                 entry.parse(&text, Writing::UnitRequired),
                 Err(SetError::OutOfRange)

@@ -68,9 +68,6 @@ const FALLBACK: BitTiming = BitTiming {
     jump: 3,
 };
 
-/// In the flash: no copy of it is needed.
-static BUILT_IN: Params = Params::slant_bed();
-
 static QUEUES: Once<Queues> = Once::new(Queues::new());
 static TICKER: Once<TickerPlace> = Once::new(TickerPlace::uninit());
 static BACKGROUND: Once<BackgroundPlace> = Once::new(BackgroundPlace::uninit());
@@ -158,9 +155,9 @@ impl Storage {
     /// The parameters to start with. Behind [`tap`](Self::tap).
     #[inline(never)]
     fn params(&mut self) -> board::PowerUp {
-        self.with(|store| Ok(block_on(store.power_up(&BUILT_IN))))
+        self.with(|store| Ok(block_on(store.power_up(Params::slant_bed))))
             .unwrap_or_else(|error| {
-                board::PowerUp::of(&BUILT_IN, Err(error), Err(error), Err(error))
+                board::PowerUp::of(Params::slant_bed, Err(error), Err(error), Err(error))
             })
     }
 }

@@ -120,11 +120,11 @@ impl Change {
             if entry.none() == Some(raw) {
                 json.null(key);
             } else {
-                json.number(key, entry.unit.number(raw));
+                json.number(key, entry.unit().number(raw));
             }
         }
-        json.text("unit", entry.unit.symbol());
-        if entry.unit.is_diameter() {
+        json.text("unit", entry.unit().symbol());
+        if entry.unit().is_diameter() {
             json.flag("diameter", true);
         }
     }

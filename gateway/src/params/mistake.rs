@@ -41,7 +41,10 @@ pub fn not_taken(entry: &Entry, text: &str, writing: Writing, error: SetError) -
     };
     match error {
         SetError::OutOfRange => {
-            let (min, max) = (entry.unit.text(entry.min()), entry.unit.text(entry.max()));
+            let (min, max) = (
+                entry.unit().text(entry.min()),
+                entry.unit().text(entry.max()),
+            );
             (
                 Code::ParamOutOfRange,
                 figures(&[min.to_string(), max.to_string()]),
@@ -49,16 +52,16 @@ pub fn not_taken(entry: &Entry, text: &str, writing: Writing, error: SetError) -
         }
         SetError::Value(error) => match error {
             ValueError::NoNumber => (Code::ParamNotANumber, figures(&[example(entry, writing)])),
-            ValueError::WrongUnit if entry.unit.is_bare() => {
+            ValueError::WrongUnit if entry.unit().is_bare() => {
                 (Code::ParamNoUnit, figures(&[example(entry, writing)]))
             }
             ValueError::WrongUnit => (Code::ParamWrongUnit, figures(&[spellings(entry)])),
             ValueError::UnitMissing => {
-                let with_unit = format!("`\"{} {}\"`", shown(text), entry.unit.symbol());
+                let with_unit = format!("`\"{} {}\"`", shown(text), entry.unit().symbol());
                 (Code::ParamUnitMissing, figures(&[with_unit]))
             }
             ValueError::TooFine => {
-                let step = entry.unit.text(1).to_string();
+                let step = entry.unit().text(1).to_string();
                 (Code::ParamTooFine, figures(&[step]))
             }
             // `Entry::parse` gives this one as out of range.
@@ -72,10 +75,10 @@ pub fn example(entry: &Entry, writing: Writing) -> String {
     let raw = Params::slant_bed().get(entry);
     match writing {
         _ if entry.none() == Some(raw) => "`\"none\"`".into(),
-        Writing::UnitRequired if !entry.unit.is_bare() => {
-            format!("`\"{}\"`", entry.unit.text(raw))
+        Writing::UnitRequired if !entry.unit().is_bare() => {
+            format!("`\"{}\"`", entry.unit().text(raw))
         }
-        _ => format!("`{}`", entry.unit.number(raw)),
+        _ => format!("`{}`", entry.unit().number(raw)),
     }
 }
 
@@ -89,7 +92,7 @@ fn parts(first: &Entry) -> String {
 }
 
 fn spellings(entry: &Entry) -> String {
-    let names = entry.unit.spellings().iter().map(|(name, _)| *name);
+    let names = entry.unit().spellings().iter().map(|(name, _)| *name);
     // The Greek µ looks like the micro sign; one of them is enough to read.
     let names = names.filter(|name| !name.is_empty() && !name.contains('\u{3bc}'));
     names.collect::<Vec<_>>().join(", ")

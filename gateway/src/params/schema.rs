@@ -240,8 +240,10 @@ fn step(text: &str, steps: &[Step], notes: &mut Vec<Note>) -> Option<String> {
                 for leaf in named(key) {
                     let words = match Entry::find_text(&leaf.key()) {
                         Ok(entry) => {
-                            let (low, high) =
-                                (entry.unit.number(entry.min()), entry.unit.text(entry.max()));
+                            let (low, high) = (
+                                entry.unit().number(entry.min()),
+                                entry.unit().text(entry.max()),
+                            );
                             both!(
                                 "goes from {low} to {high} now: look at its value",
                                 "范围现为 {low} 至 {high}：请检查它的值"

@@ -46,7 +46,7 @@ fn text_of(entry: &Entry, raw: i64) -> String {
     if entry.none() == Some(raw) {
         "none".into()
     } else {
-        entry.unit.text(raw).to_string()
+        entry.unit().text(raw).to_string()
     }
 }
 
@@ -91,7 +91,7 @@ fn every_value_can_be_written_by_number_alias_and_name_in_files_and_options() {
                 let raw = pick(entry);
                 let (key, text) = (key(entry), text_of(entry, raw));
                 loader_file.push_str(&format!("\"{key}\" = \"{text}\"\n"));
-                options.push(format!("{key}={}", entry.unit.number(raw)));
+                options.push(format!("{key}={}", entry.unit().number(raw)));
             }
             let by_file = load_texts(&[&loader_file], &[]);
             assert_eq!(by_file.params, expected);

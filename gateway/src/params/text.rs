@@ -18,15 +18,15 @@ pub fn value_text(entry: &Entry, raw: i64) -> String {
     if entry.none() == Some(raw) {
         "none".into()
     } else {
-        entry.unit.text(raw).to_string()
+        entry.unit().text(raw).to_string()
     }
 }
 
 /// The same as a machine file takes it: a plain number, or a text with the unit.
 #[must_use]
 pub fn literal(entry: &Entry, raw: i64) -> String {
-    if entry.none() != Some(raw) && entry.unit.is_bare() {
-        entry.unit.number(raw).to_string()
+    if entry.none() != Some(raw) && entry.unit().is_bare() {
+        entry.unit().number(raw).to_string()
     } else {
         format!("\"{}\"", value_text(entry, raw))
     }

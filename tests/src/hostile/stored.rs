@@ -80,7 +80,7 @@ fn power_up(changes: &[u8]) {
     }
     let [a, b] = &stored;
     let built_in = Params::slant_bed();
-    let up = PowerUp::of(&built_in, Ok(Some(&mark)), Ok(Some(a)), Ok(Some(b)));
+    let up = PowerUp::of(Params::slant_bed, Ok(Some(&mark)), Ok(Some(a)), Ok(Some(b)));
     let is = |place: usize| up.params == sets[place].1;
     match up.found {
         // Only where the mark is damaged as well can the older one seem to be the newest.
@@ -113,7 +113,7 @@ fn pages(bytes: &[u8]) {
     if block_on(store.recover()).is_err() {
         return;
     }
-    let up = block_on(store.power_up(&Params::slant_bed()));
+    let up = block_on(store.power_up(Params::slant_bed));
     assert!(up.params.validate().is_ok());
     let _ = block_on(store.read(Region::TapJournal, &mut buffer));
     if block_on(store.write(Region::TapJournal, b"written later")).is_ok() {

@@ -61,7 +61,7 @@ pub fn power_up(flash: &mut Flash) -> PowerUp {
     flash.power(true);
     let mut store = Store::new(flash).expect("a store");
     block_on(store.recover()).expect("recovered");
-    block_on(store.power_up(&Params::slant_bed()))
+    block_on(store.power_up(Params::slant_bed))
 }
 
 /// The number of the set that is in force; `None`: nothing was ever stored.

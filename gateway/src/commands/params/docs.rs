@@ -177,8 +177,8 @@ fn row(out: &mut String, entry: &Entry, lang: Lang) {
     let alias = entry.alias().map(|a| a.to_string()).unwrap_or_default();
     let unit = unit_text(entry, lang);
     let (min, max) = (
-        entry.unit.number(entry.min()),
-        entry.unit.number(entry.max()),
+        entry.unit().number(entry.min()),
+        entry.unit().number(entry.max()),
     );
     let none = match (entry.none(), lang) {
         (None, _) => "",

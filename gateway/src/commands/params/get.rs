@@ -45,7 +45,10 @@ pub fn run(global: &Global, keys: &[String]) -> Outcome {
 fn describe(out: &mut String, entry: &Entry, loaded: &Loaded, lang: Lang) {
     let value = value_text(entry, loaded.params.get(entry));
     let built_in = value_text(entry, Params::slant_bed().get(entry));
-    let (min, max) = (entry.unit.number(entry.min()), entry.unit.text(entry.max()));
+    let (min, max) = (
+        entry.unit().number(entry.min()),
+        entry.unit().text(entry.max()),
+    );
     let alias = entry.alias().map(|a| format!("/{a}")).unwrap_or_default();
     let source = loaded.source(entry);
     // Writing into a string cannot fail.

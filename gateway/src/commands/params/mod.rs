@@ -62,10 +62,10 @@ fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
 
 /// The unit as a table shows it: a diameter says that it is one.
 fn unit_text(entry: &Entry, lang: Lang) -> String {
-    match (entry.unit.is_diameter(), lang) {
-        (false, _) => entry.unit.symbol().into(),
-        (true, Lang::En) => format!("{} (diameter)", entry.unit.symbol()),
-        (true, Lang::Zh) => format!("{}（直径值）", entry.unit.symbol()),
+    match (entry.unit().is_diameter(), lang) {
+        (false, _) => entry.unit().symbol().into(),
+        (true, Lang::En) => format!("{} (diameter)", entry.unit().symbol()),
+        (true, Lang::Zh) => format!("{}（直径值）", entry.unit().symbol()),
     }
 }
 
@@ -75,7 +75,7 @@ fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
         if entry.none() == Some(raw) {
             json.null(key);
         } else {
-            json.number(key, entry.unit.number(raw));
+            json.number(key, entry.unit().number(raw));
         }
     };
     json.object(|o| {
@@ -93,8 +93,8 @@ fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
         }
         o.text("name", entry.text().name);
         number(o, "value", loaded.params.get(entry));
-        o.text("unit", entry.unit.symbol());
-        if entry.unit.is_diameter() {
+        o.text("unit", entry.unit().symbol());
+        if entry.unit().is_diameter() {
             o.flag("diameter", true);
         }
         number(o, "min", entry.min());

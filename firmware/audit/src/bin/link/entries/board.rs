@@ -34,7 +34,7 @@ fn kept(params: &Params) -> PowerUp {
     let bytes: [u8; Region::LONGEST] = any();
     let marked = held(&bytes);
     sink(PowerUp::given(params));
-    PowerUp::of(params, marked, held(&bytes), held(&bytes))
+    PowerUp::of(|| params.clone(), marked, held(&bytes), held(&bytes))
 }
 
 #[inline(never)]
