@@ -3,6 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::writer::{Put, Writer};
 use super::{LinkError, VERSION, Version};
 use crate::program::{Position, TapSpindle};
 use crate::units::{Length, Turns};
@@ -79,15 +80,14 @@ impl Certificate {
     /// The most bytes a certificate takes.
     pub const BYTES: usize = 96;
 
-    /// Writes it into `bytes`; the part used comes back.
+    /// Puts it at the front of `bytes`; how many it takes comes back.
     ///
     /// # Errors
     /// [`LinkError::TooLong`]; not with [`Certificate::BYTES`] of room.
-    pub fn encode<'a>(&self, bytes: &'a mut [u8]) -> Result<&'a [u8], LinkError> {
-        match postcard::to_slice(self, bytes) {
-            Ok(used) => Ok(used),
-            Err(_) => Err(LinkError::TooLong),
-        }
+    pub fn encode(&self, bytes: &mut [u8]) -> Result<usize, LinkError> {
+        let mut writer = Writer::new(bytes);
+        self.put(&mut writer);
+        writer.finish()
     }
 
     /// Reads one. Of one of another version of the link the version comes back.
@@ -230,6 +230,6 @@ mod tests {
         };
         let mut bytes = [0; Certificate::BYTES];
         let used = certificate.encode(&mut bytes).unwrap();
-        assert_eq!(Certificate::decode(used), Ok(Ok(certificate)));
+        assert_eq!(Certificate::decode(&bytes[..used]), Ok(Ok(certificate)));
     }
 }

@@ -7,6 +7,7 @@
 //! Places and values are `postcard`. Whoever knows the new set has the old one from this: he need not read it as a whole.
 //! Of a password it is told only whether there is one, as in every image.
 
+use super::writer::{Put, Writer};
 use super::{LinkError, identity};
 use crate::params::{Params, SLOTS};
 
@@ -22,20 +23,17 @@ pub fn encode_changes(
     after: &Params,
     into: &mut [u8],
 ) -> Result<usize, LinkError> {
-    let head = into.first_chunk_mut::<HEAD>().ok_or(LinkError::TooLong)?;
-    *head = identity(before).to_le_bytes();
-    let mut length = HEAD;
+    let mut writer = Writer::new(into);
+    writer.bytes(&identity(before).to_le_bytes());
     for place in 0..SLOTS {
         let was = before.told_slot(place).unwrap_or(0);
         if after.told_slot(place) == Some(was) {
             continue;
         }
-        let room = into.get_mut(length..).unwrap_or_default();
-        let used = postcard::to_slice(&(place as u16, was), room);
-        let used = used.map_err(|_| LinkError::TooLong)?.len();
-        length = length.saturating_add(used);
+        (place as u16).put(&mut writer);
+        was.put(&mut writer);
     }
-    Ok(length)
+    writer.finish()
 }
 
 /// The set before, of which `bytes` tell how it differs from `after`.

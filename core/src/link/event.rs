@@ -4,6 +4,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::LinkError;
+use super::writer::{Put, Writer};
 use crate::alarm::Alarm;
 use crate::board::Event;
 
@@ -23,10 +24,21 @@ pub struct Logged {
 /// # Errors
 /// [`LinkError::TooLong`] where it does not fit.
 pub fn encode_event(entry: &Logged, bytes: &mut [u8]) -> Result<usize, LinkError> {
-    match postcard::to_slice(entry, bytes) {
-        Ok(used) => Ok(used.len()),
-        Err(_) => Err(LinkError::TooLong),
-    }
+    encode_logged(entry.number, entry.tick, &entry.event, bytes)
+}
+
+/// The same of an event that is not part of an entry yet.
+pub(crate) fn encode_logged(
+    number: u32,
+    tick: u64,
+    event: &Event,
+    bytes: &mut [u8],
+) -> Result<usize, LinkError> {
+    let mut writer = Writer::new(bytes);
+    number.put(&mut writer);
+    tick.put(&mut writer);
+    event.put(&mut writer);
+    writer.finish()
 }
 
 /// Puts an alarm, or that there is none, at the front of `bytes`; how many it takes comes back. 5010h:08.
@@ -34,10 +46,12 @@ pub fn encode_event(entry: &Logged, bytes: &mut [u8]) -> Result<usize, LinkError
 /// # Errors
 /// [`LinkError::TooLong`] where it does not fit.
 pub fn encode_alarm(alarm: Option<&Alarm>, bytes: &mut [u8]) -> Result<usize, LinkError> {
-    match postcard::to_slice(&alarm, bytes) {
-        Ok(used) => Ok(used.len()),
-        Err(_) => Err(LinkError::TooLong),
+    let mut writer = Writer::new(bytes);
+    writer.byte(alarm.is_some().into());
+    if let Some(alarm) = alarm {
+        alarm.put(&mut writer);
     }
+    writer.finish()
 }
 
 /// The alarm of [`encode_alarm`].

@@ -21,13 +21,16 @@ mod event;
 mod image;
 mod reader;
 mod status;
+mod told;
 mod version;
+mod writer;
 
 pub use batch::{
     BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
 };
 pub use certificate::{Certificate, SetpointHash};
 pub use change::{decode_changes, encode_changes};
+pub(crate) use event::encode_logged;
 pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;

@@ -3,6 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
+use super::writer::{Put, Writer};
 use super::{LinkError, Version};
 use crate::alarm::Alarm;
 use crate::bus::BoardState;
@@ -66,15 +67,14 @@ impl Status {
     /// The most bytes a status takes.
     pub const BYTES: usize = 256;
 
-    /// Writes the status into `bytes`; the part used comes back.
+    /// Puts the status at the front of `bytes`; how many it takes comes back.
     ///
     /// # Errors
     /// [`LinkError::TooLong`]; not with [`Status::BYTES`] of room.
-    pub fn encode<'a>(&self, bytes: &'a mut [u8]) -> Result<&'a [u8], LinkError> {
-        match postcard::to_slice(self, bytes) {
-            Ok(used) => Ok(used),
-            Err(_) => Err(LinkError::TooLong),
-        }
+    pub fn encode(&self, bytes: &mut [u8]) -> Result<usize, LinkError> {
+        let mut writer = Writer::new(bytes);
+        self.put(&mut writer);
+        writer.finish()
     }
 
     /// Reads a status. One of another version of the link is not looked at further: its version comes back.

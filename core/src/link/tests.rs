@@ -468,8 +468,8 @@ fn events_and_status_come_back_equal() {
     };
     let mut bytes = [0; Status::BYTES];
     let used = status.encode(&mut bytes).unwrap();
-    assert_eq!(Status::decode(used), Ok(Ok(status)));
-    let mut other = Vec::from(used);
+    assert_eq!(Status::decode(&bytes[..used]), Ok(Ok(status)));
+    let mut other = Vec::from(&bytes[..used]);
     other[1] ^= 1;
     let version = Version {
         key: VERSION.key ^ 1,

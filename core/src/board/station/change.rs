@@ -196,7 +196,7 @@ impl Shelf {
 
     pub(super) fn password(&mut self, password: u32, params: &Params) -> Result<(), Abort> {
         self.door.knock(password, params).or_else(|alarm| {
-            self.log.push(self.tick, Event::Warning(alarm));
+            self.log.push(self.tick, &Event::Warning(alarm));
             self.refuse_with(&alarm, Abort::LocalControl)
         })
     }
@@ -221,7 +221,7 @@ impl Shelf {
     fn go_on(&mut self, progress: Progress) {
         self.staged |= progress.in_force;
         if let Some(warning) = progress.warning {
-            self.log.push(self.tick, Event::Warning(warning));
+            self.log.push(self.tick, &Event::Warning(warning));
         }
     }
 }

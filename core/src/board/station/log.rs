@@ -2,7 +2,7 @@
 
 use super::ring::Ring;
 use crate::board::Event;
-use crate::link::{Logged, encode_event};
+use crate::link::encode_logged;
 
 /// Bytes of events kept.
 const LOG_BYTES: usize = 1024;
@@ -37,15 +37,10 @@ impl Log {
     }
 
     /// Takes an event; the oldest ones go where there is no room.
-    pub fn push(&mut self, tick: u64, event: Event) {
+    pub fn push(&mut self, tick: u64, event: &Event) {
         self.newest = self.newest.saturating_add(1);
-        let entry = Logged {
-            number: self.newest,
-            tick,
-            event,
-        };
         let mut bytes = [0; ENTRY_BYTES];
-        let Ok(length) = encode_event(&entry, &mut bytes) else {
+        let Ok(length) = encode_logged(self.newest, tick, event, &mut bytes) else {
             return;
         };
         while self.ring.free() <= length {
@@ -98,7 +93,7 @@ mod tests {
 
     use super::*;
     use crate::alarm::{Alarm, Arg, Code, Span};
-    use crate::link::EventReader;
+    use crate::link::{EventReader, Logged};
     use crate::units::{Lead, Length};
 
     fn read(log: &Log, from: u32, room: usize) -> Vec<Logged> {
@@ -116,7 +111,7 @@ mod tests {
         for number in 1..=500 {
             log.push(
                 u64::from(number) * 3,
-                Event::Started {
+                &Event::Started {
                     number,
                     line: number,
                 },
@@ -152,11 +147,11 @@ mod tests {
             .with([Arg::Lead(far); 4]);
         let mut log = Log::new();
         for _ in 0..100 {
-            log.push(u64::MAX, Event::Alarm(alarm));
+            log.push(u64::MAX, &Event::Alarm(alarm));
         }
         assert_eq!(read(&log, 100, 600)[0].event, Event::Alarm(alarm));
         let small = Arg::Length(Length::ZERO);
-        log.push(0, Event::Alarm(alarm.with([small; 4])));
+        log.push(0, &Event::Alarm(alarm.with([small; 4])));
         assert_eq!(log.newest(), 101);
         assert_eq!(read(&log, 101, 600).len(), 1);
     }

@@ -292,7 +292,7 @@ impl Station {
 
     /// Takes what has happened in the tick: every event, in order.
     pub fn note(&mut self, event: &Event) {
-        self.shelf.log.push(self.shelf.tick, *event);
+        self.shelf.log.push(self.shelf.tick, event);
         if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
             self.shelf.inbox.close();
         }
@@ -480,7 +480,7 @@ impl Station {
             self.shelf.command(Command::Hold);
         }
         let alarm = Alarm::new(Code::GatewayLost, Span::default());
-        self.shelf.log.push(self.shelf.tick, Event::Warning(alarm));
+        self.shelf.log.push(self.shelf.tick, &Event::Warning(alarm));
         self.shelf.emcy.raise(Emcy {
             code: HEARTBEAT_ERROR,
             ..Emcy::of_alarm(alarm.number())

@@ -61,10 +61,9 @@ impl Objects for Served<'_> {
             }
             (Kind::Domain, 0x5001) => {
                 let status = shelf.record(self.params);
-                let bytes = status
+                status
                     .encode(&mut shelf.buffer)
-                    .map_err(|_| Abort::Internal)?;
-                bytes.len()
+                    .map_err(|_| Abort::Internal)?
             }
             (Kind::Domain, 0x5030) => {
                 let record = shelf.snapshot.tap.ok_or(Abort::NoData)?.encode();
@@ -75,10 +74,9 @@ impl Objects for Served<'_> {
             }
             (Kind::Domain, 0x5041) => {
                 let certificate = shelf.ledger.certificate(shelf.late);
-                let bytes = certificate
+                certificate
                     .encode(&mut shelf.buffer)
-                    .map_err(|_| Abort::Internal)?;
-                bytes.len()
+                    .map_err(|_| Abort::Internal)?
             }
             (Kind::Domain, 0x5040) => shelf.log.read(shelf.log_from, &mut shelf.buffer),
             (Kind::Domain, _) => return Err(Abort::NoData),

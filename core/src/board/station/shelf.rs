@@ -175,7 +175,7 @@ impl Shelf {
                     self.ledger = Ledger::new(self.inbox.program());
                 } else {
                     let warning = Alarm::new(Code::NothingToRun, Span::default());
-                    self.log.push(self.tick, Event::Warning(warning));
+                    self.log.push(self.tick, &Event::Warning(warning));
                 }
                 return waited;
             }
