@@ -5,7 +5,7 @@
 //! exact rest ([`Told`]), which is the same: nothing is lost from tick to tick, and after any path the drive stands within
 //! half an increment of the exact position.
 
-use crate::units::{div_wide, signed_product};
+use crate::units::{narrow_div, signed_product};
 use core::num::NonZeroU32;
 
 /// A position in drive increments, as objects 607Ah and 6064h hold it.
@@ -75,14 +75,12 @@ impl Scale {
             return None;
         }
         // numerator · 2⁵⁹ is below 2⁹¹, and the quotient below 16 · 2⁵⁹.
-        match div_wide((numerator as u128) << Self::PLACES, denominator as u128) {
-            Some(reciprocal) => Some(Self {
-                numerator: n,
-                denominator: d,
-                reciprocal: reciprocal as i64,
-            }),
-            None => None,
-        }
+        let reciprocal = narrow_div((numerator as u128) << Self::PLACES, denominator as u64);
+        Some(Self {
+            numerator: n,
+            denominator: d,
+            reciprocal: reciprocal as i64,
+        })
     }
 
     /// The increment value nearest to a position in nanometres (µ°), halves upwards; `None` where it is beyond 32 bits, or
@@ -214,9 +212,11 @@ impl Scale {
             return 0;
         }
         let scaled = (distance as u128).wrapping_mul(self.numerator.get() as u128);
-        match div_wide(scaled, self.denominator.get() as u128) {
-            Some(increments) if increments <= u32::MAX as u128 => increments as u32,
-            _ => u32::MAX,
+        let increments = narrow_div(scaled, self.denominator.get() as u64);
+        if increments <= u32::MAX as u64 {
+            increments as u32
+        } else {
+            u32::MAX
         }
     }
 }

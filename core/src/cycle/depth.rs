@@ -177,10 +177,9 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
     }
     // 4·n·first² < 2² · 2¹⁴ · 2⁸⁴; the root of a floor is the floor of the root.
     let square = product(first, first);
-    let value = mul_wide(square, u128::from(n) << 2);
-    let wide = u128::from(increment.get());
-    let rounded = div_wide(value, wide).and_then(|once| div_wide(once, wide));
-    let twice = root_wide(rounded.unwrap_or(0));
+    let value = mul_wide(square, u64::from(n) << 2);
+    let once = div_wide(value, increment.get());
+    let twice = root_wide(div_wide(once, increment.get()));
     (twice.wrapping_add(1) >> 1).wrapping_mul(increment.get())
 }
 
@@ -200,7 +199,7 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     let right = product(first, min_step) << 1;
     // Wanted: the smallest c = n − 1 with left² < c · right². The ratio with 16 fractional bits, rounded down, puts
     // (left/right)² into a gap of less than 1.004 above `whole`: the answer is one of two, and long products tell which.
-    let ratio = div_wide(left << 16, right).unwrap_or(0);
+    let ratio = div_wide(div_wide(left << 16, first), min_step << 1);
     if ratio >= 100 << 16 {
         // √(n − 1) stays below 100.
         return u32::MAX;
@@ -229,7 +228,7 @@ const fn long_product(a: u128, b: u128) -> (u128, u128) {
 /// A 256-bit value times a small number.
 const fn times(value: (u128, u128), n: u32) -> (u128, u128) {
     let (carry, low) = long_product(value.1, n as u128);
-    (mul_wide(value.0, n as u128).wrapping_add(carry), low)
+    (mul_wide(value.0, n as u64).wrapping_add(carry), low)
 }
 
 /// A length's magnitude as a number of nanometres.

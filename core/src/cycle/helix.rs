@@ -4,7 +4,7 @@
 
 use core::num::NonZero;
 
-use crate::units::{Lead, div_wide, mul_wide, product};
+use crate::units::{Lead, div_wide, mul_wide, narrow_div, product};
 
 /// Millionths of a degree in a turn.
 pub(crate) const TURN_UDEG: u32 = 360_000_000;
@@ -27,13 +27,12 @@ impl Helix {
         let (nm, turns) = lead.parts();
         let nm = NonZero::new(nm).unwrap_or(NonZero::<u64>::MIN);
         let per_nm = (nm.get() < 1 << 34).then(|| {
-            let wide = u128::from(nm.get());
             let part = u128::from(turns % nm) << 64;
-            let high = div_wide(part, wide).unwrap_or(0);
-            let rest = part.wrapping_sub(mul_wide(high, wide));
+            let high = narrow_div(part, nm.get());
+            let rest = part.wrapping_sub(product(high, nm.get()));
             // rest < nm < 2³⁴, so one more does not carry.
-            let low = div_wide(rest << 64, wide).unwrap_or(0).wrapping_add(1);
-            (high as u64, low as u64)
+            let low = narrow_div(rest << 64, nm.get()).wrapping_add(1);
+            (high, low)
         });
         Self { nm, turns, per_nm }
     }
@@ -61,12 +60,12 @@ impl Helix {
     /// The same by division.
     #[cold]
     fn wide_angle(&self, distance: u64) -> u32 {
-        let nm = u128::from(self.nm.get());
+        let nm = self.nm.get();
         let turned = product(distance, self.turns);
-        let whole = div_wide(turned, nm).unwrap_or(0);
+        let whole = div_wide(turned, nm);
         let part = turned.wrapping_sub(mul_wide(whole, nm));
-        let scaled = mul_wide(part, u128::from(TURN_UDEG));
-        div_wide(scaled.wrapping_add(nm >> 1), nm).unwrap_or(0) as u32
+        let scaled = mul_wide(part, u64::from(TURN_UDEG));
+        narrow_div(scaled.wrapping_add(u128::from(nm >> 1)), nm) as u32
     }
 }
 

@@ -5,7 +5,7 @@
 use core::num::NonZero;
 
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
-use crate::units::{Length, Remainder, div_wide, product};
+use crate::units::{Length, Remainder, div_wide, narrow_div, product};
 
 /// What a taper adds.
 #[derive(Clone, Copy, Debug)]
@@ -37,9 +37,9 @@ impl Taper {
             return None;
         }
         let size = slant.nm().unsigned_abs();
-        let travel = u128::from(travel.get());
+        let travel = travel.get();
         let towards_start = slant.signum() == side;
-        let per_depth = div_wide(after(size, tangent.fine()), travel)?;
+        let per_depth = div_wide(after(size, tangent.fine()), travel);
         let both = if towards_start {
             tangent.fine().wrapping_add(per_depth)
         } else {
@@ -50,8 +50,8 @@ impl Taper {
             size,
             towards_start,
             per_depth,
-            per_travel: div_wide(Fine::from(size) << FINE_BITS, travel)?,
-            per_clipped: div_wide(after(size, both), travel)?,
+            per_travel: div_wide(Fine::from(size) << FINE_BITS, travel),
+            per_clipped: div_wide(after(size, both), travel),
         })
     }
 
@@ -72,17 +72,16 @@ pub(crate) const fn flip(value: i64, sign: i64) -> i64 {
 
 /// `a·b/c` to the nearest nanometre, halves up.
 pub(crate) fn scaled(a: u64, b: u64, c: NonZero<u64>) -> Length {
-    let c = u128::from(c.get());
     let wide = product(a, b).wrapping_mul(2);
-    let rounded = div_wide(wide.wrapping_add(c), c).unwrap_or(0) >> 1;
+    let rounded = narrow_div(wide.wrapping_add(u128::from(c.get())), c.get()) >> 1;
     Length::from_nm(rounded as i64)
 }
 
 /// `above/below` to the nearest nanometre, halves away from zero; `above` counts 2⁻¹⁵ nm.
 pub(crate) fn quotient(above: i128, below: NonZero<u64>) -> Length {
     // Two lengths of 2⁴³ nm and a remainder's bits: far below 2¹²⁷.
-    let size = div_wide(above.unsigned_abs(), u128::from(below.get())).unwrap_or(0);
-    let half = 1u128 << (Remainder::BITS - 1);
+    let size = narrow_div(above.unsigned_abs(), below.get());
+    let half = 1_u64 << (Remainder::BITS - 1);
     let nm = (size.wrapping_add(half) >> Remainder::BITS) as i64;
     Length::from_nm(if above < 0 { nm.wrapping_neg() } else { nm })
 }

@@ -10,7 +10,7 @@ use crate::program::{
     Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, div_wide, mul_div, product};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div, narrow_div, product};
 
 /// What a tapping cycle does on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,7 +208,7 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
     let nm = mul_div(feed, 1, divisor);
     let (lead_nm, turns) = lead.parts();
     let scaled = product(nm, turns).saturating_add(u128::from(lead_nm >> 1));
-    let rounded = div_wide(scaled, u128::from(lead_nm)).unwrap_or(0);
+    let rounded = narrow_div(scaled, lead_nm);
     CentiRpm::new(i32::try_from(rounded).unwrap_or(i32::MAX))
 }
 

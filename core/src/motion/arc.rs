@@ -4,7 +4,7 @@ use super::line::ceil_sqrt;
 use super::rate::Travel;
 use crate::program::Position;
 use crate::units::{
-    Direction, Length, div_wide, mul_div, mul_high, mul_wide, product, root_wide, signed_product,
+    Direction, Length, mul_div, mul_high, mul_wide, narrow_div, product, root_wide, signed_product,
 };
 
 /// How far the end may be from the circle through the start, at most; see [`Arc::new`].
@@ -106,7 +106,7 @@ impl Arc {
         let length = ceil_sqrt(product(arc, arc).saturating_add(product(off, off))).max(1);
         let travel = length << 16;
         let shift = travel.leading_zeros();
-        let inverse = div_wide(u128::MAX >> 1, u128::from(travel << shift)).unwrap_or(0);
+        let inverse = narrow_div(u128::MAX >> 1, travel << shift);
         Ok(Self {
             from,
             to,
@@ -121,7 +121,7 @@ impl Arc {
             } else {
                 turn as i64
             },
-            inverse: u64::try_from(inverse).unwrap_or(u64::MAX),
+            inverse,
             shift,
         })
     }

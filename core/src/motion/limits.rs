@@ -7,7 +7,7 @@ use super::line::Line;
 use super::rate::PathRate;
 use crate::params::Params;
 use crate::units::{
-    Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide, product, root_wide,
+    Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide, narrow_div, product, root_wide,
 };
 
 /// Whether a move is a rapid or cuts; they have different top speeds.
@@ -141,33 +141,30 @@ impl Limits {
         let acceleration = eased(axes.acceleration, 15);
         let jerk = eased(axes.jerk, 14);
         let speed = u32::try_from(eased(u64::from(axes.speed.raw()), 16)).unwrap_or(u32::MAX);
-        let radius = u128::from(bend.radius);
-        let wide = |value: u64| u128::from(value);
+        let radius = bend.radius;
 
         // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick; beyond 2³⁶ nm of radius the second cannot matter.
-        let by_acceleration = root_wide(mul_wide(wide(acceleration), radius) >> 17);
+        let by_acceleration = root_wide(product(acceleration, radius) >> 17);
         let near = radius.min(1 << 36);
-        let by_jerk = cube_root(mul_wide(wide(jerk), mul_wide(near, near)) >> 10);
-        let speed = wide(u64::from(speed.min(top.raw())))
-            .min(u128::from(by_acceleration))
-            .min(wide(by_jerk.into()))
-            .min(radius << 5)
+        let by_jerk = cube_root(mul_wide(product(near, near), jerk) >> 10);
+        let speed = speed.min(top.raw()).min(by_jerk);
+        let speed = u64::from(speed)
+            .min(by_acceleration)
+            .min(radius.saturating_mul(32))
             .max(2);
 
-        let across = over(mul_wide(speed, speed) << 16, radius);
+        // V fits 32 bits and is 32·R at most, or 2.
+        let square = speed.wrapping_mul(speed);
+        let across = narrow_div(u128::from(square) << 16, radius);
         // A ≤ j·R / (12·V).
-        let by_cross = over(mul_wide(wide(jerk), radius) << 8, mul_wide(speed, 12));
-        let along = wide(acceleration).saturating_sub(across).min(by_cross);
-        let turning = over(
-            over(mul_wide(mul_wide(speed, speed), speed) << 8, radius),
-            radius,
-        );
-        let crossing = over(mul_wide(mul_wide(speed, along), 3) >> 8, radius);
+        let by_cross = narrow_div(product(jerk, radius) << 8, speed.wrapping_mul(12));
+        let along = acceleration.saturating_sub(across).min(by_cross);
+        let turning = narrow_div(div_wide(product(square, speed) << 8, radius), radius);
+        let crossing = narrow_div(product(along, speed.wrapping_mul(3)) >> 8, radius);
         PathLimits {
-            speed: PathRate::from_raw(u32::try_from(speed).unwrap_or(u32::MAX)),
-            acceleration: u64::try_from(along).unwrap_or(u64::MAX),
-            jerk: u64::try_from(wide(jerk).saturating_sub(turning).saturating_sub(crossing))
-                .unwrap_or(u64::MAX),
+            speed: PathRate::from_raw(speed as u32),
+            acceleration: along,
+            jerk: jerk.saturating_sub(turning).saturating_sub(crossing),
         }
     }
 }
@@ -209,17 +206,13 @@ fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
     u64::try_from(wide).unwrap_or(u64::MAX)
 }
 
-fn over(value: u128, divisor: u128) -> u128 {
-    div_wide(value, divisor).unwrap_or(u128::MAX)
-}
-
 /// The largest integer whose cube is not above `value`; `u32::MAX` at most.
 fn cube_root(value: u128) -> u32 {
     let mut root = 0_u32;
     for bit in (0..32).rev() {
         let next = root | 1 << bit;
-        let wide = u128::from(next);
-        if mul_wide(wide.wrapping_mul(wide), wide) <= value {
+        let wide = u64::from(next);
+        if product(wide.wrapping_mul(wide), wide) <= value {
             root = next;
         }
     }
@@ -230,7 +223,7 @@ fn cube_root(value: u128) -> u32 {
 fn per_tick(value: i64, tick_us: u32, power: u32) -> u64 {
     let mut scaled = u128::from(u64::try_from(value).unwrap_or(0)) << 32;
     for _ in 0..power {
-        scaled = over(mul_wide(scaled, u128::from(tick_us)), 1_000_000);
+        scaled = div_wide(mul_wide(scaled, u64::from(tick_us)), 1_000_000);
     }
     u64::try_from(scaled).unwrap_or(u64::MAX)
 }

@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Angle, Length, div_wide, mul_high, product, root_wide};
+use crate::units::{Angle, Length, mul_high, narrow_div, product, root_wide};
 
 /// A straight path in X, Z and C.
 ///
@@ -102,11 +102,11 @@ const fn nm(value: u64) -> Length {
 
 /// `part / whole` in 2⁻⁶³, rounded to the nearest; `part` is not above `whole`.
 const fn share(part: u64, whole: u64) -> u64 {
-    let scaled = ((part as u128) << 63).saturating_add((whole >> 1) as u128);
-    match div_wide(scaled, whole as u128) {
-        Some(share) => share as u64,
-        None => 0,
+    if part == 0 {
+        return 0;
     }
+    let scaled = ((part as u128) << 63).wrapping_add((whole >> 1) as u128);
+    narrow_div(scaled, whole)
 }
 
 /// `way` is in 2⁻²⁰ nm, so the product's high half is in 2⁻¹⁹ nm.
@@ -120,7 +120,7 @@ const fn along(from: i64, to: i64, way: u64, share: u64) -> i64 {
 }
 
 /// The least integer whose square is not below `value`.
-pub(super) const fn ceil_sqrt(value: u128) -> u64 {
+pub(super) fn ceil_sqrt(value: u128) -> u64 {
     let root = root_wide(value);
     if product(root, root) < value {
         root.saturating_add(1)

@@ -1,6 +1,6 @@
 //! Turns of a geared spindle, exactly ([`TurnRatio`]).
 
-use super::wide::div_wide;
+use super::wide::narrow_div;
 use super::{Lead, Length, saturating};
 
 /// Signed spindle turns as an exact ratio; the denominator is positive.
@@ -52,11 +52,11 @@ impl TurnRatio {
         };
         // |rest| is below the denominator, itself below 2⁵⁰ for every lead that F can give: the product needs 128 bits.
         let twice = (rest.unsigned_abs() as u128).wrapping_mul(2_000_000);
-        let denominator = self.denominator.unsigned_abs() as u128;
-        let part = match div_wide(twice.wrapping_add(denominator), denominator.wrapping_mul(2)) {
-            Some(part) => part as i64,
-            None => 0,
-        };
+        let denominator = self.denominator.unsigned_abs();
+        let part = narrow_div(
+            twice.wrapping_add(denominator as u128),
+            denominator.wrapping_mul(2),
+        ) as i64;
         let part = if self.numerator < 0 {
             part.saturating_neg()
         } else {

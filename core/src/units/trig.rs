@@ -4,7 +4,8 @@
 //! a quarter turn, from a short series. Good to 2⁻⁵⁸: on a circle of 1 m radius that is 4·10⁻⁹ nm.
 
 use super::Turns;
-use super::wide::{div_wide, mul_high, product, root_wide, signed_product};
+use super::root::root_wide;
+use super::wide::{mul_high, narrow_div, product, signed_product};
 
 /// A direction: an angle in 2⁻⁶⁴ turns, wrapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -145,9 +146,7 @@ impl Direction {
             _ => {}
         }
         // An eighth turn is taken to be straight: 0.07 rad wrong at most.
-        let eighth = |part: u64, whole: u64| -> u64 {
-            div_wide(u128::from(part) << 61, u128::from(whole)).map_or(0, |q| q as u64)
-        };
+        let eighth = |part: u64, whole: u64| narrow_div(u128::from(part) << 61, whole);
         let guess = if b <= a {
             eighth(b, a)
         } else {
@@ -170,10 +169,10 @@ impl Direction {
             let v = v << shift;
             product(v, v)
         };
-        let radius = u128::from(root_wide(square(a).saturating_add(square(b))));
+        let radius = root_wide(square(a).saturating_add(square(b)));
         let unit = |v: i64| {
             let size = u128::from(v.unsigned_abs()) << (shift.saturating_add(62));
-            let size = div_wide(size, radius).unwrap_or(0) as i64;
+            let size = narrow_div(size, radius) as i64;
             if v < 0 { size.wrapping_neg() } else { size }
         };
         let (unit_along, unit_across) = (unit(along), unit(across));

@@ -1,7 +1,7 @@
 //! Products that need 128 bits, for places that keep 64: the high half of a product, and `a · b / c`.
 //!
-//! A 128-bit division is two kilobytes of code, and the linker puts it in wherever it is written; so it is written here, and
-//! nowhere else [D140].
+//! The compiler's 128-bit division is two kilobytes of code, and the linker puts it in wherever it is written; so it is
+//! written nowhere, and that by 64 bits is here [D140].
 
 /// The high 64 bits of `a · b`.
 ///
@@ -24,54 +24,66 @@ pub(crate) const fn signed_product(a: i64, b: i64) -> i128 {
     (a as i128).wrapping_mul(b as i128)
 }
 
-/// The root of `a`, rounded down. For the background, not for the tick.
-#[inline(never)]
-pub(crate) const fn root_wide(a: u128) -> u64 {
-    if a == 0 {
-        return 0;
-    }
-    // The whole width is used: v = a · 2^shift, and the root of a is that of v without shift/2 bits.
-    let shift = a.leading_zeros() & !1;
-    let v = a << shift;
-    // The upper half's root, and what that lacks over twice the root: at most one too many in the last place.
-    let upper = (v >> 64) as u64;
-    let half = upper.isqrt();
-    let lacks = upper.wrapping_sub(half.wrapping_mul(half));
-    let lacks = (lacks << 31) | (v as u64 >> 33);
-    let below = match lacks.checked_div(half) {
-        Some(below) => below,
-        None => 0,
-    };
-    let root = (half << 32).saturating_add(below);
-    let root = if product(root, root) > v {
-        root.wrapping_sub(1)
-    } else {
-        root
-    };
-    root >> (shift >> 1)
-}
-
-/// `a · b / c` rounded down; `u64::MAX` where that does not fit or `c` is zero. A 128-bit division: for the background,
-/// not for the tick.
+/// `a · b / c` rounded down; `u64::MAX` where that does not fit or `c` is zero. For the background, not for the tick.
 #[must_use]
 #[inline(never)]
 pub const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
-    match div_wide(product(a, b), c as u128) {
-        Some(q) if q <= u64::MAX as u128 => q as u64,
-        _ => u64::MAX,
-    }
+    narrow_div((a as u128).wrapping_mul(b as u128), c)
 }
 
-/// `a / b` rounded down; `None` where `b` is zero. For the background, not for the tick.
+/// `a / b` rounded down; `u64::MAX` where that does not fit or `b` is zero. For the background, not for the tick.
 #[inline(never)]
-pub(crate) const fn div_wide(a: u128, b: u128) -> Option<u128> {
-    a.checked_div(b)
+pub(crate) const fn narrow_div(a: u128, b: u64) -> u64 {
+    let (upper, mut digits) = ((a >> 64) as u64, a as u64);
+    if upper >= b {
+        return u64::MAX;
+    }
+    // Long division in digits of 32 bits (Knuth, algorithm D): both shifted until the divisor's highest bit is set.
+    let shift = b.leading_zeros();
+    let b = b.wrapping_shl(shift);
+    let mut rest =
+        upper.wrapping_shl(shift) | (digits >> 1).wrapping_shr(63_u32.wrapping_sub(shift));
+    digits = digits.wrapping_shl(shift);
+    let mut round = 0_u8;
+    while round < 2 {
+        // A digit by the divisor's upper half: at most 2³² + 1, so that its product with the lower one fits.
+        let (upper, lower) = (b >> 32, b & u32::MAX as u64);
+        let mut digit = match rest.checked_div(upper) {
+            Some(digit) => digit,
+            None => 0,
+        };
+        rest = rest.wrapping_sub(digit.wrapping_mul(upper)) << 32 | digits >> 32;
+        let less = digit.wrapping_mul(lower);
+        let mut too_large = rest < less;
+        rest = rest.wrapping_sub(less);
+        while too_large {
+            digit = digit.wrapping_sub(1);
+            let (more, carry) = rest.overflowing_add(b);
+            (rest, too_large) = (more, !carry);
+        }
+        // The quotient follows the digits out.
+        digits = digits << 32 | digit;
+        round = round.wrapping_add(1);
+    }
+    digits
+}
+
+/// `a / b` rounded down; `u128::MAX` where `b` is zero. For the background, not for the tick.
+#[inline(never)]
+pub(crate) const fn div_wide(a: u128, b: u64) -> u128 {
+    let upper = (a >> 64) as u64;
+    let Some(first) = upper.checked_div(b) else {
+        return u128::MAX;
+    };
+    let rest = upper.wrapping_sub(first.wrapping_mul(b));
+    let second = narrow_div((rest as u128) << 64 | a as u64 as u128, b);
+    (first as u128) << 64 | second as u128
 }
 
 /// `a · b`; `u128::MAX` where that does not fit. Likewise of one copy.
 #[inline(never)]
-pub(crate) const fn mul_wide(a: u128, b: u128) -> u128 {
-    a.saturating_mul(b)
+pub(crate) const fn mul_wide(a: u128, b: u64) -> u128 {
+    a.saturating_mul(b as u128)
 }
 
 /// A divisor with its reciprocal, so that the tick divides by multiplying.
@@ -144,18 +156,35 @@ mod tests {
     }
 
     #[test]
-    fn the_root_of_128_bits_is_rounded_down() {
-        let mut wide: std::vec::Vec<u128> = samples()
-            .zip(samples().skip(1))
-            .map(|(a, b)| (u128::from(a) << 64) | u128::from(b))
-            .collect();
-        for a in samples() {
-            let square = u128::from(a) * u128::from(a);
-            wide.extend([square.saturating_sub(1), square, square + 1]);
+    fn wide_division_is_the_compilers() {
+        const DIGITS: [u64; 5] = [0, 1, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF];
+        let borders = || DIGITS.into_iter().flat_map(|a| DIGITS.map(|b| a << 32 | b));
+        let check = |a: u128, b: u64| {
+            let exact = a.checked_div(u128::from(b)).unwrap_or(u128::MAX);
+            assert_eq!(div_wide(a, b), exact, "{a} / {b}");
+            let narrow = u64::try_from(exact).unwrap_or(u64::MAX);
+            assert_eq!(narrow_div(a, b), narrow, "{a} / {b}");
+        };
+        for upper in borders() {
+            for lower in borders() {
+                for b in borders() {
+                    check(u128::from(upper) << 64 | u128::from(lower), b);
+                }
+            }
         }
-        wide.extend((0..128).flat_map(|bit| [(1 << bit) - 1, 1 << bit, u128::MAX >> bit]));
-        for a in wide {
-            assert_eq!(u128::from(root_wide(a)), a.isqrt(), "{a}");
+        for ((upper, lower), b) in samples().zip(samples().skip(1)).zip(samples().skip(2)) {
+            let a = u128::from(upper) << 64 | u128::from(lower);
+            check(a, b);
+            check(a >> 64, b);
+            check(a >> (b & 127), b);
+        }
+    }
+
+    #[test]
+    fn wide_products_saturate() {
+        for ((upper, lower), b) in samples().zip(samples().skip(1)).zip(samples().skip(2)) {
+            let a = (u128::from(upper) << 64 | u128::from(lower)) >> (b & 127);
+            assert_eq!(mul_wide(a, b), a.saturating_mul(u128::from(b)));
         }
     }
 

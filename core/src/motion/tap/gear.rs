@@ -3,7 +3,7 @@
 //! Knows a lead, a hand and a level; knows nothing of time.
 
 use crate::program::{Hand, Position, TapAxis};
-use crate::units::{Lead, Length, Turns, div_wide, mul_high, product, signed_product};
+use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed_product};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
 /// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
@@ -34,9 +34,8 @@ impl Gear {
             return None;
         }
         let scaled = u128::from(turns.unsigned_abs()) << shift.wrapping_add(32).min(127);
-        let nm = u128::from(nm.unsigned_abs());
-        let up = scaled.checked_add(nm.checked_sub(1)?)?;
-        let factor = u64::try_from(div_wide(up, nm)?).ok()?;
+        let nm = nm.unsigned_abs();
+        let factor = narrow_div(scaled.wrapping_add(u128::from(nm.wrapping_sub(1))), nm);
         Some(Self {
             axis,
             level,
@@ -105,11 +104,12 @@ impl Gear {
     #[must_use]
     pub fn position(&self, turns: Turns) -> Length {
         let scaled = signed_product(turns.raw(), self.lead.numerator());
-        let unit = u128::from(self.lead.parts().1) << 32;
+        let turns = self.lead.parts().1;
+        let unit = u128::from(turns) << 32;
         let above = scaled.wrapping_add((unit >> 1) as i128);
         // Rounded down, below zero as above it.
         let rounding = if above < 0 { unit.wrapping_sub(1) } else { 0 };
-        let way = div_wide(above.unsigned_abs().wrapping_add(rounding), unit).unwrap_or(0);
+        let way = narrow_div(above.unsigned_abs().wrapping_add(rounding) >> 32, turns);
         let way = Length::from_nm(i64::try_from(way).unwrap_or(i64::MAX));
         let way = if above < 0 { -way } else { way };
         if self.falling {

@@ -14,7 +14,7 @@ use crate::motion::shape;
 use crate::params::Params;
 use crate::program::{Position, TapAxis};
 use crate::units::{
-    Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div, mul_wide, product,
+    Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div, mul_wide, narrow_div,
 };
 
 /// One stroke along the tap axis, from rest to rest.
@@ -275,12 +275,10 @@ fn spindle_acceleration(lead: Lead, ramp_ms: u32, tick_us: u32) -> Option<u64> {
     }
     // 1000 / 60 turns a second in ramp_ms / 1000 seconds; the tick is tick_us / 10⁶ seconds.
     let (nm, turns) = lead.parts();
-    let nm = u128::from(nm) << 32;
-    let square = product(u64::from(tick_us), u64::from(tick_us));
-    let ramp = u128::from(ramp_ms).wrapping_mul(60_000_000);
-    let divisor = mul_wide(u128::from(turns), ramp);
-    let acceleration = div_wide(mul_wide(nm, square), divisor)?;
-    let acceleration = u64::try_from(acceleration).unwrap_or(u64::MAX);
+    let square = u64::from(tick_us).wrapping_mul(u64::from(tick_us));
+    let ramp = u64::from(ramp_ms).wrapping_mul(60_000_000);
+    let acceleration = div_wide(mul_wide(u128::from(nm) << 32, square), turns);
+    let acceleration = narrow_div(acceleration, ramp);
     Some(acceleration.saturating_sub(4 << 16).max(1))
 }
 

@@ -29,7 +29,6 @@
 mod course;
 mod law;
 mod plan;
-mod root;
 mod run;
 mod turner;
 

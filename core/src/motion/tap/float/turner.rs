@@ -1,10 +1,9 @@
 //! How the spindle is commanded from one turning point to the next: speeds that it can follow, and from which it stops
 //! where it should. Speeds in 2⁻³² turns per tick, inwards positive; angles in 2⁻³² turns.
 
-use super::root::root;
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::units::{CentiRpm, Lead, TurnRate, mul_div};
+use crate::units::{CentiRpm, Lead, TurnRate, mul_div, root};
 
 /// The spindle's speed and ramps in a hole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
