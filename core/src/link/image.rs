@@ -76,7 +76,9 @@ impl<'a> ImageWriter<'a> {
         slot.unwrap_or(0)
     }
 
-    fn checksum(&self) -> u32 {
+    /// The CRC-32 at its end.
+    #[must_use]
+    pub fn checksum(&self) -> u32 {
         let mut digest = CRC.digest();
         digest.update(&head());
         for place in 0..SLOTS {

@@ -127,17 +127,18 @@ impl Link {
         }
     }
 
-    /// Commits the staged set by its hash, and waits until it is stored and in force. The board's identity is read back.
+    /// Commits the staged set by the checksum of its image, and waits until it is stored and in force. The board's identity
+    /// is read back.
     ///
     /// # Errors
     /// [`Trouble::Parameters`] where the board refuses it or cannot store it: the set before is then in force and stored.
     /// [`Trouble::Unsettled`] where it does not say what has become of it.
     pub fn commit(&mut self, params: &Params) -> LinkResult {
-        let expected = identity(params);
-        let written = self.write(COMMIT, &expected.to_le_bytes());
+        let staged = ImageWriter::with_password(params).checksum();
+        let written = self.write(COMMIT, &staged.to_le_bytes());
         self.explained(written)?;
         self.wait_until_stored(LONGEST)?;
-        self.is_in_force(expected)
+        self.is_in_force(identity(params))
     }
 
     /// Writes a single value that the board takes although it refuses a whole set: the write enable.

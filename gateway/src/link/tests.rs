@@ -252,6 +252,61 @@ fn a_commit_comes_twice_also_of_a_set_that_shuts_the_board() {
     }
 }
 
+/// Two who set another password, or one who sets one and one who does not: each commits what is his own.
+#[test]
+fn a_set_that_differs_in_nothing_but_its_password_is_not_committed_for_another() {
+    let old = set(&[("9007", 12)]);
+    let [mine, theirs, open] = [4711, 4712, 0].map(|raw| set(&[("9007", 13), ("9028", raw)]));
+    assert_eq!(identity(&mine), identity(&theirs));
+    for other in [&theirs, &open] {
+        let inside = machine(flash_with(&old));
+        let mut link = link(&inside);
+        link.stage(&mine).unwrap();
+        link.stage(other).unwrap();
+        refused(link.commit(&mine), Code::StagedSetGone);
+        assert_eq!(stored(&inside), (Found::Newest, old.clone()));
+        link.commit(other).unwrap();
+        assert_eq!(stored(&inside).1, *other);
+    }
+    // Put into force in one step, theirs is not taken for mine either.
+    let inside = machine(flash_with(&old));
+    let mut link = link(&inside);
+    link.stage(&mine).unwrap();
+    let mut image = vec![0; ImageWriter::BYTES as usize];
+    ImageWriter::with_password(&theirs).read(0, &mut image);
+    link.write(Object::new(0x5010, 1), &image).unwrap();
+    link.wait_until_stored(Duration::from_secs(5)).unwrap();
+    refused(link.commit(&mine), Code::PasswordMissing);
+    assert_eq!(stored(&inside), (Found::Newest, theirs));
+}
+
+/// What has been committed can be committed again; what has not says nothing about the password.
+#[test]
+fn a_password_is_not_found_by_trying_to_commit() {
+    let secret = set(&[("9007", 13), ("9028", 4711)]);
+    let [right, wrong] = [4711, 4712].map(|raw| {
+        let guess = set(&[("9007", 13), ("9028", raw)]);
+        ImageWriter::with_password(&guess).checksum()
+    });
+    let commit = |link: &mut Link, checksum: u32| link.write(COMMIT, &checksum.to_le_bytes());
+    // Of a board that has it in force.
+    let inside = machine(flash_with(&secret));
+    let mut link = link(&inside);
+    assert!(commit(&mut link, right).is_err());
+    commit(&mut link, identity(&secret)).expect("the set in force is there, and says nothing");
+    assert!(commit(&mut link, right).is_err());
+    // Of one that has been given it.
+    link.open_parameters(4711).unwrap();
+    let other = set(&[("9007", 13), ("9028", 815)]);
+    link.stage(&other).unwrap();
+    link.commit(&other).unwrap();
+    let checksum = ImageWriter::with_password(&other).checksum();
+    commit(&mut link, checksum).unwrap();
+    assert!(commit(&mut link, wrong).is_err());
+    commit(&mut link, identity(&other)).unwrap();
+    refused(link.commit(&other), Code::StagedSetGone);
+}
+
 #[test]
 fn what_somebody_else_has_changed_since_it_was_read_is_not_put_back() {
     let old = set(&[("9007", 12)]);

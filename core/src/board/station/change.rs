@@ -10,7 +10,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::event::Event;
 use crate::board::store::{Region, StoreError, StoreRequest};
 use crate::bus::Abort;
-use crate::link::{ImageError, identity};
+use crate::link::{ImageError, ImageWriter, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
 
 impl Shelf {
@@ -127,11 +127,11 @@ impl Shelf {
         Ok(())
     }
 
-    /// The set that was staged is stored and comes into force, if it is still the one with this identity: whatever has
-    /// been put together here since has another, unless the password alone differs, which is no part of it. What is asked
-    /// for twice, because the answer was lost, is done once.
-    pub(super) fn commit(&mut self, expected: u32, params: &Params) -> Result<(), Abort> {
-        let same = identity(&self.draft) == expected;
+    /// The set that was staged is stored and comes into force, if it is still the one whose image ended with this
+    /// checksum: whatever has been put together here since has another. What is asked for twice, because the answer was
+    /// lost, is done once.
+    pub(super) fn commit(&mut self, checksum: u32, params: &Params) -> Result<(), Abort> {
+        let same = self.is_draft(checksum, params);
         if same && self.is_changing() {
             return Ok(());
         }
@@ -145,6 +145,16 @@ impl Shelf {
             return self.refuse(Code::StagedSetGone, Abort::Value);
         }
         self.look_and_stage(params)
+    }
+
+    /// Whether the image that the draft was sent as ends with this checksum. It holds 1 where the password in force was to
+    /// stay, and a new one as it is. When that is in force, its image can be named once more, and again if that was right:
+    /// nobody finds a password by trying, without the door's waits [D163].
+    fn is_draft(&mut self, checksum: u32, params: &Params) -> bool {
+        let stays = self.draft.slot(PASSWORD_SLOT) == params.slot(PASSWORD_SLOT);
+        self.named = (self.named || !stays)
+            && ImageWriter::with_password(&self.draft).checksum() == checksum;
+        self.named || stays && identity(&self.draft) == checksum
     }
 
     pub(super) fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {

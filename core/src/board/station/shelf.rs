@@ -67,6 +67,8 @@ pub struct Shelf {
     pub door: Door,
     /// The draft is good and comes into force: the owner takes it before the next frame.
     pub(super) staged: bool,
+    /// The last commit named the draft with its password.
+    pub(super) named: bool,
     /// Where a changed set is put together, before all of it has been looked at.
     pub(super) draft: Params,
     pub(super) image: ImageReader,
@@ -142,6 +144,7 @@ impl Shelf {
             keeper: Keeper::default(),
             door: Door::default(),
             staged: false,
+            named: false,
             draft: params.clone(),
             image: ImageReader::new(),
             log_from: 0,
