@@ -101,7 +101,9 @@ impl StoreRequest<'_> {
     }
 }
 
-fn copy(bytes: &[u8], into: &mut [u8]) -> usize {
+/// Copies as many bytes as there are and have room; so many they are.
+#[inline(never)]
+pub(super) fn copy(bytes: &[u8], into: &mut [u8]) -> usize {
     for (place, &byte) in into.iter_mut().zip(bytes) {
         *place = byte;
     }

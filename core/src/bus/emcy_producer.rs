@@ -17,7 +17,9 @@ pub struct EmcyProducer<const N: usize> {
     node: NodeId,
     register: u8,
     /// Newest first.
-    history: Deque<u32, N>,
+    history: [u32; N],
+    /// How many there are.
+    errors: u8,
     waiting: Deque<Emcy, WAITING>,
     inhibit: Periods,
     /// Until the next may be sent.
@@ -31,7 +33,8 @@ impl<const N: usize> EmcyProducer<N> {
         Self {
             node,
             register: 0,
-            history: Deque::new(),
+            history: [0; N],
+            errors: 0,
             waiting: Deque::new(),
             inhibit: Periods::new(0),
             rest: Periods::new(0),
@@ -55,13 +58,13 @@ impl<const N: usize> EmcyProducer<N> {
         self.register |= error.register | Emcy::GENERIC;
         let [low, high] = error.code.to_le_bytes();
         let [a, b, ..] = error.detail;
-        if self.history.is_full() {
-            let _ = self.history.pop_back();
+        let mut newer = u32::from_le_bytes([low, high, a, b]);
+        for entry in &mut self.history {
+            newer = core::mem::replace(entry, newer);
         }
-        // There is a place, except in a history of none.
-        let _ = self
-            .history
-            .push_front(u32::from_le_bytes([low, high, a, b]));
+        if usize::from(self.errors) < N {
+            self.errors = self.errors.wrapping_add(1);
+        }
         self.queue(Emcy {
             register: self.register,
             ..error
@@ -105,11 +108,11 @@ impl<const N: usize> EmcyProducer<N> {
     /// [`Abort::NoData`] where the history is shorter, [`Abort::NoSubIndex`] where it can never be that long.
     pub fn history(&self, sub: u8) -> Result<u32, Abort> {
         let Some(place) = usize::from(sub).checked_sub(1) else {
-            return Ok(u32::try_from(self.history.len()).unwrap_or(u32::MAX));
+            return Ok(self.errors.into());
         };
-        match self.history.iter().nth(place) {
-            Some(entry) => Ok(*entry),
-            None if place < N => Err(Abort::NoData),
+        match self.history.get(place) {
+            Some(entry) if sub <= self.errors => Ok(*entry),
+            Some(_) => Err(Abort::NoData),
             None => Err(Abort::NoSubIndex),
         }
     }
@@ -121,7 +124,7 @@ impl<const N: usize> EmcyProducer<N> {
     pub fn write_history(&mut self, sub: u8, value: u32) -> Result<(), Abort> {
         match (sub, value) {
             (0, 0) => {
-                self.history.clear();
+                self.errors = 0;
                 Ok(())
             }
             (0, _) => Err(Abort::Value),

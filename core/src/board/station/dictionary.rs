@@ -5,9 +5,9 @@
 //! parameters, made of the parameter table: No. is index 2000h + No., an axis is a sub-index (1 X, 2 Z, 3 C), the bits of
 //! a number are one byte.
 
-use super::table::{NAMES, ROWS};
+use super::table::{NAMES, ROWS, Row};
 use crate::bus::{Abort, Object};
-use crate::params::{Entry, FindError, Part};
+use crate::params::{Entry, Part};
 use crate::units::Axis;
 
 /// Name of sub-index 0 of an object with several.
@@ -79,8 +79,12 @@ impl Kind {
         }
     }
 
-    const fn of_range(low: i64, high: i64) -> Self {
-        match (low, high) {
+    fn of_entry(entry: &Entry) -> Self {
+        // The largest and the smallest integer stand for "none".
+        if entry.none().is_some() {
+            return Self::I64;
+        }
+        match range_of(entry) {
             (0.., ..=0xFF) => Self::U8,
             (0.., ..=0xFFFF) => Self::U16,
             (0.., ..=0xFFFF_FFFF) => Self::U32,
@@ -191,15 +195,85 @@ impl Item {
     }
 }
 
-/// The item of an object.
+/// What stands behind an object: enough for a board, which asks for one thing after the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place {
+    /// A line of the table.
+    Row(&'static Row),
+    /// The highest sub-index of a parameter.
+    Highest(u8),
+    /// A parameter; of a number with bits, the first of them.
+    Parameter(&'static Entry),
+}
+
+impl Place {
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Row(row) => row.kind,
+            Self::Highest(_) => Kind::U8,
+            Self::Parameter(entry) => Kind::of_entry(entry),
+        }
+    }
+
+    pub const fn access(self) -> Access {
+        match self {
+            Self::Row(row) => row.access,
+            Self::Highest(_) => Access::Const,
+            Self::Parameter(_) => Access::Both,
+        }
+    }
+
+    /// Whether a number is one that may be written, of those that the kind has.
+    ///
+    /// # Errors
+    /// [`Abort::TooLow`], [`Abort::TooHigh`].
+    pub fn admit(self, number: i64) -> Result<(), Abort> {
+        let range = match self {
+            Self::Row(row) => row.range(),
+            Self::Highest(_) => None,
+            Self::Parameter(entry) if entry.none() == Some(number) => None,
+            Self::Parameter(entry) => Some(range_of(entry)),
+        };
+        match range {
+            Some((low, _)) if number < low => Err(Abort::TooLow),
+            Some((_, high)) if number > high => Err(Abort::TooHigh),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What stands behind an object.
 ///
 /// # Errors
 /// [`Abort::NoObject`], [`Abort::NoSubIndex`].
-pub fn find(object: Object) -> Result<Item, Abort> {
-    match object.index {
-        PARAMETERS..0x5000 => parameter(object),
-        _ => of_table(object),
+pub(super) fn find(object: Object) -> Result<Place, Abort> {
+    let mut highest = None;
+    if let PARAMETERS..0x5000 = object.index {
+        let no = object.index.wrapping_sub(PARAMETERS);
+        for entry in Entry::all().iter().filter(|entry| entry.is_number(no)) {
+            let sub = sub_of(entry);
+            if sub == object.sub {
+                return Ok(Place::Parameter(entry));
+            }
+            // The table is in their order.
+            highest = Some(sub);
+        }
+        if let (Some(highest), 0) = (highest, object.sub) {
+            return Ok(Place::Highest(highest));
+        }
     }
+    for row in &ROWS {
+        if row.object == object {
+            return Ok(Place::Row(row));
+        }
+        if row.object.index == object.index {
+            highest = Some(row.object.sub);
+        }
+    }
+    Err(match highest {
+        Some(_) => Abort::NoSubIndex,
+        None => Abort::NoObject,
+    })
 }
 
 /// All items by index and sub-index. Parameters with two numbers are listed under the first.
@@ -211,18 +285,6 @@ pub fn items() -> impl Iterator<Item = Item> {
 
 fn table() -> impl Iterator<Item = Item> {
     ROWS.iter().enumerate().map(|(place, row)| row.item(place))
-}
-
-fn of_table(object: Object) -> Result<Item, Abort> {
-    let mut rows = ROWS.iter().enumerate();
-    if let Some((place, row)) = rows.find(|(_, row)| row.object == object) {
-        return Ok(row.item(place));
-    }
-    if ROWS.iter().any(|row| row.object.index == object.index) {
-        Err(Abort::NoSubIndex)
-    } else {
-        Err(Abort::NoObject)
-    }
 }
 
 /// Every parameter, each number at its first entry.
@@ -244,73 +306,42 @@ fn parameters() -> impl Iterator<Item = Item> {
     })
 }
 
-fn parameter(object: Object) -> Result<Item, Abort> {
-    let no = object.index.saturating_sub(PARAMETERS);
-    let first = match Entry::find(no, None) {
-        Ok(entry) | Err(FindError::PartMissing(entry) | FindError::NoSuchPart(entry)) => entry,
-        Err(FindError::Unknown) => return Err(Abort::NoObject),
-    };
-    let entry = match (first.part, object.sub) {
-        (Part::Whole | Part::Bit(_), 0) => first,
-        (Part::Whole | Part::Bit(_), _) => return Err(Abort::NoSubIndex),
-        (Part::Axis(_), 0) => return Ok(Item::count(object.index, highest(first.no))),
-        (Part::Axis(_), sub) => axis_of(sub)
-            .and_then(|axis| Entry::find(no, Some(Part::Axis(axis))).ok())
-            .ok_or(Abort::NoSubIndex)?,
-    };
-    Ok(of_entry(object.index, entry))
-}
-
 fn of_entry(index: u16, entry: &'static Entry) -> Item {
-    let (sub, range) = match entry.part {
-        Part::Whole => (0, (entry.min(), entry.max())),
-        Part::Bit(_) => (0, (0, entry.byte_mask())),
-        Part::Axis(axis) => (sub_of(axis), (entry.min(), entry.max())),
-    };
     let name = match entry.part {
         Part::Whole | Part::Bit(_) => Name::Parameter,
         Part::Axis(axis) => Name::Axis(axis),
     };
-    // The largest and the smallest integer stand for "none".
-    let (low, high) = match entry.none() {
-        Some(none) => (range.0.min(none), range.1.max(none)),
-        None => range,
-    };
     Item {
-        object: Object::new(index, sub),
+        object: Object::new(index, sub_of(entry)),
         name,
-        kind: Kind::of_range(low, high),
+        kind: Kind::of_entry(entry),
         access: Access::Both,
-        range: Some(range),
+        range: Some(range_of(entry)),
         initial: Initial::Unknown,
         mappable: false,
         entry: Some(entry),
     }
 }
 
-const fn sub_of(axis: Axis) -> u8 {
-    match axis {
-        Axis::X => 1,
-        Axis::Z => 2,
-        Axis::C => 3,
+/// The numbers a parameter takes, but for the one that stands for "none".
+fn range_of(entry: &Entry) -> (i64, i64) {
+    match entry.part {
+        Part::Whole | Part::Axis(_) => (entry.min(), entry.max()),
+        Part::Bit(_) => (0, entry.byte_mask()),
     }
 }
 
-const fn axis_of(sub: u8) -> Option<Axis> {
-    match sub {
-        1 => Some(Axis::X),
-        2 => Some(Axis::Z),
-        3 => Some(Axis::C),
-        _ => None,
+const fn sub_of(entry: &Entry) -> u8 {
+    match entry.part {
+        Part::Whole | Part::Bit(_) => 0,
+        Part::Axis(Axis::X) => 1,
+        Part::Axis(Axis::Z) => 2,
+        Part::Axis(Axis::C) => 3,
     }
 }
 
 /// The highest sub-index of a number with axes.
 fn highest(no: u16) -> u8 {
     let of_number = Entry::all().iter().filter(|entry| entry.no == no);
-    let subs = of_number.filter_map(|entry| match entry.part {
-        Part::Axis(axis) => Some(sub_of(axis)),
-        Part::Whole | Part::Bit(_) => None,
-    });
-    subs.max().unwrap_or(0)
+    of_number.map(sub_of).max().unwrap_or(0)
 }

@@ -442,7 +442,7 @@ impl Station {
     }
 
     fn command_of(&mut self, frame: &Frame) {
-        if !self.shelf.pdos.command.is_valid() {
+        if !self.shelf.pdos.command().is_valid() {
             return;
         }
         let Some((_, command)) = BoardCommand::decode(frame) else {
@@ -555,13 +555,14 @@ impl Station {
             return;
         }
         let (shelf, node) = (&self.shelf, self.nmt.node());
-        let pdos = [
-            (&shelf.pdos.status, shelf.status().frame(node)),
-            (&shelf.pdos.place, shelf.place().frame(node)),
-            (&shelf.pdos.spindle, shelf.spindle().frame(node)),
+        let frames = [
+            shelf.status().frame(node),
+            shelf.place().frame(node),
+            shelf.spindle().frame(node),
         ];
+        let pdos = shelf.pdos.sent().into_iter().zip(frames);
         let mut due = [None; 3];
-        for (((pdo, frame), since), due) in pdos.into_iter().zip(&mut self.since).zip(&mut due) {
+        for (((pdo, frame), since), due) in pdos.zip(&mut self.since).zip(&mut due) {
             *since = since.plus(elapsed);
             let period = Periods::from_ms(pdo.event_ms().into(), params.tick_us());
             if pdo.is_valid() && pdo.event_ms() != 0 && period.is_some_and(|p| *since >= p) {

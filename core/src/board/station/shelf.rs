@@ -5,7 +5,7 @@
 use heapless::Deque;
 
 use super::change::Change;
-use super::dictionary::{Initial, Item};
+use super::dictionary::Place;
 use super::door::Door;
 use super::inbox::Inbox;
 use super::keeper::Keeper;
@@ -15,11 +15,14 @@ use super::table::{DROP, HISTORY};
 use crate::alarm::{Alarm, Code, Span};
 use crate::board::event::{Command, Event};
 use crate::board::snapshot::Snapshot;
+use crate::board::store::copy;
 use crate::bus::{
     Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
     HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Order, PdoCommunication, Service,
 };
-use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
+use crate::link::{
+    BATCH_BYTES, ImageReader, Status, VERSION, encode_alarm, encode_changes, identity,
+};
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::units::{Length, TurnRate};
@@ -78,43 +81,54 @@ pub struct Shelf {
     pub(super) length: usize,
 }
 
-/// The communication of the board's PDOs.
+/// The communication of the board's PDOs: RPDO1, and TPDO1 to 3.
 #[derive(Debug)]
-pub struct Pdos {
-    pub command: PdoCommunication,
-    pub status: PdoCommunication,
-    pub place: PdoCommunication,
-    pub spindle: PdoCommunication,
-}
+pub struct Pdos([PdoCommunication; 4]);
 
 impl Pdos {
     pub const fn new(node: NodeId, event_ms: u16) -> Self {
-        Self {
-            command: PdoCommunication::received(Service::Rpdo1, node),
-            status: PdoCommunication::sent(Service::Tpdo1, node, event_ms),
-            place: PdoCommunication::sent(Service::Tpdo2, node, event_ms),
-            spindle: PdoCommunication::sent(Service::Tpdo3, node, event_ms),
+        Self([
+            PdoCommunication::received(Service::Rpdo1, node),
+            PdoCommunication::sent(Service::Tpdo1, node, event_ms),
+            PdoCommunication::sent(Service::Tpdo2, node, event_ms),
+            PdoCommunication::sent(Service::Tpdo3, node, event_ms),
+        ])
+    }
+
+    pub const fn command(&self) -> &PdoCommunication {
+        let [command, ..] = &self.0;
+        command
+    }
+
+    /// Status, place, spindle.
+    pub const fn sent(&self) -> [&PdoCommunication; 3] {
+        let [_, status, place, spindle] = &self.0;
+        [status, place, spindle]
+    }
+
+    /// Of the status.
+    pub const fn event_ms(&self) -> u16 {
+        let [status, ..] = self.sent();
+        status.event_ms()
+    }
+
+    /// By index.
+    const fn place(index: u16) -> usize {
+        match index {
+            0x1400 => 0,
+            0x1800 => 1,
+            0x1801 => 2,
+            0x1802 => 3,
+            _ => usize::MAX,
         }
     }
 
-    const fn of(&self, index: u16) -> Option<&PdoCommunication> {
-        match index {
-            0x1400 => Some(&self.command),
-            0x1800 => Some(&self.status),
-            0x1801 => Some(&self.place),
-            0x1802 => Some(&self.spindle),
-            _ => None,
-        }
+    fn of(&self, index: u16) -> Option<&PdoCommunication> {
+        self.0.get(Self::place(index))
     }
 
-    const fn of_mut(&mut self, index: u16) -> Option<&mut PdoCommunication> {
-        match index {
-            0x1400 => Some(&mut self.command),
-            0x1800 => Some(&mut self.status),
-            0x1801 => Some(&mut self.place),
-            0x1802 => Some(&mut self.spindle),
-            _ => None,
-        }
+    fn of_mut(&mut self, index: u16) -> Option<&mut PdoCommunication> {
+        self.0.get_mut(Self::place(index))
     }
 }
 
@@ -156,7 +170,7 @@ impl Shelf {
     /// Another number; the PDOs' times stay.
     pub fn set_node(&mut self, node: NodeId) {
         self.node = node;
-        self.pdos = Pdos::new(node, self.pdos.status.event_ms());
+        self.pdos = Pdos::new(node, self.pdos.event_ms());
         self.emcy = EmcyProducer::new(node);
     }
 
@@ -271,93 +285,104 @@ impl Shelf {
         }
     }
 
-    /// The number an item has now.
-    pub(super) fn number(&self, item: &Item, params: &Params) -> Result<i64, Abort> {
-        if let Some(entry) = item.entry {
-            let told = self.current(params).told_slot(entry.place());
-            return Ok(told.unwrap_or(0));
-        }
-        let Object { index, sub } = item.object;
-        if let Some(pdo) = self.pdos.of(index) {
-            return pdo.read(sub).map(i64::from);
-        }
-        let operator = &self.snapshot.operator;
-        Ok(match (index, sub) {
-            (0x1001, _) => i64::from(self.emcy.register()),
-            (0x1003, sub) => i64::from(self.emcy.history(sub)?),
-            (0x1006, _) => i64::from(params.tick_us()),
-            (0x1016, 1) => self.watch.get(0).map_or(0, |watch| i64::from(watch.raw())),
-            (0x1017, _) => i64::from(self.heartbeat.ms()),
-            (0x1018, 4) => i64::from(self.serial),
-            (0x1020, 1) => i64::from(identity(params)),
-            (0x5010, 2) => self.keeper.state() as i64,
-            (0x5010, 3) => i64::from(self.keeper.stored()),
-            (0x5010, 4) => i64::from(self.keeper.before()),
-            (0x5010, 7) => self
-                .keeper
-                .reason()
-                .map_or(0, |alarm| alarm.number().into()),
-            (0x5000, 1) => i64::from(self.count),
-            (0x5000, 3) => i64::from(operator.single_block) | i64::from(self.dry_run) << 1,
-            (0x5000, 4) => i64::from(operator.feed_percent()),
-            (0x5000, 5) => i64::from(operator.rapid_percent()),
-            (0x5000, 6) => i64::from(operator.spindle_percent()),
-            (0x5020, 3) => i64::from(self.inbox.program()),
-            (0x5020, 4) => i64::from(self.inbox.next_call()),
-            (0x5020, 5) => i64::from(self.inbox.credit()),
-            (0x5040, 1) => i64::from(self.log.newest()),
-            (0x5040, 2) => i64::from(self.log_from),
-            (0x5060, _) => i64::from(operator.signals.bits()),
-            (0x5001, sub @ 2..) => self.fact(sub),
-            _ => match item.initial {
-                Initial::Number(number) => number,
-                Initial::OfNode(base) => i64::from(base.saturating_add(self.node.get().into())),
-                Initial::Unknown | Initial::Text(_) => 0,
-            },
-        })
+    /// Puts what an object of no fixed length holds into the buffer; how many bytes that are comes back.
+    pub(super) fn domain(&mut self, object: Object, params: &Params) -> Result<usize, Abort> {
+        let into = &mut self.buffer;
+        let encoded = match (object.index, object.sub) {
+            (0x5010, 10) => {
+                return encode_changes(params, &self.draft, into).map_err(|_| Abort::OutOfMemory);
+            }
+            (0x5010, _) => encode_alarm(self.keeper.reason(), into),
+            (0x5001, _) => {
+                let status = self.record(params);
+                status.encode(&mut self.buffer)
+            }
+            (0x5030, _) => {
+                let record = self.snapshot.tap.as_ref().ok_or(Abort::NoData)?;
+                Ok(copy(&record.encode(), into))
+            }
+            (0x5040, _) => Ok(self.log.read(self.log_from, into)),
+            (0x5041, _) => self.ledger.certificate(self.late).encode(into),
+            _ => return Err(Abort::NoData),
+        };
+        encoded.map_err(|_| Abort::Internal)
     }
 
-    /// A fact of 5001h: the bytes of the PDO it stands in.
+    /// The number an object is now.
+    pub(super) fn number(
+        &self,
+        object: Object,
+        place: Place,
+        params: &Params,
+    ) -> Result<i64, Abort> {
+        let row = match place {
+            Place::Parameter(entry) => {
+                let told = self.current(params).told_slot(entry.place());
+                return Ok(told.unwrap_or(0));
+            }
+            Place::Highest(highest) => return Ok(highest.into()),
+            Place::Row(row) => row,
+        };
+        if let Some(pdo) = self.pdos.of(object.index) {
+            return pdo.read(object.sub).map(i64::from);
+        }
+        let operator = &self.snapshot.operator;
+        let number = match (object.index, object.sub) {
+            (0x1001, _) => self.emcy.register().into(),
+            (0x1003, sub) => self.emcy.history(sub)?,
+            (0x1006, _) => params.tick_us(),
+            (0x1016, 1) => self.watch.get(0).map_or(0, HeartbeatWatch::raw),
+            (0x1017, _) => self.heartbeat.ms().into(),
+            (0x1018, 4) => self.serial,
+            (0x1020, 1) => identity(params),
+            (0x5010, 2) => self.keeper.state() as u32,
+            (0x5010, 3) => self.keeper.stored(),
+            (0x5010, 4) => self.keeper.before(),
+            (0x5010, 7) => match self.keeper.reason() {
+                Some(alarm) => alarm.number().into(),
+                None => 0,
+            },
+            (0x5000, 1) => self.count.into(),
+            (0x5000, 3) => u32::from(operator.single_block) | u32::from(self.dry_run) << 1,
+            (0x5000, 4) => operator.feed_percent().into(),
+            (0x5000, 5) => operator.rapid_percent().into(),
+            (0x5000, 6) => operator.spindle_percent().into(),
+            (0x5020, 3) => self.inbox.program(),
+            (0x5020, 4) => self.inbox.next_call(),
+            (0x5020, 5) => self.inbox.credit().into(),
+            (0x5040, 1) => self.log.newest(),
+            (0x5040, 2) => self.log_from,
+            (0x5060, _) => operator.signals.bits().into(),
+            (0x5001, sub @ 2..) => return Ok(self.fact(sub)),
+            _ => return Ok(row.number(self.node)),
+        };
+        Ok(number.into())
+    }
+
+    /// A fact of 5001h: where it stands in its PDO, and what is behind it.
     fn fact(&self, sub: u8) -> i64 {
         let (frame, mapping) = match sub {
             ..=7 => (self.status().frame(self.node), &BoardStatus::MAPPING[..]),
             8 | 9 => (self.place().frame(self.node), &BoardPlace::MAPPING[..]),
             _ => (self.spindle().frame(self.node), &BoardSpindle::MAPPING[..]),
         };
-        let mut bytes = frame.payload();
-        for mapped in mapping {
-            let length = usize::from(mapped.bits >> 3);
-            let Some((value, rest)) = bytes.split_at_checked(length) else {
-                break;
-            };
-            if mapped.object.sub == sub {
-                let mut raw = [0; 8];
-                if let Some(place) = raw.get_mut(..length) {
-                    place.copy_from_slice(value);
-                }
-                return i64::from_le_bytes(raw);
-            }
-            bytes = rest;
-        }
-        0
+        let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);
+        let bits = before.fold(0, |bits: u32, mapped| bits.wrapping_add(mapped.bits.into()));
+        let raw = u64::from_le_bytes(frame.exactly().unwrap_or_default());
+        raw.wrapping_shr(bits) as i64
     }
 
     /// Puts a number into effect. Its kind and range are right.
     pub(super) fn take_number(
         &mut self,
-        item: &Item,
-        number: i64,
+        object: Object,
+        value: u32,
         params: &Params,
     ) -> Result<(), Abort> {
-        if let Some(entry) = item.entry {
-            return self.take_parameter(entry, number, params);
+        if let Some(pdo) = self.pdos.of_mut(object.index) {
+            return pdo.write(object.sub, value);
         }
-        let Object { index, sub } = item.object;
-        let value = number as u32;
-        if let Some(pdo) = self.pdos.of_mut(index) {
-            return pdo.write(sub, value);
-        }
-        match (index, sub) {
+        match (object.index, object.sub) {
             (0x1003, sub) => self.emcy.write_history(sub, value)?,
             (0x1010, 1) => return self.save(value, params),
             (0x1011, 1) => return self.restore(value, params),

@@ -3,8 +3,8 @@
 use super::dictionary::{Access, HIGHEST, Initial, Item, Kind, Name};
 use crate::board::station::inbox::PROGRAM_BYTES;
 use crate::bus::{
-    BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, PdoCommunication, Service,
-    SyncProducer,
+    BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, NodeId, Object, PdoCommunication,
+    Service, SyncProducer,
 };
 use crate::link::{BATCH_BYTES, VERSION};
 use crate::params::TABLE_KEY;
@@ -96,8 +96,8 @@ struct Line {
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     pub object: Object,
-    kind: Kind,
-    access: Access,
+    pub(super) kind: Kind,
+    pub(super) access: Access,
     mappable: bool,
     value: Value,
 }
@@ -118,30 +118,54 @@ enum Value {
 impl Row {
     /// The item; `place` is that of the row.
     pub fn item(&self, place: usize) -> Item {
-        let (initial, range) = match self.value {
-            Value::Unknown => (Initial::Unknown, None),
-            Value::Number(number) => {
-                let number = u32::from_le_bytes(number);
-                (Initial::Number(i64::from(number)), None)
-            }
-            Value::OfNode(base) => (Initial::OfNode(u32::from_le_bytes(base)), None),
-            Value::DeviceName => (Initial::Text("Leadscrew board"), None),
-            Value::SoftwareVersion => (Initial::Text(env!("CARGO_PKG_VERSION")), None),
-            Value::Link => (Initial::Number(VERSION.raw() as i64), None),
-            Value::Within(low, high) => {
-                let [low, high] = [low, high].map(|end| i64::from(u16::from_le_bytes(end)));
-                (Initial::Unknown, Some((low, high)))
-            }
+        let initial = match self.value {
+            Value::Unknown | Value::Within(..) => Initial::Unknown,
+            Value::Number(number) => Initial::Number(u32::from_le_bytes(number).into()),
+            Value::OfNode(base) => Initial::OfNode(u32::from_le_bytes(base)),
+            Value::DeviceName | Value::SoftwareVersion => Initial::Text(self.text()),
+            Value::Link => Initial::Number(VERSION.raw() as i64),
         };
         Item {
             object: self.object,
             name: Name::Line(place),
             kind: self.kind,
             access: self.access,
-            range,
+            range: self.range(),
             initial,
             mappable: self.mappable,
             entry: None,
+        }
+    }
+
+    /// The numbers it takes; `None`: all that the kind has.
+    pub const fn range(&self) -> Option<(i64, i64)> {
+        match self.value {
+            Value::Within(low, high) => Some((
+                u16::from_le_bytes(low) as i64,
+                u16::from_le_bytes(high) as i64,
+            )),
+            _ => None,
+        }
+    }
+
+    /// The text it is; empty for a number.
+    pub const fn text(&self) -> &'static str {
+        match self.value {
+            Value::DeviceName => "Leadscrew board",
+            Value::SoftwareVersion => env!("CARGO_PKG_VERSION"),
+            _ => "",
+        }
+    }
+
+    /// The number it is on a node, where nothing else knows it; 0: unknown.
+    pub const fn number(&self, node: NodeId) -> i64 {
+        match self.value {
+            Value::Number(number) => u32::from_le_bytes(number) as i64,
+            Value::OfNode(base) => {
+                u32::from_le_bytes(base).saturating_add(node.get() as u32) as i64
+            }
+            Value::Link => VERSION.raw() as i64,
+            _ => 0,
         }
     }
 }
