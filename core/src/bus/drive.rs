@@ -565,12 +565,16 @@ impl DriveMaster {
         self.fail(DriveFailure::Fault { status, code }, Phase::Standby);
     }
 
+    #[cold]
+    #[inline(never)]
     fn fail(&mut self, failure: DriveFailure, phase: Phase) {
         self.latch(failure);
         self.phase = phase;
     }
 
     /// The first failure is the cause; what follows from it does not replace it.
+    #[cold]
+    #[inline(never)]
     fn latch(&mut self, failure: DriveFailure) {
         self.failure = self.failure.or(Some(failure));
     }

@@ -97,28 +97,11 @@ enum Active {
     Dwell(u32),
 }
 
-/// What one tick of a segment says beside the position.
-struct Done {
-    motion: Motion,
-    locked: bool,
-    /// Moves of the segment done before the one of this tick.
-    offset: u32,
-}
-
-impl Done {
-    const fn of(motion: Motion) -> Self {
-        Self {
-            motion,
-            locked: false,
-            offset: 0,
-        }
-    }
-}
-
 /// The one long-lived executor of a machine.
+// In this order: the memory of the profile last, so that the rest is within reach of a short instruction.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug)]
 pub struct Executor {
-    run: Run,
     active: Active,
     position: Position,
     /// Commanded spindle angle, in position mode.
@@ -127,16 +110,17 @@ pub struct Executor {
     spindle_speed: Option<TurnRate>,
     number: u32,
     span: Span,
-    stops: Stops,
     arrival: Arrival,
-    aborting: bool,
     /// Ticks for which the spindle has not turned as it must in a stroke: a second of standing is an alarm, a tenth of it
     /// of turning the wrong way, a hundredth of being faster than the pass is planned for.
     astray: u32,
+    stops: Stops,
+    aborting: bool,
     /// Ticks since the pass came to rest.
     settled: u8,
     /// A stroke of a tap has ended in this tick.
     turned: bool,
+    run: Run,
 }
 
 impl Executor {
@@ -210,6 +194,7 @@ impl Executor {
 
     /// The last setpoint.
     #[must_use]
+    #[cfg_attr(feature = "small", inline(never))]
     pub const fn position(&self) -> Position {
         self.position
     }
@@ -363,69 +348,77 @@ impl Executor {
         current: Option<Task<'_>>,
         setpoint: &mut Setpoint,
     ) -> Result<(), Alarm> {
-        let number = self.number;
         self.turned = false;
-        let done = self.advance(now, current);
+        setpoint.motion = Motion::Idle;
+        setpoint.locked = false;
+        setpoint.number = 0;
+        setpoint.line = 0;
+        let done = self.advance(now, current, setpoint);
         setpoint.position = self.position;
         setpoint.spindle = self.spindle;
-        if let Ok(Some(done)) = &done {
-            setpoint.motion = done.motion;
-            setpoint.locked = done.locked;
-            setpoint.number = number.saturating_add(done.offset);
-            setpoint.line = self.span.line;
-        } else {
-            setpoint.motion = Motion::Idle;
-            setpoint.locked = false;
-            setpoint.number = 0;
-            setpoint.line = 0;
-        }
-        done.map(|_| ())
+        done
     }
 
-    /// One tick of what is under way; `None` where that is nothing.
+    /// One tick of what is under way. What it is goes into the setpoint; nothing where nothing is.
     fn advance(
         &mut self,
         now: &Conditions<'_>,
         current: Option<Task<'_>>,
-    ) -> Result<Option<Done>, Alarm> {
-        let plan = current.and_then(|task| task.plan);
-        Ok(Some(match (&mut self.active, plan) {
-            (Active::Tap(_), Some(Plan::Tap(tap))) => self.tap_on(now, tap),
-            (Active::Float(_), Some(Plan::Float(plan))) => self.float_on(now, plan)?,
-            (Active::Timed, _) => {
-                let Some(timed) = current.and_then(Task::timed) else {
-                    return Ok(self.lost());
-                };
-                self.move_on(now, timed)
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
+        let Some(Task { segment, plan }) = current else {
+            return self.stand(now, setpoint);
+        };
+        match (&self.active, &segment.action, plan) {
+            (Active::Timed, Action::Timed(timed), _) => {
+                self.move_on(now, timed, setpoint);
+                Ok(())
             }
-            (Active::Dwell(left), _) => {
-                if now.hold {
-                    Done::of(Motion::Hold)
-                } else {
-                    *left = left.saturating_sub(1);
-                    if *left == 0 {
-                        self.active = Active::Free;
-                    }
-                    Done::of(Motion::Dwell)
-                }
+            (Active::Tap(_), _, Some(Plan::Tap(tap))) => {
+                self.tap_on(now, tap, setpoint);
+                Ok(())
             }
-            (Active::Waiting(_), Some(Plan::Thread(pass))) => self.wait(now, pass)?,
-            (Active::Thread(_), Some(Plan::Thread(pass))) => self.cut_on(now, &pass.plan)?,
-            // Nothing is under way.
-            _ => return Ok(self.lost()),
-        }))
+            (Active::Float(_), _, Some(Plan::Float(plan))) => self.float_on(now, plan, setpoint),
+            (Active::Waiting(_), _, Some(Plan::Thread(pass))) => self.wait(now, pass, setpoint),
+            (Active::Thread(_), _, Some(Plan::Thread(pass))) => {
+                self.cut_on(now, &pass.plan, setpoint)
+            }
+            _ => self.stand(now, setpoint),
+        }
     }
 
-    /// Nothing is under way; or, which cannot be, it is not what was begun.
-    const fn lost(&mut self) -> Option<Done> {
-        self.active = Active::Free;
-        None
+    /// A tick of a dwell, or nothing is under way; or, which cannot be, it is not what was begun.
+    fn stand(&mut self, now: &Conditions<'_>, setpoint: &mut Setpoint) -> Result<(), Alarm> {
+        let Active::Dwell(left) = &mut self.active else {
+            self.active = Active::Free;
+            return Ok(());
+        };
+        let motion = if now.hold {
+            Motion::Hold
+        } else {
+            *left = left.saturating_sub(1);
+            if *left == 0 {
+                self.active = Active::Free;
+            }
+            Motion::Dwell
+        };
+        self.tell(setpoint, motion);
+        Ok(())
+    }
+
+    /// Says what a setpoint is.
+    #[cfg_attr(feature = "small", inline(never))]
+    fn tell(&self, setpoint: &mut Setpoint, motion: Motion) {
+        setpoint.motion = motion;
+        setpoint.number = self.number;
+        setpoint.line = self.span.line;
     }
 
     /// A tick of a tap.
-    fn tap_on(&mut self, now: &Conditions<'_>, tap: &Tap) -> Done {
+    #[cfg_attr(feature = "small", inline(never))]
+    fn tap_on(&mut self, now: &Conditions<'_>, tap: &Tap, setpoint: &mut Setpoint) {
         let Active::Tap(run) = &mut self.active else {
-            return Done::of(Motion::Idle);
+            return;
         };
         let hold = now.hold && !self.stops.hold_not_inside && !self.aborting;
         let rate = if tap.feed_override {
@@ -439,15 +432,14 @@ impl Executor {
         if point.done {
             self.active = Active::Free;
         }
-        Done {
-            motion: point.motion,
-            locked: true,
-            offset: point.offset,
-        }
+        self.tell(setpoint, point.motion);
+        setpoint.locked = true;
+        setpoint.number = self.number.saturating_add(point.offset);
     }
 
     /// A tick of a move that time drives.
-    fn move_on(&mut self, now: &Conditions<'_>, timed: &Timed) -> Done {
+    #[cfg_attr(feature = "small", inline(never))]
+    fn move_on(&mut self, now: &Conditions<'_>, timed: &Timed, setpoint: &mut Setpoint) {
         let hold = now.hold && !self.stops.hold_not_inside;
         let rate = if hold {
             Rate::HOLD
@@ -465,11 +457,12 @@ impl Executor {
         if step.done {
             self.active = Active::Free;
         }
-        Done::of(if hold && self.run.at_rest() && !step.done {
+        let motion = if hold && self.run.at_rest() && !step.done {
             Motion::Hold
         } else {
             Motion::Run
-        })
+        };
+        self.tell(setpoint, motion);
     }
 
     /// True while an abort is bringing the axes to rest.

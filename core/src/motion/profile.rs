@@ -117,31 +117,33 @@ pub struct Progress {
 }
 
 /// The one long-lived profile of a machine: about 8 KiB, most of it the ring of past inputs.
+// Which is last, so that what is beside it is near.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "small", repr(C))]
 pub struct Profile {
-    ring: [u32; CAPACITY as usize],
-    /// Slot of the next input.
-    head: usize,
-    /// Inputs since the start of this motion, up to the capacity; what is older in the ring belongs to another motion
-    /// and counts as zero.
-    filled: u16,
-    ramp: Ramp,
-    nominal: PathRate,
     /// R: what has not been put in yet, in 1/256 nm.
     left: u64,
+    /// A.
+    accel: i64,
+    /// V, never negative.
+    speed: i64,
+    travel: u64,
+    ramp: Ramp,
+    remainder: u32,
+    nominal: PathRate,
     /// L.
     level: u32,
     /// M is the larger of the two.
     peak: u32,
     older_peak: u32,
     peak_ticks: u16,
-    /// A.
-    accel: i64,
-    /// V, never negative.
-    speed: i64,
-    travel: u64,
-    remainder: u32,
+    /// Inputs since the start of this motion, up to the capacity; what is older in the ring belongs to another motion
+    /// and counts as zero.
+    filled: u16,
     abandoned: bool,
+    /// Slot of the next input.
+    head: usize,
+    ring: [u32; CAPACITY as usize],
 }
 
 impl Default for Profile {

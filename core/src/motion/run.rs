@@ -21,15 +21,17 @@ pub struct Step {
 
 /// Time-driven motion in the tick. Long-lived: holds the profile and what has become of the motion under way. The motion
 /// itself stays where it is and is handed in, the same one until it is done.
+// The profile's ring last, so that the rest is near.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    profile: Profile,
     /// A motion is under way; one is joined to it.
     moving: bool,
     joined: bool,
     /// Travel at which the current path starts.
     origin: Travel,
     position: Position,
+    profile: Profile,
 }
 
 impl Run {

@@ -1,6 +1,6 @@
 //! An ordinary tap in the executor: the axis follows the spindle, and the tap turns it.
 
-use super::{Active, Conditions, Done, Executor, Motion};
+use super::{Active, Conditions, Executor, Setpoint};
 use crate::alarm::Alarm;
 use crate::motion::segment::Task;
 use crate::motion::tap::{FloatPlan, FloatTick, TapLine};
@@ -37,13 +37,15 @@ impl Executor {
     }
 
     /// A tick of an ordinary tap.
+    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn float_on(
         &mut self,
         now: &Conditions<'_>,
         plan: &FloatPlan,
-    ) -> Result<Done, Alarm> {
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         let Active::Float(run) = &mut self.active else {
-            return Ok(Done::of(Motion::Idle));
+            return Ok(());
         };
         let point = run.tick(
             plan,
@@ -63,13 +65,12 @@ impl Executor {
         if point.done {
             self.end_float();
         }
-        match point.alarm {
-            Some(alarm) => Err(alarm),
-            None => Ok(Done {
-                motion: point.motion,
-                locked: point.locked,
-                offset: point.offset,
-            }),
+        if let Some(alarm) = point.alarm {
+            return Err(alarm);
         }
+        self.tell(setpoint, point.motion);
+        setpoint.locked = point.locked;
+        setpoint.number = self.number.saturating_add(point.offset);
+        Ok(())
     }
 }

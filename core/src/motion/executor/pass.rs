@@ -1,6 +1,6 @@
 //! A pass of a thread in the executor: waiting for the spindle, and what the spindle may do in the stroke.
 
-use super::{Active, Conditions, Done, Executor, Motion};
+use super::{Active, Conditions, Executor, Motion, Setpoint};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::motion::segment::Pass;
 use crate::motion::thread::{Phase, ThreadPlan, ThreadRun};
@@ -22,10 +22,17 @@ pub(super) struct Waited {
 impl Executor {
     /// A tick of the wait. The pass begins when the spindle turns as commanded, its index is known and the retract is
     /// queued.
-    pub(super) fn wait(&mut self, now: &Conditions<'_>, pass: &Pass) -> Result<Done, Alarm> {
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(super) fn wait(
+        &mut self,
+        now: &Conditions<'_>,
+        pass: &Pass,
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         if now.hold {
             self.active = Active::Waiting(Waited::default());
-            return Ok(Done::of(Motion::Hold));
+            self.tell(setpoint, Motion::Hold);
+            return Ok(());
         }
         let speed = now.observer.speed();
         let wanted = TurnRate::of_rpm(pass.rpm);
@@ -59,7 +66,8 @@ impl Executor {
                 }
             }
         }
-        Ok(Done::of(Motion::Wait))
+        self.tell(setpoint, Motion::Wait);
+        Ok(())
     }
 
     /// A tick more of one of the waits: its ticks so far.
@@ -87,18 +95,21 @@ impl Executor {
     }
 
     /// A tick of the pass.
+    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn cut_on(
         &mut self,
         now: &Conditions<'_>,
         plan: &ThreadPlan,
-    ) -> Result<Done, Alarm> {
+        setpoint: &mut Setpoint,
+    ) -> Result<(), Alarm> {
         let Active::Thread(run) = &mut self.active else {
-            return Ok(Done::of(Motion::Idle));
+            return Ok(());
         };
         if now.hold && !self.aborting && run.phase() == Phase::Waiting {
             // It has not left yet: it waits again after the hold.
             self.active = Active::Waiting(Waited::default());
-            return Ok(Done::of(Motion::Hold));
+            self.tell(setpoint, Motion::Hold);
+            return Ok(());
         }
         let speed = now.observer.speed();
         let turning = now.observer.is_turning();
@@ -152,13 +163,12 @@ impl Executor {
             }
             Phase::Joining | Phase::Locked | Phase::Braking => Motion::Run,
         };
-        match alarm {
-            Some(alarm) => Err(alarm),
-            None => Ok(Done {
-                motion,
-                locked: point.phase == Phase::Locked,
-                offset: u32::from(point.move_index),
-            }),
+        if let Some(alarm) = alarm {
+            return Err(alarm);
         }
+        self.tell(setpoint, motion);
+        setpoint.locked = point.phase == Phase::Locked;
+        setpoint.number = self.number.saturating_add(u32::from(point.move_index));
+        Ok(())
     }
 }
