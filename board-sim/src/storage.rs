@@ -4,7 +4,7 @@ use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::board::{Board, PowerUp};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
-use leadscrew_store::{BUFFER, Region, Store, block_on};
+use leadscrew_store::{BUFFER, Region, Store};
 
 use crate::plant::Flash;
 
@@ -17,8 +17,11 @@ pub fn stored_tap(flash: &mut Flash) -> Result<Option<TapRecord>, Alarm> {
     let damaged = Alarm::new(Code::TapJournalDamaged, Span::default());
     let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash).map_err(|_| damaged)?;
-    block_on(store.recover()).map_err(|_| damaged)?;
-    match block_on(store.read(Region::TapJournal, &mut buffer)).map_err(|_| damaged)? {
+    store.recover().map_err(|_| damaged)?;
+    match store
+        .read(Region::TapJournal, &mut buffer)
+        .map_err(|_| damaged)?
+    {
         Some(bytes) => TapRecord::decode(bytes).map_err(|_| damaged),
         None => Ok(None),
     }
@@ -31,7 +34,7 @@ pub fn stored_tap(flash: &mut Flash) -> Result<Option<TapRecord>, Alarm> {
 pub fn stored_params(flash: &mut Flash, built_in: &Params) -> Result<PowerUp, Alarm> {
     let lost = Alarm::new(Code::ParametersLost, Span::default());
     let mut store = Store::new(flash).map_err(|_| lost)?;
-    Ok(block_on(store.power_up(|| built_in.clone())))
+    Ok(store.power_up(|| built_in.clone()))
 }
 
 /// Carries out what a board asks of its storage.
@@ -39,15 +42,15 @@ pub fn keep(board: &mut Board, flash: &mut Flash) {
     loop {
         if let Some(region) = board.load() {
             let mut buffer = [0; BUFFER];
-            let held = Store::new(&mut *flash)
-                .and_then(|mut store| block_on(store.read(region, &mut buffer)));
+            let held =
+                Store::new(&mut *flash).and_then(|mut store| store.read(region, &mut buffer));
             board.loaded(held);
         }
         let Some(request) = board.store() else {
             return;
         };
         let region = request.region;
-        let written = Store::new(&mut *flash).and_then(|mut store| block_on(store.keep(&request)));
+        let written = Store::new(&mut *flash).and_then(|mut store| store.keep(&request));
         board.stored(region, written);
     }
 }

@@ -12,7 +12,7 @@ use leadscrew_board_sim::stored_params;
 use leadscrew_core::board::Found;
 use leadscrew_core::journal::{RecordError, TapRecord};
 use leadscrew_core::params::Params;
-use leadscrew_store::{BUFFER, Region, Store, block_on};
+use leadscrew_store::{BUFFER, Region, Store};
 
 use crate::failure::{Doing, Failure, Outcome};
 use crate::link::alarm_words;
@@ -191,11 +191,8 @@ enum Unreadable {
 fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
     let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash.clone()).map_err(|_| Unreadable::Store)?;
-    let read = block_on(async {
-        store.recover().await?;
-        store.read(Region::TapJournal, &mut buffer).await
-    });
-    match read {
+    let recovered = store.recover();
+    match recovered.and_then(|()| store.read(Region::TapJournal, &mut buffer)) {
         Err(_) => Err(Unreadable::Store),
         Ok(None) => Ok(None),
         Ok(Some(bytes)) => TapRecord::decode(bytes).map_err(Unreadable::Record),
@@ -208,10 +205,8 @@ fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
 pub fn stored_set(flash: &Flash) -> Option<Params> {
     let mut flash = flash.clone();
     let mut store = Store::new(&mut flash).ok()?;
-    let up = block_on(async {
-        store.recover().await.ok()?;
-        Some(store.power_up(Params::slant_bed).await)
-    })?;
+    store.recover().ok()?;
+    let up = store.power_up(Params::slant_bed);
     (up.found != Found::Nothing).then_some(up.params)
 }
 
@@ -249,7 +244,7 @@ mod tests {
         assert_eq!(file.load_or_new().unwrap(), Flash::erased());
         assert!(file.load().is_err());
         let mut store = Store::new(Flash::erased()).unwrap();
-        block_on(store.write(Region::TapJournal, b"no entry")).unwrap();
+        store.write(Region::TapJournal, b"no entry").unwrap();
         let flash = store.into_flash();
         file.save(&flash).unwrap();
         file.save(&flash).unwrap();

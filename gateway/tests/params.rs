@@ -524,13 +524,13 @@ fn a_drive_that_refuses_stops_all_of_it() {
 #[test]
 fn a_damaged_set_is_offered_the_last_good_one() {
     use leadscrew_board_sim::plant::Flash;
-    use leadscrew_store::{Region, Store, block_on};
+    use leadscrew_store::{Region, Store};
     let state = board("damaged.flash");
     good(&["params", "set", "9007=12", "--state", &state]);
     good(&["params", "set", "9007=13", "--state", &state]);
     let flash = Flash::from_image(&std::fs::read(&state).unwrap()).unwrap();
     let mut store = Store::new(flash).unwrap();
-    block_on(store.write(Region::ParametersB, b"damaged")).unwrap();
+    store.write(Region::ParametersB, b"damaged").unwrap();
     std::fs::write(&state, store.into_flash().image()).unwrap();
 
     let status = good(&["status", "--state", &state]);

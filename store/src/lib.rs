@@ -10,7 +10,9 @@
 //! - an erase that was cut may leave a page that looks open and is not empty, or two pages in use: [`Store::recover`] ends
 //!   such an erase, before anything else is done.
 //!
-//! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation.
+//! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation. The flash is
+//! one whose operations end by themselves (simulated, or a driver that waits for its chip): `sequential-storage` would let
+//! others run meanwhile, of which there are none here.
 
 mod patient;
 mod value;
@@ -18,9 +20,8 @@ mod wait;
 
 pub use leadscrew_core::board::{Region, StoreError, StoreRequest};
 pub use patient::Patient;
-pub use wait::block_on;
 
-use embedded_storage_async::nor_flash::NorFlash;
+use embedded_storage::nor_flash::NorFlash;
 use leadscrew_core::board::{Held, PowerUp};
 use leadscrew_core::params::Params;
 use sequential_storage::Error;
@@ -28,6 +29,7 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, Value};
 
 use value::Wanted;
+use wait::block_on;
 
 /// A set of a later parameter table may be so much longer, and is still read: as what it is.
 const SPARE: usize = 256;
@@ -69,23 +71,23 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// [`StoreError::Device`].
-    pub async fn recover(&mut self) -> Result<(), StoreError> {
+    pub fn recover(&mut self) -> Result<(), StoreError> {
         let end = self.map.flash_range().end;
         let page = F::ERASE_SIZE as u32;
         let pages = end.checked_div(page).unwrap_or(0);
         let mut writing = None;
         for index in 0..pages {
             let start = index.saturating_mul(page);
-            match self.page(start).await? {
+            match self.page(start)? {
                 Page::Erased | Page::Closed => {}
-                Page::Cut => self.erase(start).await?,
+                Page::Cut => self.erase(start)?,
                 Page::Writing => match writing {
                     None => writing = Some(index),
                     // Of two pages in use, the later one was about to be erased: all that counts is on the one before.
                     Some(first) if first == 0 && index.saturating_add(1) == pages => {
-                        self.erase(0).await?;
+                        self.erase(0)?;
                     }
-                    Some(_) => self.erase(start).await?,
+                    Some(_) => self.erase(start)?,
                 },
             }
         }
@@ -96,54 +98,51 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// [`StoreError::Device`], [`StoreError::Damaged`].
-    pub async fn read<'b>(
+    pub fn read<'b>(
         &mut self,
         region: Region,
         buffer: &'b mut [u8; BUFFER],
     ) -> Result<Option<&'b [u8]>, StoreError> {
-        self.map
-            .fetch_item::<&[u8]>(buffer, &region.key())
-            .await
-            .map_err(|error| reason(&error))
+        let fetched = block_on(self.map.fetch_item::<&[u8]>(buffer, &region.key()));
+        fetched.map_err(|error| reason(&error))
     }
 
     /// Stores bytes in a region; they replace what was there.
     ///
     /// # Errors
     /// [`StoreError`]; the region then holds what it held before.
-    pub async fn write(&mut self, region: Region, bytes: &[u8]) -> Result<(), StoreError> {
-        self.put(region, &bytes).await
+    pub fn write(&mut self, region: Region, bytes: &[u8]) -> Result<(), StoreError> {
+        self.put(region, &bytes)
     }
 
     /// Stores what a board asks for.
     ///
     /// # Errors
     /// As [`write`](Self::write).
-    pub async fn keep(&mut self, request: &StoreRequest<'_>) -> Result<(), StoreError> {
-        self.put(request.region, &Wanted(request)).await
+    pub fn keep(&mut self, request: &StoreRequest<'_>) -> Result<(), StoreError> {
+        self.put(request.region, &Wanted(request))
     }
 
     /// Reads what a board starts with; `built_in` makes what it has of its own. Behind [`recover`](Self::recover).
-    pub async fn power_up(&mut self, built_in: impl Fn() -> Params) -> PowerUp {
+    #[inline(never)]
+    pub fn power_up(&mut self, built_in: impl Fn() -> Params) -> PowerUp {
         let (mut a, mut b) = ([0; BUFFER], [0; BUFFER]);
-        let mark = self.mark(&mut a).await;
-        let a = self.read(Region::ParametersA, &mut a).await;
-        let b = self.read(Region::ParametersB, &mut b).await;
+        let mark = self.mark(&mut a);
+        let a = self.read(Region::ParametersA, &mut a);
+        let b = self.read(Region::ParametersB, &mut b);
         PowerUp::of(built_in, held(&mark), a, b)
     }
 
-    async fn mark(&mut self, buffer: &mut [u8; BUFFER]) -> Result<Option<Few>, StoreError> {
-        let bytes = self.read(Region::ParametersMark, buffer).await?;
+    fn mark(&mut self, buffer: &mut [u8; BUFFER]) -> Result<Option<Few>, StoreError> {
+        let bytes = self.read(Region::ParametersMark, buffer)?;
         Ok(bytes.map(|bytes| bytes.first_chunk().copied().unwrap_or_default()))
     }
 
     /// The buffer is on the stack for as long as it is needed.
-    async fn put<'d, V: Value<'d>>(&mut self, region: Region, value: &V) -> Result<(), StoreError> {
+    fn put<'d, V: Value<'d>>(&mut self, region: Region, value: &V) -> Result<(), StoreError> {
         let mut buffer = [0; BUFFER];
-        self.map
-            .store_item(&mut buffer, &region.key(), value)
-            .await
-            .map_err(|error| reason(&error))
+        let stored = block_on(self.map.store_item(&mut buffer, &region.key(), value));
+        stored.map_err(|error| reason(&error))
     }
 
     /// The flash back.
@@ -153,40 +152,38 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// What a page looks like from its first and last word, and, where these are erased, from all of them.
-    async fn page(&mut self, start: u32) -> Result<Page, StoreError> {
+    fn page(&mut self, start: u32) -> Result<Page, StoreError> {
         let word = F::WRITE_SIZE as u32;
         let page = F::ERASE_SIZE as u32;
         let last = start.saturating_add(page.saturating_sub(word));
-        let first = !self.is_marked(start).await?;
-        let closed = self.is_marked(last).await?;
+        let first = !self.is_marked(start)?;
+        let closed = self.is_marked(last)?;
         Ok(match (first, closed) {
             (true, true) => Page::Cut,
             (false, true) => Page::Closed,
             (false, false) => Page::Writing,
-            (true, false) if self.is_erased(start, page).await? => Page::Erased,
+            (true, false) if self.is_erased(start, page)? => Page::Erased,
             (true, false) => Page::Cut,
         })
     }
 
     /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not
     /// make one.
-    async fn is_marked(&mut self, address: u32) -> Result<bool, StoreError> {
-        use embedded_storage_async::nor_flash::ReadNorFlash;
+    fn is_marked(&mut self, address: u32) -> Result<bool, StoreError> {
         let mut word = [0xFF; WORD];
         let read = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
-        let read = self.map.flash().read(address, read).await;
+        let read = self.map.flash().read_words(address, read);
         read.map_err(|_| StoreError::Device)?;
         let zeros = word.iter().map(|byte| byte.count_zeros()).sum::<u32>();
         Ok(zeros >= MARK_BITS)
     }
 
     /// True where so many bytes from an address on are erased.
-    async fn is_erased(&mut self, from: u32, length: u32) -> Result<bool, StoreError> {
-        use embedded_storage_async::nor_flash::ReadNorFlash;
+    fn is_erased(&mut self, from: u32, length: u32) -> Result<bool, StoreError> {
         let mut word = [0; WORD];
         let word = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
         for address in (from..from.saturating_add(length)).step_by(F::WRITE_SIZE.max(1)) {
-            let read = self.map.flash().read(address, word).await;
+            let read = self.map.flash().read_words(address, word);
             read.map_err(|_| StoreError::Device)?;
             if word.iter().any(|byte| *byte != 0xFF) {
                 return Ok(false);
@@ -195,9 +192,9 @@ impl<F: NorFlash> Store<F> {
         Ok(true)
     }
 
-    async fn erase(&mut self, start: u32) -> Result<(), StoreError> {
+    fn erase(&mut self, start: u32) -> Result<(), StoreError> {
         let end = start.saturating_add(F::ERASE_SIZE as u32);
-        let done = self.map.flash().erase(start, end).await;
+        let done = self.map.flash().erase_pages(start, end);
         done.map_err(|_| StoreError::Device)
     }
 }

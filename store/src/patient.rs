@@ -1,8 +1,10 @@
-//! Flash whose torn words can be read.
+//! Flash whose torn words can be read, and which the map below may wait for.
 
-use embedded_storage_async::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
+use core::future::{Future, poll_fn};
+use core::task::Poll;
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind};
+use embedded_storage_async::nor_flash as waited;
 
 use super::WORD;
 
@@ -25,40 +27,21 @@ impl<F> Patient<F> {
 }
 
 impl<F: NorFlash> Patient<F> {
-    /// True where the first word of any page can be read: so it is words that are torn, and not the device that is gone.
-    async fn answers(&mut self) -> bool {
-        let mut word = [0; WORD];
-        let Some(word) = word.get_mut(..F::WRITE_SIZE) else {
-            return false;
-        };
-        for page in (0..self.flash.capacity()).step_by(F::ERASE_SIZE.max(1)) {
-            if self.flash.read(page as u32, word).await.is_ok() {
-                return true;
-            }
-        }
-        false
-    }
-}
-
-impl<F: ErrorType> ErrorType for Patient<F> {
-    type Error = F::Error;
-}
-
-impl<F: NorFlash> ReadNorFlash for Patient<F> {
-    // Whole words: of a torn one the first byte alone may be new, and a part of it would not tell.
-    const READ_SIZE: usize = F::WRITE_SIZE;
-
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
-        let Err(error) = self.flash.read(offset, bytes).await else {
+    /// Reads whole words.
+    ///
+    /// # Errors
+    /// Those of the flash, but for words that cannot be read.
+    pub fn read_words(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), F::Error> {
+        let Err(error) = self.flash.read(offset, bytes) else {
             return Ok(());
         };
-        if error.kind() != NorFlashErrorKind::Other || !self.answers().await {
+        if error.kind() != NorFlashErrorKind::Other || !self.answers() {
             return Err(error);
         }
         // Word by word: what the device can read is read.
         let mut at = offset;
         for word in bytes.chunks_mut(F::WRITE_SIZE.max(1)) {
-            if self.flash.read(at, word).await.is_err() {
+            if self.flash.read(at, word).is_err() {
                 word.fill(0);
             }
             at = at.saturating_add(F::WRITE_SIZE as u32);
@@ -66,20 +49,68 @@ impl<F: NorFlash> ReadNorFlash for Patient<F> {
         Ok(())
     }
 
+    /// Erases pages.
+    ///
+    /// # Errors
+    /// Those of the flash.
+    pub fn erase_pages(&mut self, from: u32, to: u32) -> Result<(), F::Error> {
+        self.flash.erase(from, to)
+    }
+
+    /// True where the first word of any page can be read: so it is words that are torn, and not the device that is gone.
+    fn answers(&mut self) -> bool {
+        let mut word = [0; WORD];
+        let Some(word) = word.get_mut(..F::WRITE_SIZE) else {
+            return false;
+        };
+        for page in (0..self.flash.capacity()).step_by(F::ERASE_SIZE.max(1)) {
+            if self.flash.read(page as u32, word).is_ok() {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// What is done when it is asked for.
+fn now<T>(mut work: impl FnMut() -> T) -> impl Future<Output = T> {
+    poll_fn(move |_| Poll::Ready(work()))
+}
+
+impl<F: ErrorType> ErrorType for Patient<F> {
+    type Error = F::Error;
+}
+
+impl<F: NorFlash> waited::ReadNorFlash for Patient<F> {
+    // Whole words: of a torn one the first byte alone may be new, and a part of it would not tell.
+    const READ_SIZE: usize = F::WRITE_SIZE;
+
+    fn read(
+        &mut self,
+        offset: u32,
+        bytes: &mut [u8],
+    ) -> impl Future<Output = Result<(), Self::Error>> {
+        now(move || self.read_words(offset, bytes))
+    }
+
     fn capacity(&self) -> usize {
         self.flash.capacity()
     }
 }
 
-impl<F: NorFlash> NorFlash for Patient<F> {
+impl<F: NorFlash> waited::NorFlash for Patient<F> {
     const WRITE_SIZE: usize = F::WRITE_SIZE;
     const ERASE_SIZE: usize = F::ERASE_SIZE;
 
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
-        self.flash.erase(from, to).await
+    fn erase(&mut self, from: u32, to: u32) -> impl Future<Output = Result<(), Self::Error>> {
+        now(move || self.erase_pages(from, to))
     }
 
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
-        self.flash.write(offset, bytes).await
+    fn write(
+        &mut self,
+        offset: u32,
+        bytes: &[u8],
+    ) -> impl Future<Output = Result<(), Self::Error>> {
+        now(move || self.flash.write(offset, bytes))
     }
 }

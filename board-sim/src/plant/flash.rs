@@ -4,7 +4,7 @@
 //! A word in which the power goes is torn: its first bytes are new, the rest is erased. What it reads as afterwards depends
 //! on the device: half written, or not at all, because its error correction does not fit ([`Tear`]).
 
-use embedded_storage_async::nor_flash::{
+use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
@@ -318,7 +318,7 @@ impl ErrorType for Flash {
 impl ReadNorFlash for Flash {
     const READ_SIZE: usize = 1;
 
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
         let from = self.check(offset, bytes.len(), 1)?;
         let end = from.wrapping_add(bytes.len());
         if (from / Self::WORD..end.div_ceil(Self::WORD)).any(|word| self.is_marked(word)) {
@@ -339,7 +339,7 @@ impl NorFlash for Flash {
     const WRITE_SIZE: usize = Self::WORD;
     const ERASE_SIZE: usize = Self::PAGE;
 
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         let length = to.checked_sub(from).ok_or(FlashError::Address)?;
         let from = self.check(from, length as usize, Self::PAGE)?;
         if self.broken || self.writes_left == Some(0) {
@@ -357,7 +357,7 @@ impl NorFlash for Flash {
             })
     }
 
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         let from = self.check(offset, bytes.len(), Self::WORD)?;
         if self.broken || self.writes_left == Some(0) {
             return Err(FlashError::NotErased);

@@ -42,14 +42,14 @@ use leadscrew_app::{
     TickerPlace, serial_of,
 };
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
 use leadscrew_core::bus::{Controller, Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_memory as _;
 use leadscrew_parts::{BitTiming, WordFlash};
-use leadscrew_store::{BUFFER, Store, block_on};
+use leadscrew_store::{BUFFER, Store};
 use stm32_metapac::{UID, interrupt};
 
 use crate::encoder::Encoder;
@@ -117,6 +117,8 @@ impl TickMachine for TickParts {
     }
 }
 
+type Storage = Store<WordFlash<Bank>>;
+
 struct BackgroundParts {
     wire: BackgroundEnd,
     storage: Storage,
@@ -124,41 +126,14 @@ struct BackgroundParts {
     switches: Switches,
 }
 
-/// The flash; it is away only while something is done with it.
-struct Storage(Option<WordFlash<Bank>>);
-
-impl Storage {
-    /// Does something with the regions in it.
-    fn with<T>(
-        &mut self,
-        work: impl FnOnce(&mut Store<WordFlash<Bank>>) -> Result<T, StoreError>,
-    ) -> Result<T, StoreError> {
-        let mut store = Store::new(self.0.take().ok_or(StoreError::Device)?)?;
-        let result = work(&mut store);
-        self.0 = Some(store.into_flash());
-        result
-    }
-
-    /// The entry of the tap journal; repairs first what a loss of power has left unfinished.
-    #[inline(never)]
-    fn tap(&mut self) -> Result<Option<TapRecord>, StoreError> {
-        let mut buffer = [0; BUFFER];
-        self.with(|store| {
-            block_on(store.recover())?;
-            match block_on(store.read(Region::TapJournal, &mut buffer))? {
-                Some(bytes) => TapRecord::decode(bytes).map_err(|_| StoreError::Damaged),
-                None => Ok(None),
-            }
-        })
-    }
-
-    /// The parameters to start with. Behind [`tap`](Self::tap).
-    #[inline(never)]
-    fn params(&mut self) -> board::PowerUp {
-        self.with(|store| Ok(block_on(store.power_up(Params::slant_bed))))
-            .unwrap_or_else(|error| {
-                board::PowerUp::of(Params::slant_bed, Err(error), Err(error), Err(error))
-            })
+/// The entry of the tap journal; repairs first what a loss of power has left unfinished.
+#[inline(never)]
+fn tap(storage: &mut Storage) -> Result<Option<TapRecord>, StoreError> {
+    let mut buffer = [0; BUFFER];
+    storage.recover()?;
+    match storage.read(Region::TapJournal, &mut buffer)? {
+        Some(bytes) => TapRecord::decode(bytes).map_err(|_| StoreError::Damaged),
+        None => Ok(None),
     }
 }
 
@@ -176,16 +151,12 @@ impl Machine for BackgroundParts {
     }
 
     fn store(&mut self, request: &StoreRequest<'_>) {
-        self.stored = Some(self.storage.with(|store| block_on(store.keep(request))));
+        self.stored = Some(self.storage.keep(request));
     }
 
     fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>)) {
         let mut buffer = [0; BUFFER];
-        let length = self.storage.with(|store| {
-            let held = block_on(store.read(region, &mut buffer))?;
-            Ok(held.map(<[u8]>::len))
-        });
-        then(length.map(|length| buffer.get(..length?)));
+        then(self.storage.read(region, &mut buffer));
     }
 
     fn stored(&mut self) -> Option<Result<(), StoreError>> {
@@ -234,9 +205,11 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     clock::start();
     pins::start();
     log::started(cause);
-    let mut storage = Storage(Some(flash::start()));
-    let tap = storage.tap();
-    let set = storage.params();
+    let Ok(mut storage) = Storage::new(flash::start()) else {
+        panic!("the bank holds the regions");
+    };
+    let tap = tap(&mut storage);
+    let set = storage.power_up(Params::slant_bed);
 
     let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
     let timing = BitTiming::of(clock::CRYSTAL_HZ, kbit);

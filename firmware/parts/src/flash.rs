@@ -4,7 +4,7 @@
 //! correction says so. Such a word reads as an error here, and whoever stores knows what to do about it; it must not stop the
 //! program. Waits for the chip: to be used from the background only.
 
-use embedded_storage_async::nor_flash::{
+use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
@@ -82,7 +82,7 @@ impl<D> ErrorType for WordFlash<D> {
 impl<D: WordDevice> ReadNorFlash for WordFlash<D> {
     const READ_SIZE: usize = WORD;
 
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), WordError> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), WordError> {
         Self::check(offset, bytes.len(), WORD)?;
         for (at, place) in (offset..).step_by(WORD).zip(bytes.chunks_exact_mut(WORD)) {
             place.copy_from_slice(&self.0.read(at)?);
@@ -99,7 +99,7 @@ impl<D: WordDevice> NorFlash for WordFlash<D> {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = D::PAGE;
 
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), WordError> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), WordError> {
         let length = to.checked_sub(from).ok_or(WordError::Address)?;
         Self::check(from, length as usize, D::PAGE)?;
         (from..to)
@@ -107,7 +107,7 @@ impl<D: WordDevice> NorFlash for WordFlash<D> {
             .try_for_each(|page| self.0.erase(page))
     }
 
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), WordError> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), WordError> {
         Self::check(offset, bytes.len(), WORD)?;
         let (words, _) = bytes.as_chunks::<WORD>();
         (offset..)
@@ -124,7 +124,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    use leadscrew_store::{Region, Store, StoreError, block_on};
+    use leadscrew_store::{Region, Store, StoreError};
 
     use super::*;
 
@@ -178,12 +178,12 @@ mod tests {
     fn what_is_written_is_read_and_an_erase_takes_whole_pages() {
         let mut flash = WordFlash(Chip::erased());
         let bytes: Vec<u8> = (0..64).collect();
-        block_on(flash.write(2040, &bytes)).unwrap();
+        flash.write(2040, &bytes).unwrap();
         let mut read = [0; 64];
-        block_on(flash.read(2040, &mut read)).unwrap();
+        flash.read(2040, &mut read).unwrap();
         assert_eq!(read[..], bytes[..]);
-        block_on(flash.erase(2048, 4096)).unwrap();
-        block_on(flash.read(2040, &mut read)).unwrap();
+        flash.erase(2048, 4096).unwrap();
+        flash.read(2040, &mut read).unwrap();
         assert_eq!(read[..8], bytes[..8]);
         assert_eq!(read[8..], [0xFF; 56]);
     }
@@ -193,12 +193,9 @@ mod tests {
         let mut flash = WordFlash(Chip::erased());
         flash.0.torn.push(16);
         let mut word = [0; WORD];
-        assert_eq!(
-            block_on(flash.read(16, &mut word)),
-            Err(WordError::Unreadable)
-        );
-        assert_eq!(block_on(flash.read(8, &mut word)), Ok(()));
-        assert_eq!(block_on(flash.read(24, &mut word)), Ok(()));
+        assert_eq!(flash.read(16, &mut word), Err(WordError::Unreadable));
+        assert_eq!(flash.read(8, &mut word), Ok(()));
+        assert_eq!(flash.read(24, &mut word), Ok(()));
         assert_eq!(WordError::Unreadable.kind(), NorFlashErrorKind::Other);
     }
 
@@ -207,14 +204,14 @@ mod tests {
         let mut flash = WordFlash(Chip::erased());
         let mut word = [0; WORD];
         let outside = Err(WordError::Address);
-        assert_eq!(block_on(flash.read(4, &mut word)), outside);
-        assert_eq!(block_on(flash.read(8192, &mut word)), outside);
-        assert_eq!(block_on(flash.read(u32::MAX - 7, &mut word)), outside);
-        assert_eq!(block_on(flash.write(0, &[0; 7])), outside);
-        assert_eq!(block_on(flash.write(8184, &[0; 16])), outside);
-        assert_eq!(block_on(flash.erase(0, 1000)), outside);
-        assert_eq!(block_on(flash.erase(2048, 0)), outside);
-        assert_eq!(block_on(flash.erase(6144, 10240)), outside);
+        assert_eq!(flash.read(4, &mut word), outside);
+        assert_eq!(flash.read(8192, &mut word), outside);
+        assert_eq!(flash.read(u32::MAX - 7, &mut word), outside);
+        assert_eq!(flash.write(0, &[0; 7]), outside);
+        assert_eq!(flash.write(8184, &[0; 16]), outside);
+        assert_eq!(flash.erase(0, 1000), outside);
+        assert_eq!(flash.erase(2048, 0), outside);
+        assert_eq!(flash.erase(6144, 10240), outside);
         assert_eq!(WordError::Address.kind(), NorFlashErrorKind::OutOfBounds);
     }
 
@@ -224,8 +221,8 @@ mod tests {
         let mut buffer = [0; leadscrew_store::BUFFER];
         for round in 0..200_u8 {
             let mut store = Store::new(flash).unwrap();
-            block_on(store.recover()).unwrap();
-            block_on(store.write(Region::TapJournal, &[round; 40])).unwrap();
+            store.recover().unwrap();
+            store.write(Region::TapJournal, &[round; 40]).unwrap();
             flash = store.into_flash();
         }
         // The word behind the newest value is where the next write would have been cut.
@@ -233,8 +230,8 @@ mod tests {
         let next = (end.unwrap() + 1) * WORD;
         flash.0.torn.push(u32::try_from(next % Chip::SIZE).unwrap());
         let mut store = Store::new(flash).unwrap();
-        block_on(store.recover()).unwrap();
-        let read = block_on(store.read(Region::TapJournal, &mut buffer)).unwrap();
+        store.recover().unwrap();
+        let read = store.read(Region::TapJournal, &mut buffer).unwrap();
         assert_eq!(read, Some(&[199; 40][..]));
     }
 
@@ -243,7 +240,7 @@ mod tests {
         let mut chip = Chip::erased();
         chip.refuses = true;
         let mut store = Store::new(WordFlash(chip)).unwrap();
-        let written = block_on(store.write(Region::TapJournal, &[1; 40]));
+        let written = store.write(Region::TapJournal, &[1; 40]);
         assert_eq!(written, Err(StoreError::Device));
     }
 }

@@ -3,7 +3,7 @@
 use leadscrew_can::Address;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::program::LengthUnit;
-use leadscrew_store::{Region, Store, block_on};
+use leadscrew_store::{Region, Store};
 
 use super::{board, expand, run};
 use crate::cli::{Drive, Global};
@@ -112,11 +112,9 @@ fn discard(global: &Global, state: &StateFile) -> Outcome {
                 ))
             };
             let mut store = Store::new(flash).map_err(unwritable)?;
-            block_on(async {
-                store.recover().await?;
-                store.write(Region::TapJournal, &out.encode()).await
-            })
-            .map_err(unwritable)?;
+            store.recover().map_err(unwritable)?;
+            let written = store.write(Region::TapJournal, &out.encode());
+            written.map_err(unwritable)?;
             store.into_flash()
         }
         Ok(_) => {

@@ -3,7 +3,7 @@
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{KeptSet, Mark, Region};
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_store::{Store, block_on};
+use leadscrew_store::Store;
 
 use super::{Folder, code, leadscrew, stderr, stdout};
 
@@ -28,8 +28,10 @@ fn state(folder: &Folder, damage: u8) -> String {
     .fill(&mut bytes);
     bytes[100] ^= damage;
     let mut store = Store::new(Flash::erased()).unwrap();
-    block_on(store.write(Region::ParametersA, &bytes)).unwrap();
-    block_on(store.write(Region::ParametersMark, &Mark(1).encode())).unwrap();
+    store.write(Region::ParametersA, &bytes).unwrap();
+    store
+        .write(Region::ParametersMark, &Mark(1).encode())
+        .unwrap();
     let file = folder.file("board.flash");
     std::fs::write(&file, store.into_flash().image()).unwrap();
     file

@@ -1,11 +1,11 @@
 //! What a board finds in its flash: any bytes.
 
-use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{Found, KeptSet, Mark, PowerUp};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_store::{BUFFER, Region, Store, block_on};
+use leadscrew_store::{BUFFER, Region, Store};
 
 /// The first byte chooses: an entry of the tap journal, the image of a flash in a file, pages in the flash itself, a
 /// parameter set, or what a board decides over two of them.
@@ -101,7 +101,7 @@ fn pages(bytes: &[u8]) {
         let words = flash.capacity() / word;
         let address = (place % words * word) as u32;
         // A word that is written already stays as it is.
-        let _ = block_on(flash.write(address, content));
+        let _ = flash.write(address, content);
         if at > words {
             break;
         }
@@ -110,14 +110,14 @@ fn pages(bytes: &[u8]) {
         panic!("a flash of the right size");
     };
     let mut buffer = [0; BUFFER];
-    if block_on(store.recover()).is_err() {
+    if store.recover().is_err() {
         return;
     }
-    let up = block_on(store.power_up(Params::slant_bed));
+    let up = store.power_up(Params::slant_bed);
     assert!(up.params.validate().is_ok());
-    let _ = block_on(store.read(Region::TapJournal, &mut buffer));
-    if block_on(store.write(Region::TapJournal, b"written later")).is_ok() {
-        let read = block_on(store.read(Region::TapJournal, &mut buffer));
+    let _ = store.read(Region::TapJournal, &mut buffer);
+    if store.write(Region::TapJournal, b"written later").is_ok() {
+        let read = store.read(Region::TapJournal, &mut buffer);
         assert_eq!(read, Ok(Some(&b"written later"[..])));
     }
 }

@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::journal::{TapHole, TapRecord};
 use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
-use leadscrew_store::{BUFFER, Region, Store, StoreError, block_on};
+use leadscrew_store::{BUFFER, Region, Store, StoreError};
 use leadscrew_tests::random::Random;
 
 /// Writes until every page has been erased once and the first is being filled again.
@@ -33,17 +33,17 @@ fn entry(sequence: u32) -> TapRecord {
 
 fn write(flash: &mut Flash, sequence: u32) -> Result<(), StoreError> {
     let mut store = Store::new(flash)?;
-    block_on(store.write(Region::TapJournal, &entry(sequence).encode()))
+    store.write(Region::TapJournal, &entry(sequence).encode())
 }
 
 fn recover(flash: &mut Flash) -> Result<(), StoreError> {
-    block_on(Store::new(flash)?.recover())
+    Store::new(flash)?.recover()
 }
 
 fn read(flash: &mut Flash) -> Result<Option<TapRecord>, StoreError> {
     let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash)?;
-    let bytes = block_on(store.read(Region::TapJournal, &mut buffer))?;
+    let bytes = store.read(Region::TapJournal, &mut buffer)?;
     Ok(bytes.and_then(|bytes| TapRecord::decode(bytes).expect("a whole entry")))
 }
 
@@ -192,16 +192,16 @@ fn an_image_keeps_the_flash_and_nothing_else_is_taken_for_one() {
 /// A mirror of what the real device says: a word is written once, and only an erase of its page frees it.
 #[test]
 fn a_word_that_is_not_erased_is_not_written() {
-    use embedded_storage_async::nor_flash::NorFlash;
+    use embedded_storage::nor_flash::NorFlash;
     use leadscrew_board_sim::plant::FlashError;
     let mut flash = Flash::erased();
     let zeros = [0; 8];
-    assert_eq!(block_on(flash.write(8, &zeros)), Ok(()));
-    assert_eq!(block_on(flash.write(8, &zeros)), Err(FlashError::NotErased));
-    assert_eq!(block_on(flash.write(4, &zeros)), Err(FlashError::Address));
+    assert_eq!(flash.write(8, &zeros), Ok(()));
+    assert_eq!(flash.write(8, &zeros), Err(FlashError::NotErased));
+    assert_eq!(flash.write(4, &zeros), Err(FlashError::Address));
     let end = Flash::SIZE as u32;
-    assert_eq!(block_on(flash.write(end, &zeros)), Err(FlashError::Address));
-    assert_eq!(block_on(flash.erase(0, 100)), Err(FlashError::Address));
-    assert_eq!(block_on(flash.erase(0, Flash::PAGE as u32)), Ok(()));
-    assert_eq!(block_on(flash.write(8, &zeros)), Ok(()));
+    assert_eq!(flash.write(end, &zeros), Err(FlashError::Address));
+    assert_eq!(flash.erase(0, 100), Err(FlashError::Address));
+    assert_eq!(flash.erase(0, Flash::PAGE as u32), Ok(()));
+    assert_eq!(flash.write(8, &zeros), Ok(()));
 }

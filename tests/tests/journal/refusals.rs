@@ -228,7 +228,7 @@ fn a_damaged_journal_is_an_alarm_and_not_forgotten() {
     entry[0] = 9;
     let mut store = leadscrew_store::Store::new(&mut flash).expect("a store");
     let region = leadscrew_store::Region::TapJournal;
-    leadscrew_store::block_on(store.write(region, &entry)).expect("written");
+    store.write(region, &entry).expect("written");
     let refused = Sim::with_flash(&params, &options, flash).err();
     let damaged =
         matches!(refused, Some(SimError::Board(alarm)) if alarm.code == Code::TapJournalDamaged);

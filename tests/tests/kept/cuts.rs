@@ -5,10 +5,10 @@ use core::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, Tear};
 use leadscrew_core::board::station::CommitState;
-use leadscrew_core::board::{Board, Output, Region, StoreError};
+use leadscrew_core::board::{Board, Output, Region};
 use leadscrew_core::bus::{Object, Periods, SdoDownload, SdoProtocol};
 use leadscrew_core::params::Entry;
-use leadscrew_store::{BUFFER, Store, block_on};
+use leadscrew_store::{BUFFER, Store};
 use leadscrew_tests::gateway::NODE;
 use leadscrew_tests::random::Random;
 
@@ -60,8 +60,7 @@ impl Bench {
         let mut whole = true;
         while let Some(request) = self.board.store() {
             let region = request.region;
-            let written =
-                Store::new(&mut *flash).and_then(|mut store| block_on(store.keep(&request)));
+            let written = Store::new(&mut *flash).and_then(|mut store| store.keep(&request));
             whole &= written.is_ok();
             self.board.stored(region, written);
             sequence += 1;
@@ -178,14 +177,12 @@ fn cuts_upon_cuts_lose_nothing() {
                 while random.chance(40) {
                     flash.cut_after(random.within(0, 2300) as u32);
                     let mut buffer = [0; BUFFER];
-                    let repaired = Store::new(&mut flash).map(|mut store| {
-                        block_on(async {
-                            store.recover().await?;
-                            store.read(Region::TapJournal, &mut buffer).await?;
-                            Ok::<_, StoreError>(())
-                        })
+                    let repaired = Store::new(&mut flash).and_then(|mut store| {
+                        store.recover()?;
+                        store.read(Region::TapJournal, &mut buffer)?;
+                        Ok(())
                     });
-                    cuts += u32::from(repaired != Ok(Ok(())));
+                    cuts += u32::from(repaired != Ok(()));
                     flash.power(true);
                 }
             }

@@ -4,7 +4,7 @@
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{Found, KeptError, KeptSet, Region};
 use leadscrew_core::params::Params;
-use leadscrew_store::{Store, block_on};
+use leadscrew_store::Store;
 
 use super::flash::{number, power_up, set};
 
@@ -25,8 +25,8 @@ fn stored(sets: u32) -> Flash {
         .fill(&mut bytes);
         let mark = leadscrew_core::board::Mark(number).encode();
         let mut store = Store::new(&mut flash).expect("a store");
-        block_on(store.write(region, &bytes)).expect("written");
-        block_on(store.write(Region::ParametersMark, &mark)).expect("written");
+        store.write(region, &bytes).expect("written");
+        store.write(Region::ParametersMark, &mark).expect("written");
     }
     flash
 }

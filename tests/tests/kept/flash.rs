@@ -7,7 +7,7 @@ use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
-use leadscrew_store::{BUFFER, Store, block_on};
+use leadscrew_store::{BUFFER, Store};
 
 /// Set number so many: told apart by an offset.
 pub fn set(number: u32) -> Params {
@@ -43,14 +43,16 @@ pub fn entry(sequence: u32) -> TapRecord {
 /// Stores the next entry of the tap journal.
 pub fn note(flash: &mut Flash, sequence: u32) -> Result<(), StoreError> {
     let mut store = Store::new(flash)?;
-    block_on(store.write(Region::TapJournal, &entry(sequence).encode()))
+    store.write(Region::TapJournal, &entry(sequence).encode())
 }
 
 /// The newest entry of the tap journal.
 pub fn noted(flash: &mut Flash) -> Option<u32> {
     let mut buffer = [0; BUFFER];
     let mut store = Store::new(flash).expect("a store");
-    let bytes = block_on(store.read(Region::TapJournal, &mut buffer)).expect("readable")?;
+    let bytes = store
+        .read(Region::TapJournal, &mut buffer)
+        .expect("readable")?;
     let record = TapRecord::decode(bytes).expect("an entry")?;
     assert_eq!(record, entry(record.sequence), "a mixture");
     Some(record.sequence)
@@ -60,8 +62,8 @@ pub fn noted(flash: &mut Flash) -> Option<u32> {
 pub fn power_up(flash: &mut Flash) -> PowerUp {
     flash.power(true);
     let mut store = Store::new(flash).expect("a store");
-    block_on(store.recover()).expect("recovered");
-    block_on(store.power_up(Params::slant_bed))
+    store.recover().expect("recovered");
+    store.power_up(Params::slant_bed)
 }
 
 /// The number of the set that is in force; `None`: nothing was ever stored.

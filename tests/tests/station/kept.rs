@@ -13,7 +13,7 @@ use leadscrew_core::bus::{
 };
 use leadscrew_core::link::{EventReader, ImageWriter, decode_alarm, identity};
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_store::{Store, block_on};
+use leadscrew_store::Store;
 use leadscrew_tests::gateway::{Gateway, NODE};
 use leadscrew_tests::machine::calls;
 
@@ -113,7 +113,7 @@ pub fn flash_with(sets: &[Params]) -> Flash {
 /// Puts bytes into a region by other ways than a board's.
 fn put(flash: &mut Flash, region: Region, bytes: &[u8]) {
     let mut store = Store::new(flash).expect("a store");
-    block_on(store.write(region, bytes)).expect("written");
+    store.write(region, bytes).expect("written");
 }
 
 fn kept(number: u32, params: &Params) -> Vec<u8> {

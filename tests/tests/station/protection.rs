@@ -91,7 +91,7 @@ fn a_board_that_is_write_protected_says_so() {
 #[test]
 fn a_protected_board_can_take_what_it_has_loaded() {
     use leadscrew_core::board::{KeptSet, Region};
-    use leadscrew_store::{Store, block_on};
+    use leadscrew_store::Store;
     let protected = with(&[("9007", 12), ("9026.0", 0)]);
     let mut flash = flash_with(std::slice::from_ref(&protected));
     // Another one, which is damaged.
@@ -103,9 +103,9 @@ fn a_protected_board_can_take_what_it_has_loaded() {
     .fill(&mut bytes);
     bytes[30] ^= 1;
     let mut store = Store::new(&mut flash).expect("a store");
-    block_on(store.write(Region::ParametersB, &bytes)).expect("written");
+    store.write(Region::ParametersB, &bytes).expect("written");
     let mark = leadscrew_core::board::Mark(2).encode();
-    block_on(store.write(Region::ParametersMark, &mark)).expect("written");
+    store.write(Region::ParametersMark, &mark).expect("written");
     let (mut sim, mut gateway, _) = power_up(flash);
     assert_eq!(command(&mut gateway, &mut sim, 0x5010, 5, 1), Ok(()));
     rest(&mut gateway, &mut sim);

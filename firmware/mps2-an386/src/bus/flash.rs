@@ -8,7 +8,7 @@ use leadscrew_core::board::{Held, PowerUp, Region, StoreError, StoreRequest};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_parts::{WordDevice, WordError, WordFlash};
-use leadscrew_store::{BUFFER, Store, block_on};
+use leadscrew_store::{BUFFER, Store};
 
 const WORD: usize = 8;
 const PAGE: usize = 2048;
@@ -104,8 +104,11 @@ impl RamFlash {
         let damaged = Alarm::new(Code::TapJournalDamaged, Span::default());
         let mut buffer = [0; BUFFER];
         let mut store = self.store().map_err(|_| damaged)?;
-        block_on(store.recover()).map_err(|_| damaged)?;
-        match block_on(store.read(Region::TapJournal, &mut buffer)).map_err(|_| damaged)? {
+        store.recover().map_err(|_| damaged)?;
+        match store
+            .read(Region::TapJournal, &mut buffer)
+            .map_err(|_| damaged)?
+        {
             Some(bytes) => TapRecord::decode(bytes).map_err(|_| damaged),
             None => Ok(None),
         }
@@ -116,7 +119,7 @@ impl RamFlash {
     /// # Errors
     /// [`StoreError::Device`].
     pub fn params(&mut self, built_in: &Params) -> Result<PowerUp, StoreError> {
-        Ok(block_on(self.store()?.power_up(built_in)))
+        Ok(self.store()?.power_up(built_in))
     }
 
     /// Reads a region.
@@ -124,7 +127,7 @@ impl RamFlash {
     /// # Errors
     /// As [`Store::read`].
     pub fn read<'b>(&mut self, region: Region, buffer: &'b mut [u8; BUFFER]) -> Held<'b> {
-        block_on(self.store()?.read(region, buffer))
+        self.store()?.read(region, buffer)
     }
 
     /// Stores.
@@ -132,6 +135,6 @@ impl RamFlash {
     /// # Errors
     /// As [`Store::keep`].
     pub fn write(&mut self, request: &StoreRequest<'_>) -> Result<(), StoreError> {
-        block_on(self.store()?.keep(request))
+        self.store()?.keep(request)
     }
 }
