@@ -119,7 +119,7 @@ impl RamFlash {
     /// # Errors
     /// [`StoreError::Device`].
     pub fn params(&mut self, built_in: &Params) -> Result<PowerUp, StoreError> {
-        Ok(self.store()?.power_up(built_in))
+        Ok(self.store()?.power_up(|| built_in.clone()))
     }
 
     /// Reads a region.
