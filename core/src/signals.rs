@@ -174,7 +174,7 @@ impl Signals {
             None => Ok(spindle),
             Some(other) => {
                 let number = |spindle: TapSpindle| Arg::Int(i64::from(spindle.number()));
-                let args = [number(spindle), number(other), Arg::None, Arg::None];
+                let args = [number(spindle), number(other)];
                 Err(Alarm::new(Code::TapSpindlesSelected, span).with(args))
             }
         }

@@ -115,12 +115,22 @@ impl Alarm {
         self
     }
 
-    /// Gives the figures of the template.
+    /// Gives the figures of the template, four at most; those that are not given are [`Arg::None`].
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
-    pub const fn with(mut self, args: [Arg; 4]) -> Self {
-        self.args = args;
+    #[inline]
+    pub fn with<const N: usize>(mut self, figures: [Arg; N]) -> Self {
+        const {
+            assert!(N <= 4, "a template has four figures at most");
+        }
+        self.fill(&figures);
         self
+    }
+
+    #[cfg_attr(feature = "small", inline(never))]
+    fn fill(&mut self, figures: &[Arg]) {
+        for (place, figure) in self.args.iter_mut().zip(figures) {
+            *place = *figure;
+        }
     }
 
     /// The alarm's number in the list of the trade.

@@ -2,15 +2,16 @@
 //! arithmetic of the cycles relies on it. Knows nothing of geometry.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::program::{GrooveCall, TapCall, TapForm, ThreadCall};
+use crate::program::{GrooveCall, Position, TapCall, TapForm, ThreadCall};
 use crate::units::Length;
 
 /// An alarm at a word, or at the block where the value came from a parameter.
-pub(crate) fn blame(code: Code, block: Span, word: Span, letter: u8) -> Alarm {
-    if word == Span::default() {
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) fn blame(code: Code, block: Span, word: &Span, letter: u8) -> Alarm {
+    if *word == Span::default() {
         Alarm::new(code, block)
     } else {
-        Alarm::new(code, word).word(letter)
+        Alarm::new(code, *word).word(letter)
     }
 }
 
@@ -24,80 +25,97 @@ enum Sign {
 
 /// Refuses lengths of a thread call that cannot be.
 pub(crate) fn thread_ranges(call: &ThreadCall, block: Span) -> Result<(), Alarm> {
-    let at = |value| At::new(value, Span::default());
-    length(&at(call.start.x), b'X', Sign::Any, block)?;
-    length(&at(call.start.z), b'Z', Sign::Any, block)?;
-    length(&call.end_x, b'X', Sign::Any, block)?;
-    length(&call.end_z, b'Z', Sign::Any, block)?;
-    length(&call.taper, b'R', Sign::Any, block)?;
-    length(&call.height, b'P', Sign::Positive, block)?;
-    length(&call.first_depth, b'Q', Sign::Positive, block)?;
-    length(&at(call.increment), b'Q', Sign::Positive, block)?;
-    length(&call.min_step, b'Q', Sign::NotNegative, block)?;
-    length(&call.allowance, b'R', Sign::NotNegative, block)?;
-    length(&call.run_in, b'E', Sign::NotNegative, block)?;
+    let mut words = Words::new(block);
+    words.place(&call.start);
+    words.length(&call.end_x, b'X', Sign::Any);
+    words.length(&call.end_z, b'Z', Sign::Any);
+    words.length(&call.taper, b'R', Sign::Any);
+    words.length(&call.height, b'P', Sign::Positive);
+    words.length(&call.first_depth, b'Q', Sign::Positive);
+    words.unwritten(call.increment, b'Q', Sign::Positive);
+    words.length(&call.min_step, b'Q', Sign::NotNegative);
+    words.length(&call.allowance, b'R', Sign::NotNegative);
+    words.length(&call.run_in, b'E', Sign::NotNegative);
     if let Some(run_out) = &call.run_out {
-        length(&run_out.short, b'J', Sign::Positive, block)?;
-        length(&run_out.long, b'K', Sign::Positive, block)?;
+        words.length(&run_out.short, b'J', Sign::Positive);
+        words.length(&run_out.long, b'K', Sign::Positive);
     }
-    Ok(())
+    words.first
 }
 
 /// Refuses lengths of a groove call that cannot be. P and Q of zero are left to the groove: they have a number of their
 /// own.
 pub(crate) fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm> {
-    let at = |value| At::new(value, Span::default());
-    length(&at(call.start.x), b'X', Sign::Any, block)?;
-    length(&at(call.start.z), b'Z', Sign::Any, block)?;
-    length(&call.end_x, b'X', Sign::Any, block)?;
-    length(&call.end_z, b'Z', Sign::Any, block)?;
-    length(&call.relief, b'R', Sign::NotNegative, block)?;
-    length(&call.retract, b'R', Sign::NotNegative, block)?;
+    let mut words = Words::new(block);
+    words.place(&call.start);
+    words.length(&call.end_x, b'X', Sign::Any);
+    words.length(&call.end_z, b'Z', Sign::Any);
+    words.length(&call.relief, b'R', Sign::NotNegative);
+    words.length(&call.retract, b'R', Sign::NotNegative);
     for (step, letter) in [(&call.peck, b'P'), (&call.step, b'Q')] {
         if let Some(step) = step {
-            length(step, letter, Sign::NotNegative, block)?;
+            words.length(step, letter, Sign::NotNegative);
         }
     }
-    Ok(())
+    words.first
 }
 
 /// Refuses lengths of a tap call that cannot be.
 pub(crate) fn tap_ranges(call: &TapCall, block: Span) -> Result<(), Alarm> {
-    let at = |value| At::new(value, Span::default());
-    for place in [&call.start, &call.hole, &call.step] {
-        length(&at(place.x), b'X', Sign::Any, block)?;
-        length(&at(place.z), b'Z', Sign::Any, block)?;
-    }
-    length(&call.level, b'R', Sign::Any, block)?;
-    length(&call.bottom, b'Z', Sign::Any, block)?;
+    let mut words = Words::new(block);
+    words.place(&call.start);
+    words.place(&call.hole);
+    words.place(&call.step);
+    words.length(&call.level, b'R', Sign::Any);
+    words.length(&call.bottom, b'Z', Sign::Any);
     if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
-        length(&peck.infeed, b'Q', Sign::Positive, block)?;
-        length(&peck.back, b'D', Sign::NotNegative, block)?;
+        words.length(&peck.infeed, b'Q', Sign::Positive);
+        words.length(&peck.back, b'D', Sign::NotNegative);
     }
-    Ok(())
+    words.first
 }
 
-/// Refuses one length.
-#[inline]
-fn length(at: &At<Length>, letter: u8, sign: Sign, block: Span) -> Result<(), Alarm> {
-    let lowest = match sign {
-        Sign::Any => -Length::INPUT_LIMIT,
-        Sign::NotNegative => Length::ZERO,
-        Sign::Positive => Length::from_nm(1),
-    };
-    if at.value >= lowest && at.value <= Length::INPUT_LIMIT {
-        Ok(())
-    } else {
-        Err(refused(at, letter, block))
+/// The words of a block one after the other, and the first that cannot be.
+struct Words {
+    block: Span,
+    first: Result<(), Alarm>,
+}
+
+impl Words {
+    const fn new(block: Span) -> Self {
+        Self {
+            block,
+            first: Ok(()),
+        }
+    }
+
+    /// A place that stands in no word.
+    #[cfg_attr(feature = "small", inline(never))]
+    fn place(&mut self, at: &Position) {
+        self.unwritten(at.x, b'X', Sign::Any);
+        self.unwritten(at.z, b'Z', Sign::Any);
+    }
+
+    /// A length that stands in no word.
+    fn unwritten(&mut self, value: Length, letter: u8, sign: Sign) {
+        self.length(&At::new(value, Span::default()), letter, sign);
+    }
+
+    #[cfg_attr(feature = "small", inline(never))]
+    fn length(&mut self, at: &At<Length>, letter: u8, sign: Sign) {
+        let lowest = match sign {
+            Sign::Any => -Length::INPUT_LIMIT,
+            Sign::NotNegative => Length::ZERO,
+            Sign::Positive => Length::from_nm(1),
+        };
+        let good = at.value >= lowest && at.value <= Length::INPUT_LIMIT;
+        if !good && self.first.is_ok() {
+            self.first = Err(refused(at, letter, self.block));
+        }
     }
 }
 
 #[cold]
 fn refused(at: &At<Length>, letter: u8, block: Span) -> Alarm {
-    blame(Code::CycleLengthRange, block, at.span, letter).with([
-        Arg::Length(at.value),
-        Arg::None,
-        Arg::None,
-        Arg::None,
-    ])
+    blame(Code::CycleLengthRange, block, &at.span, letter).with([Arg::Length(at.value)])
 }

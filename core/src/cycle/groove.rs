@@ -60,7 +60,12 @@ impl GrooveMoves {
         groove_ranges(call, span)?;
         let depth = call.end_x.value - call.start.x;
         if depth == Length::ZERO {
-            return Err(blame(Code::GrooveWithoutDepth, span, call.end_x.span, b'X'));
+            return Err(blame(
+                Code::GrooveWithoutDepth,
+                span,
+                &call.end_x.span,
+                b'X',
+            ));
         }
         let width = call.end_z.value - call.start.z;
         let peck = step(call.peck, b'P', span)?;
@@ -78,12 +83,7 @@ impl GrooveMoves {
         };
         let relief = call.relief.value;
         let warning = (relief != Length::ZERO).then(|| {
-            blame(Code::ReliefInSlot, span, call.relief.span, b'R').with([
-                Arg::Length(relief),
-                Arg::None,
-                Arg::None,
-                Arg::None,
-            ])
+            blame(Code::ReliefInSlot, span, &call.relief.span, b'R').with([Arg::Length(relief)])
         });
         Ok(Self {
             span,

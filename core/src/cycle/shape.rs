@@ -100,60 +100,44 @@ impl Shape {
             return Err(blame(
                 Code::ThreadWithoutLength,
                 span,
-                call.end_z.span,
+                &call.end_z.span,
                 b'Z',
             ));
         };
         if start.x == end.x {
-            return Err(blame(Code::ThreadWithoutSide, span, call.end_x.span, b'X'));
+            return Err(blame(Code::ThreadWithoutSide, span, &call.end_x.span, b'X'));
         }
         let (sigma, side) = (stroke.signum(), (start.x - end.x).signum());
         let height = call.height.value;
         if call.allowance.value >= height {
             return Err(
-                blame(Code::AllowanceTooLarge, span, call.allowance.span, b'R').with([
-                    Arg::Length(call.allowance.value),
-                    Arg::Length(height),
-                    Arg::None,
-                    Arg::None,
-                ]),
+                blame(Code::AllowanceTooLarge, span, &call.allowance.span, b'R')
+                    .with([Arg::Length(call.allowance.value), Arg::Length(height)]),
             );
         }
         if call.min_step.value > height {
             return Err(
-                blame(Code::MinStepAboveHeight, span, call.min_step.span, b'Q').with([
-                    Arg::Length(call.min_step.value),
-                    Arg::Length(height),
-                    Arg::None,
-                    Arg::None,
-                ]),
+                blame(Code::MinStepAboveHeight, span, &call.min_step.span, b'Q')
+                    .with([Arg::Length(call.min_step.value), Arg::Length(height)]),
             );
         }
         let Some(tangent) = HalfAngle::of(call.angle.value) else {
-            return Err(
-                blame(Code::ThreadAngleRange, span, call.angle.span, b'P').with([
-                    Arg::Int(i64::from(call.angle.value)),
-                    Arg::None,
-                    Arg::None,
-                    Arg::None,
-                ]),
-            );
+            return Err(blame(Code::ThreadAngleRange, span, &call.angle.span, b'P')
+                .with([Arg::Int(i64::from(call.angle.value))]));
         };
         let slant = call.taper.value;
         let long_x = travel.get() <= slant.nm().unsigned_abs();
         if long_x && call.run_in.value != Length::ZERO {
-            return Err(blame(Code::RunInWithLongX, span, call.run_in.span, b'E'));
+            return Err(blame(Code::RunInWithLongX, span, &call.run_in.span, b'E'));
         }
         // Both ends of the crest line must lie between the work and A.
         let crest = end.x + height.times(side);
         for x in [crest, crest + slant] {
             if (start.x - x).times(side) < Length::ZERO {
                 return Err(
-                    blame(Code::StartInsideThread, span, call.end_x.span, b'X').with([
+                    blame(Code::StartInsideThread, span, &call.end_x.span, b'X').with([
                         Arg::Diameter(Diameter::of_radius(start.x)),
                         Arg::Diameter(Diameter::of_radius(x)),
-                        Arg::None,
-                        Arg::None,
                     ]),
                 );
             }
@@ -230,11 +214,10 @@ impl Shape {
         let tool = product(short.nm().unsigned_abs(), travel.get());
         if !self.long_x && grows && line >= tool {
             return Err(
-                blame(Code::RunOutIntoThread, span, run_out.short.span, b'J').with([
+                blame(Code::RunOutIntoThread, span, &run_out.short.span, b'J').with([
                     Arg::Length(short),
                     Arg::Length(long),
                     Arg::Length(scaled(size, length, travel)),
-                    Arg::None,
                 ]),
             );
         }
@@ -394,7 +377,6 @@ impl Shape {
                 pass_number,
                 Arg::Length((corners.begin.z - self.start.z).abs()),
                 Arg::Length(Length::from_nm(self.travel as i64)),
-                Arg::None,
             ]));
         }
         // Compared on the long axis, in the direction of travel.

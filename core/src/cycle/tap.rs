@@ -80,7 +80,7 @@ impl TapMoves {
             TapAxis::Z => b'Z',
         };
         if inward == 0 || (approach != 0 && approach != inward) {
-            return Err(blame(Code::TapDepth, span, call.bottom.span, letter));
+            return Err(blame(Code::TapDepth, span, &call.bottom.span, letter));
         }
         let total = (bottom - level).abs();
         let from = if call.continues {
@@ -101,11 +101,11 @@ impl TapMoves {
         }
         if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = call.form {
             if peck.back.value > peck.infeed.value {
-                return Err(blame(Code::TapDepth, span, peck.back.span, b'D'));
+                return Err(blame(Code::TapDepth, span, &peck.back.span, b'D'));
             }
             if peck.infeed.value.times(INFEEDS) < total {
-                let limit = [Arg::Int(INFEEDS), Arg::None, Arg::None, Arg::None];
-                return Err(blame(Code::TooManyPecks, span, peck.infeed.span, b'Q').with(limit));
+                let limit = [Arg::Int(INFEEDS)];
+                return Err(blame(Code::TooManyPecks, span, &peck.infeed.span, b'Q').with(limit));
             }
         }
         Ok(Self {

@@ -21,12 +21,7 @@ pub fn tap_return(
     };
     let hole = &record.hole;
     if hole.notes.unit != call.unit {
-        let args = [
-            unit_code(call.unit),
-            unit_code(hole.notes.unit),
-            Arg::None,
-            Arg::None,
-        ];
+        let args = [unit_code(call.unit), unit_code(hole.notes.unit)];
         return Err(Alarm::new(Code::TapReturnUnit, span).with(args));
     }
     let end = hole.level - call.beyond.times(hole.inward());

@@ -99,7 +99,7 @@ impl ThreadMoves {
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         let shape = Shape::new(call, span)?;
         if call.starts.value == 0 {
-            return Err(blame(Code::CycleStartsRange, span, call.starts.span, b'L'));
+            return Err(blame(Code::CycleStartsRange, span, &call.starts.span, b'L'));
         }
         let limit = call.height.value - call.allowance.value;
         let first = call.first_depth.value;
@@ -111,12 +111,9 @@ impl ThreadMoves {
             call.increment,
         );
         if !rough.is_surely_short(first) && rough.count().is_none() {
-            return Err(Alarm::new(Code::TooManyPasses, span).with([
-                Arg::Int(i64::from(MOST_PASSES)),
-                Arg::None,
-                Arg::None,
-                Arg::None,
-            ]));
+            return Err(
+                Alarm::new(Code::TooManyPasses, span).with([Arg::Int(i64::from(MOST_PASSES))])
+            );
         }
         let passes = Passes {
             rough,

@@ -20,7 +20,7 @@ pub(super) fn floating(
 ) -> Result<TapReport, Alarm> {
     if moves.spindle() != TapSpindle::First {
         let number = Arg::Int(i64::from(moves.spindle().number()));
-        let args = [number, Arg::None, Arg::None, Arg::None];
+        let args = [number];
         return Err(Alarm::new(Code::FloatSpindleWithoutEncoder, span).with(args));
     }
     let plan = FloatPlan::new(call, hand, span, params)?;
@@ -48,12 +48,7 @@ pub(super) fn floating(
     // A thousandth less counts as reached.
     let reached = i64::from(report.fastest.get()).saturating_mul(1000);
     if reached < i64::from(call.speed.get()).saturating_mul(999) {
-        let args = [
-            Arg::Rpm(whole(call.speed)),
-            Arg::Rpm(whole(report.fastest)),
-            Arg::None,
-            Arg::None,
-        ];
+        let args = [Arg::Rpm(whole(call.speed)), Arg::Rpm(whole(report.fastest))];
         report.warning = Some(Alarm::new(Code::FloatSpeedNotReached, span).with(args));
     }
     Ok(report)
@@ -63,12 +58,7 @@ fn join(call: &TapCall, plan: &FloatPlan, span: Span) -> TapJoin {
     let total = (call.bottom.value - call.level.value).abs();
     let (lead_in, ahead) = (plan.lead_in(), plan.ahead());
     let long = lead_in > Length::from_nm(total.nm() / 4);
-    let args = [
-        Arg::Length(lead_in),
-        Arg::Length(ahead),
-        Arg::None,
-        Arg::None,
-    ];
+    let args = [Arg::Length(lead_in), Arg::Length(ahead)];
     TapJoin {
         lead_in,
         ahead,

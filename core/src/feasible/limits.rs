@@ -59,12 +59,7 @@ fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
             Axis::Z => Arg::Length(Length::from_nm(value)),
             Axis::C => Arg::Angle(Angle::from_udeg(value)),
         };
-        let args = [
-            Arg::Letter(axis.letter()),
-            figure(value),
-            figure(limit),
-            Arg::None,
-        ];
+        let args = [Arg::Letter(axis.letter()), figure(value), figure(limit)];
         return Err(Alarm::new(Code::SoftLimit, span).with(args));
     }
     Ok(())

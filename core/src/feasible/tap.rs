@@ -93,12 +93,7 @@ pub fn tap(
     }
     report.fastest = speed(fastest, call.lead.value, params.tick_us());
     if !reached {
-        let args = [
-            Arg::Rpm(whole(call.speed)),
-            Arg::Rpm(whole(report.fastest)),
-            Arg::None,
-            Arg::None,
-        ];
+        let args = [Arg::Rpm(whole(call.speed)), Arg::Rpm(whole(report.fastest))];
         report.warning = Some(Alarm::new(Code::TapSpeedNotReached, span).with(args));
     }
     Ok(report)
@@ -126,7 +121,7 @@ fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
         return Ok(());
     }
     let us = |us: u32| Arg::Int(i64::from(us));
-    Err(Alarm::new(Code::TapDrivesApart, span).with([us(x), us(z), Arg::None, Arg::None]))
+    Err(Alarm::new(Code::TapDrivesApart, span).with([us(x), us(z)]))
 }
 
 /// Checks the move of a tapping return at `span`.
@@ -144,12 +139,7 @@ fn taps_with(spindle: TapSpindle, span: Span, params: &Params) -> Result<(), Ala
         return Ok(());
     }
     let number = |n: u8| Arg::Int(i64::from(n));
-    let args = [
-        number(spindle.number()),
-        number(params.tap_spindles()),
-        Arg::None,
-        Arg::None,
-    ];
+    let args = [number(spindle.number()), number(params.tap_spindles())];
     Err(Alarm::new(Code::TapSpindleNotAvailable, span).with(args))
 }
 

@@ -96,12 +96,7 @@ fn examine(
         wrong(Alarm::new(Code::SpindleStopped, span));
     } else if speed > params.spindle_max_rpm() {
         let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
-        let args = [
-            Arg::Rpm(positive(call.rpm)),
-            Arg::Rpm(Rpm::new(most)),
-            Arg::None,
-            Arg::None,
-        ];
+        let args = [Arg::Rpm(positive(call.rpm)), Arg::Rpm(Rpm::new(most))];
         wrong(Alarm::new(Code::SpeedAboveSpindle, span).with(args));
     }
     if let Some(alarm) = pitch(call, summary.shortest_stroke) {
@@ -167,7 +162,7 @@ pub fn thread_findings(
     } else {
         call.end_z.value - call.start.z
     };
-    let warn = |code, span, a, b, c| Alarm::new(code, span).with([a, b, c, Arg::None]);
+    let warn = |code, span, a, b, c| Alarm::new(code, span).with([a, b, c]);
     if before.times(4) > length.abs() {
         warnings.push(warn(
             Code::LeadInLong,
@@ -343,12 +338,7 @@ fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
         return None;
     }
     let pitch = lead.rounded().nm().checked_div(starts).unwrap_or(0);
-    let args = [
-        Arg::Length(Length::from_nm(pitch)),
-        Arg::Length(stroke),
-        Arg::None,
-        Arg::None,
-    ];
+    let args = [Arg::Length(Length::from_nm(pitch)), Arg::Length(stroke)];
     Some(
         Alarm::new(Code::PitchTooLong, call.lead.span)
             .word(b'F')

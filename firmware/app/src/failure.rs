@@ -155,7 +155,7 @@ impl Failure {
 
     /// What the board stands on: until it is reset, or for good where it [is final](Self::is_final).
     #[must_use]
-    pub const fn alarm(&self) -> Alarm {
+    pub fn alarm(&self) -> Alarm {
         let (code, args) = self.told();
         let (code, args) = if self.is_final() {
             let again = [
@@ -168,15 +168,7 @@ impl Failure {
         } else {
             (code, args)
         };
-        Alarm::new(
-            code,
-            Span {
-                line: 0,
-                column: 0,
-                end: 0,
-            },
-        )
-        .with(args)
+        Alarm::new(code, Span::default()).with(args)
     }
 
     const fn told(&self) -> (Code, [Arg; 4]) {
