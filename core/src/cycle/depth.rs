@@ -4,7 +4,7 @@
 
 use core::num::NonZero;
 
-use crate::program::Infeed;
+use crate::program::{Infeed, ThreadCall};
 use crate::units::{Length, div_wide, mul_wide, product, root_wide};
 
 /// Rough passes of one cycle at most; more is an alarm.
@@ -54,20 +54,15 @@ struct NearRoot {
 }
 
 impl Depths {
-    /// The sequence down to `limit` (k − d, positive) in first steps of `first` (Δd, positive) and last ones of
-    /// `min_step` (Δdmin), rounded to `increment`. Lengths are within the input limit.
+    /// The sequence down to k − d (positive) in first steps of Δd (positive) and last ones of Δdmin, rounded to the input
+    /// increment. Lengths are within the input limit.
     #[inline(never)]
-    pub(crate) fn new(
-        infeed: Infeed,
-        limit: Length,
-        first: Length,
-        min_step: Length,
-        increment: Length,
-    ) -> Self {
-        let first = magnitude(first).max(1);
-        let min_step = magnitude(min_step);
-        let increment = NonZero::new(magnitude(increment)).unwrap_or(NonZero::<u64>::MIN);
-        let (constant_from, step) = match infeed {
+    pub(crate) fn new(call: &ThreadCall) -> Self {
+        let limit = call.height.value - call.allowance.value;
+        let first = magnitude(call.first_depth.value).max(1);
+        let min_step = magnitude(call.min_step.value);
+        let increment = NonZero::new(magnitude(call.increment)).unwrap_or(NonZero::<u64>::MIN);
+        let (constant_from, step) = match call.infeed {
             // n·Δd is a constant step from the start.
             Infeed::Equal => (1, first),
             Infeed::Decreasing => (
@@ -121,24 +116,6 @@ impl Depths {
         };
         self.previous = depth.min(self.limit);
         Some(Length::from_nm(self.previous as i64))
-    }
-
-    /// How many passes the sequence has, or `None` when more than [`MOST_PASSES`].
-    pub(crate) fn count(mut self) -> Option<u32> {
-        let mut passes = 0u32;
-        while self.next_depth(passes.wrapping_add(1)).is_some() {
-            passes = passes.wrapping_add(1);
-            if passes > MOST_PASSES {
-                return None;
-            }
-        }
-        Some(passes)
-    }
-
-    /// True where the sequence has certainly no more than [`MOST_PASSES`]: it is never shallower than `√n·Δd` less half
-    /// an increment, and √9999 > 99.99.
-    pub(crate) fn is_surely_short(&self, first: Length) -> bool {
-        self.limit <= magnitude(first).saturating_mul(99)
     }
 }
 

@@ -107,7 +107,10 @@ impl Moves {
     /// As [`expand`]; these are as they were.
     pub fn begin(&mut self, call: &Call, context: &Context<'_>) -> Result<(), Alarm> {
         *self = match &call.kind {
-            CallKind::Thread(thread) => Self::Thread(ThreadMoves::new(thread, call.span)?),
+            CallKind::Thread(thread) => {
+                ThreadMoves::survey(thread, call.span)?;
+                Self::Thread(ThreadMoves::of(thread, call.span))
+            }
             CallKind::Groove(groove) => Self::Groove(GrooveMoves::new(groove, call.span)?),
             CallKind::Tap(tap) => Self::Tap(TapMoves::new(tap, context.signals, call.span)?),
             _ => Self::One(single(call, context)?),

@@ -9,6 +9,7 @@ mod expand;
 mod groove;
 mod helix;
 mod moves;
+mod refuse;
 mod shape;
 mod slope;
 mod tap;

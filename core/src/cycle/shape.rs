@@ -1,24 +1,24 @@
 //! Where the points of a thread pass lie (cycles.md, sections 3 and 4): pure geometry of one depth.
 //!
 //! Every coordinate is one closed expression of the pass's depth, rounded once to the nearest nanometre on the radius.
-//! Displacements are rounded, halves away from zero, so a mirrored program gives mirrored points wherever its zero is.
-//! Knows nothing of the order of passes' moves.
-
-use core::num::NonZero;
+//! Displacements are rounded, halves away from zero, and counted from D and A in the thread's own directions, so a mirrored
+//! program gives mirrored points wherever its zero is. Knows nothing of the order of passes' moves.
 
 use super::Stage;
-use super::check::{blame, thread_ranges};
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
-use super::taper::{Taper, flip, quotient, scaled};
+use super::taper::{Taper, flip, quotient};
+use super::thread::Pass;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::program::{CutIn, ThreadCall};
-use crate::units::{Diameter, Length, product, signed_product};
+use crate::program::{CutIn, RunOut, ThreadCall};
+use crate::units::{Length, signed_product};
 
-/// A point in the X–Z plane; X is a radius.
+/// A point of a thread in nanometres, as the thread sees it: mirrored threads have the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Point {
-    pub(crate) x: Length,
-    pub(crate) z: Length,
+    /// From D's X towards A, on the radius.
+    pub(crate) out: i64,
+    /// From A's Z towards D.
+    pub(crate) along: i64,
 }
 
 /// The corners of one pass.
@@ -34,34 +34,28 @@ pub(crate) struct Corners {
     pub(crate) end: Point,
 }
 
-/// How far a pass's start is shifted along Z, as the number `u` of nanometres of depth whose `u·tan(a/2)` is the shift:
-/// `base + slope · depth`, with one rule for odd passes, one for even ones and a fixed value for finishing.
-#[derive(Clone, Copy, Debug)]
-struct Flanks {
-    odd: (i64, i64),
-    even: (i64, i64),
-    finish: i64,
-}
-
 /// The constants of a thread cycle's geometry.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
-    /// A.
-    start: Point,
-    /// D.
-    end: Point,
+    /// X of D, Z of A.
+    x: Length,
+    z: Length,
     /// Sign of Z_D − Z_A.
     sigma: i64,
     /// +1 external, −1 internal.
     side: i64,
     /// |Z_D − Z_A|.
-    travel: u64,
+    travel: i64,
+    /// |X_A − X_D|.
+    room: i64,
     /// k.
-    height: u64,
+    height: i64,
+    /// k − d.
+    limit: i64,
     /// True where X is the long axis.
     pub(crate) long_x: bool,
     tangent: HalfAngle,
-    flanks: Flanks,
+    cut_in: CutIn,
     taper: Option<Taper>,
     /// E, zero for none.
     run_in: u64,
@@ -71,162 +65,66 @@ pub(crate) struct Shape {
 /// What a run-out needs.
 #[derive(Clone, Copy, Debug)]
 struct Leave {
-    /// X of its start less X of the pass's own D.
-    x: Length,
-    /// Z of its start.
-    z: Length,
-    /// Its end on the short axis, J away from its start and rounded once. With Z long: X of it less X of the pass's own D,
-    /// not clipped at A yet. With X long: Z of it, clipped, for all passes alike.
-    end: Length,
+    /// Its start: out from the pass's own D, and along.
+    out: i64,
+    along: i64,
+    /// Its end on the short axis, J away from its start and rounded once. With Z long: out from the pass's own D, not
+    /// clipped at A yet. With X long: along, clipped, for all passes alike.
+    end: i64,
     /// K.
-    long: u64,
+    long: i64,
 }
 
 impl Shape {
-    /// The geometry of a call, or the alarm that forbids it whatever the depths are.
-    #[inline(never)]
-    pub(crate) fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
-        thread_ranges(call, span)?;
-        let start = Point {
-            x: call.start.x,
-            z: call.start.z,
-        };
-        let end = Point {
-            x: call.end_x.value,
-            z: call.end_z.value,
-        };
-        let stroke = end.z - start.z;
-        let Some(travel) = NonZero::new(stroke.nm().unsigned_abs()) else {
-            return Err(blame(
-                Code::ThreadWithoutLength,
-                span,
-                &call.end_z.span,
-                b'Z',
-            ));
-        };
-        if start.x == end.x {
-            return Err(blame(Code::ThreadWithoutSide, span, &call.end_x.span, b'X'));
-        }
-        let (sigma, side) = (stroke.signum(), (start.x - end.x).signum());
-        let height = call.height.value;
-        if call.allowance.value >= height {
-            return Err(
-                blame(Code::AllowanceTooLarge, span, &call.allowance.span, b'R')
-                    .with([Arg::Length(call.allowance.value), Arg::Length(height)]),
-            );
-        }
-        if call.min_step.value > height {
-            return Err(
-                blame(Code::MinStepAboveHeight, span, &call.min_step.span, b'Q')
-                    .with([Arg::Length(call.min_step.value), Arg::Length(height)]),
-            );
-        }
-        let Some(tangent) = HalfAngle::of(call.angle.value) else {
-            return Err(blame(Code::ThreadAngleRange, span, &call.angle.span, b'P')
-                .with([Arg::Int(i64::from(call.angle.value))]));
-        };
-        let slant = call.taper.value;
-        let long_x = travel.get() <= slant.nm().unsigned_abs();
-        if long_x && call.run_in.value != Length::ZERO {
-            return Err(blame(Code::RunInWithLongX, span, &call.run_in.span, b'E'));
-        }
-        // Both ends of the crest line must lie between the work and A.
-        let crest = end.x + height.times(side);
-        for x in [crest, crest + slant] {
-            if (start.x - x).times(side) < Length::ZERO {
-                return Err(
-                    blame(Code::StartInsideThread, span, &call.end_x.span, b'X').with([
-                        Arg::Diameter(Diameter::of_radius(start.x)),
-                        Arg::Diameter(Diameter::of_radius(x)),
-                    ]),
-                );
-            }
-        }
-        let taper = Taper::new(slant, side, travel, tangent);
-        let mut shape = Self {
-            start,
-            end,
-            sigma,
-            side,
-            travel: travel.get(),
-            height: height.nm().unsigned_abs(),
-            long_x,
-            tangent,
-            flanks: Flanks::new(
-                call.cut_in.value,
-                sigma,
-                height,
-                height - call.allowance.value,
-            ),
-            taper,
-            run_in: call.run_in.value.nm().unsigned_abs(),
-            run_out: None,
-        };
-        shape.run_out = shape.leave(call, span, travel)?;
-        Ok(shape)
-    }
-
-    /// The run-out's constants.
-    #[inline(never)]
-    fn leave(
-        &self,
-        call: &ThreadCall,
-        span: Span,
-        travel: NonZero<u64>,
-    ) -> Result<Option<Leave>, Alarm> {
-        let Some(run_out) = call.run_out else {
-            return Ok(None);
-        };
-        let (short, long) = (run_out.short.value, run_out.long.value);
-        let length = long.nm().unsigned_abs();
-        let slant = call.taper.value;
-        let size = slant.nm().unsigned_abs();
-        let j = run_out.short_rest.behind(short);
-        let k = run_out.long_rest.behind(long);
-        let (x, z, end) = if self.long_x {
-            // |i| ≥ |W| > 0 here.
-            let size = NonZero::new(size).unwrap_or(NonZero::<u64>::MIN);
-            let slide = signed_product(travel.get() as i64, k);
-            let back = slide.wrapping_add(signed_product(size.get() as i64, j));
-            let end = self.end.z - quotient(back, size).times(self.sigma);
-            (
-                long.times(slant.signum()),
-                self.end.z - quotient(slide, size).times(self.sigma),
-                // Not beyond A.
-                if (end - self.start.z).times(self.sigma) < Length::ZERO {
-                    self.start.z
-                } else {
-                    end
-                },
-            )
-        } else {
-            let slide = signed_product(slant.nm(), k);
-            let out = signed_product(travel.get() as i64, flip(j, self.side));
-            (
-                quotient(slide, travel),
-                self.end.z - long.times(self.sigma),
-                quotient(slide.wrapping_add(out), travel),
-            )
-        };
-        // The line itself moves towards A by |i|·K/|W| when the thread grows from C to D: the tool must move faster.
-        let grows = slant.signum() == self.side.wrapping_neg();
-        let line = product(size, length);
-        let tool = product(short.nm().unsigned_abs(), travel.get());
-        if !self.long_x && grows && line >= tool {
-            return Err(
-                blame(Code::RunOutIntoThread, span, &run_out.short.span, b'J').with([
-                    Arg::Length(short),
-                    Arg::Length(long),
-                    Arg::Length(scaled(size, length, travel)),
-                ]),
-            );
-        }
-        Ok(Some(Leave {
+    /// The shape of a cycle that [can be](super::refuse).
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn of(call: &ThreadCall) -> Self {
+        let (x, z) = (call.end_x.value, call.start.z);
+        let stroke = call.end_z.value - z;
+        let room = call.start.x - x;
+        let (sigma, side) = (stroke.signum(), room.signum());
+        let travel = stroke.nm().unsigned_abs();
+        let lean = flip(call.taper.value.nm(), side);
+        let tangent = HalfAngle::of(call.angle.value).unwrap_or_default();
+        let long_x = is_long_x(call);
+        Self {
             x,
             z,
-            end,
-            long: length,
-        }))
+            sigma,
+            side,
+            travel: travel as i64,
+            room: room.abs().nm(),
+            height: call.height.value.nm(),
+            limit: (call.height.value - call.allowance.value).nm(),
+            long_x,
+            tangent,
+            cut_in: call.cut_in.value,
+            taper: Taper::new(lean, travel, tangent),
+            run_in: call.run_in.value.nm().unsigned_abs(),
+            run_out: call
+                .run_out
+                .as_ref()
+                .map(|run_out| Leave::new(run_out, lean, travel, long_x)),
+        }
+    }
+
+    /// A point in machine coordinates: X and Z.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn place(&self, at: &Point) -> (Length, Length) {
+        // Saturates nowhere: coordinates are far inside the integer's range, and this is the innermost arithmetic of the
+        // cycles.
+        let x = self.x.nm().wrapping_add(flip(at.out, self.side));
+        let z = self.z.nm().wrapping_add(flip(at.along, self.sigma));
+        (Length::from_nm(x), Length::from_nm(z))
+    }
+
+    /// A.
+    #[inline]
+    pub(crate) const fn home(&self) -> Point {
+        Point {
+            out: self.room,
+            along: 0,
+        }
     }
 
     /// True where passes begin with a run-in.
@@ -235,240 +133,197 @@ impl Shape {
         self.run_in != 0
     }
 
-    /// True where passes end with a run-out. It always has a length: J and K have, and A is clear of the crests.
+    /// True where passes end with a run-out.
     #[inline]
     pub(crate) const fn has_run_out(&self) -> bool {
         self.run_out.is_some()
     }
 
-    /// `u` of rough pass `n` at `depth`, or of the finishing passes.
-    #[inline]
-    pub(crate) fn flank(&self, n: u32, depth: Length, stroke: Stage) -> u64 {
-        let flanks = &self.flanks;
-        let (base, slope) = match (stroke, n & 1) {
-            (Stage::Finish, _) => (flanks.finish, 0),
-            (_, 1) => flanks.odd,
-            (_, _) => flanks.even,
+    /// The corners of a pass.
+    #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline)]
+    pub(crate) fn corners(&self, pass: &Pass) -> Corners {
+        let depth = pass.depth.nm();
+        let u = self.shifted(pass);
+        // The pass's own D.
+        let above = self.height.wrapping_sub(depth);
+        let end = Point {
+            out: above,
+            along: self.travel,
         };
-        // Never negative: depths of rough passes end at k − d.
-        base.wrapping_add(slope.wrapping_mul(depth.nm())) as u64
+        let begin = Point {
+            out: match &self.taper {
+                None => above,
+                Some(taper) => above.wrapping_add(taper.left_after(after(u, taper.per_depth))),
+            },
+            along: self.tangent.shift(u) as i64,
+        };
+        let mut corners = Corners {
+            begin,
+            line: begin,
+            leave: end,
+            end,
+        };
+        if self.run_in != 0 {
+            self.run_in(&mut corners, u);
+        }
+        if let Some(out) = &self.run_out {
+            corners.leave = Point {
+                out: above.wrapping_add(out.out),
+                along: out.along,
+            };
+            if self.long_x {
+                corners.end.along = out.end;
+            } else {
+                corners.end.out = above.wrapping_add(out.end).min(self.room);
+            }
+        }
+        corners
     }
 
-    /// The corners of the pass at `depth` with the shift of `u`.
+    /// How far a pass's start is shifted along Z, as the number `u` of nanometres of depth whose `u·tan(a/2)` is the shift
+    /// ([G78 sheet], P(r); [D6]). Never negative: depths of rough passes end at k − d.
     #[inline]
-    pub(crate) fn corners(&self, depth: Length, u: u64) -> Corners {
-        let above = (self.height as i64).wrapping_sub(depth.nm());
-        // X of the pass's own D.
-        let x_end = moved(self.end.x, above, self.side);
-        let shift = self.tangent.shift(u);
-        let z = moved(self.start.z, shift as i64, self.sigma);
-        let x = match &self.taper {
-            None => x_end,
-            Some(taper) => x_end + taper.left_after(after(u, taper.per_depth)),
+    fn shifted(&self, pass: &Pass) -> u64 {
+        let depth = pass.depth.nm();
+        let odd = pass.number & 1 == 1;
+        let forwards = self.sigma > 0;
+        // Along the trailing flank the shift grows with the depth, along the leading one it shrinks.
+        let trailing = match self.cut_in {
+            CutIn::Centre => return 0,
+            CutIn::Trailing => return depth as u64,
+            _ if pass.stroke == Stage::Finish => return self.limit as u64,
+            CutIn::RightCentre if !odd => return self.limit as u64,
+            CutIn::Left => forwards,
+            CutIn::Right | CutIn::RightCentre => !forwards,
+            CutIn::LeftRight => forwards == odd,
         };
-        let at_line = Point { x, z };
-        let (begin, line) = if self.run_in == 0 {
-            (at_line, at_line)
+        if trailing {
+            depth as u64
         } else {
-            self.run_in(at_line, x_end, shift, u)
-        };
-        let (leave, end) = match &self.run_out {
-            None => {
-                let end = Point {
-                    x: x_end,
-                    z: self.end.z,
-                };
-                (end, end)
-            }
-            Some(out) => {
-                let leave = Point {
-                    x: moved(x_end, out.x.nm(), 1),
-                    z: out.z,
-                };
-                let end = if self.long_x {
-                    Point {
-                        x: x_end,
-                        z: out.end,
-                    }
-                } else {
-                    let x = moved(x_end, out.end.nm(), 1);
-                    let beyond = flip(x.nm().wrapping_sub(self.start.x.nm()), self.side) > 0;
-                    Point {
-                        x: if beyond { self.start.x } else { x },
-                        z: self.end.z,
-                    }
-                };
-                (leave, end)
-            }
-        };
-        Corners {
-            begin,
-            line,
-            leave,
-            end,
+            self.limit.wrapping_mul(2).wrapping_sub(depth) as u64
         }
     }
 
-    /// Begin and end of the run-in of E, clipped at the start level ([D9]: 45°).
+    /// Start and end of the run-in, of corners without one: E out from the pass's line, or to A where that is nearer; then
+    /// at 45° to the line.
     #[cold]
-    fn run_in(&self, at_line: Point, x_end: Length, shift: u64, u: u64) -> (Point, Point) {
+    fn run_in(&self, corners: &mut Corners, u: u64) {
+        let above = corners.end.out;
+        let Corners { begin, line, .. } = corners;
         // Room between the line's start and A on the radius: a whole number where there is no taper, and
         // `whole ± u·tan·|i|/|W|` where there is one.
-        let to_end = flip((self.start.x - x_end).nm(), self.side);
-        let along = |z: u64| self.start.z + Length::from_nm(flip(z as i64, self.sigma));
+        let to_end = self.room.wrapping_sub(above);
         let Some(taper) = &self.taper else {
-            let length = (to_end.max(0) as u64).min(self.run_in);
-            let begin = Point {
-                x: at_line.x + Length::from_nm(flip(length as i64, self.side)),
-                z: at_line.z,
-            };
-            let line = Point {
-                x: at_line.x,
-                z: along(shift.wrapping_add(length)),
-            };
-            return (begin, line);
+            let length = (to_end.max(0) as u64).min(self.run_in) as i64;
+            begin.out = begin.out.wrapping_add(length);
+            line.along = line.along.wrapping_add(length);
+            return;
         };
-        let size = taper.size as i64;
-        let (whole, room) = if taper.towards_start {
-            let whole = to_end.wrapping_sub(size).max(0) as u64;
-            (
-                whole,
-                (Fine::from(whole) << FINE_BITS).wrapping_add(after(u, taper.per_depth)),
-            )
+        let whole = to_end.wrapping_sub(flip(taper.size as i64, taper.sign));
+        let whole = whole.max(0) as u64;
+        let taken = after(u, taper.per_depth);
+        let room = if taper.sign > 0 {
+            (Fine::from(whole) << FINE_BITS).wrapping_add(taken)
         } else {
-            let whole = to_end.wrapping_add(size).max(0) as u64;
-            (
-                whole,
-                (Fine::from(whole) << FINE_BITS).wrapping_sub(after(u, taper.per_depth)),
-            )
+            (Fine::from(whole) << FINE_BITS).wrapping_sub(taken)
         };
-        if Fine::from(self.run_in) << FINE_BITS <= room {
-            let lost = after(self.run_in, taper.per_travel).wrapping_add(after(u, taper.per_depth));
-            let begin = Point {
-                x: at_line.x + Length::from_nm(flip(self.run_in as i64, self.side)),
-                z: at_line.z,
-            };
-            let line = Point {
-                x: x_end + taper.left_after(lost),
-                z: along(shift.wrapping_add(self.run_in)),
-            };
-            (begin, line)
+        let lost = if Fine::from(self.run_in) << FINE_BITS <= room {
+            begin.out = begin.out.wrapping_add(self.run_in as i64);
+            line.along = line.along.wrapping_add(self.run_in as i64);
+            after(self.run_in, taper.per_travel).wrapping_add(taken)
         } else {
-            let begin = Point {
-                x: self.start.x,
-                z: at_line.z,
-            };
+            begin.out = self.room;
             // Along Z the line is met after u·tan plus the room, in one expression.
             let z = after(u, self.tangent.fine()).wrapping_add(room);
-            let lost = after(whole, taper.per_travel).wrapping_add(after(u, taper.per_clipped));
-            let line = Point {
-                x: x_end + taper.left_after(lost),
-                z: along((z.wrapping_add(FINE_HALF) >> FINE_BITS) as u64),
-            };
-            (begin, line)
-        }
+            line.along = (z.wrapping_add(FINE_HALF) >> FINE_BITS) as i64;
+            after(whole, taper.per_travel).wrapping_add(after(u, taper.per_clipped))
+        };
+        line.out = above.wrapping_add(taper.left_after(lost));
     }
 
     /// Refuses the pass where it starts at or beyond D, or has no stroke between run-in and run-out.
+    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn check_pass(&self, pass: u32, corners: &Corners, span: Span) -> Result<(), Alarm> {
         let pass_number = Arg::Int(i64::from(pass));
-        if (self.end.z - corners.begin.z).times(self.sigma) <= Length::ZERO {
+        let length = |nm| Arg::Length(Length::from_nm(nm));
+        let Corners {
+            begin, line, leave, ..
+        } = corners;
+        if begin.along >= self.travel {
             return Err(Alarm::new(Code::PassStartsBeyondEnd, span).with([
                 pass_number,
-                Arg::Length((corners.begin.z - self.start.z).abs()),
-                Arg::Length(Length::from_nm(self.travel as i64)),
+                length(begin.along),
+                length(self.travel),
             ]));
         }
         // Compared on the long axis, in the direction of travel.
         let (cut, entry) = match &self.taper {
-            Some(taper) if self.long_x => (
-                (corners.line.x - corners.leave.x).times(taper.sign),
-                Length::ZERO,
-            ),
+            Some(taper) if self.long_x => (flip(line.out.wrapping_sub(leave.out), taper.sign), 0),
             _ => (
-                (corners.leave.z - corners.line.z).times(self.sigma),
-                (corners.line.z - corners.begin.z).abs(),
+                leave.along.wrapping_sub(line.along),
+                line.along.wrapping_sub(begin.along),
             ),
         };
-        if cut <= Length::ZERO {
-            let out = self.run_out.map_or(0, |out| out.long);
+        if cut <= 0 {
             return Err(Alarm::new(Code::StrokeTooShort, span).with([
                 pass_number,
                 Arg::Length(self.stroke(corners)),
-                Arg::Length(entry),
-                Arg::Length(Length::from_nm(out as i64)),
+                length(entry),
+                length(self.run_out.as_ref().map_or(0, |out| out.long)),
             ]));
         }
         Ok(())
     }
 
     /// Way on the long axis from the pass's start to D.
+    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn stroke(&self, corners: &Corners) -> Length {
-        if self.long_x {
-            let x_end = corners.leave.x - self.run_out.map_or(Length::ZERO, |out| out.x);
-            (x_end - corners.begin.x).abs()
+        let way = if self.long_x {
+            let out = self.run_out.as_ref().map_or(0, |out| out.out);
+            let end = corners.leave.out.wrapping_sub(out);
+            end.wrapping_sub(corners.begin.out)
         } else {
-            (self.end.z - corners.begin.z).abs()
-        }
-    }
-
-    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, a nanometre to
-    /// spare for rounding. False decides nothing.
-    pub(crate) fn is_surely_long_enough(&self) -> bool {
-        let flanks = &self.flanks;
-        let most = |(base, slope): (i64, i64)| {
-            let deepest = if slope > 0 { self.height as i64 } else { 0 };
-            base.wrapping_add(deepest)
+            self.travel.wrapping_sub(corners.begin.along)
         };
-        let u = most(flanks.odd)
-            .max(most(flanks.even))
-            .max(flanks.finish)
-            .unsigned_abs();
-        let out = self.run_out.map_or(0, |out| out.long);
-        let shift = self.tangent.shift(u);
-        let taken = shift.saturating_add(self.run_in).saturating_add(2);
-        if self.long_x {
-            let Some(taper) = &self.taper else {
-                return false;
-            };
-            if self.travel <= taken {
-                return false;
+        Length::from_nm(way).abs()
+    }
+}
+
+/// True where X is the long axis.
+pub(crate) fn is_long_x(call: &ThreadCall) -> bool {
+    (call.end_z.value - call.start.z).abs() <= call.taper.value.abs()
+}
+
+impl Leave {
+    /// The run-out's figures, for a thread that leans `lean` towards A over its travel.
+    #[cfg_attr(feature = "small", inline(never))]
+    fn new(run_out: &RunOut, lean: i64, travel: u64, long_x: bool) -> Self {
+        let (short, long) = (run_out.short.value, run_out.long.value);
+        let j = run_out.short_rest.behind(short);
+        let k = run_out.long_rest.behind(long);
+        let width = travel as i64;
+        if long_x {
+            // |i| ≥ |W| > 0 here.
+            let size = lean.unsigned_abs();
+            let slide = signed_product(width, k);
+            let back = slide.wrapping_add(signed_product(size as i64, j));
+            Self {
+                out: flip(long.nm(), lean.signum()),
+                along: width.wrapping_sub(quotient(slide, size)),
+                // Not beyond A.
+                end: width.wrapping_sub(quotient(back, size)).max(0),
+                long: long.nm(),
             }
-            let lost = (after(u, taper.per_depth) >> FINE_BITS) as u64;
-            taper.size > lost.saturating_add(out).saturating_add(2)
         } else {
-            self.travel > taken.saturating_add(out)
+            let slide = signed_product(lean, k);
+            let back = slide.wrapping_add(signed_product(width, j));
+            Self {
+                out: quotient(slide, travel),
+                along: width.wrapping_sub(long.nm()),
+                end: quotient(back, travel),
+                long: long.nm(),
+            }
         }
     }
-}
-
-impl Flanks {
-    /// The rules of a cut-in mode ([G78 sheet], P(r); [D6]) for a thread cut towards `sigma`.
-    fn new(cut_in: CutIn, sigma: i64, height: Length, limit: Length) -> Self {
-        let limit = limit.nm();
-        let trailing = (0, 1);
-        let leading = (limit.wrapping_mul(2), -1);
-        let (left, right) = if sigma < 0 {
-            (leading, trailing)
-        } else {
-            (trailing, leading)
-        };
-        let middle = (limit, 0);
-        let (odd, even, finish) = match cut_in {
-            CutIn::Centre => ((0, 0), (0, 0), 0),
-            CutIn::Left => (left, left, limit),
-            CutIn::Right => (right, right, limit),
-            CutIn::RightCentre => (right, middle, limit),
-            CutIn::LeftRight => (left, right, limit),
-            CutIn::Trailing => (trailing, trailing, height.nm()),
-        };
-        Self { odd, even, finish }
-    }
-}
-
-/// `from` plus `by` in the direction of `sign` (±1). Saturates nowhere: coordinates are far inside the integer's range, and
-/// this is the innermost arithmetic of the cycles.
-#[inline]
-const fn moved(from: Length, by: i64, sign: i64) -> Length {
-    Length::from_nm(from.nm().wrapping_add(flip(by, sign)))
 }

@@ -7,7 +7,7 @@ use crate::units::product;
 
 /// `tan(a/2)` for one whole-degree thread angle, with 63 fractional bits (an error below 2⁻⁶⁴, that is 6·10⁻¹⁸ of the
 /// smallest angle's tangent).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct HalfAngle(u64);
 
 /// Fractional bits of taper products.

@@ -2,9 +2,9 @@
 //!
 //! The order of passes and of the moves in a pass; where their corners lie is `shape`, how deep they are is `depth`.
 
-use super::check::blame;
 use super::depth::{Depths, MOST_PASSES};
 use super::helix::{Helix, TURN_UDEG};
+use super::refuse::refuse;
 use super::shape::{Corners, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -17,8 +17,6 @@ use crate::units::{Length, StartAngle};
 /// X_A, rapid Z to Z_A. Moves of no length are left out. The last one ends at A. Nothing can fail once it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadMoves {
-    /// A.
-    home: Point,
     helix: Helix,
     /// L.
     starts: u8,
@@ -27,9 +25,6 @@ pub struct ThreadMoves {
     shape: Shape,
     passes: Passes,
     step: Step,
-    /// What follows the approach and the stroke, in every pass alike.
-    after_approach: Step,
-    after_stroke: Step,
     /// The pass under way.
     corners: Corners,
     /// Rough or finish.
@@ -67,11 +62,11 @@ struct Passes {
 
 /// One pass.
 #[derive(Clone, Copy, Debug)]
-struct Pass {
-    number: u32,
-    depth: Length,
+pub(crate) struct Pass {
+    pub(crate) number: u32,
+    pub(crate) depth: Length,
     /// Rough or finish.
-    stroke: Stage,
+    pub(crate) stroke: Stage,
 }
 
 /// What a thread cycle amounts to, for reports and for checks of physics.
@@ -85,6 +80,8 @@ pub struct ThreadSummary {
     pub z_shift_max: Length,
     /// Shortest way on the long axis from a pass's start to D (X: on the radius).
     pub shortest_stroke: Length,
+    /// The first pass with it, from 0.
+    pub shortest: u32,
     /// True where X is the long axis.
     pub long_x: bool,
 }
@@ -95,38 +92,33 @@ impl ThreadMoves {
     /// # Errors
     /// Everything that geometry forbids, before the first move: see the codes 0315, 0316 and 4100–4110. Alarms about one
     /// pass name its number.
-    #[inline(never)]
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
-        let shape = Shape::new(call, span)?;
-        if call.starts.value == 0 {
-            return Err(blame(Code::CycleStartsRange, span, &call.starts.span, b'L'));
-        }
-        let limit = call.height.value - call.allowance.value;
-        let first = call.first_depth.value;
-        let rough = Depths::new(
-            call.infeed,
-            limit,
-            first,
-            call.min_step.value,
-            call.increment,
-        );
-        if !rough.is_surely_short(first) && rough.count().is_none() {
-            return Err(
-                Alarm::new(Code::TooManyPasses, span).with([Arg::Int(i64::from(MOST_PASSES))])
-            );
-        }
-        let passes = Passes {
-            rough,
-            height: call.height.value,
-            finish_left: call.finish_passes.value.max(1),
-            number: 0,
-        };
-        if !shape.is_surely_long_enough() {
-            for pass in passes {
-                let u = shape.flank(pass.number, pass.depth, pass.stroke);
-                shape.check_pass(pass.number, &shape.corners(pass.depth, u), span)?;
+        Self::survey(call, span)?;
+        Ok(Self::of(call, span))
+    }
+
+    /// What `call` amounts to; refused as in [`ThreadMoves::new`].
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn survey(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
+        refuse(call, span)?;
+        let moves = &Self::of(call, span);
+        let mut room = Ok(());
+        let summary = moves.walk(|pass, corners| {
+            if room.is_ok() {
+                room = moves.shape.check_pass(pass.number, corners, span);
             }
+        });
+        if summary.rough > MOST_PASSES {
+            let most = [Arg::Int(i64::from(MOST_PASSES))];
+            return Err(Alarm::new(Code::TooManyPasses, span).with(most));
         }
+        room.map(|()| summary)
+    }
+
+    /// The moves of a call that can be: one that [`ThreadMoves::survey`] has let pass.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn of(call: &ThreadCall, span: Span) -> Self {
+        let shape = Shape::of(call);
         let tag = Tag {
             cycle: match call.cycle {
                 ThreadCycle::G76 => Cycle::G76,
@@ -152,28 +144,19 @@ impl ThreadMoves {
             last: false,
             rpm: call.rpm,
         };
-        Ok(Self {
-            home: Point {
-                x: call.start.x,
-                z: call.start.z,
-            },
+        Self {
             helix: Helix::new(call.lead.value),
             starts: call.starts.value,
             // Past the last start of no depth.
             start: call.starts.value,
             shape,
-            passes,
+            passes: Passes {
+                rough: Depths::new(call),
+                height: call.height.value,
+                finish_left: call.finish_passes.value.max(1),
+                number: 0,
+            },
             step: Step::Approach,
-            after_approach: if shape.has_run_in() {
-                Step::RunIn
-            } else {
-                Step::Stroke
-            },
-            after_stroke: if shape.has_run_out() {
-                Step::RunOut
-            } else {
-                Step::Retract
-            },
             corners: Corners::default(),
             stroke: Stage::Rough,
             to_line: 0,
@@ -184,7 +167,14 @@ impl ThreadMoves {
                 kind: MoveKind::Thread(synchronous),
                 ..rapid
             },
-        })
+        }
+    }
+
+    /// Leaves out the first `passes` depths; to be asked before the first move.
+    pub(crate) fn leave_out(&mut self, passes: u32) {
+        for _ in 0..passes {
+            self.passes.next();
+        }
     }
 
     /// The next move, where it lies: [`Iterator::next`] without the copy.
@@ -197,8 +187,12 @@ impl ThreadMoves {
                         return None;
                     }
                     let begin = self.corners.begin;
-                    self.step = self.after_approach;
-                    if begin != self.home {
+                    self.step = if self.shape.has_run_in() {
+                        Step::RunIn
+                    } else {
+                        Step::Stroke
+                    };
+                    if begin != self.shape.home() {
                         return self.rapid(begin, Stage::Approach);
                     }
                 }
@@ -208,8 +202,8 @@ impl ThreadMoves {
                 }
                 Step::Stroke => {
                     let leave = self.corners.leave;
-                    let last = self.after_stroke == Step::Retract;
-                    self.step = self.after_stroke;
+                    let last = !self.shape.has_run_out();
+                    self.step = if last { Step::Retract } else { Step::RunOut };
                     return self.thread(leave, self.stroke, self.to_line, last);
                 }
                 Step::RunOut => {
@@ -218,19 +212,20 @@ impl ThreadMoves {
                 }
                 Step::Retract => {
                     self.step = Step::Return;
-                    let end = self.corners.end;
-                    if end.x != self.home.x {
+                    let home = self.shape.home();
+                    if self.corners.end.out != home.out {
                         let out = Point {
-                            x: self.home.x,
-                            z: end.z,
+                            along: self.corners.end.along,
+                            ..home
                         };
                         return self.rapid(out, Stage::Retract);
                     }
                 }
                 Step::Return => {
                     self.step = Step::Approach;
-                    if self.corners.end.z != self.home.z {
-                        return self.rapid(self.home, Stage::Return);
+                    let home = self.shape.home();
+                    if self.corners.end.along != home.along {
+                        return self.rapid(home, Stage::Return);
                     }
                 }
             }
@@ -241,24 +236,36 @@ impl ThreadMoves {
     /// time that grows with their number.
     #[must_use]
     pub fn summary(&self) -> ThreadSummary {
+        self.walk(|_, _| {})
+    }
+
+    /// Shows every pass with its corners; no more rough ones than one too many.
+    fn walk(&self, mut show: impl FnMut(&Pass, &Corners)) -> ThreadSummary {
         let mut summary = ThreadSummary {
             rough: 0,
             passes: 0,
             z_shift_max: Length::ZERO,
             shortest_stroke: Length::from_nm(i64::MAX),
+            shortest: 0,
             long_x: self.shape.long_x,
         };
         for pass in self.passes {
-            let u = self.shape.flank(pass.number, pass.depth, pass.stroke);
-            let corners = self.shape.corners(pass.depth, u);
-            summary.passes = summary.passes.wrapping_add(1);
-            summary.rough = summary
-                .rough
-                .wrapping_add(u32::from(pass.stroke == Stage::Rough));
-            let shift = (corners.begin.z - self.home.z).abs();
+            let corners = self.shape.corners(&pass);
+            show(&pass, &corners);
+            let shift = Length::from_nm(corners.begin.along);
             summary.z_shift_max = summary.z_shift_max.max(shift);
             let stroke = self.shape.stroke(&corners);
-            summary.shortest_stroke = summary.shortest_stroke.min(stroke);
+            if stroke < summary.shortest_stroke {
+                summary.shortest_stroke = stroke;
+                summary.shortest = summary.passes;
+            }
+            summary.passes = summary.passes.wrapping_add(1);
+            if pass.stroke == Stage::Rough {
+                summary.rough = summary.rough.wrapping_add(1);
+                if summary.rough > MOST_PASSES {
+                    break;
+                }
+            }
         }
         summary
     }
@@ -273,8 +280,7 @@ impl ThreadMoves {
         let Some(pass) = self.passes.next() else {
             return false;
         };
-        let u = self.shape.flank(pass.number, pass.depth, pass.stroke);
-        let corners = self.shape.corners(pass.depth, u);
+        let corners = self.shape.corners(&pass);
         if self.shape.has_run_out() {
             self.to_leave = self.helix.angle(self.along(corners.leave, corners.begin));
         }
@@ -316,18 +322,17 @@ impl ThreadMoves {
     #[inline]
     fn along(&self, a: Point, b: Point) -> u64 {
         let (a, b) = if self.shape.long_x {
-            (a.x, b.x)
+            (a.out, b.out)
         } else {
-            (a.z, b.z)
+            (a.along, b.along)
         };
-        a.nm().abs_diff(b.nm())
+        a.abs_diff(b)
     }
 
     #[inline]
     fn rapid(&mut self, to: Point, stage: Stage) -> Option<&Move> {
         let next = &mut self.rapid;
-        next.to.x = to.x;
-        next.to.z = to.z;
+        (next.to.x, next.to.z) = self.shape.place(&to);
         if let Some(tag) = &mut next.tag {
             tag.stage = stage;
         }
@@ -339,8 +344,7 @@ impl ThreadMoves {
         // Both are at most a turn, and the start angle is less.
         let angle = self.angle.wrapping_add(turned);
         let next = &mut self.thread;
-        next.to.x = to.x;
-        next.to.z = to.z;
+        (next.to.x, next.to.z) = self.shape.place(&to);
         if let MoveKind::Thread(thread) = &mut next.kind {
             thread.angle_udeg = if angle >= TURN_UDEG {
                 angle.wrapping_sub(TURN_UDEG)

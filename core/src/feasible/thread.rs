@@ -1,10 +1,8 @@
 //! G76 and G78 against the machine: spindle, feeds, lead-in, run-out (cycles.md section 7).
 
-use core::ops::ControlFlow;
-
 use super::pass::{Gather, Pass};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{MoveKind, ThreadMoves, ThreadSummary};
+use crate::cycle::{Move, MoveKind, ThreadMoves, ThreadSummary};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
 use crate::program::ThreadCall;
@@ -67,31 +65,37 @@ pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadRe
     }
 }
 
-/// The first of what [`thread_findings`] finds, in little memory: what a board asks.
+/// The first of what [`thread_findings`] finds of a call at a speed of its own, in little memory: what a board asks.
 ///
 /// # Errors
 /// As [`thread`].
-pub fn thread_can_run(call: &ThreadCall, span: Span, params: &Params) -> Result<(), Alarm> {
+pub fn thread_can_run(
+    call: &ThreadCall,
+    rpm: Rpm,
+    span: Span,
+    params: &Params,
+) -> Result<(), Alarm> {
     let mut first = Ok(());
     let mut wrong = |alarm| {
         if first.is_ok() {
             first = Err(alarm);
         }
     };
-    examine(call, span, params, &mut wrong, &mut |_| {})?;
+    examine(call, rpm, span, params, &mut wrong, &mut |_| {})?;
     first
 }
 
 /// Plans the passes that ask most of the machine, shows the plans, and says everything that is wrong.
 fn examine(
     call: &ThreadCall,
+    rpm: Rpm,
     span: Span,
     params: &Params,
     wrong: &mut impl FnMut(Alarm),
     seen: &mut impl FnMut(&ThreadPlan),
 ) -> Result<ThreadSummary, Alarm> {
-    let summary = summary(call, span)?;
-    let speed = call.rpm.abs();
+    let summary = ThreadMoves::survey(call, span)?;
+    let speed = rpm.abs();
     if speed == 0 {
         wrong(Alarm::new(Code::SpindleStopped, span));
     } else if speed > params.spindle_max_rpm() {
@@ -103,12 +107,8 @@ fn examine(
         wrong(alarm);
     }
     if speed != 0 {
-        let extremes = Extremes::of(call, span)?;
-        for number in extremes.numbers() {
-            let Some(pass) = &extremes.pass(number) else {
-                continue;
-            };
-            match &plan(call, pass, params, call.rpm) {
+        for number in extremes(&summary) {
+            match &plan(call, &pass(call, span, number), params, rpm) {
                 Ok(plan) => seen(plan),
                 Err(alarm) => {
                     wrong(*alarm);
@@ -118,12 +118,6 @@ fn examine(
         }
     }
     Ok(summary)
-}
-
-// Each of these has the moves of a cycle on its stack; who plans a pass has not, at the same time [D140].
-#[inline(never)]
-fn summary(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
-    ThreadMoves::new(call, span).map(|moves| moves.summary())
 }
 
 /// As [`thread`], but goes on after the first thing that is wrong.
@@ -139,6 +133,7 @@ pub fn thread_findings(
     let mut figures = Figures::default();
     let summary = examine(
         call,
+        call.rpm,
         span,
         params,
         &mut |alarm| alarms.push(alarm),
@@ -229,11 +224,13 @@ pub fn thread_findings(
 /// # Errors
 /// What geometry forbids.
 pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
-    let extremes = Extremes::of(call, span)?;
+    let summary = ThreadMoves::survey(call, span)?;
+    let passes = extremes(&summary).map(|number| pass(call, span, number));
     let can = |speed: i32| {
-        extremes
-            .passes()
-            .all(|pass| plan(call, &pass, params, Rpm::new(speed)).is_ok())
+        let rpm = Rpm::new(speed);
+        passes
+            .iter()
+            .all(|pass| plan(call, pass, params, rpm).is_ok())
     };
     // Invariant: `low` can (or is 0), `high` is one more than may be tried, or cannot.
     let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
@@ -254,7 +251,7 @@ pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Al
 #[inline(never)]
 fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<ThreadPlan, Alarm> {
     // A plan is large, and stays where it is written.
-    let mut plan = ThreadPlan::for_rpm(pass.from, pass.moves(), params, rpm);
+    let mut plan = ThreadPlan::for_rpm(pass.from, &pass.moves, params, rpm);
     match &mut plan {
         Err(alarm) => to_word(call, alarm),
         Ok(_) => {
@@ -269,18 +266,19 @@ fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<Thr
 /// The alarm for a run-out above the short axis' feed.
 #[inline(never)]
 fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Option<Alarm> {
-    let last = pass.last();
-    let (MoveKind::Thread(thread), Some(run_out)) = (&last.kind, &call.run_out) else {
+    let ([.., Move { to: from, .. }, last], Some(run_out)) = (&*pass.moves, &call.run_out) else {
         return None;
     };
-    let from = pass.last_from();
+    let MoveKind::Thread(thread) = &last.kind else {
+        return None;
+    };
     let (dx, dz) = ((last.to.x - from.x).abs(), (last.to.z - from.z).abs());
     let (short_axis, short, long) = if thread.long_x {
         (Axis::Z, dz, dx)
     } else {
         (Axis::X, dx, dz)
     };
-    if pass.moves().len() < 2 || long == Length::ZERO {
+    if long == Length::ZERO {
         return None;
     }
     let (nm, turns) = thread.lead.parts();
@@ -346,88 +344,26 @@ fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
     )
 }
 
-/// The passes that ask most of the machine: the first (shortest run-in, smallest J), the last (largest J), and the one
-/// with the shortest stroke. All passes share slope, K and lead, and J and run-in grow with depth. Known by their numbers
-/// and made anew when they are wanted: a pass is large.
-struct Extremes {
-    /// All starts of a depth are the same pass at another angle.
-    one_start: ThreadCall,
-    span: Span,
-    last: u32,
-    shortest: u32,
+/// The passes that ask most of the machine, by their numbers: the last (largest J), the one with the shortest stroke, and
+/// the first (shortest run-in, smallest J). All passes share slope, K and lead, and J and run-in grow with depth.
+const fn extremes(summary: &ThreadSummary) -> [u32; 3] {
+    [summary.passes.saturating_sub(1), summary.shortest, 0]
 }
 
-impl Extremes {
-    #[inline(never)]
-    fn of(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
-        let mut all = Self {
-            one_start: *call,
-            span,
-            last: 0,
-            shortest: 0,
-        };
-        all.one_start.starts.value = 1;
-        let mut least = None;
-        let (mut last, mut shortest) = (0, 0);
-        each_pass(&all.one_start, span, |number, pass| {
-            if least.is_none_or(|least| pass.stroke() < least) {
-                least = Some(pass.stroke());
-                shortest = number;
-            }
-            last = number;
-            ControlFlow::Continue(())
-        })?;
-        (all.last, all.shortest) = (last, shortest);
-        Ok(all)
-    }
-
-    #[inline(never)]
-    fn pass(&self, wanted: u32) -> Option<Pass> {
-        let mut found = None;
-        let each = |number, pass: &Pass| {
-            if number < wanted {
-                return ControlFlow::Continue(());
-            }
-            found = Some(*pass);
-            ControlFlow::Break(())
-        };
-        // What has expanded once expands a second time.
-        each_pass(&self.one_start, self.span, each).ok()?;
-        found
-    }
-
-    const fn numbers(&self) -> [u32; 3] {
-        [self.last, self.shortest, 0]
-    }
-
-    fn passes(&self) -> impl Iterator<Item = Pass> {
-        self.numbers()
-            .into_iter()
-            .filter_map(|number| self.pass(number))
-    }
-}
-
-/// Gives each pass of a cycle with its number, from 0.
-fn each_pass(
-    call: &ThreadCall,
-    span: Span,
-    mut each: impl FnMut(u32, &Pass) -> ControlFlow<()>,
-) -> Result<(), Alarm> {
-    let mut moves = ThreadMoves::new(call, span);
-    let moves = moves.as_mut().map_err(|alarm| *alarm)?;
-    let mut gather = Gather::default();
+/// Pass `number` of a cycle that can be. Made anew when it is wanted: a pass is large.
+#[inline(never)]
+fn pass(call: &ThreadCall, span: Span, number: u32) -> Pass {
+    let mut moves = ThreadMoves::of(call, span);
+    moves.leave_out(number);
+    let mut gather = Gather::new();
     let mut at = call.start;
-    let mut number = 0_u32;
-    for next in moves {
-        if let Some(pass) = gather.take(at, &next) {
-            if each(number, pass).is_break() {
-                break;
-            }
-            number = number.saturating_add(1);
+    while let Some(next) = moves.advance() {
+        if gather.take(at, next).is_some() {
+            break;
         }
         at = next.to;
     }
-    Ok(())
+    gather.pass()
 }
 
 /// The worst figures over the passes.

@@ -30,7 +30,7 @@ pub fn time(
 ) -> Result<Duration, Alarm> {
     let limits = Limits::from_params(params);
     let tick = u64::from(limits.tick_us());
-    let mut gather = Gather::default();
+    let mut gather = Gather::new();
     let mut at = from;
     let mut micros = 0_u64;
     // The spindle's angle when the last pass was over, and when that was.
@@ -39,7 +39,7 @@ pub fn time(
         let more = match next.kind {
             MoveKind::Thread(thread) => match gather.take(at, &next) {
                 Some(pass) => {
-                    let plan = ThreadPlan::new(pass.from, pass.moves(), params, TurnRate::ZERO)?;
+                    let plan = ThreadPlan::new(pass.from, &pass.moves, params, TurnRate::ZERO)?;
                     let speed = TurnRate::of_rpm(thread.rpm).abs().raw().unsigned_abs();
                     let begins = micros.saturating_add(tick.saturating_mul(BETWEEN_PASSES));
                     let wait = match spindle {

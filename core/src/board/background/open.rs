@@ -132,15 +132,12 @@ impl Background {
 /// A thread at the speed of its block, and at the override's where that makes it faster.
 #[inline(never)]
 fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(), Alarm> {
-    feasible::thread_can_run(thread, span, settings.params)?;
-    if settings.spindle_percent <= 100 {
+    let (rpm, percent) = (thread.rpm, settings.spindle_percent);
+    feasible::thread_can_run(thread, rpm, span, settings.params)?;
+    if percent <= 100 {
         return Ok(());
     }
-    let faster = ThreadCall {
-        rpm: overridden(thread.rpm, settings.spindle_percent),
-        ..*thread
-    };
-    feasible::thread_can_run(&faster, span, settings.params)
+    feasible::thread_can_run(thread, overridden(rpm, percent), span, settings.params)
 }
 
 #[inline(never)]
