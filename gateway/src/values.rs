@@ -155,7 +155,7 @@ impl FromStr for Tolerance {
     }
 }
 
-/// A whole percentage, 0 to 200.
+/// A whole percentage; how far each override goes is not known here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Percent(pub u8);
 
@@ -164,8 +164,8 @@ impl FromStr for Percent {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.trim_end_matches('%').parse() {
-            Ok(percent @ 0..=200) => Ok(Self(percent)),
-            _ => Err("expected a whole number from 0 to 200".into()),
+            Ok(percent) => Ok(Self(percent)),
+            Err(_) => Err("expected a whole number of percent, as `80`".into()),
         }
     }
 }

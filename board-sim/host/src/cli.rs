@@ -11,6 +11,7 @@ use leadscrew::values::{At, Ripple, SetSignal};
 use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions};
 use leadscrew_can::Address;
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 use leadscrew_core::units::{Angle, Axis, Length};
@@ -89,9 +90,9 @@ pub struct Board {
     /// The machine and the bus.
     #[command(flatten)]
     pub common: Common,
-    /// CANopen node of the board, 1 to 127
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=127))]
-    pub node: u8,
+    /// CANopen node of the board, 1 to 126, and none of its drives'
+    #[arg(long, value_name = "N", default_value = "1", value_parser = board_node)]
+    pub node: NodeId,
     /// Virtual time: a tick waits for the drives' answers and for the program, and for no clock
     #[arg(long)]
     pub lockstep: bool,
@@ -137,6 +138,21 @@ pub struct Board {
     /// Ends after so many ticks
     #[arg(long, value_name = "N")]
     pub ticks: Option<u64>,
+}
+
+/// A number that nobody else on the bus has.
+fn board_node(text: &str) -> Result<NodeId, String> {
+    let number = text.parse().ok().and_then(NodeId::new);
+    let node = number.ok_or("expected a number from 1 to 126")?;
+    let whose = match node {
+        NodeId::GATEWAY => "the gateway's",
+        NodeId::DRIVE_X | NodeId::DRIVE_Z | NodeId::DRIVE_C => "that of an axis drive",
+        NodeId::SPINDLE_1 | NodeId::SPINDLE_2 | NodeId::SPINDLE_3 | NodeId::SPINDLE_4 => {
+            "that of a spindle drive"
+        }
+        _ => return Ok(node),
+    };
+    Err(format!("{text} is {whose}; a board needs one of its own"))
 }
 
 /// A key of eight hexadecimal digits.
@@ -252,6 +268,15 @@ mod tests {
     fn the_options_fit_together() {
         use clap::CommandFactory as _;
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_board_has_a_number_of_its_own() {
+        assert_eq!(board_node("1"), Ok(NodeId::BOARD));
+        assert_eq!(board_node("126"), Ok(NodeId::new(126).unwrap()));
+        for wrong in ["0", "128", "x", "16", "17", "18", "32", "35", "127"] {
+            assert!(board_node(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

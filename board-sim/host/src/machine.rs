@@ -105,7 +105,7 @@ impl Machine {
             ))
         })?;
         let mut board = Board::power_up(&up, Some(options.at), tap).map_err(no_board)?;
-        let node = NodeId::new(args.node).unwrap_or(NodeId::BOARD);
+        let node = args.node;
         board.join(node).map_err(no_board)?;
         let mut signals = Signals::default();
         for set in &args.signal {
@@ -126,7 +126,7 @@ impl Machine {
         let wire = Wire::open(args.common.address(), params)?;
         say(&format!(
             "node {} on {}, tick {} µs, {}{}",
-            args.node,
+            node.get(),
             wire.name(),
             params.tick_us(),
             if args.lockstep {

@@ -9,19 +9,19 @@ pub struct NodeId(u8);
 impl NodeId {
     /// The board, unless it is given another number.
     pub const BOARD: Self = Self(1);
-    /// The X drive, unless the parameters say otherwise.
+    /// The X drive.
     pub const DRIVE_X: Self = Self(16);
-    /// The Z drive, unless the parameters say otherwise.
+    /// The Z drive.
     pub const DRIVE_Z: Self = Self(17);
-    /// The C drive, unless the parameters say otherwise.
+    /// The C drive.
     pub const DRIVE_C: Self = Self(18);
-    /// The drive of spindle 1, unless the parameters say otherwise.
+    /// The drive of spindle 1.
     pub const SPINDLE_1: Self = Self(32);
-    /// The drive of spindle 2, likewise.
+    /// The drive of spindle 2.
     pub const SPINDLE_2: Self = Self(33);
-    /// The drive of spindle 3, likewise.
+    /// The drive of spindle 3.
     pub const SPINDLE_3: Self = Self(34);
-    /// The drive of spindle 4, likewise.
+    /// The drive of spindle 4.
     pub const SPINDLE_4: Self = Self(35);
     /// The gateway.
     pub const GATEWAY: Self = Self(127);

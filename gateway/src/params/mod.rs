@@ -26,6 +26,7 @@ use leadscrew_core::units::Axis;
 use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
 use crate::json::Json;
+use crate::words::pick;
 
 pub use file::read;
 pub use mistake::unknown_key;
@@ -40,6 +41,8 @@ pub struct Loaded {
     pub diagnostics: Vec<Diagnostic>,
     /// What the drives' own objects are to be, in the order in which it was written.
     pub drives: Vec<drives::Setting>,
+    /// What nobody has written here is a board's; else the built-in machine's.
+    pub of_a_board: bool,
     sources: BTreeMap<Key, Source>,
 }
 
@@ -110,8 +113,15 @@ pub fn load_text(name: &str, text: &str, lang: Lang) -> Loaded {
 
 impl Loader {
     fn new(base: Option<Params>, lang: Lang) -> Self {
+        let loaded = match base {
+            Some(params) => Loaded::of(params),
+            None => Loaded {
+                of_a_board: false,
+                ..Loaded::of(Params::slant_bed())
+            },
+        };
         Self {
-            loaded: Loaded::of(base.unwrap_or_else(Params::slant_bed)),
+            loaded,
             lang,
             layer: 0,
             count: 0,
@@ -133,13 +143,14 @@ impl Loader {
 }
 
 impl Loaded {
-    /// A set that comes from nowhere.
+    /// The set of a board.
     #[must_use]
     pub const fn of(params: Params) -> Self {
         Self {
             params,
             diagnostics: Vec::new(),
             drives: Vec::new(),
+            of_a_board: true,
             sources: BTreeMap::new(),
         }
     }
@@ -195,7 +206,7 @@ impl Loaded {
         Entry::all().iter().all(named)
     }
 
-    /// Where a value was written: `FILE:LINE`, or the option; `None` for the built-in machine's.
+    /// Where a value was written: `FILE:LINE`, or the option; `None` for one that was there before.
     pub fn source(&self, entry: &Entry) -> Option<String> {
         let place = &self.sources.get(&key(entry))?.place;
         Some(if place.file == option::NAME {
@@ -210,7 +221,7 @@ impl Loaded {
         self.params.check(|alarm| found.push(alarm));
         for alarm in found {
             let figures = alarm.args.map(|arg| figure(arg, lang, false));
-            let place = self.blame(&alarm);
+            let place = self.blame(&alarm, lang);
             let diagnostic = Diagnostic::of_option(alarm.code, &figures, &place, lang);
             self.diagnostics.push(diagnostic);
         }
@@ -222,7 +233,7 @@ impl Loaded {
     }
 
     /// Of the values that make a condition, the one written last.
-    fn blame(&self, alarm: &Alarm) -> Place {
+    fn blame(&self, alarm: &Alarm, lang: Lang) -> Place {
         let axis = match alarm.args[0] {
             Arg::Letter(letter) => Axis::ALL.into_iter().find(|axis| axis.letter() == letter),
             _ => None,
@@ -240,7 +251,11 @@ impl Loaded {
             .map(|(_, source)| source);
         source.map_or_else(
             || Place {
-                file: "the built-in machine".into(),
+                file: if self.of_a_board {
+                    pick(lang, "the board's parameters", "控制板的参数").into()
+                } else {
+                    pick(lang, "the built-in machine", "内置机床").into()
+                },
                 ..Place::default()
             },
             |source| source.place.clone(),

@@ -226,6 +226,11 @@ fn interrupted_the_machine_is_brought_to_rest_first() {
     );
     let output = run.end();
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    // What was done until then is told.
+    let ran = json(&output);
+    assert_eq!(ran["ok"], false);
+    assert_eq!(ran["setpoint_hash"], server.hash());
+    assert!(ran["time_s"].as_f64() > Some(0.0), "{ran}");
     let status = json(&leadscrew(&["status", "--json"], &bus));
     assert_eq!(status["state"], "idle");
     assert_eq!(status["program"], false);
@@ -246,6 +251,9 @@ fn nobody_or_too_many_under_the_number_each_have_their_message() {
         nodes: vec![1, 1],
         ..Options::default()
     });
+    // Nor is a board needed to tell that there is no such program.
+    let told = bad(&leadscrew(&["run", "no-such.nc"], &two.bus()), 2);
+    assert!(told.contains("cannot read `no-such.nc`"), "{told}");
     let told = bad(&leadscrew(&["run", "examples/shaft.nc"], &two.bus()), 3);
     assert!(told.contains("two boards answer as node 1"), "{told}");
     let chinese = bad(&leadscrew(&["status", "--lang", "zh"], &two.bus()), 3);

@@ -76,6 +76,28 @@ fn a_file_goes_to_board_and_drives_and_comes_back() {
     });
 }
 
+/// A value of the board is not called the built-in machine's, neither where it is told nor where it is warned of.
+#[test]
+fn what_a_board_has_is_told_as_its_own() {
+    let server = Server::start(&Options {
+        set: vec![("9024", 0), ("9000", 4000)],
+        ..Options::default()
+    });
+    let output = leadscrew(&["params", "get", "9000"], &server.bus());
+    let told = good(&output);
+    assert!(
+        told.contains("9000 tick_us = 4000 µs")
+            && told.contains("the board's value, built in 1000"),
+        "{told}"
+    );
+    let warned = text(&output.stderr);
+    assert!(
+        warned.contains("warning[4963]") && warned.contains("--> the board's parameters"),
+        "{warned}"
+    );
+    assert!(!format!("{told}{warned}").contains("the built-in machine"));
+}
+
 #[test]
 fn a_machine_at_work_keeps_its_set() {
     let server = Server::start(&Options {

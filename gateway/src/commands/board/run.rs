@@ -15,7 +15,7 @@ use crate::checking::Report;
 use crate::cli::{Drive, Global};
 use crate::diagnostics::{self, Diagnostic};
 use crate::execution::tell_report;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Doing, Failure, Outcome};
 use crate::feeder::{Feeder, placed};
 use crate::interrupt;
 use crate::link::{Feed, Link};
@@ -74,6 +74,10 @@ pub fn run(
     tolerance: Option<Tolerance>,
 ) -> Outcome {
     refuse(global, drive)?;
+    // A name that is mistyped needs no board to be told.
+    source
+        .open()
+        .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
     interrupt::watch();
     let machine = Machine::meet(global)?;
     let mut setup = Setup::over(global, Some(machine.params.clone()))?;
@@ -96,6 +100,7 @@ pub fn run(
         link: &mut link,
         ran: Ran::default(),
         last_event: status.newest_event,
+        late: status.late,
         held: false,
         bar: bar(report.moves, global.json, setup.lang),
     };
@@ -292,6 +297,8 @@ struct Runner<'a> {
     link: &'a mut Link,
     ran: Ran,
     last_event: u32,
+    /// Setpoints that had come late before.
+    late: u32,
     bar: ProgressBar,
     /// The hold has been told.
     held: bool,
@@ -308,9 +315,12 @@ impl Runner<'_> {
         let mut looked = Instant::now();
         let boots = self.link.seen.boots;
         loop {
-            if interrupt::requested() && !self.ran.interrupted {
+            if interrupt::requested() {
                 self.ran.interrupted = true;
-                return self.bring_to_rest();
+                self.bring_to_rest()?;
+                // What went wrong on the way.
+                self.read_log(&feeder)?;
+                return self.conclude(&feed);
             }
             let fed = self.feed(&mut feeder, &mut feed)?;
             if !started && (!fed || feeder.is_over() && feed.is_empty()) {
@@ -334,12 +344,18 @@ impl Runner<'_> {
                 self.read_log(&feeder)?;
             }
             if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
-                let certificate = self.link.certificate()?;
-                self.ran.certificate =
-                    (certificate.program == feed.program()).then_some(certificate);
-                return Ok(());
+                return self.conclude(&feed);
             }
         }
+    }
+
+    /// What the board says of the run.
+    fn conclude(&mut self, feed: &Feed) -> Outcome {
+        let certificate = self.link.certificate()?;
+        // The board counts since its power came, and its status no farther than 255.
+        self.ran.late = certificate.late.saturating_sub(self.late);
+        self.ran.certificate = (certificate.program == feed.program()).then_some(certificate);
+        Ok(())
     }
 
     /// The board has begun anew. An alarm that it still knows says why; else it has lost its power, and the program with it.
@@ -402,9 +418,6 @@ impl Runner<'_> {
     /// Takes in what the statuses say.
     fn look(&mut self) {
         let seen = &self.link.seen;
-        if let Some(status) = seen.status {
-            self.ran.late = status.late;
-        }
         if let Some(place) = seen.place {
             self.ran.moves = self.ran.moves.max(u64::from(place.number));
             if place.line > 0 {

@@ -27,7 +27,10 @@ pub fn run(global: &Global, args: &Diff) -> Outcome {
     if files.is_empty() && global.set.is_empty() {
         return tell(global, &changes(&Params::slant_bed(), home.params()), &[]);
     }
-    let base = Some(home.params().clone());
+    let base = match &home {
+        Home::BuiltIn(_) => None,
+        Home::Board(machine) => Some(machine.params.clone()),
+    };
     let wanted = told_good(global, params::load_over(base, &files, &global.set, lang)?)?;
     let drives = home.drive_changes(&wanted.drives)?;
     tell(global, &changes(home.params(), &wanted.params), &drives)

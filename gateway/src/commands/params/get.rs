@@ -55,6 +55,15 @@ fn describe(out: &mut String, entry: &Entry, loaded: &Loaded, lang: Lang) {
     let _ = writeln!(out, "{entry}{alias} {} = {value}", name(entry));
     let _ = writeln!(out, "    {}", meaning(entry, lang));
     let _ = match (lang, source) {
+        (Lang::En, None) if loaded.of_a_board => {
+            writeln!(
+                out,
+                "    {min} to {max}; the board's value, built in {built_in}"
+            )
+        }
+        (Lang::Zh, None) if loaded.of_a_board => {
+            writeln!(out, "    {min} 至 {max}；控制板的值，内置值 {built_in}")
+        }
         (Lang::En, None) => writeln!(out, "    {min} to {max}; the built-in machine's value"),
         (Lang::En, Some(by)) => {
             writeln!(out, "    {min} to {max}; set by {by}, built in {built_in}")

@@ -83,7 +83,7 @@ pub fn run(global: &Global, args: &Push) -> Outcome {
 /// Carries a wish out, or shows what it would do.
 pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     // What is wrong with the files by themselves needs no board to be told.
-    let alone = load(global, wish, Params::slant_bed())?;
+    let alone = load(global, wish, None)?;
     if alone
         .diagnostics
         .iter()
@@ -113,11 +113,7 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     let wanted = match told {
         Some(wanted) => wanted,
         None => {
-            let base = if wish.built_in {
-                Params::slant_bed()
-            } else {
-                machine.params.clone()
-            };
+            let base = (!wish.built_in).then(|| machine.params.clone());
             told_good(global, load(global, wish, base)?)?
         }
     };
@@ -170,8 +166,8 @@ pub fn no_board() -> Failure {
     ))
 }
 
-fn load(global: &Global, wish: &Wish, base: Params) -> Outcome<Loaded> {
-    params::load_over(Some(base), wish.files, wish.set, global.lang())
+fn load(global: &Global, wish: &Wish, base: Option<Params>) -> Outcome<Loaded> {
+    params::load_over(base, wish.files, wish.set, global.lang())
 }
 
 fn carry_out(

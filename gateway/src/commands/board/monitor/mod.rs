@@ -17,6 +17,7 @@ use super::open;
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
+use crate::interrupt;
 use crate::link::Link;
 use crate::source::SourceFile;
 use crate::words::both;
@@ -44,6 +45,7 @@ pub fn monitor(global: &Global) -> Outcome {
             "`monitor` 需要终端，而标准输出不是终端；程序请用 `status --json`"
         )));
     }
+    interrupt::watch();
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
@@ -100,7 +102,8 @@ fn watch(
         terminal
             .draw(|frame| draw(frame, &view))
             .map_err(|error| Failure::stdout(&error))?;
-        if ends().map_err(|error| Failure::stdout(&error))? {
+        // Ctrl-C is a key here; where the signal comes from elsewhere, the terminal is left as it was all the same.
+        if ends().map_err(|error| Failure::stdout(&error))? || interrupt::requested() {
             return Ok(());
         }
     }

@@ -197,11 +197,17 @@ fn spindle_lines(view: &View) -> Vec<Line<'static>> {
             rpm = status.command.get()
         );
         lines.push(Line::raw(text.get(view.lang).to_owned()));
+        // Two lines: on a terminal of 80 columns one would lose its end.
         let text = both!(
-            "overrides: feed {feed} %, rapid {rapid} %, spindle {spindle} %",
-            "倍率：进给 {feed} %，快速 {rapid} %，主轴 {spindle} %",
+            "override feed {feed} %, rapid {rapid} %",
+            "倍率：进给 {feed} %，快速 {rapid} %",
             feed = status.feed_percent,
-            rapid = status.rapid_percent,
+            rapid = status.rapid_percent
+        );
+        lines.push(Line::raw(text.get(view.lang).to_owned()));
+        let text = both!(
+            "override spindle {spindle} %",
+            "倍率：主轴 {spindle} %",
             spindle = status.spindle_percent
         );
         lines.push(Line::raw(text.get(view.lang).to_owned()));
@@ -232,6 +238,9 @@ fn program_lines(view: &View) -> Vec<Line<'static>> {
 
 #[cfg(test)]
 mod tests {
+    use leadscrew_core::link::VERSION;
+    use leadscrew_core::program::Position;
+    use leadscrew_core::units::{Rpm, TurnRate, Turns};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
@@ -269,6 +278,45 @@ mod tests {
             "worst 0.4 µm",
             "54%",
             "line 17: 4300 emergency stop",
+        ] {
+            assert!(picture.contains(part), "{part}: {picture}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_cut_off_on_a_terminal_of_eighty_columns() {
+        let mut view = View::new("socketcan:can0", 127, Lang::En);
+        view.status = Some(Status {
+            version: VERSION,
+            tick: 0,
+            state: BoardState::Idle,
+            alarm: None,
+            in_program: false,
+            line: 0,
+            number: 0,
+            position: Position::default(),
+            spindle: Turns::default(),
+            speed: TurnRate::default(),
+            command: Rpm::default(),
+            hold: false,
+            single_block: false,
+            feed_percent: 150,
+            rapid_percent: 100,
+            spindle_percent: 120,
+            sync_error: None,
+            late: 0,
+            program: 0,
+            next_call: 0,
+            credit: 2048,
+            newest_event: 0,
+            signals: 0,
+            parameters: 0,
+        });
+        let picture = picture(&view, 80, 24);
+        for part in [
+            "override feed 150 %, rapid 100 %",
+            "override spindle 120 %",
+            "(q ends the view)",
         ] {
             assert!(picture.contains(part), "{part}: {picture}");
         }
