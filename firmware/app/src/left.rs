@@ -66,24 +66,20 @@ impl Left {
     /// where the board does not start any more: whoever switches it off and on again finds it on its alarm.
     #[must_use]
     pub fn failure(&self, cause: ResetCause) -> Option<Failure> {
-        let told = |kind| Failure {
+        let (untold, most) = match cause {
+            ResetCause::Power | ResetCause::Pin => return None,
+            ResetCause::Software => return self.record,
+            ResetCause::Watchdog => (FailureKind::Hung, u32::MAX),
+            ResetCause::BrownOut => (FailureKind::PowerDropped, Failure::LAST - 1),
+        };
+        let mut failure = self.record;
+        let told = failure.get_or_insert_with(|| Failure {
             ticks: self.ticks,
             in_a_row: self.next(),
-            ..Failure::untold(kind)
-        };
-        match cause {
-            ResetCause::Power | ResetCause::Pin => None,
-            ResetCause::Software => self.record,
-            ResetCause::Watchdog => Some(self.record.unwrap_or(told(FailureKind::Hung))),
-            ResetCause::BrownOut => {
-                let failure = self.record.unwrap_or(told(FailureKind::PowerDropped));
-                let in_a_row = failure.in_a_row.min(Failure::LAST - 1);
-                Some(Failure {
-                    in_a_row,
-                    ..failure
-                })
-            }
-        }
+            ..Failure::untold(untold)
+        });
+        told.in_a_row = told.in_a_row.min(most);
+        failure
     }
 }
 

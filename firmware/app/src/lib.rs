@@ -62,7 +62,7 @@ mod tick;
 pub use background::{BackgroundSide, Machine};
 pub use failure::{Failure, FailureKind, VERSION, file_key};
 pub use left::Left;
-pub use queues::{BackgroundPlace, PowerUp, Queues, TickerPlace};
+pub use queues::{BackgroundPlace, PowerUp, Queues, TickPlace, TickerPlace};
 pub use report::{Order, Report};
 pub use reset::{ResetCause, ResetFlags};
 pub use serial::serial_of;

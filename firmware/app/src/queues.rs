@@ -38,6 +38,8 @@ pub struct Queues {
     returned: Queue<&'static mut Ticker, LOANS>,
 }
 
+/// Where the tick's side will be for good: also a `static`.
+pub type TickPlace = MaybeUninit<TickSide>;
 /// Where a ticker will be for good: also a `static`.
 pub type TickerPlace = MaybeUninit<Ticker>;
 /// Where the background's side will be for good: also a `static`.
@@ -87,10 +89,11 @@ impl Queues {
     /// no room on the bus.
     pub fn power_up(
         &'static mut self,
+        tick: &'static mut TickPlace,
         place: &'static mut TickerPlace,
         background: &'static mut BackgroundPlace,
         up: &PowerUp<'_>,
-    ) -> Result<(TickSide, &'static mut BackgroundSide), Alarm> {
+    ) -> Result<(&'static mut TickSide, &'static mut BackgroundSide), Alarm> {
         let ticker = new_ticker(place, up)?;
         let (segments_in, segments_out) = self.segments.split();
         let (detours_in, detours_out) = self.detours.split();
@@ -103,7 +106,7 @@ impl Queues {
         let (given_in, given_out) = self.given.split();
         let (returned_in, returned_out) = self.returned.split();
         let snapshot = Snapshot::new(ticker, &Setpoint::default());
-        let tick = TickSide::new(
+        let tick = tick.write(TickSide::new(
             ticker,
             TickEnds {
                 segments: segments_out,
@@ -117,7 +120,7 @@ impl Queues {
                 given: given_in,
                 returned: returned_out,
             },
-        );
+        ));
         let background = new_background(
             background,
             up,

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use leadscrew_app::{
     BackgroundPlace, BackgroundSide, Failure, FailureKind, Inputs, Machine, PowerUp, Queues,
-    ResetCause, TickMachine, TickSide, TickerPlace, VERSION,
+    ResetCause, TickMachine, TickPlace, TickSide, TickerPlace, VERSION,
 };
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
@@ -113,7 +113,7 @@ impl Machine for Bench {
 
 /// A board on its bench.
 struct Apart {
-    tick: TickSide,
+    tick: &'static mut TickSide,
     background: &'static mut BackgroundSide,
     bench: Bench,
     hash: SetpointHash,
@@ -172,6 +172,7 @@ impl Apart {
     fn started(params: &Params, failure: Option<Failure>, cause: ResetCause) -> Self {
         // For good, as in an image.
         let queues = Box::leak(Box::new(Queues::new()));
+        let tick = Box::leak(Box::new(TickPlace::uninit()));
         let ticker = Box::leak(Box::new(TickerPlace::uninit()));
         let background = Box::leak(Box::new(BackgroundPlace::uninit()));
         let options = PlantOptions::default();
@@ -185,7 +186,7 @@ impl Apart {
             cause,
         };
         let (tick, background) = queues
-            .power_up(ticker, background, &up)
+            .power_up(tick, ticker, background, &up)
             .expect("the parameters work");
         Self {
             tick,

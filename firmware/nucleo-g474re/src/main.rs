@@ -38,8 +38,8 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::entry;
 use leadscrew_app::{
-    BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickSide,
-    TickerPlace, serial_of,
+    BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickPlace,
+    TickSide, TickerPlace, serial_of,
 };
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
@@ -69,6 +69,7 @@ const FALLBACK: BitTiming = BitTiming {
 };
 
 static QUEUES: Once<Queues> = Once::new(Queues::new());
+static TICK_SIDE: Once<TickPlace> = Once::new(TickPlace::uninit());
 static TICKER: Once<TickerPlace> = Once::new(TickerPlace::uninit());
 static BACKGROUND: Once<BackgroundPlace> = Once::new(BackgroundPlace::uninit());
 static PARTS: Once<MaybeUninit<BackgroundParts>> = Once::new(MaybeUninit::uninit());
@@ -77,7 +78,7 @@ static TICK: Owned<Tick> = Owned::empty();
 static CLAMPS: AtomicBool = AtomicBool::new(false);
 
 struct Tick {
-    side: TickSide,
+    side: &'static mut TickSide,
     parts: TickParts,
 }
 
@@ -126,15 +127,23 @@ struct BackgroundParts {
     switches: Switches,
 }
 
-/// The entry of the tap journal; repairs first what a loss of power has left unfinished.
+/// The entry of the tap journal, `None` too where it cannot be read, which is `trouble` then; repairs first what a loss of
+/// power has left unfinished.
 #[inline(never)]
-fn tap(storage: &mut Storage) -> Result<Option<TapRecord>, StoreError> {
+fn tap(storage: &mut Storage, trouble: &mut Option<Code>) -> Option<TapRecord> {
     let mut buffer = [0; BUFFER];
-    storage.recover()?;
-    match storage.read(Region::TapJournal, &mut buffer)? {
-        Some(bytes) => TapRecord::decode(bytes).map_err(|_| StoreError::Damaged),
-        None => Ok(None),
+    let recovered = storage.recover();
+    match recovered.and_then(|()| storage.read(Region::TapJournal, &mut buffer)) {
+        Ok(None) => return None,
+        Ok(Some(bytes)) => {
+            if let Ok(entry) = TapRecord::decode(bytes) {
+                return entry;
+            }
+        }
+        Err(_) => {}
     }
+    *trouble = Some(Code::TapJournalDamaged);
+    None
 }
 
 impl Machine for BackgroundParts {
@@ -208,31 +217,29 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     let Ok(mut storage) = Storage::new(flash::start()) else {
         panic!("the bank holds the regions");
     };
-    let tap = tap(&mut storage);
+    let mut trouble = None;
+    let tap = tap(&mut storage, &mut trouble);
     let set = storage.power_up(Params::slant_bed);
 
     let (kbit, tick_us) = (set.params.bus_kbit(), set.params.tick_us());
     let timing = BitTiming::of(clock::CRYSTAL_HZ, kbit);
     can::start(timing.unwrap_or(FALLBACK));
-    let trouble = match (tap, timing) {
-        (Err(_), _) => Some(Code::TapJournalDamaged),
-        (_, None) => Some(Code::ParametersUnusable),
-        _ => None,
-    };
+    if timing.is_none() {
+        trouble = trouble.or(Some(Code::ParametersUnusable));
+    }
     let up = PowerUp {
         set: &set,
         remembered: None,
-        tap: tap.unwrap_or_default(),
+        tap,
         node: NodeId::BOARD,
         serial: serial_of(unique_number()),
         failure,
         cause,
     };
-    let (queues, ticker, background) = (QUEUES.take(), TICKER.take(), BACKGROUND.take());
-    let (Some(queues), Some(ticker), Some(background)) = (queues, ticker, background) else {
-        panic!("it starts once");
-    };
-    let Ok((side, background)) = queues.power_up(ticker, background, &up) else {
+    let (queues, tick) = (QUEUES.take(), TICK_SIDE.take());
+    let (ticker, background) = (TICKER.take(), BACKGROUND.take());
+    let sides = queues.power_up(tick, ticker, background, &up);
+    let Ok((side, background)) = sides else {
         panic!("a set that has passed its checks works");
     };
     let (tick_end, background_end) = wire::start(kbit);

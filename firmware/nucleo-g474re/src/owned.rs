@@ -22,15 +22,22 @@ impl<T> Once<T> {
         }
     }
 
-    /// The value, the first time.
+    /// The value.
+    ///
+    /// # Panics
+    /// The second time.
     #[expect(clippy::mut_from_ref, reason = "it is given away once")]
-    pub fn take(&'static self) -> Option<&'static mut T> {
-        if self.taken.swap(true, Ordering::AcqRel) {
-            return None;
-        }
+    pub fn take(&'static self) -> &'static mut T {
+        first(&self.taken);
         // SAFETY: only the first gets this far.
-        Some(unsafe { &mut *self.value.get() })
+        unsafe { &mut *self.value.get() }
     }
+}
+
+/// Goes on the first time.
+#[inline(never)]
+fn first(taken: &AtomicBool) {
+    assert!(!taken.swap(true, Ordering::AcqRel), "it starts once");
 }
 
 impl<T> Once<MaybeUninit<T>> {
@@ -39,10 +46,7 @@ impl<T> Once<MaybeUninit<T>> {
     /// # Panics
     /// The second time.
     pub fn put(&'static self, value: T) -> &'static mut T {
-        let Some(place) = self.take() else {
-            panic!("it starts once");
-        };
-        place.write(value)
+        self.take().write(value)
     }
 }
 

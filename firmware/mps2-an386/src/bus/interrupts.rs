@@ -59,11 +59,11 @@ impl<T> Owned<T> {
     }
 }
 
-static TICK_SIDE: Owned<(TickSide, Shop)> = Owned::none();
+static TICK_SIDE: Owned<(&'static mut TickSide, Shop)> = Owned::none();
 static BYTES_IN: Owned<Producer<'static, u8>> = Owned::none();
 
 /// Gives the tick's interrupt what is its own.
-pub fn own_tick(tick: TickSide, shop: Shop) {
+pub fn own_tick(tick: &'static mut TickSide, shop: Shop) {
     TICK_SIDE.give((tick, shop));
 }
 

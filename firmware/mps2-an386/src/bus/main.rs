@@ -31,7 +31,7 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
 use heapless::spsc::Queue;
-use leadscrew_app::{BackgroundPlace, PowerUp, Queues, ResetCause, TickerPlace};
+use leadscrew_app::{BackgroundPlace, PowerUp, Queues, ResetCause, TickPlace, TickerPlace};
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::params::Params;
@@ -48,6 +48,7 @@ const TRAFFIC: usize = 64;
 #[entry]
 fn main() -> ! {
     static QUEUES: ConstStaticCell<Queues> = ConstStaticCell::new(Queues::new());
+    static TICK: ConstStaticCell<TickPlace> = ConstStaticCell::new(TickPlace::uninit());
     static TICKER: ConstStaticCell<TickerPlace> = ConstStaticCell::new(TickerPlace::uninit());
     static BACKGROUND: ConstStaticCell<BackgroundPlace> =
         ConstStaticCell::new(BackgroundPlace::uninit());
@@ -91,7 +92,7 @@ fn main() -> ! {
     };
     let (tick, background) = QUEUES
         .take()
-        .power_up(TICKER.take(), BACKGROUND.take(), &up)
+        .power_up(TICK.take(), TICKER.take(), BACKGROUND.take(), &up)
         .expect("what was stored was good, and what is built in");
     let plant = kept.unwrap_or_else(|| around::new(&set.params, &begins));
     let (told_in, told_out) = TOLD.take().split();
