@@ -10,16 +10,17 @@
 //! ends the transfer with its abort code. Only within a block are frames not taken for what they say: a segment may look
 //! like any command. So after a block is broken off, what still comes of it is swallowed: it could read like a
 //! write to another object.
+//!
+//! Answers are written where they are sent from, byte by byte as the request says: on a board, taking a request to a
+//! value and a value to an answer was twice the code of what it is about.
 
-mod block_download;
-mod block_upload;
+mod reading;
+mod writing;
 
-use super::wire::{Begin, BlockSegment, Bytes, Piece, Request, Response, SEGMENT, Segment};
+use super::wire::{Bytes, Checksum};
 use crate::bus::frame::{CobId, Frame, NodeId, Service};
 use crate::bus::object::{Abort, Object, Objects};
 use crate::bus::periods::Periods;
-use block_download::BlockDownload;
-use block_upload::BlockUpload;
 
 /// Segments in a block, 1–127.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -46,30 +47,99 @@ impl BlockSize {
 }
 
 /// What is going on.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     /// Nothing.
-    #[default]
     Idle,
-    /// The client reads segment by segment.
-    Upload {
-        size: u32,
-        offset: u32,
-        toggle: bool,
-    },
-    /// The client writes segment by segment.
-    Download {
-        size: Option<u32>,
-        offset: u32,
-        toggle: bool,
-    },
-    /// The client reads in blocks.
-    BlockUpload(BlockUpload),
-    /// The client writes in blocks.
-    BlockDownload(BlockDownload),
     /// A block was broken off; its rest may still come.
     Swallow,
+    /// The client reads segment by segment.
+    Upload,
+    /// The client writes segment by segment.
+    Download,
+    /// The client reads in blocks: it has the length and has not asked for the first block.
+    Offered,
+    /// Segments of a block go out.
+    Sending,
+    /// The block is out.
+    Sent,
+    /// The client has everything and looks at the checksum.
+    Read,
+    /// The client writes in blocks: frames are segments.
+    Taking,
+    /// All segments are there.
+    Taken,
 }
+
+impl State {
+    const fn is_write(self) -> bool {
+        matches!(self, Self::Download | Self::Taking | Self::Taken)
+    }
+}
+
+/// How far a transfer has come; each kind uses what it needs.
+#[derive(Clone, Copy, Debug)]
+struct Transfer {
+    /// Bytes of the value; of a write, if that was told.
+    size: Option<u32>,
+    /// Bytes that are through; of a read in blocks, where the block begins.
+    offset: u32,
+    /// Of the next segment.
+    toggle: bool,
+    /// Segments in a block.
+    block: BlockSize,
+    /// The last segment of the block that is through; 0 before the first.
+    number: u8,
+    /// In blocks: of all bytes that are through. Made whether the client wants it or not: some check it all the same.
+    checksum: Checksum,
+    /// The client sends a checksum.
+    sums: bool,
+    /// How far the checksum goes: segments that are sent again are not summed again.
+    summed: u32,
+    /// The last segment of a write in blocks, not handed on yet: how many bytes of it count is told only at the very end.
+    held: Option<Bytes>,
+}
+
+impl Transfer {
+    const fn new(size: Option<u32>, block: BlockSize, sums: bool) -> Self {
+        Self {
+            size,
+            offset: 0,
+            toggle: false,
+            block,
+            number: 0,
+            checksum: Checksum::new(),
+            sums,
+            summed: 0,
+            held: None,
+        }
+    }
+}
+
+/// The first byte of an answer, without its flags.
+mod reply {
+    pub const UPLOAD_SEGMENT: u8 = 0x00;
+    pub const DOWNLOAD_SEGMENT: u8 = 0x20;
+    pub const UPLOAD: u8 = 0x40;
+    pub const DOWNLOAD: u8 = 0x60;
+    pub const ABORT: u8 = 0x80;
+    /// With a checksum.
+    pub const BLOCK_DOWNLOAD: u8 = 0xA4;
+    pub const BLOCK_DOWNLOAD_END: u8 = 0xA1;
+    pub const BLOCK_DOWNLOAD_ANSWER: u8 = 0xA2;
+    /// With a checksum and the length.
+    pub const BLOCK_UPLOAD: u8 = 0xC6;
+    pub const BLOCK_UPLOAD_END: u8 = 0xC1;
+}
+
+/// The first byte of the request that breaks a transfer off.
+const ABORT: u8 = 0x80;
+/// The first byte of a request to read, with nothing in the bits that mean nothing there.
+const BARE_UPLOAD: u8 = 0x40;
+/// The toggle bit of a segment.
+const TOGGLE: u8 = 0x10;
+/// The segment of a block is the last.
+const LAST: u8 = 0x80;
 
 /// An SDO server.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +148,7 @@ pub struct SdoServer {
     patience: Periods,
     block: BlockSize,
     state: State,
+    transfer: Transfer,
     /// What the transfer is about; 0000h where there is none.
     object: Object,
     /// Since the last frame of the transfer.
@@ -94,6 +165,7 @@ impl SdoServer {
             patience,
             block,
             state: State::Idle,
+            transfer: Transfer::new(None, block, false),
             object: Object::new(0, 0),
             quiet: Periods::new(0),
         }
@@ -117,31 +189,26 @@ impl SdoServer {
         }
         let bytes = frame.exactly()?;
         self.quiet = Periods::new(0);
-        match self.answer(bytes, objects) {
-            Ok(response) => Some(self.frame(response?)),
-            Err(abort) => Some(self.refuse(abort, objects)),
-        }
+        let mut reply = [0; 8];
+        let answered = self.answer(&bytes, &mut reply, objects);
+        self.finish(answered, reply, objects)
     }
 
     /// The next segment to send to a client that reads in blocks; `None` where there is nothing to send now. Call it as
     /// often as there is room for frames.
     pub fn poll<O: Objects + ?Sized>(&mut self, objects: &mut O) -> Option<Frame> {
-        let State::BlockUpload(transfer) = &mut self.state else {
+        if self.state != State::Sending {
             return None;
-        };
-        match transfer.next(self.object, objects) {
-            Ok(segment) => {
-                let segment = segment?;
-                self.quiet = Periods::new(0);
-                Some(self.frame_of(segment.encode()))
-            }
-            Err(abort) => Some(self.refuse(abort, objects)),
         }
+        self.quiet = Periods::new(0);
+        let mut reply = [0; 8];
+        let sent = self.next_segment(&mut reply, objects);
+        self.finish(sent.map(|()| true), reply, objects)
     }
 
     /// Tells that time has passed; gives the abort to send where the client has been silent for too long.
     pub fn elapse<O: Objects + ?Sized>(&mut self, by: Periods, objects: &mut O) -> Option<Frame> {
-        if matches!(self.state, State::Idle) {
+        if self.state == State::Idle {
             return None;
         }
         self.quiet = self.quiet.plus(by);
@@ -149,11 +216,11 @@ impl SdoServer {
             return None;
         }
         self.quiet = Periods::new(0);
-        if matches!(self.state, State::Swallow) {
+        if self.state == State::Swallow {
             self.state = State::Idle;
             return None;
         }
-        Some(self.refuse(Abort::TimedOut, objects))
+        self.finish(Err(Abort::TimedOut), [0; 8], objects)
     }
 
     /// Forgets the transfer without a word: the communication was reset or stopped.
@@ -161,298 +228,124 @@ impl SdoServer {
         self.close(objects);
     }
 
-    fn answer<O: Objects + ?Sized>(
+    /// What is sent in the end: the answer, if there is one, or why the transfer is broken off.
+    #[inline(never)]
+    fn finish<O: Objects + ?Sized>(
         &mut self,
-        bytes: Bytes,
+        answered: Result<bool, Abort>,
+        mut reply: Bytes,
         objects: &mut O,
-    ) -> Result<Option<Response>, Abort> {
-        if matches!(self.state, State::Swallow) && self.swallows(bytes) {
-            return Ok(None);
-        }
-        match &mut self.state {
-            State::BlockDownload(transfer) if transfer.in_block() => {
-                let segment = BlockSegment::decode(bytes);
-                // An abort is the one command that is no segment: those count from 1.
-                if !(segment.number == 0 && segment.last) {
-                    return transfer.take(segment, self.object, objects);
-                }
-            }
-            State::BlockDownload(transfer) if transfer.repeats(bytes) => return Ok(None),
-            _ => {}
-        }
-        let request = Request::decode(bytes).ok_or(Abort::Specifier)?;
-        match request {
-            Request::Abort(..) => {
+    ) -> Option<Frame> {
+        match answered {
+            Ok(true) => {}
+            Ok(false) => return None,
+            Err(abort) => {
+                let [low, high] = self.object.index.to_le_bytes();
+                let [a, b, c, d] = abort.code().to_le_bytes();
+                reply = [reply::ABORT, low, high, self.object.sub, a, b, c, d];
+                let more = self.state == State::Taking;
                 self.close(objects);
-                Ok(None)
-            }
-            Request::Download(object, begin) => {
-                self.open(object, objects);
-                self.download(begin, objects).map(Some)
-            }
-            Request::Upload(object) => {
-                self.open(object, objects);
-                let size = objects.size(object)?;
-                self.upload(size, objects).map(Some)
-            }
-            Request::BlockDownload { object, crc, size } => {
-                self.open(object, objects);
-                objects.begin_write(object, size)?;
-                self.state = State::BlockDownload(BlockDownload::new(crc, size, self.block));
-                Ok(Some(Response::BlockDownload {
-                    object,
-                    crc: true,
-                    block: self.block.get(),
-                }))
-            }
-            Request::BlockUpload {
-                object,
-                block,
-                threshold,
-                ..
-            } => {
-                self.open(object, objects);
-                let block = BlockSize::new(block).ok_or(Abort::BlockSize)?;
-                let size = objects.size(object)?;
-                if threshold > 0 && size <= u32::from(threshold) {
-                    return self.upload(size, objects).map(Some);
+                if more {
+                    self.state = State::Swallow;
                 }
-                self.state = State::BlockUpload(BlockUpload::new(size, block));
-                Ok(Some(Response::BlockUpload {
-                    object,
-                    crc: true,
-                    size: Some(size),
-                }))
             }
-            Request::DownloadSegment(segment) => self.download_segment(segment, objects).map(Some),
-            Request::UploadSegment(toggle) => self.upload_segment(toggle, objects).map(Some),
-            Request::BlockDownloadEnd { unused, crc } => {
-                let State::BlockDownload(transfer) = &mut self.state else {
-                    return Err(Abort::Specifier);
-                };
-                let length = transfer.end(unused, crc, self.object, objects)?;
-                self.commit(length, objects)?;
-                Ok(Some(Response::BlockDownloadEnd))
-            }
-            Request::BlockUploadStart => match &mut self.state {
-                State::BlockUpload(transfer) => transfer.start().map(|()| None),
-                _ => Err(Abort::Specifier),
-            },
-            Request::BlockUploadAnswer { number, block } => match &mut self.state {
-                State::BlockUpload(transfer) => transfer.answered(number, block),
-                _ => Err(Abort::Specifier),
-            },
-            Request::BlockUploadEnd => match &self.state {
-                State::BlockUpload(transfer) if transfer.has_ended() => {
-                    self.close(objects);
-                    Ok(None)
-                }
-                _ => Err(Abort::Specifier),
-            },
         }
+        Some(Frame::of(CobId::of(Service::SdoReply, self.node), reply))
     }
 
-    /// Begins anew, whatever was going on.
-    fn open<O: Objects + ?Sized>(&mut self, object: Object, objects: &mut O) {
+    /// Takes a request; the answer is put into `reply`, which holds zeros. False where there is none.
+    fn answer<O: Objects + ?Sized>(
+        &mut self,
+        bytes: &Bytes,
+        reply: &mut Bytes,
+        objects: &mut O,
+    ) -> Result<bool, Abort> {
+        let [head, first, second, ..] = *bytes;
+        if self.swallows(bytes) {
+            return Ok(false);
+        }
+        match self.state {
+            // An abort is the one command that is no segment: those count from 1.
+            State::Taking if head != ABORT => return self.take_segment(bytes, reply, objects),
+            // The last segment, come twice, may look like the command that ends the transfer.
+            State::Taken if self.transfer.held == Some(*bytes) => return Ok(false),
+            _ => {}
+        }
+        match (head >> 5, head & 3) {
+            (0, _) => self.take_piece(bytes, reply, objects)?,
+            (1, _) | (6, 0 | 2) => {
+                self.open(bytes, reply, objects);
+                self.begin_write(bytes, reply, objects)?;
+            }
+            (2, _) | (5, 0) => {
+                self.open(bytes, reply, objects);
+                self.begin_read(bytes, reply, objects)?;
+            }
+            (3, _) => self.give_piece(head, reply, objects)?,
+            (4, _) => {
+                self.close(objects);
+                return Ok(false);
+            }
+            (5, 1) => {
+                if self.state != State::Read {
+                    return Err(Abort::Specifier);
+                }
+                self.close(objects);
+                return Ok(false);
+            }
+            (5, 2) => return self.answered(first, second, reply),
+            (5, _) => {
+                if self.state != State::Offered {
+                    return Err(Abort::Specifier);
+                }
+                self.state = State::Sending;
+                return Ok(false);
+            }
+            (6, 1) => {
+                let crc = u16::from_le_bytes([first, second]);
+                self.end_blocks(head >> 2 & 7, crc, objects)?;
+                reply[0] = reply::BLOCK_DOWNLOAD_END;
+            }
+            _ => return Err(Abort::Specifier),
+        }
+        Ok(true)
+    }
+
+    /// Begins anew, whatever was going on; the answer names the object.
+    fn open<O: Objects + ?Sized>(&mut self, bytes: &Bytes, reply: &mut Bytes, objects: &mut O) {
         self.close(objects);
-        self.object = object;
+        let [_, low, high, sub, ..] = *bytes;
+        [_, reply[1], reply[2], reply[3], ..] = *bytes;
+        self.object = Object::new(u16::from_le_bytes([low, high]), sub);
     }
 
     /// Ends what is going on; a write that was begun is abandoned.
     fn close<O: Objects + ?Sized>(&mut self, objects: &mut O) {
-        if matches!(self.state, State::Download { .. } | State::BlockDownload(_)) {
+        if self.state.is_write() {
             objects.abandon(self.object);
         }
         self.state = State::Idle;
         self.object = Object::new(0, 0);
     }
 
-    fn refuse<O: Objects + ?Sized>(&mut self, abort: Abort, objects: &mut O) -> Frame {
-        let frame = self.frame(Response::Abort(self.object, abort.code()));
-        let more = matches!(&self.state, State::BlockDownload(transfer) if transfer.in_block());
-        self.close(objects);
-        if more {
-            self.state = State::Swallow;
-        }
-        frame
-    }
-
     /// True for what may be the rest of a block that was broken off. A request to read is let through: it does no harm,
     /// and a client that begins anew has its answer.
-    fn swallows(&mut self, bytes: Bytes) -> bool {
-        match Request::decode(bytes) {
-            Some(Request::Abort(..)) => return false,
-            Some(Request::Upload(_)) if is_bare(bytes) => return false,
-            _ => {}
+    fn swallows(&mut self, bytes: &Bytes) -> bool {
+        let [head, _, _, _, rest @ ..] = *bytes;
+        if self.state != State::Swallow
+            || head >> 5 == ABORT >> 5
+            || head == BARE_UPLOAD && rest == [0; 4]
+        {
+            return false;
         }
-        if BlockSegment::decode(bytes).last {
+        if head & LAST != 0 {
             self.state = State::Idle;
         }
         true
     }
-
-    fn download<O: Objects + ?Sized>(
-        &mut self,
-        begin: Begin,
-        objects: &mut O,
-    ) -> Result<Response, Abort> {
-        let object = self.object;
-        let piece = match begin {
-            Begin::Segments(size) => {
-                objects.begin_write(object, size)?;
-                self.state = State::Download {
-                    size,
-                    offset: 0,
-                    toggle: false,
-                };
-                return Ok(Response::Download(object));
-            }
-            Begin::Expedited(piece) => piece,
-            Begin::ExpeditedUnsized([a, b, c, d]) => {
-                // As many as the object has now; where that cannot be told, all.
-                let len = match objects.size(object) {
-                    Ok(size @ 1..=4) => size as u8,
-                    _ => 4,
-                };
-                Piece::new([a, b, c, d, 0, 0, 0], len)
-            }
-        };
-        let length = u32::from(piece.len());
-        objects.begin_write(object, Some(length))?;
-        // From here on a refusal abandons.
-        self.state = State::Download {
-            size: Some(length),
-            offset: 0,
-            toggle: false,
-        };
-        objects.write(object, 0, piece.as_slice())?;
-        self.commit(length, objects)?;
-        Ok(Response::Download(object))
-    }
-
-    fn download_segment<O: Objects + ?Sized>(
-        &mut self,
-        segment: Segment,
-        objects: &mut O,
-    ) -> Result<Response, Abort> {
-        let State::Download {
-            size,
-            offset,
-            toggle,
-        } = &mut self.state
-        else {
-            return Err(Abort::Specifier);
-        };
-        if segment.toggle != *toggle {
-            return Err(Abort::Toggle);
-        }
-        *toggle = !*toggle;
-        let begin = *offset;
-        *offset = begin
-            .checked_add(u32::from(segment.piece.len()))
-            .filter(|end| size.is_none_or(|size| *end <= size))
-            .ok_or(Abort::TooLong)?;
-        let end = *offset;
-        if segment.last && size.is_some_and(|size| end < size) {
-            return Err(Abort::TooShort);
-        }
-        if segment.piece.len() > 0 {
-            objects.write(self.object, begin, segment.piece.as_slice())?;
-        }
-        if segment.last {
-            self.commit(end, objects)?;
-        }
-        Ok(Response::DownloadSegment(segment.toggle))
-    }
-
-    /// The one place where a write takes effect.
-    fn commit<O: Objects + ?Sized>(&mut self, length: u32, objects: &mut O) -> Result<(), Abort> {
-        // The write ends here either way: nothing is left to abandon.
-        self.state = State::Idle;
-        objects.end_write(self.object, length)?;
-        self.object = Object::new(0, 0);
-        Ok(())
-    }
-
-    fn upload<O: Objects + ?Sized>(
-        &mut self,
-        size: u32,
-        objects: &mut O,
-    ) -> Result<Response, Abort> {
-        let object = self.object;
-        if let 1..=4 = size {
-            let piece = read(object, 0, size, objects)?;
-            self.object = Object::new(0, 0);
-            return Ok(Response::Upload(object, Begin::Expedited(piece)));
-        }
-        self.state = State::Upload {
-            size,
-            offset: 0,
-            toggle: false,
-        };
-        Ok(Response::Upload(object, Begin::Segments(Some(size))))
-    }
-
-    fn upload_segment<O: Objects + ?Sized>(
-        &mut self,
-        wanted: bool,
-        objects: &mut O,
-    ) -> Result<Response, Abort> {
-        let State::Upload {
-            size,
-            offset,
-            toggle,
-        } = &mut self.state
-        else {
-            return Err(Abort::Specifier);
-        };
-        if wanted != *toggle {
-            return Err(Abort::Toggle);
-        }
-        *toggle = !*toggle;
-        let piece = read(self.object, *offset, *size, objects)?;
-        *offset = offset.saturating_add(u32::from(piece.len()));
-        let last = *offset >= *size;
-        if last {
-            self.close(objects);
-        }
-        Ok(Response::UploadSegment(Segment {
-            toggle: wanted,
-            last,
-            piece,
-        }))
-    }
-
-    fn frame(&self, response: Response) -> Frame {
-        self.frame_of(response.encode())
-    }
-
-    const fn frame_of(&self, bytes: Bytes) -> Frame {
-        Frame::of(CobId::of(Service::SdoReply, self.node), bytes)
-    }
 }
 
-/// True for a request to read with nothing in the bytes that mean nothing there.
-const fn is_bare([head, _, _, _, rest @ ..]: Bytes) -> bool {
-    matches!((head, rest), (0x40, [0, 0, 0, 0]))
-}
-
-/// The bytes of a segment at `offset` in a value of `size` bytes. A value that is shorter than it said is an error of the
-/// device.
-fn read<O: Objects + ?Sized>(
-    object: Object,
-    offset: u32,
-    size: u32,
-    objects: &mut O,
-) -> Result<Piece, Abort> {
-    let len = size.saturating_sub(offset).min(u32::from(SEGMENT)) as u8;
-    let mut bytes = [0; 7];
-    if let Some(into) = bytes
-        .get_mut(..usize::from(len))
-        .filter(|into| !into.is_empty())
-        && objects.read(object, offset, into)? != into.len()
-    {
-        return Err(Abort::General);
-    }
-    Ok(Piece::new(bytes, len))
+/// The number in the last four bytes.
+const fn long([_, _, _, _, a, b, c, d]: Bytes) -> u32 {
+    u32::from_le_bytes([a, b, c, d])
 }

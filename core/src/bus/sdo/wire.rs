@@ -267,42 +267,6 @@ impl Request {
             Self::BlockUploadEnd => alone(0xA1),
         }
     }
-
-    /// The request in `bytes`; `None` for a specifier that does not exist.
-    pub fn decode(bytes: Bytes) -> Option<Self> {
-        let [head, first, second, _, a, b, c, d] = bytes;
-        let object = object(bytes);
-        let long = u32::from_le_bytes([a, b, c, d]);
-        Some(match (head >> 5, head & 3) {
-            (0, _) => Self::DownloadSegment(Segment::decode(bytes)),
-            (1, _) => Self::Download(object, Begin::decode(bytes)),
-            (2, _) => Self::Upload(object),
-            (3, _) => Self::UploadSegment(head & 0x10 != 0),
-            (4, _) => Self::Abort(object, long),
-            (5, 0) => Self::BlockUpload {
-                object,
-                crc: head & 4 != 0,
-                block: a,
-                threshold: b,
-            },
-            (5, 1) => Self::BlockUploadEnd,
-            (5, 2) => Self::BlockUploadAnswer {
-                number: first,
-                block: second,
-            },
-            (5, 3) => Self::BlockUploadStart,
-            (6, 0 | 2) => Self::BlockDownload {
-                object,
-                crc: head & 4 != 0,
-                size: if head & 2 != 0 { Some(long) } else { None },
-            },
-            (6, 1) => Self::BlockDownloadEnd {
-                unused: head >> 2 & 7,
-                crc: u16::from_le_bytes([first, second]),
-            },
-            _ => return None,
-        })
-    }
 }
 
 /// What a server sends, segments of blocks apart.
@@ -355,29 +319,6 @@ pub enum Response {
 }
 
 impl Response {
-    /// As it is sent.
-    pub fn encode(self) -> Bytes {
-        match self {
-            Self::Download(object) => with_object(0x60, object, [0; 4]),
-            Self::DownloadSegment(toggle) => alone(0x20 | (toggle as u8) << 4),
-            Self::Upload(object, begin) => begin.encode(0x40, object),
-            Self::UploadSegment(segment) => segment.encode(),
-            Self::Abort(object, code) => with_object(0x80, object, code.to_le_bytes()),
-            Self::BlockDownload { object, crc, block } => {
-                with_object(0xA0 | (crc as u8) << 2, object, [block, 0, 0, 0])
-            }
-            Self::BlockDownloadAnswer { number, block } => with_word(0xA2, [number, block]),
-            Self::BlockDownloadEnd => alone(0xA1),
-            Self::BlockUpload { object, crc, size } => {
-                let (told, size) = optional(size);
-                with_object(0xC0 | (crc as u8) << 2 | told << 1, object, size)
-            }
-            Self::BlockUploadEnd { unused, crc } => {
-                with_word(0xC1 | (unused & 7) << 2, crc.to_le_bytes())
-            }
-        }
-    }
-
     /// The response in `bytes`; `None` for a specifier that does not exist.
     pub fn decode(bytes: Bytes) -> Option<Self> {
         let [head, first, second, _, a, b, c, d] = bytes;
