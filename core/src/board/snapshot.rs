@@ -69,8 +69,8 @@ impl Snapshot {
 
     /// The alarm it stops or stands on.
     #[must_use]
-    pub const fn alarm(&self) -> Option<Alarm> {
-        match self.state {
+    pub const fn alarm(&self) -> Option<&Alarm> {
+        match &self.state {
             State::Alarm(alarm) | State::Stopping(Outcome::Alarm(alarm)) => Some(alarm),
             _ => None,
         }

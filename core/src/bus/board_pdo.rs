@@ -138,6 +138,16 @@ impl BoardCommand {
         )
     }
 
+    /// Count and order of a frame that is known to carry a command, and the bytes of its settings: those of 5000h:03 to 06.
+    pub(crate) fn raw(frame: &Frame) -> Option<(u8, Option<Order>, &[u8; 4])> {
+        let (&[count, order], settings) = frame.payload().split_first_chunk::<2>()?;
+        let order = match order {
+            0 => None,
+            _ => Some(Order::from_raw(order)?),
+        };
+        Some((count, order, settings.first_chunk()?))
+    }
+
     /// The board and its command, if `frame` is one. Bytes behind the sixth mean nothing; a frame with an order that does
     /// not exist is none.
     #[must_use]
@@ -145,13 +155,9 @@ impl BoardCommand {
         let (Service::Rpdo1, node) = frame.id().service()? else {
             return None;
         };
-        let &[count, order, switches, feed, rapid, spindle] = frame.payload().first_chunk::<6>()?;
+        let (count, order, &[switches, feed, rapid, spindle]) = Self::raw(frame)?;
         let switch = |bit: u8| (switches >> bit & 0x10 != 0).then_some(switches >> bit & 1 != 0);
         let percent = |percent| (percent != Self::AS_IT_IS).then_some(percent);
-        let order = match order {
-            0 => None,
-            _ => Some(Order::from_raw(order)?),
-        };
         Some((
             node,
             Self {
@@ -180,10 +186,10 @@ impl OrderGate {
         Self { last: None }
     }
 
-    /// The order in `command`, unless it is the last one repeated.
-    pub fn take(&mut self, command: &BoardCommand) -> Option<Order> {
-        let order = command.order?;
-        let this = Some((command.count, order));
+    /// The order of a command, unless it is the last one repeated.
+    pub fn take(&mut self, count: u8, order: Option<Order>) -> Option<Order> {
+        let order = order?;
+        let this = Some((count, order));
         if self.last == this {
             return None;
         }

@@ -231,7 +231,7 @@ impl Shelf {
     fn go_on(&mut self, progress: Progress) {
         self.staged |= progress.in_force;
         if let Some(warning) = progress.warning {
-            self.log.push(self.tick, &Event::Warning(warning));
+            self.warn(warning);
         }
     }
 }

@@ -68,7 +68,7 @@ pub struct Progress {
     /// The draft comes into force.
     pub in_force: bool,
     /// To be told.
-    pub warning: Option<Alarm>,
+    pub warning: Option<Code>,
 }
 
 impl Keeper {
@@ -219,10 +219,9 @@ impl Keeper {
                 self.found = Found::Newest;
                 self.state = CommitState::Done;
                 // The set itself is stored: without its mark it only could be damaged unnoticed.
-                let unmarked = || Alarm::new(Code::ParametersUnmarked, Span::default());
                 Progress {
                     in_force: true,
-                    warning: result.is_err().then(unmarked),
+                    warning: result.is_err().then_some(Code::ParametersUnmarked),
                 }
             }
             _ => Progress::default(),
@@ -230,12 +229,11 @@ impl Keeper {
     }
 
     fn fail(&mut self, code: Code) -> Progress {
-        let alarm = Alarm::new(code, Span::default());
         self.step = Step::Idle;
-        self.refuse(&alarm);
+        self.refuse(&Alarm::new(code, Span::default()));
         Progress {
             in_force: false,
-            warning: Some(alarm),
+            warning: Some(code),
         }
     }
 }

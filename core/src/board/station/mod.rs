@@ -41,13 +41,13 @@ pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 use heapless::Deque;
 
 use self::served::Served;
-use self::shelf::Shelf;
+use self::shelf::{Shelf, Told};
 use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::snapshot::Snapshot;
 use super::store::{Region, StoreError, StoreRequest};
 use super::trouble::Intrusion;
-use crate::alarm::{Alarm, Code, Span};
+use crate::alarm::{Alarm, Code};
 use crate::bus::{
     BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
     NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
@@ -105,8 +105,8 @@ pub struct Station {
     since: [Periods; 3],
     urgent: Deque<Frame, URGENT>,
     answers: Deque<Frame, ANSWERS>,
-    /// The alarm that has been told.
-    told: Option<Alarm>,
+    /// The alarm that has been told: an emergency message says no more than its number.
+    told: Option<Code>,
     /// A restart of the application is asked for; it waits until the machine stands.
     restarts: bool,
     /// The CAN controller.
@@ -334,7 +334,7 @@ impl Station {
         }
         self.shelf.door.elapse(elapsed, params);
         self.watch_bus(elapsed, params);
-        self.tell_alarms(snapshot.alarm());
+        self.tell_alarms();
         self.transfer(elapsed, params);
         self.beat(elapsed, params);
         self.tell_status(elapsed, params);
@@ -445,20 +445,15 @@ impl Station {
         if !self.shelf.pdos.command().is_valid() {
             return;
         }
-        let Some((_, command)) = BoardCommand::decode(frame) else {
+        let Some((count, order, settings)) = BoardCommand::raw(frame) else {
             return;
         };
         let shelf = &mut self.shelf;
-        shelf.switches(command.single_block, command.dry_run);
-        let overrides = [
-            command.feed.map(Command::FeedOverride),
-            command.rapid.map(Command::RapidOverride),
-            command.spindle.map(Command::SpindleOverride),
-        ];
-        for wanted in overrides.into_iter().flatten() {
-            shelf.command(wanted);
+        // The objects from 5000h:03 on, one byte each.
+        for (sub, value) in (3..).zip(settings) {
+            shelf.setting(sub, *value);
         }
-        if let Some(order) = self.gate.take(&command) {
+        if let Some(order) = self.gate.take(count, order) {
             // One that is refused stands in the event log.
             shelf.order(order);
         }
@@ -479,23 +474,23 @@ impl Station {
         if loss == Loss::Hold {
             self.shelf.command(Command::Hold);
         }
-        let alarm = Alarm::new(Code::GatewayLost, Span::default());
-        self.shelf.log.push(self.shelf.tick, &Event::Warning(alarm));
+        self.shelf.warn(Code::GatewayLost);
         self.shelf.emcy.raise(Emcy {
             code: HEARTBEAT_ERROR,
-            ..Emcy::of_alarm(alarm.number())
+            ..Emcy::of_alarm(Code::GatewayLost.number())
         });
     }
 
-    fn tell_alarms(&mut self, alarm: Option<Alarm>) {
-        if self.told == alarm {
+    fn tell_alarms(&mut self) {
+        let code = self.shelf.snapshot.alarm().map(|alarm| alarm.code);
+        if self.told == code {
             return;
         }
-        self.told = alarm;
-        match alarm {
-            Some(alarm) => {
-                let mut emcy = Emcy::of_alarm(alarm.number());
-                emcy.code = match alarm.code {
+        self.told = code;
+        match code {
+            Some(code) => {
+                let mut emcy = Emcy::of_alarm(code.number());
+                emcy.code = match code {
                     Code::GatewayLost => HEARTBEAT_ERROR,
                     Code::BusPassive => ERROR_PASSIVE,
                     Code::BusOff => RECOVERED,
@@ -507,7 +502,7 @@ impl Station {
                     | Code::FailsAgain => SOFTWARE,
                     _ => emcy.code,
                 };
-                if let Code::BusPassive | Code::BusOff = alarm.code {
+                if let Code::BusPassive | Code::BusOff = code {
                     let errors = self.controller.errors;
                     let [low, high, ..] = emcy.detail;
                     emcy.detail = [low, high, errors.sending, errors.receiving, 0];
@@ -554,24 +549,18 @@ impl Station {
         if !self.nmt.state().allows_pdo() {
             return;
         }
-        let (shelf, node) = (&self.shelf, self.nmt.node());
-        let frames = [
-            shelf.status().frame(node),
-            shelf.place().frame(node),
-            shelf.spindle().frame(node),
-        ];
-        let pdos = shelf.pdos.sent().into_iter().zip(frames);
-        let mut due = [None; 3];
-        for (((pdo, frame), since), due) in pdos.zip(&mut self.since).zip(&mut due) {
+        for (place, told) in Told::ALL.into_iter().enumerate() {
+            let (Some(pdo), Some(since)) = (self.shelf.pdos.sent(place), self.since.get_mut(place))
+            else {
+                break;
+            };
             *since = since.plus(elapsed);
             let period = Periods::from_ms(pdo.event_ms().into(), params.tick_us());
             if pdo.is_valid() && pdo.event_ms() != 0 && period.is_some_and(|p| *since >= p) {
                 *since = Periods::new(0);
-                *due = Some(frame);
+                let frame = self.shelf.tell(told);
+                self.say(frame);
             }
-        }
-        for frame in due.into_iter().flatten() {
-            self.say(frame);
         }
     }
 }

@@ -17,8 +17,9 @@ use crate::board::event::{Command, Event};
 use crate::board::snapshot::Snapshot;
 use crate::board::store::copy;
 use crate::bus::{
-    Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
-    HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Order, PdoCommunication, Service,
+    Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
+    HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Order,
+    PdoCommunication, Service,
 };
 use crate::link::{
     BATCH_BYTES, ImageReader, Status, VERSION, encode_alarm, encode_changes, identity,
@@ -81,6 +82,18 @@ pub struct Shelf {
     pub(super) length: usize,
 }
 
+/// TPDO1 to 3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    Status,
+    Place,
+    Spindle,
+}
+
+impl Told {
+    pub const ALL: [Self; 3] = [Self::Status, Self::Place, Self::Spindle];
+}
+
 /// The communication of the board's PDOs: RPDO1, and TPDO1 to 3.
 #[derive(Debug)]
 pub struct Pdos([PdoCommunication; 4]);
@@ -100,15 +113,15 @@ impl Pdos {
         command
     }
 
-    /// Status, place, spindle.
-    pub const fn sent(&self) -> [&PdoCommunication; 3] {
-        let [_, status, place, spindle] = &self.0;
-        [status, place, spindle]
+    /// Those of [`Told::ALL`].
+    pub fn sent(&self, place: usize) -> Option<&PdoCommunication> {
+        let [_, sent @ ..] = &self.0;
+        sent.get(place)
     }
 
     /// Of the status.
     pub const fn event_ms(&self) -> u16 {
-        let [status, ..] = self.sent();
+        let [_, status, ..] = &self.0;
         status.event_ms()
     }
 
@@ -191,8 +204,7 @@ impl Shelf {
                 if waited {
                     self.ledger = Ledger::new(self.inbox.program());
                 } else {
-                    let warning = Alarm::new(Code::NothingToRun, Span::default());
-                    self.log.push(self.tick, &Event::Warning(warning));
+                    self.warn(Code::NothingToRun);
                 }
                 return waited;
             }
@@ -212,6 +224,13 @@ impl Shelf {
         true
     }
 
+    /// A warning without figures, for the event log.
+    #[inline(never)]
+    pub fn warn(&mut self, code: Code) {
+        let warning = Alarm::new(code, Span::default());
+        self.log.push(self.tick, &Event::Warning(warning));
+    }
+
     /// A command for the tick. Where so many wait that there is no room, the owner does not read them.
     pub fn command(&mut self, command: Command) {
         if self.commands.is_full() {
@@ -221,7 +240,7 @@ impl Shelf {
         let _ = self.commands.push_back(command);
     }
 
-    pub fn status(&self) -> BoardStatus {
+    fn status(&self) -> BoardStatus {
         let snapshot = &self.snapshot;
         BoardStatus {
             state: snapshot.board_state(),
@@ -232,25 +251,35 @@ impl Shelf {
                 program: snapshot.in_program,
                 locked: snapshot.setpoint.locked,
             },
-            alarm: snapshot.alarm().map(|alarm| alarm.number()),
+            alarm: snapshot.alarm().map(Alarm::number),
             count: self.count,
             late: self.late,
             credit: self.inbox.credit().into(),
         }
     }
 
-    pub const fn place(&self) -> BoardPlace {
+    const fn place(&self) -> BoardPlace {
         BoardPlace {
             line: self.snapshot.setpoint.line,
             number: self.snapshot.setpoint.number,
         }
     }
 
-    pub fn spindle(&self) -> BoardSpindle {
+    fn spindle(&self) -> BoardSpindle {
         BoardSpindle {
             angle: self.snapshot.spindle,
             speed: milli_rpm(self.snapshot.speed),
             sync_error: self.sync_error,
+        }
+    }
+
+    /// What the board tells all the time, as it is now.
+    #[inline(never)]
+    pub fn tell(&self, told: Told) -> Frame {
+        match told {
+            Told::Status => self.status().frame(self.node),
+            Told::Place => self.place().frame(self.node),
+            Told::Spindle => self.spindle().frame(self.node),
         }
     }
 
@@ -261,7 +290,7 @@ impl Shelf {
             version: VERSION,
             tick: self.tick,
             state: snapshot.board_state(),
-            alarm: snapshot.alarm(),
+            alarm: snapshot.alarm().copied(),
             in_program: snapshot.in_program,
             line: snapshot.setpoint.line,
             number: snapshot.setpoint.number,
@@ -361,14 +390,14 @@ impl Shelf {
 
     /// A fact of 5001h: where it stands in its PDO, and what is behind it.
     fn fact(&self, sub: u8) -> i64 {
-        let (frame, mapping) = match sub {
-            ..=7 => (self.status().frame(self.node), &BoardStatus::MAPPING[..]),
-            8 | 9 => (self.place().frame(self.node), &BoardPlace::MAPPING[..]),
-            _ => (self.spindle().frame(self.node), &BoardSpindle::MAPPING[..]),
+        let (told, mapping) = match sub {
+            ..=7 => (Told::Status, &BoardStatus::MAPPING[..]),
+            8 | 9 => (Told::Place, &BoardPlace::MAPPING[..]),
+            _ => (Told::Spindle, &BoardSpindle::MAPPING[..]),
         };
         let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);
         let bits = before.fold(0, |bits: u32, mapped| bits.wrapping_add(mapped.bits.into()));
-        let raw = u64::from_le_bytes(frame.exactly().unwrap_or_default());
+        let raw = u64::from_le_bytes(self.tell(told).exactly().unwrap_or_default());
         raw.wrapping_shr(bits) as i64
     }
 

@@ -53,20 +53,15 @@ fn a_command_that_makes_no_sense_is_none() {
 #[test]
 fn an_order_is_taken_once_and_another_at_once() {
     let mut gate = OrderGate::new();
-    let with = |count, order| BoardCommand {
-        count,
-        order,
-        ..BoardCommand::default()
-    };
     assert_eq!(gate.count(), 0);
-    assert_eq!(gate.take(&with(0, Some(Order::Hold))), Some(Order::Hold));
-    assert_eq!(gate.take(&with(0, Some(Order::Hold))), None);
+    assert_eq!(gate.take(0, Some(Order::Hold)), Some(Order::Hold));
+    assert_eq!(gate.take(0, Some(Order::Hold)), None);
     // Settings alone are no order, and leave the count.
-    assert_eq!(gate.take(&with(9, None)), None);
+    assert_eq!(gate.take(9, None), None);
     assert_eq!(gate.count(), 0);
-    assert_eq!(gate.take(&with(1, Some(Order::Hold))), Some(Order::Hold));
-    assert_eq!(gate.take(&with(1, Some(Order::Stop))), Some(Order::Stop));
-    assert_eq!(gate.take(&with(1, Some(Order::Stop))), None);
+    assert_eq!(gate.take(1, Some(Order::Hold)), Some(Order::Hold));
+    assert_eq!(gate.take(1, Some(Order::Stop)), Some(Order::Stop));
+    assert_eq!(gate.take(1, Some(Order::Stop)), None);
     assert_eq!(gate.count(), 1);
 }
 

@@ -135,7 +135,7 @@ fn board_pdos() {
     let mut gate = OrderGate::new();
     while any() {
         let command = BoardCommand::decode(&any());
-        sink(command.and_then(|(_, command)| gate.take(&command)));
+        sink(command.and_then(|(_, command)| gate.take(command.count, command.order)));
         sink(gate.count());
     }
     sink(any::<BoardCommand>().frame(any()));
