@@ -4,7 +4,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind};
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Angle, Axis, Diameter, Length, product, root_wide, signed_product};
+use crate::units::{Angle, Axis, Diameter, Length, product, root_wide, signed, signed_product};
 
 /// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis.
 ///
@@ -105,7 +105,7 @@ fn radius((z, x): Vector) -> i64 {
     let sum = square(z).saturating_add(square(x));
     let root = root_wide(sum);
     let up = u64::from(product(root, root) < sum);
-    i64::try_from(root.saturating_add(up)).unwrap_or(i64::MAX)
+    signed(root.saturating_add(up))
 }
 
 /// True where one comes through `point` on the way counter-clockwise from `first` to `last` (a whole turn where they

@@ -10,7 +10,7 @@ use crate::program::{
     Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div, narrow_div, product};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div, narrow_div, product, signed};
 
 /// What a tapping cycle does on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,7 +177,7 @@ fn feed(
         u64::from(speed.get().unsigned_abs()),
         turns.saturating_mul(100),
     );
-    let wanted = Feed::from_nm_per_min(i64::try_from(nm).unwrap_or(i64::MAX));
+    let wanted = Feed::from_nm_per_min(signed(nm));
     if wanted <= most {
         return Ok(());
     }

@@ -6,7 +6,7 @@ use crate::cycle::{Move, MoveKind, ThreadMoves, ThreadSummary};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
 use crate::program::ThreadCall;
-use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed_product};
+use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed, signed_product};
 
 /// Different warnings, or different alarms, that one thread cycle can have.
 pub const FINDINGS: usize = 5;
@@ -288,7 +288,7 @@ fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -
         short.nm().unsigned_abs(),
         long.nm().unsigned_abs(),
     );
-    let speed = Feed::from_nm_per_min(i64::try_from(speed).unwrap_or(i64::MAX));
+    let speed = Feed::from_nm_per_min(signed(speed));
     let most = params.max_feed(short_axis);
     if speed <= most {
         return None;

@@ -20,7 +20,7 @@ pub(crate) struct Bounds {
 
 impl Bounds {
     /// The tighter of both, figure by figure.
-    pub fn least(self, other: Self) -> Self {
+    pub fn least(&self, other: &Self) -> Self {
         Self {
             acceleration: self.acceleration.min(other.acceleration),
             jerk: self.jerk.min(other.jerk),
@@ -28,7 +28,7 @@ impl Bounds {
     }
 
     /// Time from rest to `speed` (nm/s) in ns, rounded up, and the part of it in which the acceleration rises.
-    pub fn time(self, speed: u64) -> (u64, u64) {
+    pub fn time(&self, speed: u64) -> (u64, u64) {
         let (a, j) = (self.acceleration.max(1), self.jerk.max(1));
         // a²/j ≤ v: the acceleration is reached.
         let rise = mul_div_up(a, NS, j);
@@ -46,7 +46,7 @@ const NS: u64 = 1_000_000_000;
 
 /// A straight number scaled so that its size fits 32 bits, and its reciprocal: a division in the tick made a
 /// multiplication.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Fraction {
     shift: u32,
     inverse: u64,
@@ -54,8 +54,9 @@ pub(crate) struct Fraction {
 
 impl Fraction {
     /// Fractions of `whole`.
+    #[inline(never)]
     pub fn of(whole: Fine) -> Self {
-        let whole = whole.max(1).unsigned_abs();
+        let whole = whole.max(1) as u64;
         let shift = u64::BITS
             .wrapping_sub(whole.leading_zeros())
             .saturating_sub(32);
@@ -95,7 +96,7 @@ impl Fraction {
 }
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Ease {
     half: Fine,
     rise: Fine,
@@ -126,7 +127,8 @@ impl Ease {
 
     /// The ease for something that runs at `speed` (nm/s) along `h` while its follower gains `follower` nm/s within
     /// `bounds`.
-    pub fn new(speed: u64, follower: u64, bounds: Bounds) -> Self {
+    #[inline(never)]
+    pub fn new(speed: u64, follower: u64, bounds: &Bounds) -> Self {
         if speed == 0 || follower == 0 {
             return Self::NONE;
         }
@@ -137,12 +139,13 @@ impl Ease {
     }
 
     /// The half length of [`Ease::new`], without the rest of the work.
-    pub fn half_for(speed: u64, follower: u64, bounds: Bounds) -> Fine {
+    #[inline(never)]
+    pub fn half_for(speed: u64, follower: u64, bounds: &Bounds) -> u64 {
         if speed == 0 || follower == 0 {
             return 0;
         }
         let (time, _) = bounds.time(follower);
-        (half_way(speed, time) << 16) as i64
+        half_way(speed, time) << 16
     }
 
     /// The ease with half length `half` and rising part `rise` ≤ `half`, whole nanometres.
@@ -240,7 +243,7 @@ mod tests {
     #[test]
     fn the_curve_is_the_one_of_its_definition() {
         for (speed, acceleration, jerk) in MACHINES {
-            let ease = Ease::new(speed, speed, Bounds { acceleration, jerk });
+            let ease = Ease::new(speed, speed, &Bounds { acceleration, jerk });
             let (half, rise) = (ease.half as f64, ease.rise as f64);
             for n in -1100..=1100_i64 {
                 let h = ease.half * n / 1000;
@@ -258,7 +261,7 @@ mod tests {
     #[test]
     fn half_is_what_the_limits_allow() {
         for (speed, acceleration, jerk) in MACHINES {
-            let ease = Ease::new(speed, speed, Bounds { acceleration, jerk });
+            let ease = Ease::new(speed, speed, &Bounds { acceleration, jerk });
             let (v, a, j) = (speed as f64, acceleration as f64, jerk as f64);
             let time = if v >= a * a / j {
                 v / a + a / j
@@ -273,7 +276,7 @@ mod tests {
             Ease::new(
                 0,
                 1,
-                Bounds {
+                &Bounds {
                     acceleration: 1,
                     jerk: 1
                 }

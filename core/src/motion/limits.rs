@@ -3,6 +3,7 @@
 //! Knows parameters and directions; knows nothing of moves, profiles or time.
 
 use super::arc::Bend;
+use super::ease::Bounds;
 use super::line::Line;
 use super::rate::PathRate;
 use crate::params::Params;
@@ -197,6 +198,16 @@ impl AxisLimits {
             acceleration: per_tick(acceleration.nm_per_s2(), tick_us, 2).saturating_sub(4 << 16),
             jerk: per_tick(jerk.nm_per_s3(), tick_us, 3).saturating_sub(8 << 16),
         }
+    }
+}
+
+/// What an axis bears, per second.
+#[inline(never)]
+pub(super) fn bounds(params: &Params, axis: Axis) -> Bounds {
+    // Neither is negative.
+    Bounds {
+        acceleration: params.acceleration(axis).nm_per_s2() as u64,
+        jerk: params.jerk(axis).nm_per_s3() as u64,
     }
 }
 

@@ -11,6 +11,7 @@
 mod arc;
 mod ease;
 mod executor;
+mod lead;
 mod limits;
 mod line;
 mod path;

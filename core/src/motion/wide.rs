@@ -12,17 +12,11 @@ pub(crate) fn mul_div_up(a: u64, b: u64, c: u64) -> u64 {
     narrow_div(wide, c)
 }
 
-/// a · 2^`shift` / b rounded to the nearest, for a signed a; `shift` ≤ 62.
+/// a · 2^`shift` / b rounded to the nearest, within the range of signed numbers; `shift` ≤ 62.
 #[inline(never)]
-pub(crate) fn ratio(a: i64, b: u64, shift: u32) -> i64 {
-    let scaled = u128::from(a.unsigned_abs()).wrapping_shl(shift);
-    let magnitude = narrow_div(scaled.wrapping_add(u128::from(b >> 1)), b);
-    let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
-    if a < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
-    }
+pub(crate) fn ratio(a: u64, b: u64, shift: u32) -> u64 {
+    let scaled = u128::from(a).wrapping_shl(shift);
+    narrow_div(scaled.wrapping_add(u128::from(b >> 1)), b).min(i64::MAX as u64)
 }
 
 /// √(a · b / c) rounded up.

@@ -33,6 +33,22 @@ pub(crate) const fn magnitude(a: i64) -> i64 {
     a.saturating_abs()
 }
 
+/// |a|.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn size(a: i64) -> u64 {
+    a.unsigned_abs()
+}
+
+/// a, as one with a sign.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn signed(a: u64) -> i64 {
+    if a > i64::MAX as u64 {
+        i64::MAX
+    } else {
+        a as i64
+    }
+}
+
 /// −1, 0 or +1.
 #[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn sign(a: i64) -> i64 {

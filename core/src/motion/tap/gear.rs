@@ -3,7 +3,7 @@
 //! Knows a lead, a hand and a level; knows nothing of time.
 
 use crate::program::{Hand, Position, TapAxis};
-use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed_product};
+use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed, signed_product};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
 /// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
@@ -59,6 +59,17 @@ impl Gear {
         self.level
     }
 
+    /// `position` with the tap axis `depth` below R.
+    #[must_use]
+    pub(super) fn place(&self, position: Position, depth: Length) -> Position {
+        let at = if self.downwards {
+            self.level - depth
+        } else {
+            self.level + depth
+        };
+        self.axis.with(position, at)
+    }
+
     /// How deep `position` is below R; negative above it.
     #[must_use]
     pub fn depth(&self, position: Position) -> Length {
@@ -91,7 +102,7 @@ impl Gear {
             let wide = product(size, self.factor);
             (wide >> self.shift) as u64
         };
-        let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
+        let magnitude = signed(magnitude);
         if (way < 0) == self.falling {
             Turns::from_raw(magnitude)
         } else {
@@ -110,7 +121,7 @@ impl Gear {
         // Rounded down, below zero as above it.
         let rounding = if above < 0 { unit.wrapping_sub(1) } else { 0 };
         let way = narrow_div(above.unsigned_abs().wrapping_add(rounding) >> 32, turns);
-        let way = Length::from_nm(i64::try_from(way).unwrap_or(i64::MAX));
+        let way = Length::from_nm(signed(way));
         let way = if above < 0 { -way } else { way };
         if self.falling {
             self.level - way

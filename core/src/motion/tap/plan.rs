@@ -14,7 +14,7 @@ use crate::motion::shape;
 use crate::params::Params;
 use crate::program::{Position, TapAxis};
 use crate::units::{
-    Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div, mul_wide, narrow_div,
+    Axis, CentiRpm, Feed, Lead, Length, Millis, div_wide, mul_div, mul_wide, narrow_div, signed,
 };
 
 /// One stroke along the tap axis, from rest to rest.
@@ -260,10 +260,7 @@ fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
         u64::from(speed.get().unsigned_abs()),
         turns.saturating_mul(100),
     );
-    let rate = PathRate::of_feed(
-        Feed::from_nm_per_min(i64::try_from(nm).unwrap_or(i64::MAX)),
-        tick_us,
-    );
+    let rate = PathRate::of_feed(Feed::from_nm_per_min(signed(nm)), tick_us);
     PathRate::from_raw(rate.raw().max(2))
 }
 

@@ -34,4 +34,5 @@ mod shape;
 pub use path::Helix;
 pub(super) use path::HelixTravel;
 pub use plan::ThreadPlan;
+pub(super) use plan::whole;
 pub use run::{Phase, Retract, ThreadPoint, ThreadRun};

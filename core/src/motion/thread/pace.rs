@@ -1,18 +1,20 @@
 //! How fast a pass goes, and what that makes of its ends: the ramps of run-in, run-out and retract.
 
 use super::plan::{Ramp, whole};
-use super::ramp::{DIAGONAL, Machine, Slope, seen, slope};
+use super::ramp::{Corner, DIAGONAL, Machine, Slope, directed, seen, slope};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code};
-use crate::motion::ease::{Bounds, Ease, Fine};
+use crate::motion::ease::{Ease, Fine};
+use crate::motion::lead::speed_of;
+use crate::motion::limits::bounds;
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::units::{Axis, Feed, Lead, Rpm, TurnRate, mul_div};
+use crate::units::{Axis, Feed, Rpm, TurnRate, mul_div, size};
 
 /// Percent of the spindle's speed for which a run-out is tried that does not fit with the whole margin.
 const MARGINS: [u64; 4] = [110, 105, 102, 100];
 
-/// The speed a pass is planned for.
+/// The speed a pass is planned for: none of its figures is negative.
 pub(super) struct Pace {
     /// The faster of commanded and measured speed, magnitude.
     pub nominal: TurnRate,
@@ -25,17 +27,9 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// The pace of a pass, its feeds checked.
+    /// The pace of a pass.
     #[inline(never)]
-    pub fn new(
-        shape: &Shape,
-        params: &Params,
-        commanded: Rpm,
-        measured: TurnRate,
-    ) -> Result<Self, Alarm> {
-        if commanded == Rpm::STOPPED && measured == TurnRate::ZERO {
-            return Err(shape.alarm(Code::SpindleStopped));
-        }
+    pub fn new(params: &Params, commanded: Rpm, measured: TurnRate) -> Self {
         let reverse = if commanded == Rpm::STOPPED {
             measured.is_negative()
         } else {
@@ -43,38 +37,45 @@ impl Pace {
         };
         let nominal = TurnRate::of_rpm(commanded).abs().max(measured.abs());
         let margin = u64::from(params.spindle_variation_percent()).saturating_add(100);
-        let limit = mul_div_up(nominal.raw().unsigned_abs(), margin, 100);
-        let pace = Self {
+        let limit = mul_div_up(nominal.raw() as u64, margin, 100);
+        Self {
             nominal,
             margin,
-            limit: TurnRate::from_raw(i64::try_from(limit).unwrap_or(i64::MAX)),
+            limit: TurnRate::from_raw(limit.min(i64::MAX as u64) as i64),
             reverse,
-        };
+        }
+    }
 
+    /// The spindle turns, and no axis is asked for more than its feed.
+    #[inline(never)]
+    pub fn check(
+        &self,
+        shape: &Shape,
+        params: &Params,
+        commanded: Rpm,
+        measured: TurnRate,
+    ) -> Result<(), Alarm> {
+        let nominal = self.nominal;
+        if nominal == TurnRate::ZERO {
+            return Err(shape.alarm(Code::SpindleStopped));
+        }
         // nm/min, exact where the command decides, so that a feed that is just reached is no alarm.
-        let lead = shape.thread.lead;
+        let (nm, turns) = shape.thread.lead.parts();
         let asked = if nominal > measured.abs() || measured == TurnRate::ZERO {
-            mul_div(lead_nm(lead), u64::from(commanded.abs()), lead_turns(lead))
+            mul_div(nm, u64::from(commanded.abs()), turns)
         } else {
-            let per_second = mul_div(
-                lead_nm(lead),
-                nominal.raw().unsigned_abs(),
-                lead_turns(lead),
-            );
+            let per_second = mul_div(nm, nominal.raw() as u64, turns);
             mul_div(per_second, 60, 1 << 32)
         };
         let (long, short) = axes(shape);
+        let along_taper = mul_div(asked, size(shape.taper), DIAGONAL);
         let checks = [
             (long, asked, params.max_feed(long)),
-            (long, mul_div(asked, margin, 100), params.rapid(long)),
-            (
-                short,
-                mul_div(asked, shape.taper.unsigned_abs(), DIAGONAL),
-                params.max_feed(short),
-            ),
+            (long, mul_div(asked, self.margin, 100), params.rapid(long)),
+            (short, along_taper, params.max_feed(short)),
         ];
         for (axis, feed, most) in checks {
-            let feed = Feed::from_nm_per_min(i64::try_from(feed).unwrap_or(i64::MAX));
+            let feed = Feed::from_nm_per_min(feed.min(i64::MAX as u64) as i64);
             if feed > most {
                 let alarm = shape.alarm(Code::LeadTooFast).word(b'F');
                 return Err(alarm.with([
@@ -85,44 +86,49 @@ impl Pace {
                 ]));
             }
         }
-        Ok(pace)
+        Ok(())
     }
 
     /// The axes at `percent` of the nominal speed.
     pub fn machine(&self, shape: &Shape, params: &Params, percent: u64) -> Machine {
         let (long, short) = axes(shape);
-        let rate = mul_div_up(self.nominal.raw().unsigned_abs(), percent, 100);
+        let rate = mul_div_up(self.nominal.raw() as u64, percent, 100);
         Machine {
-            speed: travel(shape.thread.lead, rate),
+            speed: speed_of(shape.thread.lead, rate),
             long: bounds(params, long),
             short: bounds(params, short),
-            short_speed: params.max_feed(short).nm_per_min().unsigned_abs() / 60,
-            taper: shape.taper.unsigned_abs(),
+            short_speed: params.max_feed(short).nm_per_min() as u64 / 60,
+            taper: size(shape.taper),
         }
     }
 
     /// The join, and the run-in that brings the short axis from beside the line's extension onto it: a ramp mirrored.
     #[inline(never)]
-    pub fn run_in(&self, shape: &Shape, machine: &Machine) -> Result<(Ease, Ramp), Alarm> {
+    pub fn run_in(
+        &self,
+        shape: &Shape,
+        machine: &Machine,
+        join: &mut Ease,
+        ramp: &mut Ramp,
+    ) -> Result<(), Alarm> {
         if shape.run_in == 0 {
-            return Ok((machine.plain(), Ramp::NONE));
+            *join = machine.plain();
+            return Ok(());
         }
-        let corner = machine.corner(shape.run_in_rise, shape.run_in);
+        let corner = machine.corner(size(shape.run_in_rise), shape.run_in as u64);
         if !corner.whole {
+            let needed = machine.way_needed(size(shape.run_in_rise));
             let alarm = shape.alarm(Code::RunInTooFast).word(b'E');
             return Err(alarm.with([
-                Arg::Length(whole(machine.way_needed(shape.run_in_rise))),
+                Arg::Length(whole(needed as Fine)),
                 Arg::Rpm(self.nominal.rpm()),
                 Arg::None,
                 Arg::None,
             ]));
         }
-        let ramp = Ramp {
-            slope: signed(corner.slope, shape.run_in_rise),
-            ease: corner.ease,
-            at: shape.run_in,
-        };
-        Ok((corner.long, ramp))
+        corner.put(shape.run_in_rise, join, ramp);
+        ramp.at = shape.run_in;
+        Ok(())
     }
 
     /// The brake and the run-out; where the short axis cannot make it inside K, the K in which it could. The margin on
@@ -133,47 +139,51 @@ impl Pace {
         shape: &Shape,
         machine: &Machine,
         params: &Params,
-    ) -> (Ease, Ramp, Option<Fine>) {
+        brake: &mut Ease,
+        ramp: &mut Ramp,
+    ) -> Option<Fine> {
         if shape.run_out == 0 {
-            return (machine.plain(), Ramp::NONE, None);
+            *brake = machine.plain();
+            return None;
         }
-        let mut corner = machine.corner(shape.run_out_rise, shape.run_out);
+        let (rise, way) = (size(shape.run_out_rise), shape.run_out as u64);
+        let mut corner = machine.corner(rise, way);
         for percent in MARGINS {
             if corner.whole || percent >= self.margin {
                 continue;
             }
             let slower = self.machine(shape, params, percent);
-            let tried = slower.corner(shape.run_out_rise, shape.run_out);
+            let tried = slower.corner(rise, way);
             if tried.whole {
                 corner = tried;
             }
         }
-        let ramp = Ramp {
-            slope: signed(corner.slope, shape.run_out_rise),
-            ease: corner.ease,
-            at: shape.fine_length().wrapping_sub(shape.run_out),
-        };
-        let needed = (!corner.whole).then(|| {
-            self.machine(shape, params, 100)
-                .way_needed(shape.run_out_rise)
-        });
-        (corner.long, ramp, needed)
+        corner.put(shape.run_out_rise, brake, ramp);
+        ramp.at = shape.fine_length().wrapping_sub(shape.run_out);
+        (!corner.whole).then(|| self.machine(shape, params, 100).way_needed(rise) as Fine)
     }
 
     /// A retract in mid-thread: the run-out's slope, 45° where there is none.
     #[inline(never)]
-    pub fn retract(&self, shape: &Shape, machine: &Machine) -> Ramp {
+    pub fn retract(&self, shape: &Shape, machine: &Machine, ramp: &mut Ramp) {
         let mean = if shape.run_out > 0 {
-            slope(shape.run_out_rise, shape.run_out).unsigned_abs()
+            size(slope(shape.run_out_rise, shape.run_out as u64))
         } else {
             DIAGONAL
         };
         let steep = mean.min(machine.steepest());
-        Ramp {
-            slope: i64::try_from(steep).unwrap_or(0),
-            ease: Ease::new(machine.speed, seen(machine.speed, steep), machine.short),
-            at: 0,
-        }
+        ramp.slope = steep as Slope;
+        ramp.ease = Ease::new(machine.speed, seen(machine.speed, steep), &machine.short);
+    }
+}
+
+impl Corner {
+    /// Lays down the long axis' part of the corner and the short one's, which displaces it towards the side of `rise`.
+    #[inline(never)]
+    fn put(&self, rise: Fine, long: &mut Ease, ramp: &mut Ramp) {
+        *long = self.long;
+        ramp.ease = self.ease;
+        ramp.slope = directed(self.slope, rise);
     }
 }
 
@@ -183,37 +193,5 @@ const fn axes(shape: &Shape) -> (Axis, Axis) {
         (Axis::X, Axis::Z)
     } else {
         (Axis::Z, Axis::X)
-    }
-}
-
-/// Numerator of a lead.
-pub(super) const fn lead_nm(lead: Lead) -> u64 {
-    lead.parts().0
-}
-
-/// Denominator of a lead.
-pub(super) const fn lead_turns(lead: Lead) -> u64 {
-    lead.parts().1
-}
-
-/// Nanometres per second at 2⁻³² turns per second, rounded up.
-fn travel(lead: Lead, rate: u64) -> u64 {
-    let per_turn = mul_div_up(lead_nm(lead), 1 << 16, lead_turns(lead));
-    mul_div_up(per_turn, rate, 1 << 48)
-}
-
-fn bounds(params: &Params, axis: Axis) -> Bounds {
-    Bounds {
-        acceleration: params.acceleration(axis).nm_per_s2().unsigned_abs(),
-        jerk: params.jerk(axis).nm_per_s3().unsigned_abs(),
-    }
-}
-
-fn signed(magnitude: u64, sign_of: Fine) -> Slope {
-    let magnitude = i64::try_from(magnitude).unwrap_or(i64::MAX);
-    if sign_of < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
     }
 }

@@ -4,7 +4,7 @@ use super::plan::{ThreadPlan, whole};
 use super::ramp::{Slope, along};
 use crate::motion::ease::Fine;
 use crate::program::Position;
-use crate::units::{Length, Turns};
+use crate::units::{Lead, Length, Turns, narrow_div};
 
 /// The short axis' way out in mid-thread: a ramp up and, `apart` further on, one down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Helix {
 }
 
 /// What turns an angle into a travel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::motion) struct HelixTravel {
     /// Angles below and above count as these: a turn around the pass.
     pub low: Turns,
@@ -56,6 +56,21 @@ pub(in crate::motion) struct HelixTravel {
 }
 
 impl HelixTravel {
+    /// The travel of a helix of `lead`, from a turn before `join` ahead of the start point to a turn behind `done`.
+    /// `rounding`: of the lead's denominator, what its part below a nanometre is given before it is rounded down.
+    #[inline(never)]
+    pub fn new(lead: Lead, join: Turns, done: Turns, rounding: u64) -> Self {
+        let (nm, turns) = lead.parts();
+        let whole = nm.checked_div(turns).unwrap_or(0);
+        let below = u128::from(nm.wrapping_sub(whole.wrapping_mul(turns))) << 32;
+        let rest = narrow_div(below.wrapping_add(u128::from(rounding)), turns);
+        Self {
+            low: -join - Turns::ONE,
+            high: done + Turns::ONE,
+            lead: (whole, rest.min(u64::from(u32::MAX))),
+        }
+    }
+
     /// The helix' travel for an angle since it was at the start point.
     pub fn at(&self, relative: Turns) -> Fine {
         // Not `clamp`, which panics where the limits cross.

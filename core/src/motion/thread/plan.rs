@@ -1,19 +1,19 @@
 //! A pass planned: every figure the tick needs, from the moves of the pass, the axes' limits and the spindle's speed.
 
-use super::pace::{Pace, lead_nm, lead_turns};
+use super::pace::Pace;
 use super::path::HelixTravel;
 use super::ramp::{Slope, along, inverse};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::Move;
 use crate::motion::ease::{Ease, Fine, Fraction};
-use crate::motion::wide::{mul_div_up, ratio};
+use crate::motion::lead::turns_of;
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Lead, Length, Rpm, TurnRate, Turns, mul_div};
+use crate::units::{Length, Rpm, TurnRate, Turns, mul_div, size};
 
-/// A ramp of the short axis away from (or back to) the pass's line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A ramp of the short axis away from (or back to) the pass's line; by itself none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Ramp {
     /// Signed slope behind the corner; 0 for no ramp.
     pub slope: Slope,
@@ -23,12 +23,6 @@ pub(super) struct Ramp {
 }
 
 impl Ramp {
-    pub const NONE: Self = Self {
-        slope: 0,
-        ease: Ease::NONE,
-        at: 0,
-    };
-
     /// How far beside the line a run-in begins.
     fn beside_at_start(&self) -> Fine {
         along(
@@ -39,7 +33,7 @@ impl Ramp {
 }
 
 /// One pass of a thread, ready for [`ThreadRun`](super::ThreadRun).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ThreadPlan {
     pub(super) span: Span,
     pub(super) start: Position,
@@ -92,8 +86,7 @@ impl ThreadPlan {
         params: &Params,
         measured: TurnRate,
     ) -> Result<Self, Alarm> {
-        let shape = Shape::of(from, moves)?;
-        Self::at_speed(&shape, params, shape.thread.rpm, measured)
+        Self::at_speed(from, moves, params, None, measured)
     }
 
     /// As [`ThreadPlan::new`], for another commanded speed than the moves'.
@@ -103,24 +96,44 @@ impl ThreadPlan {
         params: &Params,
         commanded: Rpm,
     ) -> Result<Self, Alarm> {
-        Self::at_speed(&Shape::of(from, moves)?, params, commanded, TurnRate::ZERO)
+        Self::at_speed(from, moves, params, Some(commanded), TurnRate::ZERO)
     }
 
+    /// A plan is large, and so are its parts: each is made where it stays.
     fn at_speed(
-        shape: &Shape,
+        from: Position,
+        moves: &[Move],
         params: &Params,
-        commanded: Rpm,
+        commanded: Option<Rpm>,
         measured: TurnRate,
     ) -> Result<Self, Alarm> {
-        let pace = Pace::new(shape, params, commanded, measured)?;
+        let mut plan = Self::default();
+        match &Shape::of(from, moves) {
+            Ok(shape) => plan.fill(shape, params, commanded, measured)?,
+            Err(alarm) => return Err(*alarm),
+        }
+        Ok(plan)
+    }
+
+    #[inline(never)]
+    fn fill(
+        &mut self,
+        shape: &Shape,
+        params: &Params,
+        commanded: Option<Rpm>,
+        measured: TurnRate,
+    ) -> Result<(), Alarm> {
+        let commanded = commanded.unwrap_or(shape.thread.rpm);
+        let pace = Pace::new(params, commanded, measured);
+        pace.check(shape, params, commanded, measured)?;
         let machine = pace.machine(shape, params, pace.margin);
-        let (join, run_in) = pace.run_in(shape, &machine)?;
-        let (brake, run_out, lag_way) = pace.run_out(shape, &machine, params);
+        pace.run_in(shape, &machine, &mut self.join, &mut self.run_in)?;
+        let lag_way = pace.run_out(shape, &machine, params, &mut self.brake, &mut self.run_out);
 
         // Everything has its place: join and run-in before, brake and run-out behind the locked part.
         let length = shape.fine_length();
-        let before = join.half().max(shape.run_in);
-        let behind = brake.half().max(shape.run_out);
+        let before = self.join.half().max(shape.run_in);
+        let behind = self.brake.half().max(shape.run_out);
         let long_x = shape.thread.long_x;
         if before.saturating_add(behind) > length {
             let word = if long_x { b'X' } else { b'Z' };
@@ -133,56 +146,39 @@ impl ThreadPlan {
             ]));
         }
 
-        let retract = pace.retract(shape, &machine);
-        let slopes = [run_in.slope, run_out.slope].map(i64::unsigned_abs);
-        let steepest = slopes.into_iter().max().unwrap_or(0);
+        self.span = shape.span;
+        (self.start, self.end) = (shape.from, shape.end);
+        self.long_x = long_x;
+        self.backward = shape.backward;
+        self.reverse = pace.reverse;
         let lead = shape.thread.lead;
+        self.join_angle = turns_of(lead, self.join.half());
+        self.done_angle = turns_of(lead, length.saturating_add(self.brake.half()));
+        let half = lead.parts().1 >> 1;
+        self.travel = HelixTravel::new(lead, self.join_angle, self.done_angle, half);
+        self.start_angle = shape.thread.pass_angle.turns();
+        self.length = length;
+        self.taper = shape.taper;
+        self.run_in_rise = self.run_in.beside_at_start();
+        let slopes = [self.run_in.slope, self.run_out.slope].map(size);
+        self.stop = machine.straight(slopes[0].max(slopes[1]));
+        pace.retract(shape, &machine, &mut self.retract);
+        self.retract_inverse = inverse(self.retract.slope as u64);
         let per_tick = mul_div(machine.speed << 16, u64::from(params.tick_us()), 1_000_000);
-        let join_angle = angle_of(join.half(), lead);
-        let done_angle = angle_of(length.saturating_add(brake.half()), lead);
-        let speed = i64::try_from(per_tick).unwrap_or(i64::MAX).max(1);
-        let mut plan = Self {
-            span: shape.span,
-            start: shape.from,
-            end: shape.end,
-            long_x,
-            backward: shape.backward,
-            reverse: pace.reverse,
-            travel: HelixTravel {
-                low: -join_angle - Turns::ONE,
-                high: done_angle + Turns::ONE,
-                lead: (mul_div(lead_nm(lead), 1, lead_turns(lead)), rest(lead)),
-            },
-            start_angle: shape.thread.pass_angle.turns(),
-            length,
-            join,
-            brake,
-            stop: machine.straight(steepest),
-            join_angle,
-            done_angle,
-            taper: shape.taper,
-            run_in,
-            run_in_rise: run_in.beside_at_start(),
-            run_out,
-            retract,
-            retract_inverse: inverse(retract.slope.unsigned_abs()),
-            speed,
-            of_speed: Fraction::of(speed),
-            speed_limit: pace.limit,
-            short_lag: Length::ZERO,
-            way_needed: Length::ZERO,
-        };
+        self.speed = per_tick.clamp(1, i64::MAX as u64) as i64;
+        self.of_speed = Fraction::of(self.speed);
+        self.speed_limit = pace.limit;
         if let Some(way) = lag_way {
             // By the tick's own arithmetic, so that the last setpoint is this one to the nanometre.
-            plan.end = plan.position(plan.length, None);
-            plan.short_lag = if long_x {
-                shape.end.z - plan.end.z
+            self.end = self.position(length, None);
+            self.short_lag = if long_x {
+                shape.end.z - self.end.z
             } else {
-                shape.end.x - plan.end.x
+                shape.end.x - self.end.x
             };
-            plan.way_needed = whole(way);
+            self.way_needed = whole(way);
         }
-        Ok(plan)
+        Ok(())
     }
 
     /// True where X is the long axis.
@@ -288,37 +284,7 @@ impl ThreadPlan {
     }
 }
 
-/// The part of the lead below a nanometre, 2⁻³² nm.
-fn rest(lead: Lead) -> u64 {
-    let below = lead
-        .numerator()
-        .checked_rem(lead.denominator())
-        .unwrap_or(0);
-    let fraction = ratio(below, lead_turns(lead), 32);
-    fraction.unsigned_abs().min(u64::from(u32::MAX))
-}
-
-/// The spindle's angle for a travel, rounded up.
-fn angle_of(travel: Fine, lead: Lead) -> Turns {
-    let scaled = mul_div_up(
-        travel.max(0).unsigned_abs(),
-        lead_turns(lead),
-        lead_nm(lead),
-    );
-    // At most a quarter of the range, so that sums of two still count.
-    let exact = if scaled < 1 << 45 {
-        mul_div_up(
-            travel.max(0).unsigned_abs(),
-            lead_turns(lead).saturating_mul(1 << 16),
-            lead_nm(lead),
-        )
-    } else {
-        1 << 61
-    };
-    Turns::from_raw(i64::try_from(exact).unwrap_or(1 << 61))
-}
-
 /// Whole nanometres, rounded to the nearest.
-pub(super) const fn whole(fine: Fine) -> Length {
+pub(in crate::motion) const fn whole(fine: Fine) -> Length {
     Length::from_nm(fine.wrapping_add(1 << 15) >> 16)
 }

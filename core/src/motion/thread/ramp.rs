@@ -6,7 +6,7 @@
 
 use crate::motion::ease::{Bounds, Ease, Fine};
 use crate::motion::wide::{mul_div_up, ratio, root_mul_div_up};
-use crate::units::{mul_div, product, signed_product};
+use crate::units::{mul_div, product, signed, signed_product, size};
 
 /// Short-axis travel per long-axis travel in 2⁻⁴⁰.
 pub(crate) type Slope = i64;
@@ -22,17 +22,33 @@ pub(crate) fn along(way: Fine, slope: Slope) -> Fine {
     (wide.wrapping_add(1 << (SLOPE_BITS - 1)) >> SLOPE_BITS) as i64
 }
 
-/// The slope that makes `rise` over `way`; `way` positive.
-pub(crate) fn slope(rise: Fine, way: Fine) -> Slope {
-    ratio(rise, way.unsigned_abs(), SLOPE_BITS)
+/// The slope that makes `rise` over `way`.
+pub(crate) fn slope(rise: Fine, way: u64) -> Slope {
+    directed(mean(size(rise), way), rise)
+}
+
+/// Its magnitude.
+fn mean(rise: u64, way: u64) -> u64 {
+    ratio(rise, way, SLOPE_BITS)
+}
+
+/// A slope of this magnitude towards the side of `rise`.
+pub(crate) fn directed(magnitude: u64, rise: Fine) -> Slope {
+    let magnitude = signed(magnitude);
+    if rise < 0 {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
+    }
 }
 
 /// The inverse of a slope's magnitude, also in 2⁻⁴⁰.
 pub(crate) fn inverse(slope: u64) -> Slope {
-    i64::try_from(mul_div(DIAGONAL, DIAGONAL, slope.max(1))).unwrap_or(i64::MAX)
+    signed(mul_div(DIAGONAL, DIAGONAL, slope.max(1)))
 }
 
 /// A speed of the long axis (nm/s) seen on the short one.
+#[inline(never)]
 pub(crate) fn seen(speed: u64, slope: u64) -> u64 {
     let wide = product(speed, slope);
     // Up, so that no limit is missed by the rounding.
@@ -41,7 +57,8 @@ pub(crate) fn seen(speed: u64, slope: u64) -> u64 {
 }
 
 /// What the long axis may do so that an axis which follows it with `slope` stays within `bounds`.
-pub(crate) fn through(bounds: Bounds, slope: u64) -> Bounds {
+#[inline(never)]
+fn through(bounds: &Bounds, slope: u64) -> Bounds {
     Bounds {
         acceleration: mul_div(bounds.acceleration, DIAGONAL, slope),
         jerk: mul_div(bounds.jerk, DIAGONAL, slope),
@@ -88,11 +105,17 @@ impl Machine {
     }
 
     /// The long axis' ease where the short one follows a slope beside the taper, away from its corners.
-    #[inline(never)]
     pub fn straight(&self, slope: u64) -> Ease {
-        let slope = slope.saturating_add(self.taper);
-        let bounds = self.long.least(through(self.short, slope));
-        Ease::new(self.speed, self.speed, bounds)
+        self.following(slope, &self.short)
+    }
+
+    /// The long axis' ease where the short one follows a slope beside the taper within `bounds`.
+    #[inline(never)]
+    fn following(&self, slope: u64, bounds: &Bounds) -> Ease {
+        let bounds = self
+            .long
+            .least(&through(bounds, slope.saturating_add(self.taper)));
+        Ease::new(self.speed, self.speed, &bounds)
     }
 
     /// The ramp that displaces the short axis by `rise` over `way`, next to a join or a brake.
@@ -101,14 +124,11 @@ impl Machine {
     /// the join or the brake, they share: half of the acceleration each, a third of the jerk each, and the last third
     /// for the product of both.
     #[inline(never)]
-    pub fn corner(&self, rise: Fine, way: Fine) -> Corner {
+    pub fn corner(&self, rise: u64, way: u64) -> Corner {
         let alone = self.fit(rise, way, false);
-        let used = alone
-            .ease
-            .half()
-            .saturating_mul(2)
-            .saturating_add(alone.long.half());
-        if alone.whole && used <= way {
+        let used = alone.ease.half().saturating_mul(2);
+        let used = used.saturating_add(alone.long.half());
+        if alone.whole && used as u64 <= way {
             alone
         } else {
             self.fit(rise, way, true)
@@ -116,14 +136,14 @@ impl Machine {
     }
 
     /// The least way over which `rise` could be made, rounded up to a hundredth of a millimetre.
-    pub fn way_needed(&self, rise: Fine) -> Fine {
+    pub fn way_needed(&self, rise: u64) -> u64 {
         let mut way = 0;
         for shared in [false, true] {
             // The shortest way is all corner (rise = m·ℓ/2), or as steep as the speed allows.
             let (mut low, mut high) = (0_u64, self.steepest());
             if !self.is_corner(high, rise, shared) {
                 for _ in 0..STEPS {
-                    let middle = low.saturating_add(high) >> 1;
+                    let middle = low.midpoint(high);
                     if self.is_corner(middle, rise, shared) {
                         low = middle;
                     } else {
@@ -132,16 +152,16 @@ impl Machine {
                 }
                 high = low;
             }
-            let half = self.half(high, shared);
-            let straight = mul_div_up(rise.unsigned_abs(), DIAGONAL, high);
-            way = i64::try_from(straight)
-                .unwrap_or(i64::MAX >> 4)
-                .saturating_add(half);
+            let mut straight = mul_div_up(rise, DIAGONAL, high);
+            if straight > i64::MAX as u64 {
+                straight = 1 << 59;
+            }
+            way = straight.saturating_add(self.half(high, shared));
             // A little more than the bisection found, to whole hundredths.
             way = way.saturating_add(way >> 10);
-            way = mul_div_up(way.unsigned_abs(), 1, HUNDREDTH)
+            way = mul_div_up(way, 1, HUNDREDTH)
                 .saturating_mul(HUNDREDTH)
-                .min(1 << 60) as i64;
+                .min(1 << 60);
             if self.corner(rise, way).whole {
                 break;
             }
@@ -150,24 +170,22 @@ impl Machine {
     }
 
     /// True while a corner into `slope` alone displaces less than `rise`.
-    fn is_corner(&self, slope: u64, rise: Fine, shared: bool) -> bool {
-        let half = self.half(slope, shared);
-        seen(half.unsigned_abs(), slope) <= rise.unsigned_abs()
+    fn is_corner(&self, slope: u64, rise: u64, shared: bool) -> bool {
+        seen(self.half(slope, shared), slope) <= rise
     }
 
-    fn fit(&self, rise: Fine, way: Fine, shared: bool) -> Corner {
-        let target = rise.unsigned_abs();
+    #[inline(never)]
+    fn fit(&self, rise: u64, way: u64, shared: bool) -> Corner {
         let way = way.max(1);
         let mut low = 0_u64;
         // A corner as long as the way needs twice the mean slope; nothing steeper can be of use.
-        let twice = slope(rise, way).unsigned_abs().saturating_mul(2);
-        let mut high = twice.min(self.steepest());
-        let mut found = None;
+        let mut high = mean(rise, way).saturating_mul(2).min(self.steepest());
+        let (mut found, mut whole) = (0, false);
         let mut middle = high;
         for _ in 0..STEPS {
             let half = self.half(middle, shared);
-            let fits = half.saturating_mul(2) <= way;
-            if fits && seen(way.saturating_sub(half).unsigned_abs(), middle) < target {
+            let fits = half << 1 <= way;
+            if fits && seen(way.wrapping_sub(half), middle) < rise {
                 low = middle;
                 if middle == high {
                     // As steep as the speed allows, and still not enough.
@@ -176,57 +194,58 @@ impl Machine {
             } else {
                 high = middle;
                 if fits {
-                    found = Some(middle);
+                    (found, whole) = (middle, true);
                 }
             }
-            middle = low.saturating_add(high) >> 1;
+            middle = low.midpoint(high);
         }
-        let (chosen, whole) = found.map_or((low, false), |found| (found, true));
+        let chosen = if whole { found } else { low };
         let ease = self.round(chosen, shared);
         let slope = if whole {
             // Not steeper than what the corner was made for, and exactly at its target.
-            slope(rise, way.saturating_sub(ease.half()))
-                .unsigned_abs()
-                .min(chosen)
+            mean(rise, way.wrapping_sub(ease.half() as u64)).min(chosen)
         } else {
             chosen
         };
-        let (_, follow) = self.share(slope, shared);
-        let bounds = self
-            .long
-            .least(through(follow, slope.saturating_add(self.taper)));
         Corner {
             slope,
             ease,
-            long: Ease::new(self.speed, self.speed, bounds),
+            long: self.following(slope, &self.share(slope, shared)),
             whole,
         }
     }
 
     /// Half length of the ease into `slope`.
-    fn half(&self, slope: u64, shared: bool) -> Fine {
-        let (turn, _) = self.share(slope, shared);
-        Ease::half_for(self.speed, seen(self.speed, slope), turn)
+    fn half(&self, slope: u64, shared: bool) -> u64 {
+        Ease::half_for(
+            self.speed,
+            seen(self.speed, slope),
+            &self.share(slope, shared),
+        )
     }
 
     /// The ease into `slope`.
     fn round(&self, slope: u64, shared: bool) -> Ease {
-        let (turn, _) = self.share(slope, shared);
-        Ease::new(self.speed, seen(self.speed, slope), turn)
+        Ease::new(
+            self.speed,
+            seen(self.speed, slope),
+            &self.share(slope, shared),
+        )
     }
 
-    /// The short axis' limits for turning into a slope, and for following the long axis' acceleration along it.
-    fn share(&self, slope: u64, shared: bool) -> (Bounds, Bounds) {
+    /// The short axis' limits: for turning into a slope, and for following the long axis' acceleration along it.
+    #[inline(never)]
+    fn share(&self, slope: u64, shared: bool) -> Bounds {
         if !shared {
-            return (self.short, self.short);
+            return self.short;
         }
-        let jerk = self.short.jerk / 3;
         // x‴ has the term 3·x″(turn)·x″(follow)/(slope·speed): kept below the last third.
         let steep = slope.saturating_add(self.taper);
         let product = root_mul_div_up(seen(self.speed, steep), self.short.jerk, 9);
-        let acceleration = (self.short.acceleration / 2).min(product);
-        let bounds = Bounds { acceleration, jerk };
-        (bounds, bounds)
+        Bounds {
+            acceleration: (self.short.acceleration / 2).min(product),
+            jerk: self.short.jerk / 3,
+        }
     }
 }
 

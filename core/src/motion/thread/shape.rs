@@ -75,7 +75,7 @@ impl Shape {
         let (long_2, short_2) = split(stroke);
         let (long_3, short_3) = split(end);
         let stroke_way = fine((long_2 - long_1).abs());
-        let taper = slope(fine(short_2 - short_1), stroke_way.max(1));
+        let taper = slope(fine(short_2 - short_1), stroke_way.max(1) as u64);
         let run_in = fine((long_1 - long_0).abs());
         let run_out = fine((long_3 - long_2).abs());
         Ok(Self {

@@ -1,11 +1,11 @@
 //! Where the tap axis stands at a spindle angle: a pure function of it, without any state.
 
 use crate::motion::ease::{Ease, Fine};
+use crate::motion::lead::turns_of;
 use crate::motion::tap::Gear;
-use crate::motion::thread::HelixTravel;
-use crate::motion::wide::mul_div_up;
-use crate::program::{Hand, Position, TapAxis};
-use crate::units::{Lead, Length, Turns, mul_div};
+use crate::motion::thread::{HelixTravel, whole};
+use crate::program::{Hand, Position};
+use crate::units::{Lead, Length, Turns};
 
 /// Which part of the law an angle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +24,6 @@ pub(super) enum Region {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Law {
     gear: Gear,
-    /// The way in is towards minus.
-    backward: bool,
     /// A left-hand tap: the way in is a falling angle.
     reverse: bool,
     travel: HelixTravel,
@@ -36,38 +34,27 @@ pub(super) struct Law {
 }
 
 impl Law {
-    /// The law of a hole `length` deep. `None` for a lead that cannot be geared.
+    /// The law of a hole `depth` deep, with its gear and eases.
     #[inline(never)]
     pub(super) fn new(
-        axis: TapAxis,
-        level: Length,
-        bottom: Length,
-        lead: Lead,
+        gear: &Gear,
         hand: Hand,
-        join: Ease,
-        brake: Ease,
-    ) -> Option<Self> {
-        let inward = (bottom - level).signum();
-        let gear = Gear::new(axis, level, inward, lead, hand)?;
-        let (nm, turns) = lead.parts();
-        let whole = mul_div(nm, 1, turns);
-        let below = nm.wrapping_sub(whole.wrapping_mul(turns));
-        let length = (bottom - level).abs().nm().wrapping_shl(16);
-        let before = turns_of(lead, join.half()).saturating_add(1 << 32);
-        let behind = turns_of(lead, length.saturating_add(brake.half())).saturating_add(1 << 32);
-        Some(Self {
-            gear,
-            backward: inward < 0,
+        lead: Lead,
+        depth: Length,
+        join: &Ease,
+        brake: &Ease,
+    ) -> Self {
+        let length = depth.nm().wrapping_shl(16);
+        let joined = turns_of(lead, join.half());
+        let done = turns_of(lead, length.wrapping_add(brake.half()));
+        Self {
+            gear: *gear,
             reverse: hand == Hand::Left,
-            travel: HelixTravel {
-                low: Turns::from_raw(before.saturating_neg()),
-                high: Turns::from_raw(behind),
-                lead: (whole, mul_div(below, 1 << 32, turns)),
-            },
+            travel: HelixTravel::new(lead, joined, done, 0),
             length,
-            join,
-            brake,
-        })
+            join: *join,
+            brake: *brake,
+        }
     }
 
     /// The angle, inwards, of the ease at R: from R's own angle to where the axis is on the helix. Rounded up.
@@ -97,12 +84,7 @@ impl Law {
 
     /// The angle, inwards, from R to a depth.
     pub(super) fn turns_to(&self, depth: Length) -> i64 {
-        let at = if self.backward {
-            self.gear.level() - depth
-        } else {
-            self.gear.level() + depth
-        };
-        let place = self.gear.axis().with(Position::ZERO, at);
+        let place = self.gear.place(Position::ZERO, depth);
         self.inward(self.gear.turns(place)).raw()
     }
 
@@ -132,23 +114,6 @@ impl Law {
 
     /// `place` with the tap axis `way` below R.
     pub(super) fn position(&self, place: Position, way: Fine) -> Position {
-        let way = Length::from_nm(way.wrapping_add(1 << 15) >> 16);
-        let at = if self.backward {
-            self.gear.level() - way
-        } else {
-            self.gear.level() + way
-        };
-        self.gear.axis().with(place, at)
+        self.gear.place(place, whole(way))
     }
-}
-
-/// The angle of a travel, rounded up: background work.
-fn turns_of(lead: Lead, travel: Fine) -> i64 {
-    let (nm, turns) = lead.parts();
-    let scaled = mul_div_up(
-        travel.max(0).unsigned_abs(),
-        turns.saturating_mul(1 << 16),
-        nm,
-    );
-    i64::try_from(scaled).unwrap_or(i64::MAX).min(1 << 61)
 }

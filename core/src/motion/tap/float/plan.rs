@@ -7,11 +7,13 @@ use super::turner::Turner;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::TapMove;
 use crate::motion::ease::{Bounds, Ease};
-use crate::motion::tap::dwell_ticks;
+use crate::motion::lead::{speed_of, turns_of};
+use crate::motion::limits::bounds;
+use crate::motion::tap::{Gear, dwell_ticks};
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
 use crate::program::{Hand, TapAxis, TapCall, TapCycle};
-use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, TurnRatio, mul_div};
+use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, mul_div, signed};
 
 /// The part of the axis' acceleration that the spindle's ramps may take: one in so many.
 const RAMP_SHARE: u64 = 16;
@@ -62,10 +64,7 @@ impl FloatPlan {
         }
         let lead = call.lead.value;
         let axis = axis_of(call.axis);
-        let limits = Bounds {
-            acceleration: params.acceleration(axis).nm_per_s2().unsigned_abs(),
-            jerk: params.jerk(axis).nm_per_s3().unsigned_abs(),
-        };
+        let limits = bounds(params, axis);
         let turner = turner(call.axis, lead, call.speed, params);
         let total = (call.bottom.value - call.level.value).abs();
         let tick_us = u64::from(params.tick_us());
@@ -73,21 +72,21 @@ impl FloatPlan {
             |value: u64| mul_div(value, tick_us.saturating_mul(tick_us), 1_000_000_000_000);
 
         // In a hole as shallow as this the spindle gets no faster, in or out.
-        let angle = turns_of(total, lead);
-        let fastest = turner.stopping(angle.saturating_mul(2)).min(turner.top());
+        let angle = turns_of(lead, fine(total)).raw();
+        let fastest = turner.stopping(angle.wrapping_mul(2)).min(turner.top());
         let margin = u64::from(params.spindle_variation_percent()).saturating_add(100);
-        let nominal = mul_div_up(turner.rate(fastest).raw().unsigned_abs(), margin, 100);
-        let speed_limit = mul_div_up(turner.rate(turner.top()).raw().unsigned_abs(), margin, 100);
-        let speed = travel(lead, nominal);
+        let nominal = mul_div_up(turner.rate(fastest).raw() as u64, margin, 100);
+        let speed_limit = mul_div_up(turner.rate(turner.top()).raw() as u64, margin, 100);
+        let speed = speed_of(lead, nominal);
         let share = limits.acceleration / RAMP_SHARE;
         let joining = Bounds {
             acceleration: limits.acceleration.saturating_sub(share),
             ..limits
         };
-        let join = Ease::new(speed, speed, joining);
+        let join = Ease::new(speed, speed, &joining);
         let round = rounding(&turner, lead, limits.jerk, tick_us);
         let brake = Ease::of(round, round >> 1);
-        if join.half().saturating_add(brake.half()) > fine(total) {
+        if join.half().wrapping_add(brake.half()) > fine(total) {
             let letter = match call.axis {
                 TapAxis::X => b'X',
                 TapAxis::Z => b'Z',
@@ -97,23 +96,19 @@ impl FloatPlan {
                 Arg::Length(total),
                 Arg::Length(Length::from_nm(join.half_nm())),
                 Arg::Length(Length::from_nm(brake.half_nm())),
-                Arg::Rpm(TurnRate::from_raw(i64::try_from(nominal).unwrap_or(i64::MAX)).rpm()),
+                Arg::Rpm(TurnRate::from_raw(signed(nominal)).rpm()),
             ]));
         }
-        let law = Law::new(
-            call.axis,
-            call.level.value,
-            call.bottom.value,
-            lead,
-            hand,
-            join,
-            brake,
-        )
-        .ok_or_else(|| Alarm::new(Code::TapFeed, call.lead.span).word(b'F'))?;
+        let inward = (call.bottom.value - call.level.value).signum();
+        let Some(gear) = Gear::new(call.axis, call.level.value, inward, lead, hand) else {
+            return Err(Alarm::new(Code::TapFeed, call.lead.span).word(b'F'));
+        };
+        let law = Law::new(&gear, hand, lead, total, &join, &brake);
 
         // A quarter more than the rounding, so that the axis is at rest at the bottom, and little more for the holder.
         let round = Length::from_nm(brake.half_nm());
-        let beyond = turns_of(round, lead).saturating_add(turns_of(round, lead) >> 2);
+        let beyond = turns_of(lead, fine(round)).raw();
+        let beyond = beyond.wrapping_add(beyond >> 2);
         let course = Course::new(total, &call.form, dwell_ticks(call.dwell, params.tick_us()));
         let first = course.first();
         let mut way = law.turns_to(first.depth).saturating_add(law.join_turns());
@@ -124,16 +119,16 @@ impl FloatPlan {
         let entry = stopping.min(turner.top());
         // What is taken for that speed may be a sixteenth too fast, and ripple beside: unless it can be stopped from there
         // too, the ramp of an eighth has to be over when the hole begins.
-        let settling = if stopping < entry.saturating_add(entry >> 3) {
+        let settling = if stopping < entry.wrapping_add(entry >> 3) {
             let eighths = tick_us.saturating_mul(800);
-            let centi_rpm = u64::from(turner.centi_rpm(entry).get().unsigned_abs());
+            let centi_rpm = u64::from(turner.centi_rpm(entry).get() as u32);
             mul_div_up(centi_rpm, u64::from(params.spindle_ramp_ms()), eighths)
         } else {
             0
         };
         // ¾ of the axis' acceleration.
         let braking = limits.acceleration.saturating_sub(limits.acceleration >> 2);
-        let square = |value: u64| value.saturating_mul(256);
+        let braking = per_tick2(braking);
         Ok(Self {
             span,
             law,
@@ -143,19 +138,13 @@ impl FloatPlan {
             entry_rate: turner.rate(entry),
             settling: u32::try_from(settling).unwrap_or(u32::MAX),
             beyond,
-            out: law.join_turns().saturating_add(beyond),
-            speed_limit: TurnRate::from_raw(i64::try_from(speed_limit).unwrap_or(i64::MAX)),
+            out: law.join_turns().wrapping_add(beyond),
+            speed_limit: TurnRate::from_raw(signed(speed_limit)),
             standing: standing_rate(params),
             lag: Ticks::whole(u16::try_from(params.tap_lag_cycles()).unwrap_or(u16::MAX)),
-            corner: square(mul_div(
-                per_tick2(braking),
-                brake.half_nm().unsigned_abs(),
-                1,
-            )),
-            room: u32::try_from(square(per_tick2(braking).saturating_mul(2))).unwrap_or(u32::MAX),
-            brake: i64::try_from(per_tick2(braking) << 16)
-                .unwrap_or(i64::MAX)
-                .max(1),
+            corner: mul_div(braking, (brake.half_nm() as u64) << 8, 1),
+            room: u32::try_from(mul_div(braking, 512, 1)).unwrap_or(u32::MAX),
+            brake: signed(braking << 16).max(1),
         })
     }
 
@@ -209,15 +198,16 @@ pub fn float_ticks(tap: &TapMove, travel: Length, params: &Params) -> u64 {
         return 0;
     }
     let turner = turner(tap.axis, tap.lead, speed, params);
-    turner.ticks(turns_of(travel.abs(), tap.lead), !tap.opens, !tap.closes)
+    turner.ticks(
+        turns_of(tap.lead, fine(travel.abs())).raw(),
+        !tap.opens,
+        !tap.closes,
+    )
 }
 
 fn turner(axis: TapAxis, lead: Lead, speed: CentiRpm, params: &Params) -> Turner {
-    let limit = params
-        .acceleration(axis_of(axis))
-        .nm_per_s2()
-        .unsigned_abs();
-    Turner::new(speed, lead, limit / RAMP_SHARE, params)
+    let limits = bounds(params, axis_of(axis));
+    Turner::new(speed, lead, limits.acceleration / RAMP_SHARE, params)
 }
 
 const fn axis_of(axis: TapAxis) -> Axis {
@@ -245,7 +235,7 @@ fn standing(call: &TapCall, span: Span, params: &Params) -> Alarm {
 fn standing_rate(params: &Params) -> TurnRate {
     const SLOWEST: u64 = (1 << 32) / 240;
     let rate = mul_div(u64::from(params.tap_reversal_speed()), 1 << 32, 600).max(SLOWEST);
-    TurnRate::from_raw(i64::try_from(rate).unwrap_or(i64::MAX))
+    TurnRate::from_raw(signed(rate))
 }
 
 /// Half of the rounding before the bottom in nanometres: the spindle's last way at its planned ramp, in which the axis
@@ -253,29 +243,12 @@ fn standing_rate(params: &Params) -> TurnRate {
 fn rounding(turner: &Turner, lead: Lead, jerk: u64, tick_us: u64) -> u64 {
     // β = ramp · lead, in nm/s²; (4β)³ / j².
     let square = tick_us.saturating_mul(tick_us);
-    let per_second2 = mul_div(turner.gentle().unsigned_abs(), 1_000_000_000_000, square);
-    let ramp = travel(lead, per_second2).saturating_mul(4);
+    let per_second2 = mul_div(turner.gentle() as u64, 1_000_000_000_000, square);
+    let ramp = speed_of(lead, per_second2).saturating_mul(4);
     let by_jerk = mul_div(ramp, ramp, jerk.max(1));
     mul_div(by_jerk, ramp, jerk.max(1)).clamp(SHORTEST_BRAKE, LONGEST_BRAKE)
 }
 
 const fn fine(length: Length) -> i64 {
     length.nm().wrapping_shl(16)
-}
-
-/// The angle of a length, 2⁻³² turns.
-fn turns_of(length: Length, lead: Lead) -> i64 {
-    let ratio = TurnRatio::of_travel(length, lead);
-    let raw = mul_div_up(
-        ratio.numerator().unsigned_abs(),
-        1 << 32,
-        ratio.denominator().unsigned_abs(),
-    );
-    i64::try_from(raw).unwrap_or(i64::MAX).min(1 << 61)
-}
-
-/// Nanometres per second (or per second²) at 2⁻³² turns per second (second²), rounded up.
-fn travel(lead: Lead, rate: u64) -> u64 {
-    let (nm, turns) = lead.parts();
-    mul_div_up(mul_div_up(nm, 1 << 16, turns), rate, 1 << 48)
 }

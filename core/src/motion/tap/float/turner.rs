@@ -3,7 +3,7 @@
 
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::units::{CentiRpm, Lead, TurnRate, mul_div, root};
+use crate::units::{CentiRpm, Lead, TurnRate, mul_div, root, signed};
 
 /// The spindle's speed and ramps in a hole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,11 +54,11 @@ impl Turner {
         let furthest = mul_div(u64::MAX >> 2, 3, gentle << 1);
         Self {
             top: mul_div(top_rate, tick_us, 1_000_000) as i64,
-            top_rate: TurnRate::from_raw(i64::try_from(top_rate).unwrap_or(i64::MAX)),
+            top_rate: TurnRate::from_raw(signed(top_rate)),
             gentle,
             full,
             furthest,
-            ticks_per_second: i64::try_from(ticks_per_second).unwrap_or(i64::MAX),
+            ticks_per_second: signed(ticks_per_second),
         }
     }
 
@@ -148,7 +148,7 @@ impl Turner {
             _ => way,
         };
         let peak = self
-            .stopping(i64::try_from(rest).unwrap_or(i64::MAX))
+            .stopping(signed(rest))
             .min(self.top)
             .max(1)
             .unsigned_abs();

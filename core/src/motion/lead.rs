@@ -1,0 +1,21 @@
+//! What a lead makes of a travel and of a speed of the spindle. For planning: each is rounded up, by divisions of 128 bits.
+
+use super::ease::Fine;
+use super::wide::mul_div_up;
+use crate::units::{Lead, Turns};
+
+/// The spindle's angle for a travel; at most a quarter of the range, so that sums of two still count.
+#[inline(never)]
+pub(super) fn turns_of(lead: Lead, travel: Fine) -> Turns {
+    let (nm, turns) = lead.parts();
+    let travel = travel.max(0).unsigned_abs();
+    let scaled = mul_div_up(travel, turns.saturating_mul(1 << 16), nm);
+    Turns::from_raw(scaled.min(1 << 61) as i64)
+}
+
+/// Nanometres per second (or per second²) at 2⁻³² turns per second (second²).
+#[inline(never)]
+pub(super) fn speed_of(lead: Lead, rate: u64) -> u64 {
+    let (nm, turns) = lead.parts();
+    mul_div_up(mul_div_up(nm, 1 << 16, turns), rate, 1 << 48)
+}
