@@ -146,7 +146,9 @@ impl Frame {
     #[must_use]
     pub fn new(id: CobId, payload: &[u8]) -> Option<Self> {
         let mut data = [0; 8];
-        data.get_mut(..payload.len())?.copy_from_slice(payload);
+        for (place, byte) in data.get_mut(..payload.len())?.iter_mut().zip(payload) {
+            *place = *byte;
+        }
         Some(Self {
             id,
             len: payload.len() as u8,

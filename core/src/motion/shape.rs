@@ -84,11 +84,11 @@ fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
         .unwrap_or(u64::MAX);
     let crossing = u16::try_from(u64::from(m).saturating_sub(ratio)).unwrap_or(0);
     let most = m.saturating_sub(1).max(1);
-    let half = m.div_ceil(2).clamp(1, most);
+    let half = m.div_ceil(2).min(most).max(1);
     [half, crossing.saturating_sub(1), crossing]
         .into_iter()
         .map(|n1| {
-            let n1 = n1.clamp(half, most);
+            let n1 = n1.max(half).min(most);
             let n2 = m.saturating_sub(n1).max(1);
             // 2⁻³² nm to 1/256 nm. What saturates is beyond any cap.
             let by_accel = limits.acceleration.saturating_mul(u64::from(n1)) >> 24;

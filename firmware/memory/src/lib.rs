@@ -1,5 +1,5 @@
 #![no_std]
-//! What the compiler calls to copy, move and fill memory, and to divide 64 bits, in few bytes: those that come with it are made
+//! What the compiler calls to copy, move, fill and compare memory, and to divide 64 bits, in few bytes: those that come with it are made
 //! for speed and take 4.5 KiB, these a small part of that. An image has them by `use leadscrew_memory as _`.
 //!
 //! For ARMv7E-M, where a word may be read and written at any address. What is aligned is copied sixteen bytes at a time.
@@ -131,6 +131,22 @@ global_asm!(
     "bx lr",
     "ends __aeabi_memclr, __aeabi_memclr4, __aeabi_memclr8",
     "ends __aeabi_memset, __aeabi_memset4, __aeabi_memset8, memset",
+    // (one, other, bytes) -> below, at or above zero as the first byte that differs
+    ".section .text.memcmp, \"ax\", %progbits",
+    ".balign 2",
+    "entry memcmp",
+    "mov r12, r0",
+    "movs r0, #0",
+    "1:",
+    "subs r2, #1",
+    "blo 2f",
+    "ldrb r0, [r12], #1",
+    "ldrb r3, [r1], #1",
+    "subs r0, r0, r3",
+    "beq 1b",
+    "2:",
+    "bx lr",
+    "ends memcmp",
     ".purgem entry",
     ".purgem ends",
     ".text",

@@ -19,7 +19,7 @@
 
 use core::convert::Infallible;
 
-use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin, PinState};
 use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC};
 
@@ -113,30 +113,32 @@ pub enum Output {
     Light,
 }
 
-impl Output {
-    /// High by its bit of the lower half, low by the one of the upper half.
-    fn set(&self, bits: u32) {
-        let (port, pin) = match self {
-            Self::Clamp => (GPIOC, 3),
-            Self::Spindle => (GPIOB, 0),
-            Self::Light => (GPIOA, 5),
-        };
-        port.bsrr().write(|w| w.0 = bits << pin);
-    }
-}
-
 impl ErrorType for Output {
     type Error = Infallible;
 }
 
 impl OutputPin for Output {
     fn set_low(&mut self) -> Result<(), Infallible> {
-        self.set(1 << 16);
-        Ok(())
+        self.set_state(PinState::Low)
     }
 
     fn set_high(&mut self) -> Result<(), Infallible> {
-        self.set(1);
+        self.set_state(PinState::High)
+    }
+
+    #[inline(never)]
+    fn set_state(&mut self, state: PinState) -> Result<(), Infallible> {
+        let (port, pin) = match self {
+            Self::Clamp => (GPIOC, 3),
+            Self::Spindle => (GPIOB, 0),
+            Self::Light => (GPIOA, 5),
+        };
+        // High by its bit of the lower half, low by the one of the upper half.
+        let bit = match state {
+            PinState::Low => 1 << 16,
+            PinState::High => 1,
+        };
+        port.bsrr().write(|w| w.0 = bit << pin);
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 #![no_std]
 #![no_main]
-//! Copies, moves and fills of every length and alignment on the emulated Cortex-M4F, with the functions the images of boards
+//! Copies, moves, fills and comparisons of every length and alignment on the emulated Cortex-M4F, with the functions the images of boards
 //! have (`leadscrew-memory`), against the same thing done byte by byte; and their division.
 
 mod division;
@@ -18,6 +18,7 @@ unsafe extern "C" {
     fn memcpy(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
     fn memmove(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
     fn memset(to: *mut u8, value: i32, bytes: usize) -> *mut u8;
+    fn memcmp(one: *const u8, other: *const u8, bytes: usize) -> i32;
     fn __aeabi_memcpy(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
     fn __aeabi_memmove(to: *mut u8, from: *const u8, bytes: usize) -> *mut u8;
     fn __aeabi_memset(to: *mut u8, bytes: usize, value: i32);
@@ -43,6 +44,7 @@ fn main() -> ! {
         for to in PLACES {
             checks += fills(to, bytes);
             for from in PLACES {
+                checks += compare(to, from, bytes);
                 checks += copy(memcpy, to + 56, from, bytes);
                 checks += copy(__aeabi_memcpy, to + 56, from, bytes);
             }
@@ -54,7 +56,7 @@ fn main() -> ! {
         }
     }
     print(format_args!(
-        "{checks} copies and fills, each byte in its place\n"
+        "{checks} copies, fills and comparisons, each byte in its place\n"
     ));
     let checks = division::checks();
     print(format_args!(
@@ -92,6 +94,26 @@ fn copy(function: Copy, to: usize, from: usize, bytes: usize) -> u32 {
             *byte, expected,
             "{bytes} bytes from {from} to {to}: at {at}"
         );
+    }
+    1
+}
+
+/// Equal, and with one byte less or more at every place, behind which all is the contrary.
+fn compare(one: usize, other: usize, bytes: usize) -> u32 {
+    let (a, mut b) = (Room([0x80; ROOM]), Room([0x80; ROOM]));
+    let ask = |b: &Room| {
+        let (a, b) = (a.0.as_ptr(), b.0.as_ptr());
+        // SAFETY: within the memories, as the ranges above are.
+        unsafe { memcmp(a.add(one), black_box(b.add(other)), black_box(bytes)) }
+    };
+    assert_eq!(ask(&b), 0, "{bytes} bytes at {one}");
+    for at in 0..bytes {
+        for (value, behind, sign) in [(0x7F_u8, 0xFF_u8, 1), (0xFF, 0, -1)] {
+            b.0[other + at] = value;
+            b.0[other + at + 1] = behind;
+            assert_eq!(ask(&b).signum(), sign, "{bytes} bytes, other at {at}");
+        }
+        b.0[other + at..=other + at + 1].fill(0x80);
     }
     1
 }
