@@ -22,11 +22,49 @@ const SILENCE: Periods = Periods::new(12);
 /// in the periods of [`SILENCE`] at 1250 rpm and 1 ms, and a jump of a quarter of the lead at most [D124].
 const SPINDLE_REACH: u32 = 4;
 
+/// What the parameters say of the axes' drives, once it is known to be possible.
+pub(super) struct Figures {
+    /// Of X, Z and C.
+    scales: [Scale; 3],
+    step: Periods,
+    /// For how long a following error is tolerated.
+    patience: Periods,
+}
+
+impl Figures {
+    /// `None` for a tick or a scale of nothing.
+    pub(super) fn of(params: &Params) -> Option<Self> {
+        let tick_us = params.tick_us();
+        let scale = |axis| Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
+        Some(Self {
+            scales: [scale(Axis::X)?, scale(Axis::Z)?, scale(Axis::C)?],
+            step: Periods::from_ms(params.drive_time_ms(), tick_us)?,
+            patience: Periods::from_ms(params.following_error_ms(), tick_us)?,
+        })
+    }
+
+    #[inline(never)]
+    fn axis(&self, params: &Params, axis: Axis, node: NodeId, scale: Scale) -> DriveMaster {
+        let increments = scale.limit(params.following_error_limit(axis));
+        DriveMaster::new(DriveConfig {
+            letter: axis.letter(),
+            node,
+            scale,
+            step: self.step,
+            silence: SILENCE,
+            following: Some(FollowingLimit {
+                increments,
+                time: self.patience,
+            }),
+            reach: increments,
+        })
+    }
+}
+
 /// X, Z, C and the spindles.
 #[derive(Debug)]
 pub(super) struct Drives {
     axes: [DriveMaster; 3],
-    scales: [Scale; 3],
     /// What a drive counts more than its axis' position says, in increments: an axis whose reference was lost, and whose
     /// place is known from elsewhere.
     offsets: [i32; 3],
@@ -46,50 +84,38 @@ pub(super) enum Spindle {
 }
 
 impl Drives {
-    /// `None` for a tick or a scale of nothing.
-    pub(super) fn new(params: &Params) -> Option<Self> {
-        let tick_us = params.tick_us();
-        let step = Periods::from_ms(params.drive_time_ms(), tick_us)?;
-        let scale = |axis| Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
-        let scales = [scale(Axis::X)?, scale(Axis::Z)?, scale(Axis::C)?];
-        let [scale_x, scale_z, scale_c] = scales;
-        let following = |axis, scale: Scale| {
-            Some(FollowingLimit {
-                increments: scale.limit(params.following_error_limit(axis)),
-                time: Periods::from_ms(params.following_error_ms(), tick_us)?,
-            })
-        };
-        let config = |letter, node, scale: Scale, following, reach| DriveConfig {
-            letter,
-            node,
-            scale,
-            step,
+    /// Drives that have not been spoken to yet.
+    #[inline(never)]
+    pub(super) fn new(params: &Params, figures: &Figures) -> Self {
+        let [x, z, c] = figures.scales;
+        let per_turn = params.spindle_increments();
+        let spindle = DriveConfig {
+            letter: b'S',
+            node: NodeId::SPINDLE_1,
+            scale: c,
+            step: figures.step,
             silence: SILENCE,
-            following,
-            reach,
+            following: None,
+            reach: per_turn / SPINDLE_REACH,
         };
-        let axis = |axis: Axis, node, scale| {
-            let following: Option<FollowingLimit> = following(axis, scale);
-            let reach = following.map_or(0, |limit| limit.increments);
-            DriveMaster::new(config(axis.letter(), node, scale, following, reach))
-        };
-        let spindle_reach = params.spindle_increments() / SPINDLE_REACH;
-        Some(Self {
+        Self {
             axes: [
-                axis(Axis::X, NodeId::DRIVE_X, scale_x),
-                axis(Axis::Z, NodeId::DRIVE_Z, scale_z),
-                axis(Axis::C, NodeId::DRIVE_C, scale_c),
+                figures.axis(params, Axis::X, NodeId::DRIVE_X, x),
+                figures.axis(params, Axis::Z, NodeId::DRIVE_Z, z),
+                figures.axis(params, Axis::C, NodeId::DRIVE_C, c),
             ],
-            scales,
             offsets: [0; 3],
-            last: scales.map(|scale| scale.find(0)),
-            spindles: Spindles::new(
-                config(b'S', NodeId::SPINDLE_1, scale_c, None, spindle_reach),
-                params.tap_spindles(),
-                params.spindle_increments(),
-            ),
+            last: [x.find(0), z.find(0), c.find(0)],
+            spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
             sync: SyncProducer::new(),
-        })
+        }
+    }
+
+    /// As [`new`](Self::new), but that the places of axes whose reference was lost stay.
+    pub(super) fn begin_anew(&mut self, params: &Params, figures: &Figures) {
+        let offsets = self.offsets;
+        *self = Self::new(params, figures);
+        self.offsets = offsets;
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut DriveMaster> {
@@ -127,11 +153,11 @@ impl Drives {
 
     /// The first latched failure.
     pub(super) fn failure(&self) -> Option<Alarm> {
-        let [x, z, c] = &self.axes;
-        if x.has_failed() || z.has_failed() || c.has_failed() {
-            return self.axes.iter().find_map(DriveMaster::alarm);
+        let failed = self.axes.iter().find(|drive| drive.has_failed());
+        match failed {
+            Some(drive) => drive.alarm(),
+            None => self.spindles.failure(),
         }
-        self.spindles.failure()
     }
 
     /// Nothing reaches the drives any more: whatever they hear when they can be reached again, it moves none of them.
@@ -174,27 +200,28 @@ impl Drives {
     /// Where the machine is: `remembered` to the nanometre if the drives agree with it to their increment, else what
     /// they say.
     pub(super) fn position(&self, remembered: Option<Position>) -> Position {
-        let targets = self.axes.each_ref().map(|axis| Some(axis.target()));
-        if let Some(remembered) = remembered
-            && self.demands(remembered) == targets
-        {
-            return remembered;
+        let mut read = [0; 3];
+        // The demands for the remembered place: the drives' own, or those for what they say, where increments are finer than
+        // nanometres.
+        let (mut own, mut same) = (true, true);
+        let places = figures(remembered.unwrap_or_default());
+        let drives = self.axes.iter().zip(self.offsets);
+        for ((drive, offset), (read, place)) in drives.zip(read.iter_mut().zip(places)) {
+            let scale = &drive.config().scale;
+            let target = drive.target();
+            *read = scale.position(Increments::new(target.get().wrapping_sub(offset)));
+            let demand = told(scale.increments(place), offset);
+            own &= demand == Some(target);
+            same &= demand == told(scale.increments(*read), offset);
         }
-        let [x, z, c] = &self.axes;
-        let [scale_x, scale_z, scale_c] = &self.scales;
-        let [off_x, off_z, off_c] = self.offsets;
-        let own = |drive: &DriveMaster, offset: i32| {
-            Increments::new(drive.target().get().wrapping_sub(offset))
-        };
-        let read = Position {
-            x: Length::from_nm(scale_x.position(own(x, off_x))),
-            z: Length::from_nm(scale_z.position(own(z, off_z))),
-            c: Angle::from_udeg(scale_c.position(own(c, off_c))),
-        };
+        let [x, z, c] = read;
         match remembered {
-            // Where increments are finer than nanometres.
-            Some(remembered) if self.demands(remembered) == self.demands(read) => remembered,
-            _ => read,
+            Some(remembered) if own || same => remembered,
+            _ => Position {
+                x: Length::from_nm(x),
+                z: Length::from_nm(z),
+                c: Angle::from_udeg(c),
+            },
         }
     }
 
@@ -203,34 +230,21 @@ impl Drives {
         &mut self.spindles
     }
 
-    fn demands(&self, position: Position) -> [Option<Increments>; 3] {
-        let [x, z, c] = &self.scales;
-        let [off_x, off_z, off_c] = self.offsets;
-        [
-            told(x.increments(position.x.nm()), off_x),
-            told(z.increments(position.z.nm()), off_z),
-            told(c.increments(position.c.udeg()), off_c),
-        ]
-    }
-
     /// From now on the machine stands at `to`, and not at `from` as its drives say: the references of the axes that differ
     /// were lost. False, and nothing changes, where a drive cannot count that far.
     pub(super) fn place(&mut self, from: Position, to: Position) -> bool {
         let mut offsets = self.offsets;
-        let demands = self.demands(from).into_iter().zip(self.demands(to));
-        for (offset, demands) in offsets.iter_mut().zip(demands) {
-            let (Some(there), Some(here)) = demands else {
+        let places = figures(from).into_iter().zip(figures(to));
+        for ((drive, offset), (from, to)) in self.axes.iter().zip(&mut offsets).zip(places) {
+            let scale = &drive.config().scale;
+            let demand = |place| told(scale.increments(place), *offset);
+            let (Some(there), Some(here)) = (demand(from), demand(to)) else {
                 return false;
             };
             *offset = offset.wrapping_add(there.get().wrapping_sub(here.get()));
         }
         self.offsets = offsets;
         true
-    }
-
-    /// Keeps to the places that were known before.
-    pub(super) const fn take_places(&mut self, before: &Self) {
-        self.offsets = before.offsets;
     }
 
     /// The drives' own positions count again. True where they did not.
@@ -252,18 +266,17 @@ impl Drives {
         };
         put(self.sync.next());
         let [x, z, c] = &mut self.axes;
-        let [scale_x, scale_z, scale_c] = &self.scales;
         let [off_x, off_z, off_c] = self.offsets;
         let [last_x, last_z, last_c] = &mut self.last;
         // One after another: a loop over so much side by side costs as much as what it does.
         let mut beyond = None;
-        if !send_to(x, (scale_x, off_x), last_x, position.x.nm(), &mut put) {
+        if !send_to(x, off_x, last_x, position.x.nm(), &mut put) {
             beyond = Some(Axis::X);
         }
-        if !send_to(z, (scale_z, off_z), last_z, position.z.nm(), &mut put) {
+        if !send_to(z, off_z, last_z, position.z.nm(), &mut put) {
             beyond = Some(Axis::Z);
         }
-        if !send_to(c, (scale_c, off_c), last_c, position.c.udeg(), &mut put) {
+        if !send_to(c, off_c, last_c, position.c.udeg(), &mut put) {
             beyond = Some(Axis::C);
         }
         self.spindles.tick(spindle, &mut put);
@@ -274,17 +287,22 @@ impl Drives {
 /// What one axis is told; false where its drive cannot count so far.
 fn send_to(
     drive: &mut DriveMaster,
-    (scale, offset): (&Scale, i32),
+    offset: i32,
     last: &mut Told,
     position: i64,
     put: &mut impl FnMut(Frame),
 ) -> bool {
-    let demand = told(scale.follow(last, position), offset);
+    let demand = told(drive.config().scale.follow(last, position), offset);
     match drive.follow_on(demand) {
         Some(command) => put(command),
         None => drive.tick_slowly(demand).each(put),
     }
     demand.is_some()
+}
+
+/// A position as its drives count it, in the order X, Z, C: nanometres, and for C millionths of a degree.
+const fn figures(position: Position) -> [i64; 3] {
+    [position.x.nm(), position.z.nm(), position.c.udeg()]
 }
 
 /// What a drive is told for increments of its own axis.

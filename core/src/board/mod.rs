@@ -53,7 +53,7 @@ pub use trouble::{BusTrouble, Intrusion};
 use crate::alarm::{Alarm, Code, Span};
 use crate::bus::Frame;
 use crate::journal::TapRecord;
-use crate::motion::{Epoch, Helix, Limits, Setpoint, TapLine};
+use crate::motion::{Epoch, Helix, Law, Limits, Setpoint, TapLine};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
@@ -267,19 +267,32 @@ impl Board {
     /// The exact helix that the pass under way follows; `None` outside.
     #[must_use]
     pub fn helix(&self) -> Option<Helix> {
-        self.ticker.helix(self.segments.peek())
+        match self.law()? {
+            Law::Thread(helix) => Some(helix),
+            _ => None,
+        }
     }
 
     /// The line on which axis and spindle of a rigid tap under way are; `None` outside.
     #[must_use]
     pub fn tap_line(&self) -> Option<TapLine> {
-        self.ticker.tap_line(self.segments.peek())
+        match self.law()? {
+            Law::Tap(line) => Some(line),
+            _ => None,
+        }
     }
 
     /// The line on which the axis of an ordinary tap under way follows the measured spindle; `None` outside.
     #[must_use]
     pub fn float_line(&self) -> Option<TapLine> {
-        self.ticker.float_line(self.segments.peek())
+        match self.law()? {
+            Law::Float(line) => Some(line),
+            _ => None,
+        }
+    }
+
+    fn law(&self) -> Option<Law> {
+        self.ticker.law(self.segments.peek())
     }
 
     /// The limits in force.

@@ -2,7 +2,7 @@
 //! been measured since.
 
 use super::ticker::Ticker;
-use crate::motion::{Helix, Setpoint, TapLine, Task};
+use crate::motion::{Law, Setpoint, Task};
 use crate::program::{Position, TapAxis};
 use crate::units::Length;
 
@@ -17,17 +17,9 @@ struct Held {
     position: Position,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Law {
-    /// The helix of a pass.
-    Thread(Helix),
-    /// The line of a tap.
-    Tap(TapLine),
-}
-
 impl Held {
     fn error(&self, ticker: &Ticker) -> Length {
-        match self.law {
+        match &self.law {
             Law::Thread(helix) => {
                 let on_x = helix.long_x();
                 let at = if on_x {
@@ -37,7 +29,7 @@ impl Held {
                 };
                 at - helix.at(ticker.effective_angle(on_x))
             }
-            Law::Tap(line) => {
+            Law::Tap(line) | Law::Float(line) => {
                 let on_x = line.gear.axis() == TapAxis::X;
                 line.error(self.position, ticker.effective_angle(on_x))
             }
@@ -54,23 +46,21 @@ impl Reference {
         head: Option<Task<'_>>,
         setpoint: &Setpoint,
     ) -> Option<Length> {
-        let error = self.0.take().map(|held| held.error(ticker));
+        let error = self.0.as_ref().map(|held| held.error(ticker));
         self.renew(ticker, head, setpoint);
         error
     }
 
     /// The same where ticks were missed, or none was taken: nothing is judged.
     pub fn renew(&mut self, ticker: &Ticker, head: Option<Task<'_>>, setpoint: &Setpoint) {
-        let law = || {
-            ticker.helix(head).map(Law::Thread).or_else(|| {
-                let line = ticker.float_line(head).or_else(|| ticker.tap_line(head))?;
-                Some(Law::Tap(line))
-            })
-        };
-        let law = if setpoint.locked { law() } else { None };
-        self.0 = law.map(|law| Held {
-            law,
-            position: setpoint.position,
-        });
+        self.0 = None;
+        if setpoint.locked
+            && let Some(law) = ticker.law(head)
+        {
+            self.0 = Some(Held {
+                law,
+                position: setpoint.position,
+            });
+        }
     }
 }

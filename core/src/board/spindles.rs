@@ -33,14 +33,13 @@ pub(super) struct Spindles {
 
 impl Spindles {
     /// `present` spindles (1–4) whose drives are like `config`, node apart.
-    pub(super) fn new(config: DriveConfig, present: u8, per_turn: u32) -> Self {
-        let master = |node| SpindleMaster::new(DriveConfig { node, ..config });
+    pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32) -> Self {
         Self {
             masters: [
-                master(NodeId::SPINDLE_1),
-                master(NodeId::SPINDLE_2),
-                master(NodeId::SPINDLE_3),
-                master(NodeId::SPINDLE_4),
+                master(config, NodeId::SPINDLE_1),
+                master(config, NodeId::SPINDLE_2),
+                master(config, NodeId::SPINDLE_3),
+                master(config, NodeId::SPINDLE_4),
             ],
             present,
             selected: TapSpindle::First,
@@ -194,6 +193,11 @@ impl Spindles {
             TapSpindle::Fourth => Some(fourth),
         }
     }
+}
+
+#[inline(never)]
+const fn master(config: &DriveConfig, node: NodeId) -> SpindleMaster {
+    SpindleMaster::new(DriveConfig { node, ..*config })
 }
 
 const fn pick(masters: &[SpindleMaster; 4], spindle: TapSpindle) -> &SpindleMaster {

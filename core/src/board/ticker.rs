@@ -18,13 +18,15 @@ mod state;
 mod stopping;
 mod withheld;
 
+use core::mem::MaybeUninit;
+
 use heapless::Vec;
 
 use self::journal::Journal;
 use self::state::{Mode, Then};
 pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
-use super::drives::{Drives, Spindle};
+use super::drives::{Drives, Figures, Spindle};
 use super::event::{Command, Event};
 use super::kept::Found;
 use super::operator::Operator;
@@ -222,46 +224,72 @@ impl Given {
 impl Ticker {
     /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
     /// pass its own checks.
-    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
     #[must_use]
-    #[inline(always)]
     pub fn new(
         params: &Params,
         remembered: Option<Position>,
         tap: Option<TapRecord>,
     ) -> Option<Self> {
         let given = Given::of(params)?;
-        Some(Self {
+        let figures = Figures::of(params)?;
+        Some(Self::made(params, &given, &figures, remembered, tap))
+    }
+
+    /// The same, put into its place.
+    pub fn put<'a>(
+        place: &'a mut MaybeUninit<Self>,
+        params: &Params,
+        remembered: Option<Position>,
+        tap: Option<TapRecord>,
+    ) -> Option<&'a mut Self> {
+        let figures = (Given::of(params), Figures::of(params));
+        let (Some(given), Some(figures)) = &figures else {
+            return None;
+        };
+        Some(place.write(Self::made(params, given, figures, remembered, tap)))
+    }
+
+    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
+    #[inline(always)]
+    fn made(
+        params: &Params,
+        given: &Given,
+        figures: &Figures,
+        remembered: Option<Position>,
+        tap: Option<TapRecord>,
+    ) -> Self {
+        Self {
             mode: Mode::Starting,
-            // Read in a mode that has one only.
-            alarm: Alarm::new(Code::EmergencyStop, Span::default()),
-            operator: Operator::new(),
-            executor: Executor::new(given.arrival),
-            observer: Self::observer_of(params),
-            drives: Drives::new(params)?,
-            remembered,
-            given,
-            commanded: Rpm::STOPPED,
             spindle_percent: 100,
-            rigid: Rigid::Off,
             taps_with: TapSpindle::First,
-            waited: 0,
             slipped: false,
             paused: false,
             pauses_unless_hole: false,
             in_program: false,
             source: Source::None,
-            pass: None,
             detour: Detour::None,
             clearing: false,
-            notice: None,
             epoch: Epoch::default(),
             route_epoch: Epoch::default(),
-            journal: Journal::new(tap, given.second),
             found: Found::default(),
-        })
+            commanded: Rpm::STOPPED,
+            rigid: Rigid::Off,
+            waited: 0,
+            operator: Operator::new(),
+            given: *given,
+            observer: Self::observer_of(params),
+            pass: None,
+            remembered,
+            notice: None,
+            journal: Journal::new(tap, given.second),
+            // Read in a mode that has one only.
+            alarm: Alarm::new(Code::EmergencyStop, Span::default()),
+            drives: Drives::new(params, figures),
+            executor: Executor::new(given.arrival),
+        }
     }
 
+    #[inline(never)]
     fn observer_of(params: &Params) -> Observer {
         Observer::new(
             params.encoder_counts(),

@@ -85,6 +85,17 @@ pub struct Setpoint {
     pub line: u32,
 }
 
+/// By what an axis is held to the spindle.
+#[derive(Clone, Copy, Debug)]
+pub enum Law {
+    /// The exact helix of a pass.
+    Thread(Helix),
+    /// The line of a rigid tap.
+    Tap(TapLine),
+    /// The line that an ordinary tap follows.
+    Float(TapLine),
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Active {
     Free,
@@ -232,13 +243,15 @@ impl Executor {
         matches!(self.active, Active::Tap(_))
     }
 
-    /// The line of the tap under way.
+    /// The law of what is under way (`current`), where an axis follows the spindle by one.
     #[must_use]
-    pub fn tap_line(&self, current: Option<Task<'_>>) -> Option<TapLine> {
-        match (&self.active, current.and_then(Task::tap)) {
-            (Active::Tap(run), Some(tap)) => Some(run.line(tap)),
-            _ => None,
-        }
+    pub fn law(&self, current: Option<Task<'_>>) -> Option<Law> {
+        Some(match (&self.active, current?.plan?) {
+            (Active::Thread(run), Plan::Thread(pass)) => Law::Thread(run.helix(&pass.plan)),
+            (Active::Tap(run), Plan::Tap(tap)) => Law::Tap(run.line(tap)),
+            (Active::Float(run), Plan::Float(plan)) => Law::Float(run.line(plan)?),
+            _ => return None,
+        })
     }
 
     /// A stroke of a tap has ended in the last tick.
@@ -469,13 +482,6 @@ impl Executor {
     #[must_use]
     pub const fn is_aborting(&self) -> bool {
         self.aborting && !self.is_free()
-    }
-
-    /// The exact helix of the pass under way; `None` outside.
-    #[must_use]
-    pub fn helix(&self, current: Option<Task<'_>>) -> Option<Helix> {
-        let pass = current.and_then(Task::pass)?;
-        self.thread().map(|run| run.helix(&pass.plan))
     }
 }
 

@@ -26,7 +26,7 @@ mod thread;
 mod wide;
 
 pub use arc::{ARC_TOLERANCE, Arc, ArcError};
-pub use executor::{Arrival, Conditions, Executor, Motion, Setpoint};
+pub use executor::{Arrival, Conditions, Executor, Law, Motion, Setpoint};
 pub use limits::{Limits, Pace};
 pub use line::Line;
 pub use path::Path;

@@ -158,10 +158,9 @@ fn new_ticker(
     place: &'static mut TickerPlace,
     up: &PowerUp<'_>,
 ) -> Result<&'static mut Ticker, Alarm> {
-    let Some(ticker) = Ticker::new(&up.set.params, up.remembered, up.tap) else {
+    let Some(ticker) = Ticker::put(place, &up.set.params, up.remembered, up.tap) else {
         return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
     };
-    let ticker = place.write(ticker);
     ticker.withhold(up.set.found);
     if let Some(failure) = up.failure {
         ticker.begin_in_alarm(failure.alarm());

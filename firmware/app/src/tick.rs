@@ -226,8 +226,10 @@ impl TickSide {
         if self.output.journal.is_some() {
             self.entry = self.output.journal;
         }
-        if let Some(entry) = self.entry.take() {
-            self.entry = put(&mut self.ends.entries, entry).err();
+        if let Some(entry) = &self.entry
+            && put(&mut self.ends.entries, *entry).is_ok()
+        {
+            self.entry = None;
         }
         // Behind the entry of the same tick.
         if self.entry.is_none()

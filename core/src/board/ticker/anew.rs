@@ -1,9 +1,9 @@
 //! The application begins anew with another parameter set, the power being on.
 
 use super::state::Mode;
-use super::{Given, Rigid, Source, State, Ticker};
+use super::{Given, Rigid, Source, Ticker};
 use crate::board::detour::Detour;
-use crate::board::drives::Drives;
+use crate::board::drives::Figures;
 use crate::board::kept::Found;
 use crate::board::operator::Operator;
 use crate::motion::Epoch;
@@ -21,70 +21,72 @@ impl Ticker {
         if self.stays_at_rest() {
             return None;
         }
-        let position = match self.state() {
-            // It has not come to know it yet, or not again.
-            State::Starting => self.remembered,
-            _ => Some(self.executor.position()),
-        };
         let told = self.executor.position();
-        let given = Given::of(params)?;
-        let mut drives = Drives::new(params)?;
-        drives.take_places(&self.drives);
+        let position = match self.mode {
+            // It has not come to know it yet, or not again.
+            Mode::Starting => self.remembered,
+            _ => Some(told),
+        };
+        let figures = (Given::of(params), Figures::of(params));
+        let (Some(given), Some(figures)) = &figures else {
+            return None;
+        };
         // Field by field: as a whole it would be on the stack twice, and most of it is the memory of a profile that stands.
         let Self {
             mode,
-            // Read in a mode that has one only.
-            alarm: _,
-            operator,
-            executor,
-            observer,
-            drives: before,
-            remembered,
-            given: figures,
-            commanded,
             spindle_percent,
-            rigid,
             taps_with,
-            waited,
             slipped,
             paused,
             pauses_unless_hole,
             in_program,
             source,
-            pass,
             detour,
             clearing,
-            notice,
             epoch,
             route_epoch,
-            journal,
             found: withheld,
+            commanded,
+            rigid,
+            waited,
+            operator,
+            given: before,
+            observer,
+            pass,
+            remembered,
+            notice,
+            journal,
+            // Read in a mode that has one only.
+            alarm: _,
+            drives,
+            executor,
         } = self;
         *mode = Mode::Starting;
+        *spindle_percent = 100;
+        *taps_with = TapSpindle::First;
+        *slipped = false;
+        *paused = false;
+        *pauses_unless_hole = false;
+        *in_program = false;
+        *source = Source::None;
+        *detour = Detour::None;
+        *clearing = false;
+        (*epoch, *route_epoch) = (Epoch::default(), Epoch::default());
+        *withheld = found;
+        *commanded = Rpm::STOPPED;
+        *rigid = Rigid::Off;
+        *waited = 0;
         *operator = Operator::new();
+        *before = *given;
+        *observer = Self::observer_of(params);
+        *pass = None;
+        *remembered = position;
+        *notice = None;
+        journal.begin_anew(given.second);
+        drives.begin_anew(params, figures);
         executor.begin_anew(given.arrival);
         // Until the drives have come up it is told to be where it was told to be.
         executor.set_position(told);
-        *observer = Self::observer_of(params);
-        *before = drives;
-        *remembered = position;
-        *commanded = Rpm::STOPPED;
-        *spindle_percent = 100;
-        *rigid = Rigid::Off;
-        *taps_with = TapSpindle::First;
-        *waited = 0;
-        *slipped = false;
-        (*paused, *pauses_unless_hole, *in_program) = (false, false, false);
-        *source = Source::None;
-        *pass = None;
-        *detour = Detour::None;
-        *clearing = false;
-        *notice = None;
-        (*epoch, *route_epoch) = (Epoch::default(), Epoch::default());
-        journal.begin_anew(given.second);
-        *figures = given;
-        *withheld = Found::default();
-        self.withhold(found);
         Some(position)
     }
 }

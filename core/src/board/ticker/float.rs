@@ -2,7 +2,6 @@
 
 use super::Ticker;
 use crate::bus::MilliRpm;
-use crate::motion::{TapLine, Task};
 
 impl Ticker {
     /// What the spindle is told in speed mode: by an ordinary tap while one is under way, else the program's speed with its
@@ -21,17 +20,5 @@ impl Ticker {
             self.slipped = false;
             self.observer.forget_index();
         }
-    }
-
-    /// The line of the rigid tap under way; `head` is the head of the program's queue.
-    #[must_use]
-    pub fn tap_line(&self, head: Option<Task<'_>>) -> Option<TapLine> {
-        self.executor.tap_line(head.filter(|_| self.has_begun()))
-    }
-
-    /// The line that an ordinary tap under way follows; `head` is the head of the program's queue.
-    #[must_use]
-    pub fn float_line(&self, head: Option<Task<'_>>) -> Option<TapLine> {
-        self.executor.float_line(head.filter(|_| self.has_begun()))
     }
 }

@@ -45,11 +45,14 @@ impl Journal {
     // [D146]
     #[inline(always)]
     pub(super) fn new(record: Option<TapRecord>, ticks_per_second: u32) -> Self {
-        let in_hole = record.is_some_and(|record| record.in_hole);
+        let (in_hole, named) = match &record {
+            Some(record) => (record.in_hole, record.sequence),
+            None => (false, 0),
+        };
         Self {
             record,
             fresh: false,
-            named: record.map_or(0, |record| record.sequence),
+            named,
             confirmed: in_hole,
             failed: false,
             begun: in_hole,

@@ -4,7 +4,7 @@ use super::{Notice, Source, Ticker};
 use crate::alarm::Alarm;
 use crate::board::background::overridden;
 use crate::board::operator::Operator;
-use crate::motion::{Executor, Helix, Task};
+use crate::motion::{Executor, Law, Task};
 use crate::program::TapSpindle;
 use crate::spindle::Observer;
 use crate::units::{Rpm, Turns};
@@ -102,11 +102,10 @@ impl Ticker {
         &self.observer
     }
 
-    /// The exact helix of the pass under way, if one is; `head` is the head of the program's queue.
+    /// By what an axis is held to the spindle, if one is; `head` is the head of the program's queue.
     #[must_use]
-    pub fn helix(&self, head: Option<Task<'_>>) -> Option<Helix> {
-        self.executor
-            .helix(head.filter(|_| self.source == Source::Program))
+    pub fn law(&self, head: Option<Task<'_>>) -> Option<Law> {
+        self.executor.law(head.filter(|_| self.has_begun()))
     }
 
     /// The head of the program's queue is under way: it has begun, and is not done.

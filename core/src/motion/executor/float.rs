@@ -2,8 +2,7 @@
 
 use super::{Active, Conditions, Executor, Setpoint};
 use crate::alarm::Alarm;
-use crate::motion::segment::Task;
-use crate::motion::tap::{FloatPlan, FloatTick, TapLine};
+use crate::motion::tap::{FloatPlan, FloatTick};
 use crate::program::TapAxis;
 use crate::units::TurnRate;
 
@@ -19,15 +18,6 @@ impl Executor {
     #[must_use]
     pub const fn spindle_speed(&self) -> Option<TurnRate> {
         self.spindle_speed
-    }
-
-    /// The line that an ordinary tap under way (`current`) follows; `None` outside.
-    #[must_use]
-    pub fn float_line(&self, current: Option<Task<'_>>) -> Option<TapLine> {
-        match (&self.active, current.and_then(Task::float)) {
-            (Active::Float(run), Some(plan)) => run.line(plan),
-            _ => None,
-        }
     }
 
     /// The spindle is the program's again.
