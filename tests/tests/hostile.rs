@@ -52,6 +52,11 @@ fn frames_of_anybody() {
 }
 
 #[test]
+fn sets_that_are_staged() {
+    replay("staging", hostile::staging);
+}
+
+#[test]
 fn lines_of_an_adapter() {
     replay("slcan", hostile::slcan);
 }

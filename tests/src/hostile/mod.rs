@@ -7,6 +7,7 @@ mod parameters;
 mod program;
 mod sdo;
 mod slcan;
+mod staging;
 mod station;
 mod stored;
 
@@ -16,5 +17,6 @@ pub use parameters::parameters;
 pub use program::program;
 pub use sdo::sdo;
 pub use slcan::slcan;
+pub use staging::staging;
 pub use station::station;
 pub use stored::stored;
