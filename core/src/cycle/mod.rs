@@ -20,6 +20,7 @@ mod thread;
 pub use expand::{Context, Moves, expand};
 pub use groove::GrooveMoves;
 pub use moves::*;
+pub(crate) use refuse::refuse_tap;
 pub use tap::TapMoves;
 pub use tap_return::tap_return;
 pub use thread::{ThreadMoves, ThreadSummary};

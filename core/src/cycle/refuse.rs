@@ -1,16 +1,20 @@
-//! Thread calls that geometry forbids: words that contradict each other. Knows nothing of passes.
+//! Calls that geometry forbids: words that contradict each other. Knows nothing of passes and moves.
 
-use super::check::{blame, thread_ranges};
+use super::check::{blame, tap_ranges, thread_ranges};
 use super::shape::is_long_x;
 use super::slope::HalfAngle;
 use super::taper::scaled;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::program::ThreadCall;
+use crate::program::{TapAxis, TapCall, TapForm, TapMode, TapRepeat, TapSpindle, ThreadCall};
+use crate::signals::Signals;
 use crate::units::{Diameter, Length, signed_product};
+
+/// Most infeeds of a hole.
+const INFEEDS: i64 = 9999;
 
 /// Refuses a thread that cannot be, whatever its passes.
 #[inline(never)]
-pub(crate) fn refuse(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
+pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
     thread_ranges(call, span)?;
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
@@ -74,4 +78,50 @@ pub(crate) fn refuse(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
         return Err(blame(Code::CycleStartsRange, span, word, b'L'));
     }
     Ok(())
+}
+
+/// Refuses a tap that cannot be; the spindle that turns it.
+#[inline(never)]
+pub(crate) fn refuse_tap(
+    call: &TapCall,
+    signals: Signals,
+    span: Span,
+) -> Result<TapSpindle, Alarm> {
+    tap_ranges(call, span)?;
+    let spindle = signals.spindle(call.spindle, span)?;
+    let axis = call.axis;
+    let level = call.level.value;
+    let way = call.bottom.value - level;
+    let inward = way.signum();
+    let approach = (level - axis.of(call.hole)).signum();
+    if inward == 0 || (approach != 0 && approach != inward) {
+        let letter = match axis {
+            TapAxis::X => b'X',
+            TapAxis::Z => b'Z',
+        };
+        return Err(blame(Code::TapDepth, span, &call.bottom.span, letter));
+    }
+    let total = way.abs();
+    let from = (axis.of(call.start) - level).times(inward);
+    let no_depth = call.continues && (from <= Length::ZERO || from >= total);
+    // Only a spindle in speed mode can be found standing, and only in position mode can a tap stay in its hole.
+    let slowest = match call.mode {
+        TapMode::Rigid => 1,
+        TapMode::Floating => 0,
+    };
+    let locked = call.continues || call.repeat == TapRepeat::Stay;
+    let no_phase = locked && call.mode == TapMode::Floating;
+    if no_depth || no_phase || call.speed.get() < slowest || call.extract.get() < slowest {
+        return Err(Alarm::new(Code::TapCallRange, span));
+    }
+    if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = &call.form {
+        if peck.back.value > peck.infeed.value {
+            return Err(blame(Code::TapDepth, span, &peck.back.span, b'D'));
+        }
+        if peck.infeed.value.times(INFEEDS) < total {
+            let word = &peck.infeed.span;
+            return Err(blame(Code::TooManyPecks, span, word, b'Q').with([Arg::Int(INFEEDS)]));
+        }
+    }
+    Ok(spindle)
 }

@@ -76,7 +76,7 @@ struct Leave {
 }
 
 impl Shape {
-    /// The shape of a cycle that [can be](super::refuse).
+    /// The shape of a cycle that [can be](super::refuse::refuse_thread).
     #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn of(call: &ThreadCall) -> Self {
         let (x, z) = (call.end_x.value, call.start.z);

@@ -1,17 +1,13 @@
 //! G84 and G88: one call to its moves, lazily and in constant memory ([G84/G88 sheet]; cycles.md section 8).
 
-use super::check::{blame, tap_ranges};
+use super::refuse::refuse_tap;
 use super::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Span};
 use crate::program::{
-    Aux, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
-    TapSpindle,
+    Aux, Hand, Position, TapCall, TapCycle, TapForm, TapPeck, TapRepeat, TapSpindle,
 };
 use crate::signals::Signals;
 use crate::units::{CentiRpm, Length, TurnRatio};
-
-/// Most infeeds of a hole.
-const INFEEDS: i64 = 9999;
 
 /// The moves of a tapping cycle, hole by hole.
 ///
@@ -20,7 +16,6 @@ const INFEEDS: i64 = 9999;
 /// bottom; the call that goes on begins with the infeed. Nothing can fail once it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct TapMoves {
-    span: Span,
     call: TapCall,
     hand: Hand,
     spindle: TapSpindle,
@@ -28,8 +23,9 @@ pub struct TapMoves {
     inward: i64,
     /// From R to the bottom.
     total: Length,
-    /// Where the tool is: the place of the hole, and how far below R.
-    at: Position,
+    /// The last move: it ends where the tool is.
+    made: Move,
+    /// How far below R the tool is.
     depth: Length,
     /// How far below R the hole is cut.
     cut: Length,
@@ -64,60 +60,42 @@ impl TapMoves {
     /// # Errors
     /// Bottom at R or on the wrong side of it, or d > q (0207); lengths out of range (4110); more than 9999 infeeds (4130);
     /// speeds, or a depth to go on from, that no program can give (4131); two spindles selected at once (4263).
-    #[inline(never)]
     pub fn new(call: &TapCall, signals: Signals, span: Span) -> Result<Self, Alarm> {
-        tap_ranges(call, span)?;
-        let hand = signals.hand(call.hand);
-        let spindle = signals.spindle(call.spindle, span)?;
-        let axis = call.axis;
+        let spindle = refuse_tap(call, signals, span)?;
+        Ok(Self::of(call, signals.hand(call.hand), spindle, span))
+    }
+
+    /// The moves of a call that [can be](refuse_tap), with this spindle and the tap turning this way.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn of(call: &TapCall, hand: Hand, spindle: TapSpindle, span: Span) -> Self {
         let level = call.level.value;
-        let bottom = call.bottom.value;
-        let initial = axis.of(call.hole);
-        let inward = (bottom - level).signum();
-        let approach = (level - initial).signum();
-        let letter = match axis {
-            TapAxis::X => b'X',
-            TapAxis::Z => b'Z',
-        };
-        if inward == 0 || (approach != 0 && approach != inward) {
-            return Err(blame(Code::TapDepth, span, &call.bottom.span, letter));
-        }
-        let total = (bottom - level).abs();
-        let from = if call.continues {
-            (axis.of(call.start) - level).times(inward)
-        } else {
-            Length::ZERO
-        };
-        let no_depth = call.continues && (from <= Length::ZERO || from >= total);
-        // Only a spindle in speed mode can be found standing, and only in position mode can a tap stay in its hole.
-        let slowest = match call.mode {
-            TapMode::Rigid => 1,
-            TapMode::Floating => 0,
-        };
-        let locked = call.continues || call.repeat == TapRepeat::Stay;
-        let no_phase = locked && call.mode == TapMode::Floating;
-        if no_depth || no_phase || call.speed.get() < slowest || call.extract.get() < slowest {
-            return Err(Alarm::new(Code::TapCallRange, span));
-        }
-        if let TapForm::HighSpeed(peck) | TapForm::Deep(peck) = call.form {
-            if peck.back.value > peck.infeed.value {
-                return Err(blame(Code::TapDepth, span, &peck.back.span, b'D'));
-            }
-            if peck.infeed.value.times(INFEEDS) < total {
-                let limit = [Arg::Int(INFEEDS)];
-                return Err(blame(Code::TooManyPecks, span, &peck.infeed.span, b'Q').with(limit));
-            }
-        }
-        Ok(Self {
-            span,
+        let way = call.bottom.value - level;
+        let inward = way.signum();
+        let depth = (call.axis.of(call.start) - level).times(inward);
+        Self {
             call: *call,
             hand,
             spindle,
             inward,
-            total,
-            at: call.start,
-            depth: (axis.of(call.start) - level).times(inward),
-            cut: from,
+            total: way.abs(),
+            made: Move {
+                span,
+                to: call.start,
+                kind: MoveKind::Rapid,
+                tag: Some(Tag {
+                    cycle: match call.cycle {
+                        TapCycle::G84 => Cycle::G84,
+                        TapCycle::G88 => Cycle::G88,
+                    },
+                    pass: 0,
+                    start: 0,
+                    peck: 0,
+                    stage: Stage::Approach,
+                    depth,
+                }),
+            },
+            depth,
+            cut: if call.continues { depth } else { Length::ZERO },
             place: call.hole,
             hole: 1,
             infeeds: 0,
@@ -127,7 +105,7 @@ impl TapMoves {
             } else {
                 Next::Approach
             },
-        })
+        }
     }
 
     /// Depth of the next infeed: the first multiple of q beyond what is cut, at most the bottom.
@@ -142,10 +120,9 @@ impl TapMoves {
         }
     }
 
-    /// The spindle that turns the tap.
-    #[must_use]
-    pub const fn spindle(&self) -> TapSpindle {
-        self.spindle
+    /// Where the call's G word stands.
+    pub(crate) const fn span(&self) -> Span {
+        self.made.span
     }
 
     const fn peck(&self) -> Option<&TapPeck> {
@@ -159,53 +136,43 @@ impl TapMoves {
         matches!(self.call.form, TapForm::Deep(_))
     }
 
-    fn make(&self, kind: MoveKind, stage: Stage, peck: u32) -> Move {
-        Move {
-            span: self.span,
-            to: self.at,
-            kind,
-            tag: Some(Tag {
-                cycle: match self.call.cycle {
-                    TapCycle::G84 => Cycle::G84,
-                    TapCycle::G88 => Cycle::G88,
-                },
-                pass: u32::from(self.hole),
-                start: 0,
-                peck,
-                stage,
-                depth: self.depth,
-            }),
+    /// The last move is this one now; its kind and its end are in it.
+    #[cfg_attr(feature = "small", inline(never))]
+    fn make(&mut self, stage: Stage, peck: u32) -> bool {
+        if let Some(tag) = &mut self.made.tag {
+            tag.pass = u32::from(self.hole);
+            tag.peck = peck;
+            tag.stage = stage;
+            tag.depth = self.depth;
         }
+        true
     }
 
-    #[inline(never)]
-    fn rapid(&mut self, to: Position, stage: Stage) -> Option<Move> {
-        if to == self.at {
-            return None;
+    fn rapid(&mut self, to: Position, stage: Stage) -> bool {
+        if to == self.made.to {
+            return false;
         }
-        self.at = to;
+        self.made.to = to;
+        self.made.kind = MoveKind::Rapid;
         self.depth = (self.call.axis.of(to) - self.call.level.value).times(self.inward);
-        Some(self.make(MoveKind::Rapid, stage, 0))
+        self.make(stage, 0)
     }
 
     /// A stroke to `depth` below R at a spindle speed, unless the tap is there.
-    fn stroke(&mut self, depth: Length, speed: CentiRpm, stage: Stage) -> Option<Move> {
+    #[cfg_attr(feature = "small", inline(never))]
+    fn stroke(&mut self, depth: Length, speed: CentiRpm, stage: Stage) -> bool {
         let travel = depth - self.depth;
         if travel == Length::ZERO {
-            return None;
+            return false;
         }
         let outward = travel < Length::ZERO;
         // Plus is the way in of a right-hand tap.
         let turns = TurnRatio::of_travel(travel, self.call.lead.value);
-        let speed = if outward { speed.reversed() } else { speed };
-        let (turns, speed) = match self.hand {
-            Hand::Right => (turns, speed),
-            Hand::Left => (turns.reversed(), speed.reversed()),
-        };
+        let left = matches!(self.hand, Hand::Left);
         self.depth = depth;
         let coordinate = self.call.level.value + depth.times(self.inward);
-        self.at = self.call.axis.with(self.at, coordinate);
-        let kind = MoveKind::Tap(TapMove {
+        self.made.to = self.call.axis.with(self.made.to, coordinate);
+        self.made.kind = MoveKind::Tap(TapMove {
             mode: self.call.mode,
             axis: self.call.axis,
             spindle: self.spindle,
@@ -213,18 +180,22 @@ impl TapMoves {
             hand: self.hand,
             level: self.call.level.value,
             bottom: self.call.bottom.value,
-            turns,
-            speed,
+            turns: if left { turns.reversed() } else { turns },
+            speed: if left == outward {
+                speed
+            } else {
+                speed.reversed()
+            },
             outward,
             opens: self.fresh,
             closes: stage == Stage::Extract,
         });
         self.fresh = false;
         let peck = if stage == Stage::Tap { self.infeeds } else { 0 };
-        Some(self.make(kind, stage, peck))
+        self.make(stage, peck)
     }
 
-    fn infeed(&mut self) -> Option<Move> {
+    fn infeed(&mut self) -> bool {
         let target = self.target();
         self.cut = target;
         self.infeeds = self.infeeds.saturating_add(1);
@@ -236,7 +207,7 @@ impl TapMoves {
         self.stroke(target, self.call.speed, Stage::Tap)
     }
 
-    fn back(&mut self) -> Option<Move> {
+    fn back(&mut self) -> bool {
         let to = if self.is_deep() {
             self.next = Next::Reenter;
             Length::ZERO
@@ -253,9 +224,12 @@ impl TapMoves {
         (self.cut - back).max(Length::ZERO)
     }
 
-    #[inline(never)]
-    fn aux(&self, code: Option<u16>, stage: Stage) -> Option<Move> {
-        code.map(|code| self.make(MoveKind::Aux(Aux::M(code)), stage, 0))
+    fn aux(&mut self, code: Option<u16>, stage: Stage) -> bool {
+        let Some(code) = code else {
+            return false;
+        };
+        self.made.kind = MoveKind::Aux(Aux::M(code));
+        self.make(stage, 0)
     }
 
     /// To the next hole, or to the end.
@@ -280,12 +254,10 @@ impl TapMoves {
         };
         self.next = Next::Approach;
     }
-}
 
-impl Iterator for TapMoves {
-    type Item = Move;
-
-    fn next(&mut self) -> Option<Move> {
+    /// The next move, where it lies: [`Iterator::next`] without the copy.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub fn advance(&mut self) -> Option<&Move> {
         loop {
             let made = match self.next {
                 Next::Approach => {
@@ -298,7 +270,7 @@ impl Iterator for TapMoves {
                 }
                 Next::RPlane => {
                     self.next = Next::Infeed;
-                    let level = self.call.axis.with(self.at, self.call.level.value);
+                    let level = self.call.axis.with(self.made.to, self.call.level.value);
                     self.rapid(level, Stage::RPlane)
                 }
                 Next::Infeed => self.infeed(),
@@ -313,7 +285,8 @@ impl Iterator for TapMoves {
                         TapRepeat::Holes(_) => Next::Extract,
                     };
                     let time = self.call.dwell;
-                    (time.get() > 0).then(|| self.make(MoveKind::Dwell(time), Stage::Dwell, 0))
+                    self.made.kind = MoveKind::Dwell(time);
+                    time.get() > 0 && self.make(Stage::Dwell, 0)
                 }
                 Next::Extract => {
                     self.next = Next::Return;
@@ -331,10 +304,18 @@ impl Iterator for TapMoves {
                 }
                 Next::Done => return None,
             };
-            if made.is_some() {
-                return made;
+            if made {
+                return Some(&self.made);
             }
         }
+    }
+}
+
+impl Iterator for TapMoves {
+    type Item = Move;
+
+    fn next(&mut self) -> Option<Move> {
+        self.advance().copied()
     }
 }
 

@@ -1,19 +1,19 @@
 //! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth
 //! (cycles.md section 8).
 
-use super::float::floating;
+use super::float::{faster, join};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::cycle::{Move, MoveKind, Stage, TapMove, TapMoves};
-use crate::motion::{Limits, PathRate, Stroke, stroke};
+use crate::cycle::{MoveKind, Stage, TapMove, TapMoves, refuse_tap};
+use crate::motion::{FloatPlan, Limits, PathRate, stroke};
 use crate::params::Params;
 use crate::program::{
-    Call, CallKind, Position, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
+    Call, CallKind, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
 use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div, narrow_div, product, signed};
 
 /// What a tapping cycle does on the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TapReport {
     /// Infeeds of a hole.
     pub infeeds: u32,
@@ -40,8 +40,16 @@ pub struct TapJoin {
 impl TapReport {
     /// All there is to warn of.
     pub fn warnings(&self) -> impl Iterator<Item = Alarm> {
-        let join = self.join.and_then(|join| join.warning);
-        self.warning.into_iter().chain(join)
+        self.warning.into_iter().chain(self.join_warning().copied())
+    }
+
+    /// The first of them.
+    pub(crate) fn first_warning(&self) -> Option<&Alarm> {
+        self.warning.as_ref().or(self.join_warning())
+    }
+
+    fn join_warning(&self) -> Option<&Alarm> {
+        self.join.as_ref()?.warning.as_ref()
     }
 }
 
@@ -59,44 +67,105 @@ pub fn tap(
     span: Span,
     params: &Params,
 ) -> Result<TapReport, Alarm> {
-    let mut moves = TapMoves::new(call, signals, span)?;
-    taps_with(moves.spindle(), span, params)?;
+    let spindle = tap_can_begin(call, signals, span, params)?;
+    let hand = signals.hand(call.hand);
+    let plan = match call.mode {
+        TapMode::Rigid => None,
+        TapMode::Floating => Some(FloatPlan::new(call, hand, span, params)?),
+    };
+    let mut report = TapReport::default();
+    let moves = &mut TapMoves::of(call, hand, spindle, span);
+    let limits = &Limits::from_params(params);
+    tap_strokes(moves, call, plan.as_ref(), params, limits, &mut report)?;
+    Ok(report)
+}
+
+/// The first part of [`tap`]: what can be said before any stroke is planned, and the spindle that turns the tap.
+///
+/// # Errors
+/// As [`tap`], but for what planning refuses.
+#[inline(never)]
+pub(crate) fn tap_can_begin(
+    call: &TapCall,
+    signals: Signals,
+    span: Span,
+    params: &Params,
+) -> Result<TapSpindle, Alarm> {
+    let spindle = refuse_tap(call, signals, span)?;
+    taps_with(spindle, span, params)?;
     in_step(call, span, params)?;
     for speed in [call.speed, call.extract] {
         feed(call.axis, call.lead.value, speed, span, params)?;
     }
-    if call.mode == TapMode::Floating {
-        return floating(call, &mut moves, signals.hand(call.hand), span, params);
+    if call.mode == TapMode::Floating && spindle != TapSpindle::First {
+        let number = Arg::Int(i64::from(spindle.number()));
+        return Err(Alarm::new(Code::FloatSpindleWithoutEncoder, span).with([number]));
     }
+    Ok(spindle)
+}
 
-    let limits = Limits::from_params(params);
-    let mut report = TapReport {
-        infeeds: 0,
-        fastest: CentiRpm::new(0),
-        join: None,
-        warning: None,
-    };
+/// The rest of it, with the plan of an ordinary tap: every stroke of a hole is planned, so that none can be refused later.
+///
+/// # Errors
+/// What [`stroke`] refuses.
+#[inline(never)]
+pub(crate) fn tap_strokes(
+    moves: &mut TapMoves,
+    call: &TapCall,
+    plan: Option<&FloatPlan>,
+    params: &Params,
+    limits: &Limits,
+    report: &mut TapReport,
+) -> Result<(), Alarm> {
     let mut reached = false;
-    let mut fastest = PathRate::ZERO;
+    let mut rate = PathRate::ZERO;
+    if let Some(plan) = plan {
+        report.fastest = plan.entry_speed();
+    }
     let mut at = call.start;
     // All holes of a call are alike.
-    for next in moves {
-        if next.tag.is_some_and(|tag| tag.pass > 1) {
-            break;
-        }
-        if let Some(planned) = infeed(at, &next, params, &limits)? {
-            report.infeeds = report.infeeds.saturating_add(1);
-            reached |= planned.reaches_speed();
-            fastest = fastest.max(planned.peak());
+    while let Some(next) = moves.advance()
+        && next.tag.as_ref().is_some_and(|tag| tag.pass == 1)
+    {
+        if let MoveKind::Tap(tap) = &next.kind {
+            let travel = tap.axis.of(next.to) - tap.axis.of(at);
+            let is_infeed = next.tag.as_ref().is_some_and(|tag| tag.stage == Stage::Tap);
+            match plan {
+                None => match &stroke(tap, travel, params, limits, next.span) {
+                    Err(alarm) => return Err(*alarm),
+                    Ok(planned) if is_infeed => {
+                        reached |= planned.reaches_speed();
+                        rate = rate.max(planned.peak());
+                    }
+                    Ok(_) => {}
+                },
+                Some(plan) if is_infeed && report.infeeds > 0 => {
+                    report.fastest = faster(report.fastest, plan.peak(travel.abs()));
+                }
+                Some(_) => {}
+            }
+            if is_infeed {
+                report.infeeds = report.infeeds.saturating_add(1);
+            }
         }
         at = next.to;
     }
-    report.fastest = speed(fastest, call.lead.value, params.tick_us());
+    let span = moves.span();
+    let code = if let Some(plan) = plan {
+        report.join = Some(join(call, plan, span));
+        // A thousandth less counts as reached.
+        let fastest = i64::from(report.fastest.get()).saturating_mul(1000);
+        reached = fastest >= i64::from(call.speed.get()).saturating_mul(999);
+        Code::FloatSpeedNotReached
+    } else {
+        report.fastest = speed(rate, call.lead.value, params.tick_us());
+        Code::TapSpeedNotReached
+    };
     if !reached {
-        let args = [Arg::Rpm(whole(call.speed)), Arg::Rpm(whole(report.fastest))];
-        report.warning = Some(Alarm::new(Code::TapSpeedNotReached, span).with(args));
+        let figures = [call.speed, report.fastest].map(|speed| Arg::Rpm(whole(speed)));
+        report.warning = Some(Alarm::new(code, span).with(figures));
     }
-    Ok(report)
+    Ok(())
 }
 
 /// Checks a spindle command for taps to come: the spindle it selects has to be there. Other calls pass.
@@ -143,22 +212,6 @@ fn taps_with(spindle: TapSpindle, span: Span, params: &Params) -> Result<(), Ala
     Err(Alarm::new(Code::TapSpindleNotAvailable, span).with(args))
 }
 
-/// The planned infeed, where the move is one; every other stroke is planned too, so that none can be refused later.
-fn infeed(
-    at: Position,
-    next: &Move,
-    params: &Params,
-    limits: &Limits,
-) -> Result<Option<Stroke>, Alarm> {
-    let MoveKind::Tap(tap) = &next.kind else {
-        return Ok(None);
-    };
-    let travel = tap.axis.of(next.to) - tap.axis.of(at);
-    let planned = stroke(tap, travel, params, limits, next.span)?;
-    let is_infeed = next.tag.is_some_and(|tag| tag.stage == Stage::Tap);
-    Ok(is_infeed.then_some(planned))
-}
-
 fn feed(
     axis: TapAxis,
     lead: Lead,
@@ -203,7 +256,7 @@ fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
 }
 
 /// Whole turns a minute, halves upwards.
-pub(super) fn whole(speed: CentiRpm) -> Rpm {
+fn whole(speed: CentiRpm) -> Rpm {
     Rpm::new(speed.get().saturating_add(50).div_euclid(100))
 }
 
@@ -215,7 +268,7 @@ mod tests {
     use crate::alarm::At;
     use crate::params::Entry;
     use crate::program::{
-        HandChoice, SpindleChoice, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
+        HandChoice, Position, SpindleChoice, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
     };
     use crate::units::{Length, Millis};
 

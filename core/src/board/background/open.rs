@@ -2,12 +2,12 @@
 
 use super::{Background, Settings, overridden};
 use crate::alarm::{Alarm, Span};
-use crate::cycle::{Context, Move, MoveKind, Moves};
-use crate::feasible;
+use crate::cycle::{Context, Move, MoveKind, Moves, TapMoves};
+use crate::feasible::{self, TapReport};
 use crate::motion::{Action, FloatPlan, Plan, Stops};
 use crate::params::Params;
 use crate::program::{
-    Call, CallKind, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
+    Call, CallKind, Hand, HandChoice, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall,
     TapMode, ThreadCall,
 };
 use crate::signals::Signals;
@@ -80,22 +80,31 @@ impl Background {
         settings: &Settings<'_>,
     ) -> Result<Option<Alarm>, Alarm> {
         (self.infeed, self.notes) = (tap.speed, tap.notes);
-        let report = feasible::tap(tap, signals, span, settings.params)?;
+        let params = settings.params;
+        let spindle = feasible::tap_can_begin(tap, signals, span, params)?;
+        let hand = signals.hand(tap.hand);
         if tap.mode == TapMode::Floating {
-            self.plan_float(tap, signals, span, settings)?;
+            self.plan_float(tap, hand, span, params)?;
         }
-        Ok(report.warnings().next())
+        let plan = match &self.plan {
+            Some(Plan::Float(plan)) => Some(plan),
+            _ => None,
+        };
+        let moves = &mut TapMoves::of(tap, hand, spindle, span);
+        let report = &mut TapReport::default();
+        feasible::tap_strokes(moves, tap, plan, params, settings.limits, report)?;
+        Ok(report.first_warning().copied())
     }
 
     #[inline(never)]
     fn plan_float(
         &mut self,
         tap: &TapCall,
-        signals: Signals,
+        hand: Hand,
         span: Span,
-        settings: &Settings<'_>,
+        params: &Params,
     ) -> Result<(), Alarm> {
-        let plan = FloatPlan::new(tap, signals.hand(tap.hand), span, settings.params)?;
+        let plan = FloatPlan::new(tap, hand, span, params)?;
         self.plan = Some(Plan::Float(plan));
         Ok(())
     }
