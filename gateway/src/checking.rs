@@ -152,8 +152,8 @@ impl Checker<'_> {
             self.tell(&warning, inch);
         }
         let params = &self.setup.params;
-        let within = feasible::within_limits(moves.clone(), self.at, params);
-        let time = feasible::time(moves.clone(), self.at, params);
+        let within = feasible::within_limits(moves, self.at, params);
+        let time = feasible::time(moves, self.at, params);
         if let Err(alarm) = within {
             self.tell(&alarm, inch);
         }
@@ -195,7 +195,7 @@ impl Checker<'_> {
 
     /// A cycle whose passes are its columns or holes.
     fn passes(&mut self, span: Span, cycle: &'static str, moves: &Moves, time_us: i64) {
-        let tags = moves.clone().filter_map(|step| step.tag);
+        let tags = (*moves).filter_map(|step| step.tag);
         self.keep(CycleReport {
             line: span.line,
             cycle,

@@ -18,7 +18,7 @@ use self::route::plan_route;
 use super::guard::Guard;
 use super::queue::{CallOut, DetourIn, SegmentIn, take};
 use super::ticker::Notice;
-use crate::alarm::{Alarm, Code, Span};
+use crate::alarm::{Alarm, Code, Span, heed};
 use crate::cycle::{Move, MoveKind, Moves, Stage};
 use crate::journal::TapRecord;
 use crate::motion::{Action, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
@@ -298,7 +298,7 @@ impl Background {
             }
             self.position = next.to;
             if thread.last {
-                self.plan_pass(next, thread.rpm, settings)?;
+                heed!(self.plan_pass(next, thread.rpm, settings));
                 self.pass.clear();
             }
             return Ok(());
@@ -327,7 +327,7 @@ impl Background {
             MoveKind::Spindle(SpindleCall {
                 mode: SpindleMode::Rigid(choice),
                 ..
-            }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
+            }) => Action::Rigid(heed!(settings.signals.spindle(choice, next.span))),
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
             MoveKind::Aux(aux) => Action::Aux(aux),
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),

@@ -1,9 +1,11 @@
 //! Any call to its moves.
 
-use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves, tap_return};
-use crate::alarm::Alarm;
+use super::refuse::{refuse_groove, refuse_tap};
+use super::tap_return::tap_return;
+use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
+use crate::alarm::{Alarm, heed};
 use crate::journal::TapRecord;
-use crate::program::{Aux, Call, CallKind, Position, SpindleCall, SpindleChoice, SpindleMode};
+use crate::program::{Aux, Call, CallKind, Position, SpindleChoice, SpindleMode};
 use crate::signals::Signals;
 
 /// What the moves of a call depend on besides its words.
@@ -30,7 +32,7 @@ impl Context<'_> {
 }
 
 /// The moves of one call. Constant memory, whatever the call; nothing can fail once it is made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[expect(
     clippy::large_enum_variant,
     reason = "one lives at a time and there is no heap to put the large one on"
@@ -57,47 +59,46 @@ pub fn expand(call: &Call, context: &Context<'_>) -> Result<Moves, Alarm> {
     Ok(moves)
 }
 
-/// The move of a call that is no cycle.
+/// Makes `next`, which stands where the tool does, the move of a call that is no cycle. False where it has none.
 #[inline(never)]
-fn single(call: &Call, context: &Context<'_>) -> Result<Option<Move>, Alarm> {
-    let at = context.at;
-    let (to, kind) = match call.kind {
-        CallKind::Rapid(to) | CallKind::Line(to, _) if to == at => return Ok(None),
+fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, Alarm> {
+    let at = next.to;
+    next.kind = match &call.kind {
+        CallKind::Rapid(to) | CallKind::Line(to, _) if *to == at => return Ok(false),
         CallKind::Over | CallKind::Thread(_) | CallKind::Groove(_) | CallKind::Tap(_) => {
-            return Ok(None);
+            return Ok(false);
         }
-        CallKind::TapReturn(ref out) => return tap_return(out, call.span, context),
-        CallKind::Rapid(to) => (to, MoveKind::Rapid),
-        CallKind::Line(to, feed) => (to, MoveKind::Feed(feed)),
+        CallKind::TapReturn(out) => return tap_return(next, out, context),
+        CallKind::Rapid(to) => {
+            next.to = *to;
+            MoveKind::Rapid
+        }
+        CallKind::Line(to, feed) => {
+            next.to = *to;
+            MoveKind::Feed(*feed)
+        }
         CallKind::Arc(arc) => {
-            let kind = MoveKind::Arc {
+            next.to = arc.end;
+            MoveKind::Arc {
                 i: arc.i,
                 k: arc.k,
                 clockwise: arc.clockwise,
                 feed: arc.feed,
-            };
-            (arc.end, kind)
+            }
         }
-        CallKind::Dwell(time) => (at, MoveKind::Dwell(time)),
+        CallKind::Dwell(time) => MoveKind::Dwell(*time),
         CallKind::Spindle(spindle) => {
-            let mode = match spindle.mode {
-                SpindleMode::Speed => SpindleMode::Speed,
-                SpindleMode::Rigid(choice) => {
-                    let taps = context.signals.spindle(choice, call.span)?;
-                    SpindleMode::Rigid(SpindleChoice::Written(taps))
-                }
-            };
-            (at, MoveKind::Spindle(SpindleCall { mode, ..spindle }))
+            let mut spindle = *spindle;
+            if let SpindleMode::Rigid(choice) = &mut spindle.mode {
+                let taps = heed!(context.signals.spindle(*choice, call.span));
+                *choice = SpindleChoice::Written(taps);
+            }
+            MoveKind::Spindle(spindle)
         }
-        CallKind::Aux(aux) => (at, MoveKind::Aux(aux)),
-        CallKind::End(code) => (at, MoveKind::Aux(Aux::M(code))),
+        CallKind::Aux(aux) => MoveKind::Aux(*aux),
+        CallKind::End(code) => MoveKind::Aux(Aux::M(*code)),
     };
-    Ok(Some(Move {
-        span: call.span,
-        to,
-        kind,
-        tag: None,
-    }))
+    Ok(true)
 }
 
 impl Moves {
@@ -106,21 +107,38 @@ impl Moves {
     /// # Errors
     /// As [`expand`]; these are as they were.
     pub fn begin(&mut self, call: &Call, context: &Context<'_>) -> Result<(), Alarm> {
-        *self = match &call.kind {
+        let span = call.span;
+        match &call.kind {
             CallKind::Thread(thread) => {
-                ThreadMoves::survey(thread, call.span)?;
-                Self::Thread(ThreadMoves::of(thread, call.span))
+                heed!(ThreadMoves::survey(thread, span));
+                *self = Self::Thread(ThreadMoves::of(thread, span));
             }
-            CallKind::Groove(groove) => Self::Groove(GrooveMoves::new(groove, call.span)?),
-            CallKind::Tap(tap) => Self::Tap(TapMoves::new(tap, context.signals, call.span)?),
-            _ => Self::One(single(call, context)?),
-        };
+            CallKind::Groove(groove) => {
+                heed!(refuse_groove(groove, span));
+                *self = Self::Groove(GrooveMoves::of(groove, span));
+            }
+            CallKind::Tap(tap) => {
+                let spindle = heed!(refuse_tap(tap, context.signals, span));
+                let hand = context.signals.hand(tap.hand);
+                *self = Self::Tap(TapMoves::of(tap, hand, spindle, span));
+            }
+            _ => {
+                let mut next = Move {
+                    span,
+                    to: context.at,
+                    kind: MoveKind::Rapid,
+                    tag: None,
+                };
+                let moves = heed!(single(&mut next, call, context));
+                *self = Self::One(moves.then_some(next));
+            }
+        }
         Ok(())
     }
 
     /// Warnings that come before the moves; some calls have one.
     #[must_use]
-    pub const fn warning(&self) -> Option<Alarm> {
+    pub fn warning(&self) -> Option<Alarm> {
         match self {
             Self::Groove(groove) => groove.warning(),
             Self::One(_) | Self::Thread(_) | Self::Tap(_) => None,
@@ -133,12 +151,13 @@ impl Iterator for Moves {
 
     #[inline]
     fn next(&mut self) -> Option<Move> {
-        match self {
-            Self::One(one) => one.take(),
-            Self::Thread(thread) => thread.next(),
-            Self::Groove(groove) => groove.next(),
-            Self::Tap(tap) => tap.next(),
-        }
+        let next = match self {
+            Self::One(one) => return one.take(),
+            Self::Thread(thread) => thread.advance(),
+            Self::Groove(groove) => groove.advance(),
+            Self::Tap(tap) => tap.advance(),
+        };
+        next.copied()
     }
 }
 

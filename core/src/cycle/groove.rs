@@ -1,9 +1,10 @@
 //! G75: one call to its moves, lazily and in constant memory ([G75 sheet]; cycles.md section 5).
 
-use super::check::{blame, groove_ranges};
+use super::check::blame;
+use super::refuse::refuse_groove;
 use super::{Cycle, Move, MoveKind, Stage, Tag};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::program::{FeedRate, GrooveCall, Position};
+use crate::program::GrooveCall;
 use crate::units::Length;
 
 /// The moves of a G75 cycle.
@@ -13,10 +14,7 @@ use crate::units::Length;
 /// at A. Nothing can fail once it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct GrooveMoves {
-    span: Span,
-    start: Position,
-    end_x: Length,
-    end_z: Length,
+    call: GrooveCall,
     /// Δi with the direction of the infeed.
     peck: Length,
     /// Δk with the direction from A to D; zero where there is one column.
@@ -25,11 +23,9 @@ pub struct GrooveMoves {
     retract: Length,
     /// Δd with its direction.
     relief: Length,
-    feed: FeedRate,
-    warning: Option<Alarm>,
+    /// The last move: it ends where the tool is.
+    made: Move,
     next: Next,
-    x: Length,
-    z: Length,
     /// Deepest target of the column so far.
     target: Length,
     /// Z of the column.
@@ -55,131 +51,124 @@ impl GrooveMoves {
     ///
     /// # Errors
     /// No depth (4109), no P, or no Q where the last column is not the first (0319), lengths out of range (4110).
-    #[inline(never)]
     pub fn new(call: &GrooveCall, span: Span) -> Result<Self, Alarm> {
-        groove_ranges(call, span)?;
-        let depth = call.end_x.value - call.start.x;
-        if depth == Length::ZERO {
-            return Err(blame(
-                Code::GrooveWithoutDepth,
-                span,
-                &call.end_x.span,
-                b'X',
-            ));
-        }
-        let width = call.end_z.value - call.start.z;
-        let peck = step(call.peck, b'P', span)?;
-        let step = if width == Length::ZERO {
-            Length::ZERO
-        } else {
-            step(call.step, b'Q', span)?
-        };
+        refuse_groove(call, span)?;
+        Ok(Self::of(call, span))
+    }
+
+    /// The moves of a call that [can be](refuse_groove).
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn of(call: &GrooveCall, span: Span) -> Self {
+        let infeed = (call.end_x.value - call.start.x).signum();
+        let across = (call.end_z.value - call.start.z).signum();
         // Against the infeed along Z; the sheet's step 4 puts an equal Z on the negative side, its R word a missing Z on
         // the positive one.
-        let aside = match width.signum() {
+        let aside = match across {
             0 if call.z_written => -1,
             0 => 1,
             sign => sign.wrapping_neg(),
         };
-        let relief = call.relief.value;
-        let warning = (relief != Length::ZERO).then(|| {
-            blame(Code::ReliefInSlot, span, &call.relief.span, b'R').with([Arg::Length(relief)])
-        });
-        Ok(Self {
-            span,
-            start: call.start,
-            end_x: call.end_x.value,
-            end_z: call.end_z.value,
-            peck: peck.times(depth.signum()),
-            step: step.times(width.signum()),
-            retract: call.retract.value.times(depth.signum()),
-            relief: relief.times(aside),
-            feed: call.feed,
-            warning,
+        let written = |step: &Option<At<Length>>| step.map_or(Length::ZERO, |step| step.value);
+        Self {
+            call: *call,
+            peck: written(&call.peck).times(infeed),
+            step: written(&call.step).times(across),
+            retract: call.retract.value.times(infeed),
+            relief: call.relief.value.times(aside),
+            made: Move {
+                span,
+                to: call.start,
+                kind: MoveKind::Rapid,
+                tag: Some(Tag {
+                    cycle: Cycle::G75,
+                    pass: 1,
+                    start: 0,
+                    peck: 0,
+                    stage: Stage::Peck,
+                    depth: Length::ZERO,
+                }),
+            },
             next: Next::Peck,
-            x: call.start.x,
-            z: call.start.z,
             target: call.start.x,
             column_z: call.start.z,
             column: 1,
             pecks: 0,
-        })
+        }
     }
 
     /// The warning that belongs to the cycle: Δd has no room in the first column of a groove.
     #[must_use]
-    pub const fn warning(&self) -> Option<Alarm> {
-        self.warning
+    pub fn warning(&self) -> Option<Alarm> {
+        let relief = &self.call.relief;
+        (relief.value != Length::ZERO).then(|| {
+            blame(Code::ReliefInSlot, self.made.span, &relief.span, b'R')
+                .with([Arg::Length(relief.value)])
+        })
     }
 
     /// Moves to (`x`, `z`) as a rapid, unless the tool is there.
-    fn rapid(&mut self, x: Length, z: Length, stage: Stage) -> Option<Move> {
-        if x == self.x && z == self.z {
-            return None;
+    #[cfg_attr(feature = "small", inline(never))]
+    fn rapid(&mut self, x: Length, z: Length, stage: Stage) -> bool {
+        if x == self.made.to.x && z == self.made.to.z {
+            return false;
         }
-        Some(self.go(x, z, MoveKind::Rapid, stage, 0))
+        self.made.kind = MoveKind::Rapid;
+        self.go(x, z, stage, 0)
     }
 
-    fn go(&mut self, x: Length, z: Length, kind: MoveKind, stage: Stage, peck: u32) -> Move {
-        self.x = x;
-        self.z = z;
-        Move {
-            span: self.span,
-            to: Position {
-                x,
-                z,
-                c: self.start.c,
-            },
-            kind,
-            tag: Some(Tag {
-                cycle: Cycle::G75,
-                pass: self.column,
-                start: 0,
-                peck,
-                stage,
-                depth: (x - self.start.x).abs(),
-            }),
+    /// The last move is this one now; its kind is in it.
+    #[cfg_attr(feature = "small", inline(never))]
+    fn go(&mut self, x: Length, z: Length, stage: Stage, peck: u32) -> bool {
+        self.made.to.x = x;
+        self.made.to.z = z;
+        if let Some(tag) = &mut self.made.tag {
+            tag.pass = self.column;
+            tag.peck = peck;
+            tag.stage = stage;
+            tag.depth = (x - self.call.start.x).abs();
         }
+        true
     }
-}
 
-impl Iterator for GrooveMoves {
-    type Item = Move;
-
-    fn next(&mut self) -> Option<Move> {
+    /// The next move, where it lies: [`Iterator::next`] without the copy.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub fn advance(&mut self) -> Option<&Move> {
         loop {
-            let level = self.start.x;
+            let level = self.call.start.x;
+            let at = self.made.to;
             let made = match self.next {
                 Next::Peck => {
-                    self.target = clip(self.target + self.peck, self.end_x, self.peck);
+                    let bottom = self.call.end_x.value;
+                    self.target = clip(self.target + self.peck, bottom, self.peck);
                     self.pecks = self.pecks.saturating_add(1);
-                    self.next = if self.target == self.end_x {
+                    self.next = if self.target == bottom {
                         Next::Relief
                     } else {
                         Next::Back
                     };
-                    let kind = MoveKind::Feed(self.feed);
-                    Some(self.go(self.target, self.z, kind, Stage::Peck, self.pecks))
+                    self.made.kind = MoveKind::Feed(self.call.feed);
+                    self.go(self.target, at.z, Stage::Peck, self.pecks)
                 }
                 Next::Back => {
                     self.next = Next::Peck;
-                    let back = clip(self.x - self.retract, level, -self.peck);
-                    self.rapid(back, self.z, Stage::Retract)
+                    let back = clip(at.x - self.retract, level, -self.peck);
+                    self.rapid(back, at.z, Stage::Retract)
                 }
                 Next::Relief => {
                     self.next = Next::Level;
-                    self.rapid(self.x, self.z + self.relief, Stage::Relief)
+                    self.rapid(at.x, at.z + self.relief, Stage::Relief)
                 }
                 Next::Level => {
-                    self.next = if self.column_z == self.end_z {
+                    self.next = if self.column_z == self.call.end_z.value {
                         Next::Return
                     } else {
                         Next::Shift
                     };
-                    self.rapid(level, self.z, Stage::Retract)
+                    self.rapid(level, at.z, Stage::Retract)
                 }
                 Next::Shift => {
-                    self.column_z = clip(self.column_z + self.step, self.end_z, self.step);
+                    let end = self.call.end_z.value;
+                    self.column_z = clip(self.column_z + self.step, end, self.step);
                     let made = self.rapid(level, self.column_z, Stage::Shift);
                     self.column = self.column.saturating_add(1);
                     self.target = level;
@@ -189,14 +178,22 @@ impl Iterator for GrooveMoves {
                 }
                 Next::Return => {
                     self.next = Next::Done;
-                    self.rapid(level, self.start.z, Stage::Return)
+                    self.rapid(level, self.call.start.z, Stage::Return)
                 }
                 Next::Done => return None,
             };
-            if made.is_some() {
-                return made;
+            if made {
+                return Some(&self.made);
             }
         }
+    }
+}
+
+impl Iterator for GrooveMoves {
+    type Item = Move;
+
+    fn next(&mut self) -> Option<Move> {
+        self.advance().copied()
     }
 }
 
@@ -208,14 +205,5 @@ fn clip(value: Length, bound: Length, direction: Length) -> Length {
         value.max(bound)
     } else {
         value.min(bound)
-    }
-}
-
-/// A peck or step that must be there.
-fn step(written: Option<At<Length>>, letter: u8, span: Span) -> Result<Length, Alarm> {
-    match written {
-        Some(step) if step.value > Length::ZERO => Ok(step.value),
-        Some(step) => Err(Alarm::new(Code::GrooveStepMissing, step.span).word(letter)),
-        None => Err(Alarm::new(Code::GrooveStepMissing, span)),
     }
 }

@@ -22,5 +22,4 @@ pub use groove::GrooveMoves;
 pub use moves::*;
 pub(crate) use refuse::refuse_tap;
 pub use tap::TapMoves;
-pub use tap_return::tap_return;
 pub use thread::{ThreadMoves, ThreadSummary};

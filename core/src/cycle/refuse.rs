@@ -1,11 +1,13 @@
 //! Calls that geometry forbids: words that contradict each other. Knows nothing of passes and moves.
 
-use super::check::{blame, tap_ranges, thread_ranges};
+use super::check::{blame, groove_ranges, tap_ranges, thread_ranges};
 use super::shape::is_long_x;
 use super::slope::HalfAngle;
 use super::taper::scaled;
-use crate::alarm::{Alarm, Arg, At, Code, Span};
-use crate::program::{TapAxis, TapCall, TapForm, TapMode, TapRepeat, TapSpindle, ThreadCall};
+use crate::alarm::{Alarm, Arg, At, Code, Span, heed};
+use crate::program::{
+    GrooveCall, TapAxis, TapCall, TapForm, TapMode, TapRepeat, TapSpindle, ThreadCall,
+};
 use crate::signals::Signals;
 use crate::units::{Diameter, Length, signed_product};
 
@@ -15,7 +17,7 @@ const INFEEDS: i64 = 9999;
 /// Refuses a thread that cannot be, whatever its passes.
 #[inline(never)]
 pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
-    thread_ranges(call, span)?;
+    heed!(thread_ranges(call, span));
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
     let travel = stroke.nm().unsigned_abs();
@@ -87,8 +89,8 @@ pub(crate) fn refuse_tap(
     signals: Signals,
     span: Span,
 ) -> Result<TapSpindle, Alarm> {
-    tap_ranges(call, span)?;
-    let spindle = signals.spindle(call.spindle, span)?;
+    heed!(tap_ranges(call, span));
+    let spindle = heed!(signals.spindle(call.spindle, span));
     let axis = call.axis;
     let level = call.level.value;
     let way = call.bottom.value - level;
@@ -124,4 +126,28 @@ pub(crate) fn refuse_tap(
         }
     }
     Ok(spindle)
+}
+
+/// Refuses a groove that cannot be.
+#[inline(never)]
+pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
+    heed!(groove_ranges(call, span));
+    if call.end_x.value == call.start.x {
+        let word = &call.end_x.span;
+        return Err(blame(Code::GrooveWithoutDepth, span, word, b'X'));
+    }
+    heed!(step(&call.peck, b'P', span));
+    if call.end_z.value == call.start.z {
+        return Ok(());
+    }
+    step(&call.step, b'Q', span)
+}
+
+/// Refuses a peck or step that has to be there and is not.
+fn step(written: &Option<At<Length>>, letter: u8, span: Span) -> Result<(), Alarm> {
+    match written {
+        Some(step) if step.value > Length::ZERO => Ok(()),
+        Some(step) => Err(Alarm::new(Code::GrooveStepMissing, step.span).word(letter)),
+        None => Err(Alarm::new(Code::GrooveStepMissing, span)),
+    }
 }

@@ -1,68 +1,65 @@
 //! G30 P99: the way out of a hole in which a tap was stopped, from the tap journal ([G84/G88 sheet]; cycles.md section 9).
 
 use super::{Context, Cycle, Move, MoveKind, Stage, Tag, TapMove};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::program::{Hand, LengthUnit, TapMode, TapReturn};
 use crate::units::{Length, TurnRatio};
 
-/// The one move of a tapping return: outwards and in phase from where the tool stands to R and `beyond` (5382) further.
-/// `None` where it stands there already, or further out.
+/// Makes `next`, which stands where the tool does, the one move of a tapping return: outwards and in phase from there to R
+/// and `beyond` (5382) further. False where the tool stands there already, or further out.
 ///
 /// # Errors
 /// [`Code::TapReturnNothing`] where no tap is in a hole; [`Code::TapReturnUnit`] where the unit has changed since.
 #[inline(never)]
-pub fn tap_return(
+pub(super) fn tap_return(
+    next: &mut Move,
     call: &TapReturn,
-    span: Span,
     context: &Context<'_>,
-) -> Result<Option<Move>, Alarm> {
+) -> Result<bool, Alarm> {
     let Some(record) = context.tap.filter(|record| record.in_hole) else {
-        return Err(Alarm::new(Code::TapReturnNothing, span));
+        return Err(Alarm::new(Code::TapReturnNothing, next.span));
     };
     let hole = &record.hole;
     if hole.notes.unit != call.unit {
-        let args = [unit_code(call.unit), unit_code(hole.notes.unit)];
-        return Err(Alarm::new(Code::TapReturnUnit, span).with(args));
+        let units = [unit_code(call.unit), unit_code(hole.notes.unit)];
+        return Err(Alarm::new(Code::TapReturnUnit, next.span).with(units));
     }
-    let end = hole.level - call.beyond.times(hole.inward());
-    let travel = hole.depth(end) - hole.depth(hole.axis.of(context.at));
+    let inward = hole.inward();
+    let end = hole.level - call.beyond.times(inward);
+    let depth = (end - hole.level).times(inward);
+    let travel = (end - hole.axis.of(next.to)).times(inward);
     if travel >= Length::ZERO {
-        return Ok(None);
+        return Ok(false);
     }
     // Plus is the way in of a right-hand tap.
     let turns = TurnRatio::of_travel(travel, hole.lead);
     let written = call.speed.unwrap_or(hole.speed);
     let speed = hole.notes.extraction.of(written).min(call.highest);
-    let (turns, speed) = match hole.hand {
-        Hand::Right => (turns, speed.reversed()),
-        Hand::Left => (turns.reversed(), speed),
-    };
-    Ok(Some(Move {
-        span,
-        to: hole.axis.with(context.at, end),
-        kind: MoveKind::Tap(TapMove {
-            mode: TapMode::Rigid,
-            axis: hole.axis,
-            spindle: hole.spindle,
-            lead: hole.lead,
-            hand: hole.hand,
-            level: hole.level,
-            bottom: hole.bottom,
-            turns,
-            speed,
-            outward: true,
-            opens: false,
-            closes: true,
-        }),
-        tag: Some(Tag {
-            cycle: Cycle::G30P99,
-            pass: 1,
-            start: 0,
-            peck: 0,
-            stage: Stage::Extract,
-            depth: hole.depth(end),
-        }),
-    }))
+    let left = matches!(hole.hand, Hand::Left);
+    next.to = hole.axis.with(next.to, end);
+    next.kind = MoveKind::Tap(TapMove {
+        mode: TapMode::Rigid,
+        axis: hole.axis,
+        spindle: hole.spindle,
+        lead: hole.lead,
+        hand: hole.hand,
+        level: hole.level,
+        bottom: hole.bottom,
+        turns: if left { turns.reversed() } else { turns },
+        speed: if left { speed } else { speed.reversed() },
+        outward: true,
+        opens: false,
+        closes: true,
+    });
+    next.tag = Some(Tag {
+        cycle: Cycle::G30P99,
+        pass: 1,
+        start: 0,
+        peck: 0,
+        stage: Stage::Extract,
+        depth,
+    });
+    Ok(true)
 }
 
 const fn unit_code(unit: LengthUnit) -> Arg {

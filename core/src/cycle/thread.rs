@@ -7,7 +7,7 @@ use super::helix::{Helix, TURN_UDEG};
 use super::refuse::refuse_thread;
 use super::shape::{Corners, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::program::{ThreadCall, ThreadCycle, start_angle};
 use crate::units::{Length, StartAngle};
 
@@ -100,7 +100,7 @@ impl ThreadMoves {
     /// What `call` amounts to; refused as in [`ThreadMoves::new`].
     #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn survey(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
-        refuse_thread(call, span)?;
+        heed!(refuse_thread(call, span));
         let moves = &Self::of(call, span);
         let mut room = Ok(());
         let summary = moves.walk(|pass, corners| {

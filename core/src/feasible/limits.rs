@@ -1,6 +1,6 @@
 //! Travel limits (parameters 1320 and 1321): every end of a move, and how far an arc bulges.
 
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{Move, MoveKind};
 use crate::params::Params;
 use crate::program::Position;
@@ -17,7 +17,7 @@ pub fn within_limits(
 ) -> Result<(), Alarm> {
     let mut at = from;
     for next in moves {
-        inside(next.to, next.span, params)?;
+        heed!(inside(next.to, next.span, params));
         if let MoveKind::Arc {
             i, k, clockwise, ..
         } = next.kind
@@ -29,7 +29,7 @@ pub fn within_limits(
             };
             for extreme in 0..4 {
                 if let Some(extreme) = farthest(extreme, at, next.to, centre, clockwise) {
-                    inside(extreme, next.span, params)?;
+                    heed!(inside(extreme, next.span, params));
                 }
             }
         }

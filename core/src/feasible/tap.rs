@@ -2,7 +2,7 @@
 //! (cycles.md section 8).
 
 use super::float::{faster, join};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{MoveKind, Stage, TapMove, TapMoves, refuse_tap};
 use crate::motion::{FloatPlan, Limits, PathRate, stroke};
 use crate::params::Params;
@@ -91,11 +91,11 @@ pub(crate) fn tap_can_begin(
     span: Span,
     params: &Params,
 ) -> Result<TapSpindle, Alarm> {
-    let spindle = refuse_tap(call, signals, span)?;
-    taps_with(spindle, span, params)?;
-    in_step(call, span, params)?;
+    let spindle = heed!(refuse_tap(call, signals, span));
+    heed!(taps_with(spindle, span, params));
+    heed!(in_step(call, span, params));
     for speed in [call.speed, call.extract] {
-        feed(call.axis, call.lead.value, speed, span, params)?;
+        heed!(feed(call.axis, call.lead.value, speed, span, params));
     }
     if call.mode == TapMode::Floating && spindle != TapSpindle::First {
         let number = Arg::Int(i64::from(spindle.number()));
@@ -178,7 +178,7 @@ pub fn tap_spindle(call: &Call, signals: Signals, params: &Params) -> Result<(),
         CallKind::Spindle(SpindleCall {
             mode: SpindleMode::Rigid(choice),
             ..
-        }) => taps_with(signals.spindle(choice, call.span)?, call.span, params),
+        }) => taps_with(heed!(signals.spindle(choice, call.span)), call.span, params),
         _ => Ok(()),
     }
 }
@@ -199,7 +199,7 @@ fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
 /// A spindle this machine does not have ([`Code::TapSpindleNotAvailable`]); lead times speed above the axis' feed
 /// ([`Code::LeadTooFast`]).
 pub fn tap_return(out: &TapMove, span: Span, params: &Params) -> Result<(), Alarm> {
-    taps_with(out.spindle, span, params)?;
+    heed!(taps_with(out.spindle, span, params));
     feed(out.axis, out.lead, out.speed, span, params)
 }
 

@@ -1,7 +1,7 @@
 //! G76 and G78 against the machine: spindle, feeds, lead-in, run-out (cycles.md section 7).
 
 use super::pass::{Gather, Pass};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{Move, MoveKind, ThreadMoves, ThreadSummary};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
@@ -81,7 +81,7 @@ pub fn thread_can_run(
             first = Err(alarm);
         }
     };
-    examine(call, rpm, span, params, &mut wrong, &mut |_| {})?;
+    heed!(examine(call, rpm, span, params, &mut wrong, &mut |_| {}));
     first
 }
 
@@ -94,7 +94,7 @@ fn examine(
     wrong: &mut impl FnMut(Alarm),
     seen: &mut impl FnMut(&ThreadPlan),
 ) -> Result<ThreadSummary, Alarm> {
-    let summary = ThreadMoves::survey(call, span)?;
+    let summary = heed!(ThreadMoves::survey(call, span));
     let speed = rpm.abs();
     if speed == 0 {
         wrong(Alarm::new(Code::SpindleStopped, span));
@@ -224,7 +224,7 @@ pub fn thread_findings(
 /// # Errors
 /// What geometry forbids.
 pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
-    let summary = ThreadMoves::survey(call, span)?;
+    let summary = heed!(ThreadMoves::survey(call, span));
     let passes = extremes(&summary).map(|number| pass(call, span, number));
     let can = |speed: i32| {
         let rpm = Rpm::new(speed);

@@ -1,7 +1,7 @@
 //! Taking up a call: when it may be, and refusing what cannot be done before any of its moves.
 
 use super::{Background, Settings, overridden};
-use crate::alarm::{Alarm, Span};
+use crate::alarm::{Alarm, Span, heed};
 use crate::cycle::{Context, Move, MoveKind, Moves, TapMoves};
 use crate::feasible::{self, TapReport};
 use crate::motion::{Action, FloatPlan, Plan, Stops};
@@ -24,26 +24,26 @@ impl Background {
         self.plan = None;
         let warning = match &call.kind {
             CallKind::Thread(thread) => {
-                can_cut(thread, call.span, settings)?;
+                heed!(can_cut(thread, call.span, settings));
                 None
             }
             CallKind::Tap(tap) => self.prepare_tap(tap, signals, call.span, settings)?,
             _ => {
-                feasible::tap_spindle(call, signals, settings.params)?;
+                heed!(feasible::tap_spindle(call, signals, settings.params));
                 None
             }
         };
-        self.expand(call, signals, settings)?;
+        heed!(self.expand(call, signals, settings));
         if let CallKind::TapReturn(_) = call.kind {
-            self.prepare_return(call, settings)?;
+            heed!(self.prepare_return(call, settings));
         }
         let Some(moves) = &self.moves else {
             return Ok(warning);
         };
         let warning = moves.warning().or(warning);
-        self.guard.admit(call, moves)?;
+        heed!(self.guard.admit(call, moves));
         // Before anything of the call moves; what has expanded once expands a second time to the same.
-        within_limits(moves, self.position, settings.params)?;
+        heed!(within_limits(moves, self.position, settings.params));
         self.home = self.position;
         self.percent = settings.spindle_percent;
         if let CallKind::End(_) | CallKind::Over = call.kind {
@@ -81,10 +81,10 @@ impl Background {
     ) -> Result<Option<Alarm>, Alarm> {
         (self.infeed, self.notes) = (tap.speed, tap.notes);
         let params = settings.params;
-        let spindle = feasible::tap_can_begin(tap, signals, span, params)?;
+        let spindle = heed!(feasible::tap_can_begin(tap, signals, span, params));
         let hand = signals.hand(tap.hand);
         if tap.mode == TapMode::Floating {
-            self.plan_float(tap, hand, span, params)?;
+            heed!(self.plan_float(tap, hand, span, params));
         }
         let plan = match &self.plan {
             Some(Plan::Float(plan)) => Some(plan),
@@ -92,7 +92,14 @@ impl Background {
         };
         let moves = &mut TapMoves::of(tap, hand, spindle, span);
         let report = &mut TapReport::default();
-        feasible::tap_strokes(moves, tap, plan, params, settings.limits, report)?;
+        heed!(feasible::tap_strokes(
+            moves,
+            tap,
+            plan,
+            params,
+            settings.limits,
+            report
+        ));
         Ok(report.first_warning().copied())
     }
 
@@ -119,7 +126,7 @@ impl Background {
             Some(Moves::One(Some(Move {
                 kind: MoveKind::Tap(out),
                 ..
-            }))) => feasible::tap_return(out, call.span, settings.params)?,
+            }))) => heed!(feasible::tap_return(out, call.span, settings.params)),
             // It was stopped where it is out.
             _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
         }
@@ -142,7 +149,7 @@ impl Background {
 #[inline(never)]
 fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(), Alarm> {
     let (rpm, percent) = (thread.rpm, settings.spindle_percent);
-    feasible::thread_can_run(thread, rpm, span, settings.params)?;
+    heed!(feasible::thread_can_run(thread, rpm, span, settings.params));
     if percent <= 100 {
         return Ok(());
     }

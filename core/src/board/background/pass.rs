@@ -1,7 +1,7 @@
 //! A pass of a thread: planned with all its strokes, queued together with its retract.
 
 use super::{Background, Settings, overridden};
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, heed};
 use crate::cycle::{Move, MoveKind};
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
 use crate::program::Position;
@@ -43,7 +43,7 @@ impl Background {
                 hold_not_before: true,
                 ..stops
             };
-            self.plan_rest(end, last, stops, settings)?;
+            heed!(self.plan_rest(end, last, stops, settings));
         }
         Ok(())
     }
