@@ -44,23 +44,28 @@ impl Cycle {
     /// The load in tenths of a percent.
     #[must_use]
     pub fn load(&self) -> u32 {
-        let bits = |bytes, every_us: u64| {
+        let all = self.drives.saturating_add(self.further);
+        let [sync, setpoint, status] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
+        // Bits of a frame, the time from one to the next as so many times so many microseconds, how many of them.
+        let sent = [
+            (sync, self.tick_us, 1, 1),
+            (setpoint, self.tick_us, 1, self.drives),
+            (setpoint, self.tick_us, 4, self.further),
+            (setpoint, self.tick_us, self.drive_syncs, all),
+            (status, self.status_ms, 1000, 3),
+        ];
+        let mut thousandths = 0_u64;
+        for (bits, times, us, frames) in &sent {
+            // Products of two numbers of 32 bits fit.
+            let every_us = u64::from(*times).wrapping_mul(u64::from(*us));
+            let bits = u64::from(*bits).wrapping_mul(100_000_000);
             // Thousandths of a percent would be kbit · µs / 10⁸; tenths of a percent are bits · 10⁶ / (kbit · µs).
-            let time = every_us.saturating_mul(self.kbit.into());
-            u64::from(frame_bits(bytes))
-                .saturating_mul(100_000_000)
-                .checked_div(time)
-                .unwrap_or(u64::from(u32::MAX))
-        };
-        let tick = u64::from(self.tick_us);
-        let answer = tick.saturating_mul(self.drive_syncs.into());
-        let status = u64::from(self.status_ms).saturating_mul(1000);
-        let drive = bits(6, tick).saturating_add(bits(6, answer));
-        let further = bits(6, tick.saturating_mul(4)).saturating_add(bits(6, answer));
-        let thousandths = bits(1, tick)
-            .saturating_add(drive.saturating_mul(self.drives.into()))
-            .saturating_add(further.saturating_mul(self.further.into()))
-            .saturating_add(bits(8, status).saturating_mul(3));
+            let share = bits
+                .checked_div(every_us.saturating_mul(self.kbit.into()))
+                .unwrap_or(u64::from(u32::MAX));
+            let shares = share.saturating_mul(u64::from(*frames));
+            thousandths = thousandths.saturating_add(shares);
+        }
         u32::try_from(thousandths.saturating_add(50) / 100).unwrap_or(u32::MAX)
     }
 
