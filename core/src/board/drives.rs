@@ -200,29 +200,40 @@ impl Drives {
     /// Where the machine is: `remembered` to the nanometre if the drives agree with it to their increment, else what
     /// they say.
     pub(super) fn position(&self, remembered: Option<Position>) -> Position {
+        let demands = remembered.map(|remembered| self.demands(figures(remembered)));
+        if let (Some(remembered), Some(demands)) = (remembered, &demands) {
+            let mut drives = self.axes.iter().zip(demands);
+            if drives.all(|(drive, demand)| *demand == Some(drive.target())) {
+                return remembered;
+            }
+        }
         let mut read = [0; 3];
-        // The demands for the remembered place: the drives' own, or those for what they say, where increments are finer than
-        // nanometres.
-        let (mut own, mut same) = (true, true);
-        let places = figures(remembered.unwrap_or_default());
+        for ((drive, offset), read) in self.axes.iter().zip(self.offsets).zip(&mut read) {
+            let own = drive.target().get().wrapping_sub(offset);
+            *read = drive.config().scale.position(Increments::new(own));
+        }
+        match (remembered, demands) {
+            // Where increments are finer than nanometres.
+            (Some(remembered), Some(demands)) if demands == self.demands(read) => remembered,
+            _ => {
+                let [x, z, c] = read;
+                Position {
+                    x: Length::from_nm(x),
+                    z: Length::from_nm(z),
+                    c: Angle::from_udeg(c),
+                }
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn demands(&self, places: [i64; 3]) -> [Option<Increments>; 3] {
+        let mut demands = [None; 3];
         let drives = self.axes.iter().zip(self.offsets);
-        for ((drive, offset), (read, place)) in drives.zip(read.iter_mut().zip(places)) {
-            let scale = &drive.config().scale;
-            let target = drive.target();
-            *read = scale.position(Increments::new(target.get().wrapping_sub(offset)));
-            let demand = told(scale.increments(place), offset);
-            own &= demand == Some(target);
-            same &= demand == told(scale.increments(*read), offset);
+        for ((drive, offset), (demand, place)) in drives.zip(demands.iter_mut().zip(places)) {
+            *demand = told(drive.config().scale.increments(place), offset);
         }
-        let [x, z, c] = read;
-        match remembered {
-            Some(remembered) if own || same => remembered,
-            _ => Position {
-                x: Length::from_nm(x),
-                z: Length::from_nm(z),
-                c: Angle::from_udeg(c),
-            },
-        }
+        demands
     }
 
     /// The spindles.
@@ -234,11 +245,9 @@ impl Drives {
     /// were lost. False, and nothing changes, where a drive cannot count that far.
     pub(super) fn place(&mut self, from: Position, to: Position) -> bool {
         let mut offsets = self.offsets;
-        let places = figures(from).into_iter().zip(figures(to));
-        for ((drive, offset), (from, to)) in self.axes.iter().zip(&mut offsets).zip(places) {
-            let scale = &drive.config().scale;
-            let demand = |place| told(scale.increments(place), *offset);
-            let (Some(there), Some(here)) = (demand(from), demand(to)) else {
+        let demands = (self.demands(figures(from)), self.demands(figures(to)));
+        for (offset, (from, to)) in offsets.iter_mut().zip(demands.0.iter().zip(&demands.1)) {
+            let (Some(there), Some(here)) = (from, to) else {
                 return false;
             };
             *offset = offset.wrapping_add(there.get().wrapping_sub(here.get()));
