@@ -6,7 +6,7 @@ use crate::program::{
     ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, TapCall, TapForm, TapMode, TapPeck,
     TapReturn, ThreadCall,
 };
-use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
+use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
 
 /// What of a call is beyond its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +31,8 @@ pub enum Beyond {
 const FEED: i64 = 1 << 42;
 /// The fastest spindle, in turns per minute.
 const SPEED: u32 = 1 << 20;
+/// The same in hundredths.
+const SPEED_CENTI: i32 = 100 << 20;
 /// The longest dwell of a word, in milliseconds.
 const DWELL: u32 = 99_999_999;
 /// The longest lead times its denominator, in nanometres.
@@ -42,15 +44,25 @@ const TAP_TURNS: i64 = 1 << 20;
 /// Starts, passes and whole degrees have two digits.
 const TWO_DIGITS: u8 = 99;
 
+/// From where on a length is let in.
+#[derive(Clone, Copy)]
+enum From {
+    /// The other end of the range.
+    Anywhere,
+    Zero,
+    /// Above zero.
+    Above,
+}
+
 /// Checks a call.
 ///
 /// # Errors
 /// The first thing that no program can say.
 pub fn call(call: &Call) -> Result<(), Beyond> {
-    position(call.origin)?;
+    position(&call.origin)?;
     match &call.kind {
-        CallKind::Rapid(end) => position(*end),
-        CallKind::Line(end, rate) => position(*end).and(feed(*rate)),
+        CallKind::Rapid(end) => position(end),
+        CallKind::Line(end, rate) => position(end).and(feed(rate)),
         CallKind::Arc(call) => arc(call),
         CallKind::Dwell(time) => dwell(*time),
         CallKind::Spindle(spindle) => speed(spindle.rpm),
@@ -63,30 +75,29 @@ pub fn call(call: &Call) -> Result<(), Beyond> {
 }
 
 fn arc(call: &ArcCall) -> Result<(), Beyond> {
-    position(call.end)?;
-    within(call.i)?;
-    within(call.k)?;
-    feed(call.feed)
+    position(&call.end)?;
+    lengths(From::Anywhere, &[&call.i, &call.k])?;
+    feed(&call.feed)
 }
 
 fn thread(call: &ThreadCall) -> Result<(), Beyond> {
-    position(call.start)?;
-    within(call.end_x.value)?;
-    within(call.end_z.value)?;
-    within(call.taper.value)?;
-    positive(call.height.value)?;
-    positive(call.first_depth.value)?;
-    not_negative(call.min_step.value)?;
-    not_negative(call.allowance.value)?;
-    not_negative(call.run_in.value)?;
+    position(&call.start)?;
+    let ends = [&call.end_x.value, &call.end_z.value, &call.taper.value];
+    lengths(From::Anywhere, &ends)?;
+    let above = [&call.height.value, &call.first_depth.value, &call.increment];
+    lengths(From::Above, &above)?;
+    let zero = [
+        &call.min_step.value,
+        &call.allowance.value,
+        &call.run_in.value,
+    ];
+    lengths(From::Zero, &zero)?;
     if let Some(out) = &call.run_out {
-        not_negative(out.short.value)?;
-        not_negative(out.long.value)?;
+        lengths(From::Zero, &[&out.short.value, &out.long.value])?;
         rest(out.short_rest)?;
         rest(out.long_rest)?;
     }
-    lead(call.lead.value, THREAD_TURNS)?;
-    positive(call.increment)?;
+    lead(&call.lead.value, THREAD_TURNS)?;
     speed(call.rpm)?;
     let counts = call.finish_passes.value <= TWO_DIGITS
         && call.angle.value <= TWO_DIGITS
@@ -95,70 +106,62 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
 }
 
 fn groove(call: &GrooveCall) -> Result<(), Beyond> {
-    position(call.start)?;
-    within(call.end_x.value)?;
-    within(call.end_z.value)?;
-    for length in [call.peck, call.step].into_iter().flatten() {
-        positive(length.value)?;
+    position(&call.start)?;
+    lengths(From::Anywhere, &[&call.end_x.value, &call.end_z.value])?;
+    for length in [&call.peck, &call.step].into_iter().flatten() {
+        lengths(From::Above, &[&length.value])?;
     }
-    not_negative(call.relief.value)?;
-    not_negative(call.retract.value)?;
-    feed(call.feed)
+    lengths(From::Zero, &[&call.relief.value, &call.retract.value])?;
+    feed(&call.feed)
 }
 
 fn tap(call: &TapCall) -> Result<(), Beyond> {
-    position(call.start)?;
-    position(call.hole)?;
-    position(call.step)?;
-    within(call.level.value)?;
-    within(call.bottom.value)?;
-    match call.form {
+    for place in [&call.start, &call.hole, &call.step] {
+        position(place)?;
+    }
+    lengths(From::Anywhere, &[&call.level.value, &call.bottom.value])?;
+    match &call.form {
         TapForm::Standard => {}
         TapForm::HighSpeed(peck) | TapForm::Deep(peck) => pecks(peck)?,
     }
     dwell(call.dwell)?;
-    lead(call.lead.value, TAP_TURNS)?;
-    match call.mode {
-        TapMode::Rigid => turning(call.speed).and(turning(call.extract)),
-        TapMode::Floating => turning_or_not(call.speed).and(turning_or_not(call.extract)),
-    }
+    lead(&call.lead.value, TAP_TURNS)?;
+    let least = match call.mode {
+        TapMode::Rigid => 1,
+        TapMode::Floating => 0,
+    };
+    turning(least, call.speed)?;
+    turning(least, call.extract)
 }
 
 fn tap_return(call: &TapReturn) -> Result<(), Beyond> {
-    turning(call.highest)?;
-    not_negative(call.beyond)?;
-    call.speed.map_or(Ok(()), turning)
+    turning(1, call.highest)?;
+    lengths(From::Zero, &[&call.beyond])?;
+    call.speed.map_or(Ok(()), |speed| turning(1, speed))
 }
 
-fn pecks(peck: TapPeck) -> Result<(), Beyond> {
-    positive(peck.infeed.value)?;
-    not_negative(peck.back.value)?;
-    require(peck.back.value <= peck.infeed.value, Beyond::Length)
+fn pecks(peck: &TapPeck) -> Result<(), Beyond> {
+    let (infeed, back) = (&peck.infeed.value, &peck.back.value);
+    lengths(From::Above, &[infeed])?;
+    lengths(From::Zero, &[back])?;
+    require(back <= infeed, Beyond::Length)
 }
 
-fn position(position: Position) -> Result<(), Beyond> {
-    within(position.x)?;
-    within(position.z)?;
-    rotary(position.c)
+fn position(position: &Position) -> Result<(), Beyond> {
+    let turned = Length::from_nm(position.c.udeg());
+    lengths(From::Anywhere, &[&position.x, &position.z, &turned])
 }
 
-fn within(length: Length) -> Result<(), Beyond> {
-    require(length.is_in_range(), Beyond::Position)
-}
-
-fn rotary(angle: Angle) -> Result<(), Beyond> {
-    within(Length::from_nm(angle.udeg()))
-}
-
-fn positive(length: Length) -> Result<(), Beyond> {
-    require(length > Length::ZERO, Beyond::Length).and(not_negative(length))
-}
-
-fn not_negative(length: Length) -> Result<(), Beyond> {
-    require(
-        length >= Length::ZERO && length.is_in_range(),
-        Beyond::Length,
-    )
+#[cfg_attr(feature = "small", inline(never))]
+fn lengths(from: From, lengths: &[&Length]) -> Result<(), Beyond> {
+    let (least, beyond) = match from {
+        From::Anywhere => (Length::INPUT_LIMIT.nm().wrapping_neg(), Beyond::Position),
+        From::Zero => (0, Beyond::Length),
+        From::Above => (1, Beyond::Length),
+    };
+    let allowed = least..=Length::INPUT_LIMIT.nm();
+    let all = lengths.iter().all(|length| allowed.contains(&length.nm()));
+    require(all, beyond)
 }
 
 fn rest(rest: Remainder) -> Result<(), Beyond> {
@@ -167,18 +170,18 @@ fn rest(rest: Remainder) -> Result<(), Beyond> {
     require(raw.saturating_abs() <= half, Beyond::Length)
 }
 
-fn feed(rate: FeedRate) -> Result<(), Beyond> {
+fn feed(rate: &FeedRate) -> Result<(), Beyond> {
     let allowed = |nm: i64| nm > 0 && nm <= FEED;
     match rate {
-        FeedRate::PerMinute(feed) => require(allowed(Feed::nm_per_min(feed)), Beyond::Feed),
+        FeedRate::PerMinute(feed) => require(allowed(Feed::nm_per_min(*feed)), Beyond::Feed),
         FeedRate::PerTurn(feed, rpm) => {
-            require(allowed(FeedPerTurn::nm(feed)), Beyond::Feed)?;
-            speed(rpm)
+            require(allowed(FeedPerTurn::nm(*feed)), Beyond::Feed)?;
+            speed(*rpm)
         }
     }
 }
 
-fn lead(lead: Lead, turns: i64) -> Result<(), Beyond> {
+fn lead(lead: &Lead, turns: i64) -> Result<(), Beyond> {
     // Both are positive: there is no other lead.
     require(
         lead.numerator() <= LEAD && lead.denominator() <= turns,
@@ -190,13 +193,8 @@ fn speed(rpm: Rpm) -> Result<(), Beyond> {
     require(rpm.abs() <= SPEED, Beyond::Speed)
 }
 
-fn turning(speed: CentiRpm) -> Result<(), Beyond> {
-    require(speed.get() != 0, Beyond::Speed).and(turning_or_not(speed))
-}
-
-fn turning_or_not(speed: CentiRpm) -> Result<(), Beyond> {
-    let most = i64::from(SPEED).saturating_mul(100);
-    require((0..=most).contains(&i64::from(speed.get())), Beyond::Speed)
+fn turning(least: i32, speed: CentiRpm) -> Result<(), Beyond> {
+    require((least..=SPEED_CENTI).contains(&speed.get()), Beyond::Speed)
 }
 
 fn dwell(time: Millis) -> Result<(), Beyond> {
