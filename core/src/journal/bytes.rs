@@ -1,36 +1,30 @@
 //! Fields in a fixed number of bytes, little end first.
 
 /// Puts fields behind each other. What does not fit any more is left out: the sizes are constants, and a test counts.
-pub(super) struct Writer<const N: usize> {
-    bytes: [u8; N],
-    at: usize,
+pub(super) struct Writer<'a> {
+    rest: &'a mut [u8],
 }
 
-impl<const N: usize> Writer<N> {
-    pub(super) const fn new() -> Self {
-        Self {
-            bytes: [0; N],
-            at: 0,
+impl<'a> Writer<'a> {
+    pub(super) const fn new(bytes: &'a mut [u8]) -> Self {
+        Self { rest: bytes }
+    }
+
+    /// Four bytes.
+    #[inline(never)]
+    pub(super) fn word(&mut self, word: u32) {
+        let rest = core::mem::take(&mut self.rest);
+        if let Some((place, rest)) = rest.split_first_chunk_mut() {
+            *place = word.to_le_bytes();
+            self.rest = rest;
         }
     }
 
-    pub(super) fn put<const M: usize>(&mut self, field: [u8; M]) {
-        let end = self.at.saturating_add(M);
-        if let Some(place) = self.bytes.get_mut(self.at..end) {
-            for (to, from) in place.iter_mut().zip(field) {
-                *to = from;
-            }
-            self.at = end;
-        }
-    }
-
-    /// What has been put so far.
-    pub(super) fn written(&self) -> &[u8] {
-        self.bytes.get(..self.at).unwrap_or_default()
-    }
-
-    pub(super) const fn finish(self) -> [u8; N] {
-        self.bytes
+    /// Eight bytes.
+    #[inline(never)]
+    pub(super) fn long(&mut self, long: i64) {
+        self.word(long as u32);
+        self.word((long >> 32) as u32);
     }
 }
 

@@ -134,21 +134,23 @@ impl TapRecord {
             | flag(hole.notes.unit == LengthUnit::Inch, INCH);
         let spindle = hole.spindle.number();
         let plane = hole.notes.plane.code();
-        let mut to = Writer::<{ Self::BYTES }>::new();
-        to.put([Self::VERSION, flags, spindle, plane]);
-        to.put(self.sequence.to_le_bytes());
-        to.put(hole.level.nm().to_le_bytes());
-        to.put(hole.bottom.nm().to_le_bytes());
-        to.put(hole.lead.numerator().to_le_bytes());
-        to.put(hole.lead.denominator().to_le_bytes());
-        to.put(hole.speed.get().to_le_bytes());
-        to.put(hole.notes.extraction.part().to_le_bytes());
-        to.put(hole.notes.extraction.whole().to_le_bytes());
-        to.put(self.position.nm().to_le_bytes());
-        to.put(self.angle.raw().to_le_bytes());
-        let sum = CRC.checksum(to.written());
-        to.put(sum.to_le_bytes());
-        to.finish()
+        let mut bytes = [0; Self::BYTES];
+        let mut to = Writer::new(&mut bytes);
+        to.word(u32::from_le_bytes([Self::VERSION, flags, spindle, plane]));
+        to.word(self.sequence);
+        to.long(hole.level.nm());
+        to.long(hole.bottom.nm());
+        to.long(hole.lead.numerator());
+        to.long(hole.lead.denominator());
+        to.word(hole.speed.get() as u32);
+        to.word(hole.notes.extraction.part());
+        to.word(hole.notes.extraction.whole());
+        to.long(self.position.nm());
+        to.long(self.angle.raw());
+        if let Some((content, sum)) = bytes.split_last_chunk_mut() {
+            *sum = CRC.checksum(content).to_le_bytes();
+        }
+        bytes
     }
 
     /// The entry of `bytes`; `None` where nothing was ever written: no bytes, or erased flash.

@@ -159,7 +159,8 @@ impl SetpointHash {
             };
             running.update(&value.to_le_bytes());
         }
-        self.seen = self.seen.saturating_add(1);
+        // Ticks do not come to the end of 64 bits.
+        self.seen = self.seen.wrapping_add(1);
         if runs {
             self.settled = running.finalize();
             self.ticks = self.seen;

@@ -43,10 +43,14 @@ impl Ledger {
         let runs = snapshot.board_state() == BoardState::Run;
         self.hash.push(setpoint.position, spindle, runs);
         if let Some(error) = error {
-            self.measured = self.measured.saturating_add(1);
+            // Ticks do not come to the end of 64 bits.
+            self.measured = self.measured.wrapping_add(1);
             self.largest = self.largest.max(error.abs());
-            let nm = error.nm().unsigned_abs();
-            self.squares = self.squares.saturating_add(nm.saturating_mul(nm));
+            let square = match u32::try_from(error.nm().unsigned_abs()) {
+                Ok(nm) => u64::from(nm).wrapping_mul(nm.into()),
+                Err(_) => u64::MAX,
+            };
+            self.squares = self.squares.saturating_add(square);
         }
     }
 

@@ -317,7 +317,8 @@ impl Station {
         params: &Params,
         offer: &mut impl FnMut(&Call) -> bool,
     ) -> bool {
-        self.shelf.tick = self.shelf.tick.saturating_add(elapsed.get().into());
+        // Ticks do not come to the end of 64 bits.
+        self.shelf.tick = self.shelf.tick.wrapping_add(elapsed.get().into());
         self.shelf.snapshot = snapshot;
         let error = self.shelf.sync_error;
         self.shelf.ledger.take(elapsed, &snapshot, error);

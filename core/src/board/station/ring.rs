@@ -1,5 +1,7 @@
 //! Bytes in the order they came, in a fixed room.
 
+use crate::board::store::copy;
+
 /// A ring of at most `N` bytes.
 #[derive(Clone, Debug)]
 pub struct Ring<const N: usize> {
@@ -46,25 +48,20 @@ impl<const N: usize> Ring<N> {
 
     /// Takes all of `bytes`, or none where they have no room.
     pub fn push(&mut self, bytes: &[u8]) -> bool {
-        if bytes.len() > self.free() {
-            return false;
-        }
-        for &byte in bytes {
+        let fits = bytes.len() <= self.free();
+        if fits {
             let end = self.place(self.used);
-            if let Some(place) = self.bytes.get_mut(end) {
-                *place = byte;
-            }
-            self.used = self.used.saturating_add(1);
+            put(&mut self.bytes, end, bytes);
+            self.used = self.used.saturating_add(bytes.len());
         }
-        true
+        fits
     }
 
     /// Copies bytes from `ahead` of the oldest on; how many there are comes back.
     pub fn copy(&self, ahead: usize, into: &mut [u8]) -> usize {
         let count = self.used.saturating_sub(ahead).min(into.len());
-        for (byte, ahead) in into.iter_mut().zip(ahead..).take(count) {
-            *byte = self.bytes.get(self.place(ahead)).copied().unwrap_or(0);
-        }
+        let into = into.get_mut(..count).unwrap_or_default();
+        take(&self.bytes, self.place(ahead), into);
         count
     }
 
@@ -74,6 +71,24 @@ impl<const N: usize> Ring<N> {
         self.front = self.place(count);
         self.used = self.used.saturating_sub(count);
     }
+}
+
+// Of every length the same code: a board has two rings.
+
+/// Puts `bytes` into a ring from `at` on.
+#[inline(never)]
+fn put(ring: &mut [u8], at: usize, bytes: &[u8]) {
+    let (front, back) = ring.split_at_mut_checked(at).unwrap_or_default();
+    let taken = copy(bytes, back);
+    copy(bytes.get(taken..).unwrap_or_default(), front);
+}
+
+/// Fills `into` from a ring from `at` on.
+#[inline(never)]
+fn take(ring: &[u8], at: usize, into: &mut [u8]) {
+    let (front, back) = ring.split_at_checked(at).unwrap_or_default();
+    let taken = copy(back, into);
+    copy(front, into.get_mut(taken..).unwrap_or_default());
 }
 
 #[cfg(test)]

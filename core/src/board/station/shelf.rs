@@ -99,6 +99,7 @@ impl Told {
 pub struct Pdos([PdoCommunication; 4]);
 
 impl Pdos {
+    #[inline(never)]
     pub const fn new(node: NodeId, event_ms: u16) -> Self {
         Self([
             PdoCommunication::received(Service::Rpdo1, node),
