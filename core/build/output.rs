@@ -40,10 +40,8 @@ pub fn generate(tables: &Tables) -> String {
             write_line(
                 &mut entries,
                 format_args!(
-                    "Entry {{ no: {}, alias: {}, part: {part}, limits: {none}{place}, slot: {} }},",
-                    d.no,
-                    d.alias.unwrap_or_default(),
-                    v.slot,
+                    "Entry {{ no: {}, part: {part}, limits: {none}{place}, slot: {} }},",
+                    d.no, v.slot,
                 ),
             );
             write_line(
@@ -67,6 +65,18 @@ pub fn generate(tables: &Tables) -> String {
     write_line(
         &mut out,
         format_args!("static ENTRIES: [Entry; {count}] = [\n{entries}];"),
+    );
+    let aliases: Vec<(u16, u16)> = tables
+        .definitions
+        .iter()
+        .filter_map(|d| d.alias.map(|alias| (alias, d.no)))
+        .collect();
+    write_line(
+        &mut out,
+        format_args!(
+            "static ALIASES: [(u16, u16); {}] = {aliases:?};",
+            aliases.len()
+        ),
     );
     write_line(
         &mut out,

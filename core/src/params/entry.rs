@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
+use super::{ALIASES, ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
 use crate::units::Axis;
 
 /// Which value of a number.
@@ -28,8 +28,6 @@ const PLACE: u8 = 0x3F;
 pub struct Entry {
     /// Number.
     pub no: u16,
-    /// 0: it has none.
-    pub(super) alias: u16,
     /// Which value of the number.
     pub part: Part,
     /// Place in the ranges, and whether an extreme stands for "none".
@@ -89,11 +87,15 @@ impl Entry {
 
     /// Second number of the same record [D17].
     #[must_use]
-    pub const fn alias(&self) -> Option<u16> {
-        match self.alias {
-            0 => None,
-            alias => Some(alias),
-        }
+    pub fn alias(&self) -> Option<u16> {
+        let of_this = ALIASES.iter().find(|(_, no)| *no == self.no);
+        of_this.map(|(alias, _)| *alias)
+    }
+
+    /// The number that is meant by a number or an alias.
+    pub(crate) fn number_of(no: u16) -> u16 {
+        let alias = ALIASES.iter().find(|(alias, _)| *alias == no);
+        alias.map_or(no, |(_, no)| *no)
     }
 
     /// Smallest raw value.
@@ -156,7 +158,8 @@ impl Entry {
     /// # Errors
     /// [`FindError`].
     pub fn find(no: u16, part: Option<Part>) -> Result<&'static Self, FindError> {
-        Self::pick(part, false, |e| e.is_number(no))
+        let no = Self::number_of(no);
+        Self::pick(part, false, |e| e.no == no)
     }
 
     /// The value that `NO`, `NO.BIT`, `NO.AXIS`, or the same with a name for the number, means. Zeros before a number
@@ -194,12 +197,6 @@ impl Entry {
             None if by_name && matches!(first.part, Part::Bit(_)) => Ok(first),
             None => Err(FindError::PartMissing(first)),
         }
-    }
-
-    /// True where the number or alias is `no`.
-    #[must_use]
-    pub fn is_number(&self, no: u16) -> bool {
-        self.no == no || self.alias() == Some(no)
     }
 }
 

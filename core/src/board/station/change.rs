@@ -71,7 +71,7 @@ impl Shelf {
         number: i64,
         params: &Params,
     ) -> Result<(), Abort> {
-        let change = if entry.is_number(PARAMETER_WRITE_ENABLE) {
+        let change = if entry.no == PARAMETER_WRITE_ENABLE {
             Change::Switch
         } else {
             Change::Value

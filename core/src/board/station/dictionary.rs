@@ -11,7 +11,7 @@ use crate::params::{Entry, Part};
 use crate::units::Axis;
 
 /// Name of sub-index 0 of an object with several.
-pub(super) const HIGHEST: &str = "highest sub-index";
+const HIGHEST: &str = "highest sub-index";
 
 /// Index of parameter 0.
 pub const PARAMETERS: u16 = 0x2000;
@@ -200,7 +200,7 @@ impl Item {
 pub(super) enum Place {
     /// A line of the table.
     Row(&'static Row),
-    /// The highest sub-index of a parameter.
+    /// The highest sub-index of an object with several.
     Highest(u8),
     /// A parameter; of a number with bits, the first of them.
     Parameter(&'static Entry),
@@ -249,17 +249,14 @@ impl Place {
 pub(super) fn find(object: Object) -> Result<Place, Abort> {
     let mut highest = None;
     if let PARAMETERS..0x5000 = object.index {
-        let no = object.index.wrapping_sub(PARAMETERS);
-        for entry in Entry::all().iter().filter(|entry| entry.is_number(no)) {
+        let no = Entry::number_of(object.index.wrapping_sub(PARAMETERS));
+        for entry in Entry::all().iter().filter(|entry| entry.no == no) {
             let sub = sub_of(entry);
             if sub == object.sub {
                 return Ok(Place::Parameter(entry));
             }
-            // The table is in their order.
+            // The tables are in their order.
             highest = Some(sub);
-        }
-        if let (Some(highest), 0) = (highest, object.sub) {
-            return Ok(Place::Highest(highest));
         }
     }
     for row in &ROWS {
@@ -270,10 +267,11 @@ pub(super) fn find(object: Object) -> Result<Place, Abort> {
             highest = Some(row.object.sub);
         }
     }
-    Err(match highest {
-        Some(_) => Abort::NoSubIndex,
-        None => Abort::NoObject,
-    })
+    match highest {
+        Some(highest @ 1..) if object.sub == 0 => Ok(Place::Highest(highest)),
+        Some(_) => Err(Abort::NoSubIndex),
+        None => Err(Abort::NoObject),
+    }
 }
 
 /// All items by index and sub-index. Parameters with two numbers are listed under the first.
@@ -284,7 +282,14 @@ pub fn items() -> impl Iterator<Item = Item> {
 }
 
 fn table() -> impl Iterator<Item = Item> {
-    ROWS.iter().enumerate().map(|(place, row)| row.item(place))
+    ROWS.iter().enumerate().flat_map(|(place, row)| {
+        let Object { index, sub } = row.object;
+        let alike = || ROWS.iter().filter(|other| other.object.index == index);
+        let first = alike().all(|other| other.object.sub >= sub);
+        let highest = alike().map(|other| other.object.sub).max().unwrap_or(0);
+        let count = (first && sub != 0).then(|| Item::count(index, highest));
+        [count, Some(row.item(place))].into_iter().flatten()
+    })
 }
 
 /// Every parameter, each number at its first entry.

@@ -1,6 +1,6 @@
 //! The objects of a board that are no parameters, in one list.
 
-use super::dictionary::{Access, HIGHEST, Initial, Item, Kind, Name};
+use super::dictionary::{Access, Initial, Item, Kind, Name};
 use crate::board::station::inbox::PROGRAM_BYTES;
 use crate::bus::{
     BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, NodeId, Object, PdoCommunication,
@@ -216,10 +216,6 @@ const fn within(line: Line, low: u16, high: u16) -> Line {
     with(line, Value::Within(low.to_le_bytes(), high.to_le_bytes()))
 }
 
-const fn highest(index: u16, sub: u8) -> Line {
-    fixed(index, 0, HIGHEST, U8, sub as u32)
-}
-
 const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Line {
     let mut rest = mapping;
     let mut at = 1;
@@ -295,21 +291,17 @@ const LINES: &[Line] = &[
     item(0x1006, 0, "Communication cycle period", U32, Read),
     text(0x1008, "Device name", Value::DeviceName),
     text(0x100A, "Software version", Value::SoftwareVersion),
-    highest(0x1010, 1),
     with(
         item(0x1010, 1, "store all parameters", U32, Both),
         number(STORES_ITSELF),
     ),
-    highest(0x1011, 1),
     with(
         item(0x1011, 1, "restore all parameters", U32, Both),
         number(RESTORES),
     ),
     of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80),
-    highest(0x1016, 1),
     item(0x1016, 1, "gateway", U32, Both),
     item(0x1017, 0, "Producer heartbeat time", U16, Both),
-    highest(0x1018, 4),
     fixed(0x1018, 1, "vendor", U32, 0),
     fixed(0x1018, 2, "product code", U32, PRODUCT),
     fixed(0x1018, 3, "revision", U32, (VERSION.number as u32) << 16),
@@ -321,56 +313,44 @@ const LINES: &[Line] = &[
         U8,
         SyncProducer::LAST as u32,
     ),
-    highest(0x1020, 2),
     item(0x1020, 1, "checksum of the set", U32, Read),
     fixed(0x1020, 2, "key of the table", U32, TABLE_KEY),
-    highest(0x1200, 2),
     of_node(0x1200, 1, "COB-ID client to server", Const, 0x600),
     of_node(0x1200, 2, "COB-ID server to client", Const, 0x580),
-    highest(0x1400, 2),
     cob_id(0x1400, Service::Rpdo1),
     transmission(0x1400),
-    highest(0x1600, 6),
     map(0x1600, 1, &BoardCommand::MAPPING),
     map(0x1600, 2, &BoardCommand::MAPPING),
     map(0x1600, 3, &BoardCommand::MAPPING),
     map(0x1600, 4, &BoardCommand::MAPPING),
     map(0x1600, 5, &BoardCommand::MAPPING),
     map(0x1600, 6, &BoardCommand::MAPPING),
-    highest(0x1800, 5),
     cob_id(0x1800, Service::Tpdo1),
     transmission(0x1800),
     event_timer(0x1800),
-    highest(0x1801, 5),
     cob_id(0x1801, Service::Tpdo2),
     transmission(0x1801),
     event_timer(0x1801),
-    highest(0x1802, 5),
     cob_id(0x1802, Service::Tpdo3),
     transmission(0x1802),
     event_timer(0x1802),
-    highest(0x1A00, 6),
     map(0x1A00, 1, &BoardStatus::MAPPING),
     map(0x1A00, 2, &BoardStatus::MAPPING),
     map(0x1A00, 3, &BoardStatus::MAPPING),
     map(0x1A00, 4, &BoardStatus::MAPPING),
     map(0x1A00, 5, &BoardStatus::MAPPING),
     map(0x1A00, 6, &BoardStatus::MAPPING),
-    highest(0x1A01, 2),
     map(0x1A01, 1, &BoardPlace::MAPPING),
     map(0x1A01, 2, &BoardPlace::MAPPING),
-    highest(0x1A02, 3),
     map(0x1A02, 1, &BoardSpindle::MAPPING),
     map(0x1A02, 2, &BoardSpindle::MAPPING),
     map(0x1A02, 3, &BoardSpindle::MAPPING),
-    highest(0x5000, 6),
     mapped(0x5000, 1, "count", U8, Both),
     within(mapped(0x5000, 2, "order", U8, Both), 0, 5),
     mapped(0x5000, 3, "switches", U8, Both),
     mapped(0x5000, 4, "feed override", U8, Both),
     mapped(0x5000, 5, "rapid override", U8, Both),
     mapped(0x5000, 6, "spindle override", U8, Both),
-    highest(0x5001, 12),
     item(0x5001, 1, "record", Domain, Read),
     mapped(0x5001, 2, "state", U8, Read),
     mapped(0x5001, 3, "flags", U8, Read),
@@ -383,7 +363,6 @@ const LINES: &[Line] = &[
     mapped(0x5001, 10, "spindle angle", U16, Read),
     mapped(0x5001, 11, "spindle speed", I32, Read),
     mapped(0x5001, 12, "synchronism error", I16, Read),
-    highest(0x5010, 11),
     item(0x5010, 1, "image", Domain, Both),
     item(0x5010, 2, "state of the last change", U8, Read),
     item(0x5010, 3, "checksum of the stored set", U32, Read),
@@ -395,7 +374,6 @@ const LINES: &[Line] = &[
     item(0x5010, 9, "image to be staged", Domain, Write),
     item(0x5010, 10, "what the staged set would change", Domain, Read),
     item(0x5010, 11, "checksum: commit the staged set", U32, Write),
-    highest(0x5020, 6),
     item(0x5020, 1, "batch of calls", Domain, Write),
     with(
         item(0x5020, 2, "version of the link", U64, Const),
@@ -405,10 +383,8 @@ const LINES: &[Line] = &[
     item(0x5020, 4, "next call", U32, Read),
     item(0x5020, 5, "credit", U16, Read),
     fixed(0x5020, 6, "longest batch", U16, BATCH_BYTES as u32),
-    highest(0x5030, 2),
     item(0x5030, 1, "record", Domain, Read),
     item(0x5030, 2, "discard", U32, Write),
-    highest(0x5040, 3),
     item(0x5040, 1, "newest", U32, Read),
     item(0x5040, 2, "read from", U32, Both),
     item(0x5040, 3, "entries", Domain, Read),
