@@ -280,6 +280,18 @@ fn a_set_that_differs_in_nothing_but_its_password_is_not_committed_for_another()
     assert_eq!(stored(&inside), (Found::Newest, theirs));
 }
 
+/// A file may name the password that is in force already.
+#[test]
+fn a_set_with_the_password_in_force_goes_in() {
+    let inside = machine(flash_with(&set(&[("9028", 4711)])));
+    let mut link = link(&inside);
+    link.attend().unwrap();
+    link.open_parameters(4711).unwrap();
+    let new = set(&[("9007", 13), ("9028", 4711)]);
+    push(&mut link, &new).unwrap();
+    assert_eq!(stored(&inside), (Found::Newest, new));
+}
+
 /// What has been committed can be committed again; what has not says nothing about the password.
 #[test]
 fn a_password_is_not_found_by_trying_to_commit() {

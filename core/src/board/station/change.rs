@@ -93,7 +93,7 @@ impl Shelf {
     }
 
     /// Whether the draft can work; a password that is only named is the one there is.
-    pub(super) fn look(&mut self, params: &Params) -> Result<(), Abort> {
+    fn look(&mut self, params: &Params) -> Result<(), Abort> {
         if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
             let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
             if kept == 0 {
@@ -113,7 +113,7 @@ impl Shelf {
     }
 
     /// The draft, which has been looked at, is stored and comes into force.
-    pub(super) fn stage(&mut self, params: &Params) {
+    fn stage(&mut self, params: &Params) {
         if self.is_there(params) {
             self.keeper.nothing_to_do();
         } else {
@@ -121,7 +121,7 @@ impl Shelf {
         }
     }
 
-    fn look_and_stage(&mut self, params: &Params) -> Result<(), Abort> {
+    pub(super) fn look_and_stage(&mut self, params: &Params) -> Result<(), Abort> {
         self.look(params)?;
         self.stage(params);
         Ok(())
@@ -147,14 +147,19 @@ impl Shelf {
         self.look_and_stage(params)
     }
 
-    /// Whether the image that the draft was sent as ends with this checksum. It holds 1 where the password in force was to
-    /// stay, and a new one as it is. When that is in force, its image can be named once more, and again if that was right:
-    /// nobody finds a password by trying, without the door's waits [D163].
+    /// Whether the image that the draft was sent as ends with this checksum. Where it held the password that is in force, it
+    /// can be named until somebody names anything else: nobody finds a password by trying, without the door's waits [D163].
     fn is_draft(&mut self, checksum: u32, params: &Params) -> bool {
         let stays = self.draft.slot(PASSWORD_SLOT) == params.slot(PASSWORD_SLOT);
         self.named = (self.named || !stays)
             && ImageWriter::with_password(&self.draft).checksum() == checksum;
         self.named || stays && identity(&self.draft) == checksum
+    }
+
+    /// The draft, which has come as an image, waits for its commit.
+    pub(super) fn put_aside(&mut self, params: &Params) -> Result<(), Abort> {
+        self.named = self.draft.slot(PASSWORD_SLOT) != Some(PASSWORD_KEPT);
+        self.look(params)
     }
 
     pub(super) fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {

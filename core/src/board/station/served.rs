@@ -117,11 +117,11 @@ impl Objects for Served<'_> {
             if let Err(error) = shelf.image.finish(&shelf.draft) {
                 return shelf.refuse_image(error);
             }
-            shelf.look(self.params)?;
-            if object == IMAGE {
-                shelf.stage(self.params);
-            }
-            return Ok(());
+            return if object == STAGED {
+                shelf.put_aside(self.params)
+            } else {
+                shelf.look_and_stage(self.params)
+            };
         }
         if object == BATCH {
             let snapshot = &shelf.snapshot;

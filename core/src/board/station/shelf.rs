@@ -71,7 +71,7 @@ pub struct Shelf {
     pub door: Door,
     /// The draft is good and comes into force: the owner takes it before the next frame.
     pub(super) staged: bool,
-    /// The last commit named the draft with its password.
+    /// The draft is named by the image with its password.
     pub(super) named: bool,
     /// Where a changed set is put together, before all of it has been looked at.
     pub(super) draft: Params,
