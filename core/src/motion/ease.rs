@@ -48,7 +48,8 @@ const NS: u64 = 1_000_000_000;
 /// multiplication.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Fraction {
-    shift: u32,
+    /// As wide as the other, so that a plan has no gaps and is cleared at one go.
+    shift: u64,
     inverse: u64,
 }
 
@@ -62,14 +63,14 @@ impl Fraction {
             .saturating_sub(32);
         let scaled = whole.wrapping_shr(shift).max(1);
         Self {
-            shift,
+            shift: u64::from(shift),
             inverse: (1_u64 << 63).checked_div(scaled).unwrap_or(0),
         }
     }
 
     /// `part` / whole in 2⁻³¹, for 0 ≤ part ≤ whole.
     fn get(self, part: Fine) -> u64 {
-        let part = part.unsigned_abs().wrapping_shr(self.shift);
+        let part = part.unsigned_abs().wrapping_shr(self.shift as u32);
         (part.wrapping_mul(self.inverse) >> 32).min(1 << 31)
     }
 
@@ -90,8 +91,8 @@ impl Fraction {
 
     /// `size` · `fraction` (2⁻³¹), for a size not above the whole.
     fn scale(self, size: Fine, fraction: u64) -> Fine {
-        let size = size.unsigned_abs().wrapping_shr(self.shift);
-        ((size.wrapping_mul(fraction) >> 31) as i64).wrapping_shl(self.shift)
+        let size = size.unsigned_abs().wrapping_shr(self.shift as u32);
+        ((size.wrapping_mul(fraction) >> 31) as i64).wrapping_shl(self.shift as u32)
     }
 }
 

@@ -89,42 +89,37 @@ impl Limits {
     }
 
     /// Limits of one axis alone.
-    pub(super) const fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
+    pub(super) fn of_axis(&self, axis: Axis, pace: Pace) -> PathLimits {
+        PathLimits::of(self.figures(axis, pace))
+    }
+
+    /// Speed, acceleration and jerk of one axis.
+    #[inline(never)]
+    const fn figures(&self, axis: Axis, pace: Pace) -> [u64; 3] {
         let limits = self.axis(axis);
-        PathLimits {
-            speed: match pace {
-                Pace::Rapid => limits.rapid,
-                Pace::Cutting => limits.cutting,
-            },
-            acceleration: limits.acceleration,
-            jerk: limits.jerk,
-        }
+        let speed = match pace {
+            Pace::Rapid => limits.rapid,
+            Pace::Cutting => limits.cutting,
+        };
+        [speed.raw() as u64, limits.acceleration, limits.jerk]
     }
 
     /// Limits along a straight path: of every axis its limit times the path's length over the axis' own way, and the least
     /// of those.
     pub(super) fn line(&self, line: &Line, pace: Pace) -> PathLimits {
         let length = line.length().nm() as u64;
-        let mut path = PathLimits {
-            speed: PathRate::from_raw(u32::MAX),
-            acceleration: u64::MAX,
-            jerk: u64::MAX,
-        };
+        let mut least = [u64::from(u32::MAX), u64::MAX, u64::MAX];
         // One division for each axis: length / distance in 2^-shift, as fine as 64 bits allow, at least 2⁻²⁰ at 4 km.
         let shift = length.leading_zeros().min(63);
         for (axis, distance) in Axis::ALL.into_iter().zip(line.distances()) {
             let Some(ratio) = (length << shift).checked_div(distance) else {
                 continue;
             };
-            let own = self.of_axis(axis, pace);
-            let speed = stretched(u64::from(own.speed.raw()), ratio, shift);
-            path = path.least(PathLimits {
-                speed: PathRate::from_raw(u32::try_from(speed).unwrap_or(u32::MAX)),
-                acceleration: stretched(own.acceleration, ratio, shift),
-                jerk: stretched(own.jerk, ratio, shift),
-            });
+            for (least, own) in least.iter_mut().zip(self.figures(axis, pace)) {
+                *least = stretched(own, ratio, shift).min(*least);
+            }
         }
-        path
+        PathLimits::of(least)
     }
 
     /// Limits along a circular path in X–Z that is never driven faster than `top`.
@@ -133,30 +128,31 @@ impl Limits {
     /// and J, 3·V·A/R and V³/R². Half of the weaker axis' acceleration is kept for A, half of its jerk for J; where V
     /// takes less than its part, they get the rest.
     pub(super) fn arc(&self, bend: &Bend, top: PathRate) -> PathLimits {
-        let axes = self
-            .of_axis(Axis::X, Pace::Cutting)
-            .least(self.of_axis(Axis::Z, Pace::Cutting));
-        let eased =
-            |value: u64, keep: u64| mul_div(value, keep.saturating_mul(1 << 28), bend.stretch);
         // The bends between two ticks are not those at the ticks; an eighth of a radian a tick at most makes that small.
-        let acceleration = eased(axes.acceleration, 15);
-        let jerk = eased(axes.jerk, 14);
-        let speed = u32::try_from(eased(u64::from(axes.speed.raw()), 16)).unwrap_or(u32::MAX);
+        // So 15/16 of the acceleration counts, and 14/16 of the jerk.
+        let mut axes = self.figures(Axis::X, Pace::Cutting);
+        let mut keep = 1_u64 << 32;
+        for (least, z) in axes.iter_mut().zip(self.figures(Axis::Z, Pace::Cutting)) {
+            *least = mul_div(z.min(*least), keep, bend.stretch);
+            keep = keep.wrapping_sub(1 << 28);
+        }
+        let [speed, acceleration, jerk] = axes;
         let radius = bend.radius;
 
         // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick; beyond 2³⁶ nm of radius the second cannot matter.
         let by_acceleration = root_wide(product(acceleration, radius) >> 17);
         let near = radius.min(1 << 36);
         let by_jerk = cube_root(mul_wide(product(near, near), jerk) >> 10);
-        let speed = speed.min(top.raw()).min(by_jerk);
-        let speed = u64::from(speed)
+        let slowest = u64::from(top.raw().min(by_jerk));
+        let speed = speed
+            .min(slowest)
             .min(by_acceleration)
             .min(radius.saturating_mul(32))
             .max(2);
 
         // V fits 32 bits and is 32·R at most, or 2.
         let square = speed.wrapping_mul(speed);
-        let across = narrow_div(u128::from(square) << 16, radius);
+        let across = mul_div(square, 1 << 16, radius);
         // A ≤ j·R / (12·V).
         let by_cross = narrow_div(product(jerk, radius) << 8, speed.wrapping_mul(12));
         let along = acceleration.saturating_sub(across).min(by_cross);
@@ -171,12 +167,12 @@ impl Limits {
 }
 
 impl PathLimits {
-    /// What both allow.
-    fn least(self, other: Self) -> Self {
+    /// Of speed, below 2³², acceleration and jerk.
+    const fn of([speed, acceleration, jerk]: [u64; 3]) -> Self {
         Self {
-            speed: self.speed.min(other.speed),
-            acceleration: self.acceleration.min(other.acceleration),
-            jerk: self.jerk.min(other.jerk),
+            speed: PathRate::from_raw(speed as u32),
+            acceleration,
+            jerk,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Angle, Length, mul_high, narrow_div, product, root_wide};
+use crate::units::{Angle, Length, mul_high, narrow_div, product, root_wide, size};
 
 /// A straight path in X, Z and C.
 ///
@@ -30,7 +30,7 @@ impl Line {
         let dc = magnitude(from.c.udeg(), to.c.udeg());
         let square = |d: u64| product(d, d);
         // Rounded up, so that no share is above one.
-        let flat = ceil_sqrt(square(dx).saturating_add(square(dz)));
+        let flat = ceil_sqrt(square(dx).wrapping_add(square(dz)));
         let length = flat.max(dc);
         Self {
             from,
@@ -92,8 +92,9 @@ impl Line {
     }
 }
 
+/// Both are within [`Length::INPUT_LIMIT`].
 const fn magnitude(from: i64, to: i64) -> u64 {
-    to.abs_diff(from)
+    size(to.wrapping_sub(from))
 }
 
 const fn nm(value: u64) -> Length {

@@ -57,38 +57,91 @@ impl Timed {
 /// [`Code::MoveTooFar`], [`Code::FeedZero`], [`Code::SpeedOutOfReach`], [`Code::ArcNoRadius`], [`Code::ArcEndOff`],
 /// [`Code::ArcMovesC`].
 pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Timed>, Alarm> {
-    let span = target.span;
-    match target.kind {
-        MoveKind::Rapid => {
-            let line = line(from, target)?;
-            let path = limits.line(&line, Pace::Rapid);
-            plan(Path::Line(line), path.speed, &path, None, span, limits)
-        }
-        MoveKind::Feed(feed) => {
-            let line = line(from, target)?;
-            let path = limits.line(&line, Pace::Cutting);
-            let nominal = nominal(feed, line.length(), line.feed_length(), limits, span)?;
-            plan(Path::Line(line), nominal, &path, Some(feed), span, limits)
-        }
-        MoveKind::Arc {
-            i,
-            k,
-            clockwise,
-            feed,
-        } => {
-            in_range(from, span)?;
-            in_range(target.to, span)?;
-            let arc =
-                Arc::new(from, target.to, i, k, clockwise).map_err(|error| refusal(error, span))?;
-            let nominal = nominal(feed, arc.length(), arc.length(), limits, span)?;
-            let path = arc_limits(&arc, nominal, limits);
-            plan(Path::Arc(arc), nominal, &path, Some(feed), span, limits)
-        }
+    let feed = match &target.kind {
+        MoveKind::Rapid => None,
+        MoveKind::Feed(feed) | MoveKind::Arc { feed, .. } => Some(*feed),
         MoveKind::Thread(_)
         | MoveKind::Tap(_)
         | MoveKind::Dwell(_)
         | MoveKind::Spindle(_)
-        | MoveKind::Aux(_) => Ok(None),
+        | MoveKind::Aux(_) => return Ok(None),
+    };
+    match &planned(from, target, feed, limits) {
+        Ok(timed) => Ok(Some(*timed)),
+        Err(refusal) => Err(refusal.alarm(target.span)),
+    }
+}
+
+/// Why a move cannot be planned.
+enum Refusal {
+    TooFar,
+    /// The feed is nothing on this path.
+    NoFeed,
+    Arc(ArcError),
+    /// Its ramp would be too long, up to this speed.
+    OutOfReach(Feed),
+}
+
+#[inline(never)]
+fn planned(
+    from: Position,
+    target: &Move,
+    feed: Option<FeedRate>,
+    limits: &Limits,
+) -> Result<Timed, Refusal> {
+    if !in_range(from) || !in_range(target.to) {
+        return Err(Refusal::TooFar);
+    }
+    let path = match &path(from, target) {
+        Ok(path) => *path,
+        Err(error) => return Err(Refusal::Arc(*error)),
+    };
+    let length = path.length();
+    let tick_us = limits.tick_us();
+    let (nominal, mut bounds) = match (&path, feed) {
+        (Path::Line(line), None) => {
+            let bounds = limits.line(line, Pace::Rapid);
+            (bounds.speed, bounds)
+        }
+        (Path::Line(line), Some(feed)) => (
+            nominal(feed, length, line.feed_length(), tick_us),
+            limits.line(line, Pace::Cutting),
+        ),
+        (Path::Arc(arc), feed) => {
+            let nominal = feed.map_or(PathRate::ZERO, |feed| {
+                nominal(feed, length, length, tick_us)
+            });
+            (nominal, arc_limits(arc, nominal, limits))
+        }
+    };
+    if feed.is_some() {
+        if nominal == PathRate::ZERO {
+            return Err(Refusal::NoFeed);
+        }
+        bounds.speed = bounds.speed.min(FEED_OVERRIDE_MAX.of(nominal));
+    }
+    let Some(ramp) = shape::ramp(length, nominal, &bounds) else {
+        return Err(Refusal::OutOfReach(bounds.speed.feed(tick_us)));
+    };
+    Ok(Timed {
+        path,
+        length,
+        nominal,
+        ramp,
+        exit: PathRate::ZERO,
+        feed,
+    })
+}
+
+#[inline(never)]
+fn path(from: Position, target: &Move) -> Result<Path, ArcError> {
+    if let MoveKind::Arc {
+        i, k, clockwise, ..
+    } = target.kind
+    {
+        Arc::new(from, target.to, i, k, clockwise).map(Path::Arc)
+    } else {
+        Ok(Path::Line(Line::new(from, target.to)))
     }
 }
 
@@ -107,101 +160,50 @@ fn arc_limits(arc: &Arc, nominal: PathRate, limits: &Limits) -> PathLimits {
     path
 }
 
-#[inline(never)]
-fn line(from: Position, target: &Move) -> Result<Line, Alarm> {
-    in_range(from, target.span)?;
-    in_range(target.to, target.span)?;
-    Ok(Line::new(from, target.to))
-}
-
-fn in_range(position: Position, span: Span) -> Result<(), Alarm> {
+fn in_range(position: Position) -> bool {
     let c = Length::from_nm(position.c.udeg());
-    if position.x.is_in_range() && position.z.is_in_range() && c.is_in_range() {
-        Ok(())
-    } else {
-        Err(too_far(span))
-    }
+    position.x.is_in_range() && position.z.is_in_range() && c.is_in_range()
 }
 
-fn too_far(span: Span) -> Alarm {
-    Alarm::new(Code::MoveTooFar, span).with([
-        Arg::Length(Length::INPUT_LIMIT),
-        Arg::None,
-        Arg::None,
-        Arg::None,
-    ])
-}
-
-fn refusal(error: ArcError, span: Span) -> Alarm {
-    match error {
-        ArcError::NoRadius => Alarm::new(Code::ArcNoRadius, span),
-        ArcError::NotOnCircle(start, end) => Alarm::new(Code::ArcEndOff, span).with([
-            Arg::Length(start),
-            Arg::Length(end),
-            Arg::None,
-            Arg::None,
-        ]),
-        ArcError::TooFar => too_far(span),
-        ArcError::MovesC => Alarm::new(Code::ArcMovesC, span).word(b'C'),
+impl Refusal {
+    #[inline(never)]
+    fn alarm(&self, span: Span) -> Alarm {
+        let (code, word, args) = match *self {
+            Self::TooFar | Self::Arc(ArcError::TooFar) => (
+                Code::MoveTooFar,
+                None,
+                [Arg::Length(Length::INPUT_LIMIT), Arg::None],
+            ),
+            Self::NoFeed => (Code::FeedZero, Some(b'F'), [Arg::None; 2]),
+            Self::Arc(ArcError::NoRadius) => (Code::ArcNoRadius, None, [Arg::None; 2]),
+            Self::Arc(ArcError::NotOnCircle(start, end)) => (
+                Code::ArcEndOff,
+                None,
+                [Arg::Length(start), Arg::Length(end)],
+            ),
+            Self::Arc(ArcError::MovesC) => (Code::ArcMovesC, Some(b'C'), [Arg::None; 2]),
+            Self::OutOfReach(speed) => (
+                Code::SpeedOutOfReach,
+                None,
+                [Arg::Feed(speed), Arg::Int(i64::from(CAPACITY))],
+            ),
+        };
+        let [first, second] = args;
+        let mut alarm = Alarm::new(code, span).with([first, second, Arg::None, Arg::None]);
+        alarm.word = word;
+        alarm
     }
 }
 
 /// The programmed speed as a rate on a path of `length`, of which `measured` counts for the feed.
-fn nominal(
-    feed: FeedRate,
-    length: Length,
-    measured: Length,
-    limits: &Limits,
-    span: Span,
-) -> Result<PathRate, Alarm> {
-    let own = PathRate::of_feed(feed.nominal(), limits.tick_us());
-    let scaled = if length == measured {
-        own.raw()
-    } else {
-        let scaled = mul_div(
-            u64::from(own.raw()),
-            length.nm() as u64,
-            measured.nm() as u64,
-        );
-        u32::try_from(scaled).unwrap_or(u32::MAX)
-    };
-    if scaled == 0 {
-        return Err(Alarm::new(Code::FeedZero, span).word(b'F'));
+fn nominal(feed: FeedRate, length: Length, measured: Length, tick_us: u32) -> PathRate {
+    let own = PathRate::of_feed(feed.nominal(), tick_us);
+    if length == measured {
+        return own;
     }
-    Ok(PathRate::from_raw(scaled))
-}
-
-#[inline(never)]
-fn plan(
-    path: Path,
-    nominal: PathRate,
-    bounds: &PathLimits,
-    feed: Option<FeedRate>,
-    span: Span,
-    limits: &Limits,
-) -> Result<Option<Timed>, Alarm> {
-    let mut bounds = *bounds;
-    if feed.is_some() {
-        bounds.speed = bounds.speed.min(FEED_OVERRIDE_MAX.of(nominal));
-    }
-    let length = path.length();
-    let Some(ramp) = shape::ramp(length, nominal, &bounds) else {
-        let speed: Feed = bounds.speed.feed(limits.tick_us());
-        return Err(Alarm::new(Code::SpeedOutOfReach, span).with([
-            Arg::Feed(speed),
-            Arg::Int(i64::from(CAPACITY)),
-            Arg::None,
-            Arg::None,
-        ]));
-    };
-    Ok(Some(Timed {
-        path,
-        length,
-        nominal,
-        ramp,
-        exit: PathRate::ZERO,
-        feed,
-    }))
+    let (length, measured) = (length.nm() as u64, measured.nm() as u64);
+    let scaled = mul_div(u64::from(own.raw()), length, measured);
+    PathRate::from_raw(u32::try_from(scaled).unwrap_or(u32::MAX))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use super::limits::PathLimits;
 use super::profile::{CAPACITY, Ramp};
 use super::rate::PathRate;
-use crate::units::Length;
+use crate::units::{Length, multiple};
 
 /// The ramp for a motion of `length` at `nominal`, able to go up to `limits.speed`.
 ///
@@ -16,67 +16,60 @@ pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Op
     let units = units(length);
     let cap = limits.speed.raw().max(2);
     let goal = nominal.raw().min(cap).max(1);
-    let fastest = |m: u16| split(m, limits).1;
 
-    let least = smallest(|m| fastest(m) >= 2)?;
-    let full = smallest(|m| fastest(m) >= cap);
+    let least = smallest(limits, Figure::Rate(2))?;
+    let full = smallest(limits, Figure::Rate(cap));
     // The first ramp for which the motion is too short.
-    let over = smallest(|m| u64::from(fastest(m).min(goal)).saturating_mul(u64::from(m)) > units);
+    let over = smallest(limits, Figure::Way(goal, units));
 
-    let (own, other) = match (full, over) {
-        (Some(full), over) if over.is_none_or(|over| over > full) => {
-            // Where nobody can go faster than `goal`, a tick less of ramp may be worth a little less speed.
-            let shorter = full.saturating_sub(1);
-            let other = if goal == cap && shorter >= least {
-                build(shorter, fastest(shorter).min(cap), limits)
-            } else {
-                None
-            };
-            (build(full, cap, limits), other)
-        }
+    // Ticks and rate. A tick less of ramp may be worth a little less speed, where nobody can go faster than `goal`.
+    let (own, may_be_shorter) = match (full, over) {
+        (Some(full), over) if over.is_none_or(|over| over > full) => ((full, cap), goal == cap),
         (_, Some(over)) => {
             let m = over.max(least);
             let share = units.checked_div(u64::from(m)).unwrap_or(0);
-            let share = u32::try_from(share).unwrap_or(u32::MAX).clamp(2, cap);
-            let shorter = over.saturating_sub(1);
-            let other = if shorter >= least {
-                build(shorter, fastest(shorter).min(cap), limits)
-            } else {
-                None
-            };
-            (build(m, share, limits), other)
+            let share = u32::try_from(share).unwrap_or(u32::MAX);
+            ((m, share.min(cap).max(2)), true)
         }
         (_, None) => return None,
     };
-    match (own, other) {
-        (Some(own), Some(other)) => {
-            if ticks_in_units(units, nominal, &other) <= ticks_in_units(units, nominal, &own) {
-                Some(other)
-            } else {
-                Some(own)
-            }
+    let shorter = own.0.saturating_sub(1);
+    let mut best = own;
+    if may_be_shorter && shorter >= least {
+        let other = (shorter, split(shorter, limits).1.min(cap));
+        if ticks_in_units(units, nominal, other) <= ticks_in_units(units, nominal, own) {
+            best = other;
         }
-        (own, other) => own.or(other),
     }
+    let (m, rate) = best;
+    let (n1, _) = split(m, limits);
+    Ramp::new(PathRate::from_raw(rate), n1, m.saturating_sub(n1))
 }
 
 /// Ticks from the start at rest to rest at the end, at [`super::Rate::FULL`] throughout: how often the profile ticks
 /// until it is done. Zero for no length.
 pub(super) fn duration_ticks(length: Length, nominal: PathRate, ramp: &Ramp) -> u64 {
-    ticks_in_units(units(length), nominal, ramp)
+    ticks_in_units(
+        units(length),
+        nominal,
+        (ramp.ticks() as u16, ramp.cap().raw()),
+    )
 }
 
-fn ticks_in_units(units: u64, nominal: PathRate, ramp: &Ramp) -> u64 {
+/// With a ramp of so many ticks to a rate.
+#[inline(never)]
+fn ticks_in_units(units: u64, nominal: PathRate, (ticks, cap): (u16, u32)) -> u64 {
     if units == 0 {
         return 0;
     }
-    let ticks = u64::from(ramp.ticks());
+    let ticks = u64::from(ticks);
     let share = units.checked_div(ticks).unwrap_or(0);
-    let level = u64::from(nominal.min(ramp.cap()).raw()).min(share).max(1);
+    let level = u64::from(nominal.raw().min(cap)).min(share).max(1);
     units.div_ceil(level.max(1)).saturating_add(ticks)
 }
 
 /// How `m` ticks are best split, and the rate (1/256 nm per tick) that makes possible.
+#[inline(never)]
 fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
     let ratio = limits
         .acceleration
@@ -85,47 +78,51 @@ fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
     let crossing = u16::try_from(u64::from(m).saturating_sub(ratio)).unwrap_or(0);
     let most = m.saturating_sub(1).max(1);
     let half = m.div_ceil(2).min(most).max(1);
-    [half, crossing.saturating_sub(1), crossing]
-        .into_iter()
-        .map(|n1| {
-            let n1 = n1.max(half).min(most);
-            let n2 = m.saturating_sub(n1).max(1);
-            // 2⁻³² nm to 1/256 nm. What saturates is beyond any cap.
-            let by_accel = limits.acceleration.saturating_mul(u64::from(n1)) >> 24;
-            let by_jerk = limits
-                .jerk
-                .saturating_mul(u64::from(n1))
-                .saturating_mul(u64::from(n2))
-                >> 24;
-            let rate = by_accel.min(by_jerk).min(u64::from(u32::MAX));
-            (n1, rate as u32)
-        })
-        .fold(
-            (half, 0),
-            |best, next| if next.1 > best.1 { next } else { best },
-        )
-}
-
-fn build(m: u16, rate: u32, limits: &PathLimits) -> Option<Ramp> {
-    let (n1, _) = split(m, limits);
-    Ramp::new(PathRate::from_raw(rate), n1, m.saturating_sub(n1))
-}
-
-/// The smallest ramp, 2…[`CAPACITY`] ticks, for which `enough` is true; it must stay true from there on.
-fn smallest(enough: impl Fn(u16) -> bool) -> Option<u16> {
-    let (mut low, mut high) = (2_u16, CAPACITY);
-    if !enough(high) {
-        return None;
+    let mut best = (half, 0);
+    for n1 in [half, crossing.saturating_sub(1), crossing] {
+        let n1 = n1.max(half).min(most);
+        let n2 = m.saturating_sub(n1).max(1);
+        // 2⁻³² nm to 1/256 nm. What saturates is beyond any cap.
+        let by_accel = multiple(limits.acceleration, u64::from(n1));
+        let product = u32::from(n1).wrapping_mul(u32::from(n2));
+        let by_jerk = multiple(limits.jerk, u64::from(product));
+        let rate = u32::try_from(by_accel.min(by_jerk) >> 24).unwrap_or(u32::MAX);
+        if rate > best.1 {
+            best = (n1, rate);
+        }
     }
+    best
+}
+
+/// What a ramp is looked for by.
+#[derive(Clone, Copy)]
+enum Figure {
+    /// It gets to this rate.
+    Rate(u32),
+    /// At its rate, or this one where that is less, its ticks make a longer way than this.
+    Way(u32, u64),
+}
+
+/// The smallest ramp, 2…[`CAPACITY`] ticks, that does; all longer ones do too.
+#[inline(never)]
+fn smallest(limits: &PathLimits, figure: Figure) -> Option<u16> {
+    let (mut low, mut high) = (2_u16, CAPACITY.wrapping_add(1));
     while low < high {
         let middle = low.midpoint(high);
-        if enough(middle) {
+        let (_, rate) = split(middle, limits);
+        let enough = match figure {
+            Figure::Rate(least) => rate >= least,
+            Figure::Way(most, way) => {
+                u64::from(rate.min(most)).wrapping_mul(u64::from(middle)) > way
+            }
+        };
+        if enough {
             high = middle;
         } else {
             low = middle.saturating_add(1);
         }
     }
-    Some(low)
+    (low <= CAPACITY).then_some(low)
 }
 
 const fn units(length: Length) -> u64 {

@@ -26,7 +26,7 @@ pub use length::{Diameter, Length, Remainder};
 pub use rate::{Ticks, TurnRate};
 pub use ratio::TurnRatio;
 pub(crate) use root::{root, root_wide};
-pub(crate) use saturating::{signed, size};
+pub(crate) use saturating::{multiple, signed, size};
 pub use trig::Direction;
 pub use wide::{Divisor, mul_div, mul_high};
 pub(crate) use wide::{div_wide, mul_wide, narrow_div, product, signed_product};

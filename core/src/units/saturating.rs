@@ -39,6 +39,12 @@ pub(crate) const fn size(a: i64) -> u64 {
     a.unsigned_abs()
 }
 
+/// a · b, without signs.
+#[cfg_attr(feature = "small", inline(never))]
+pub(crate) const fn multiple(a: u64, b: u64) -> u64 {
+    a.saturating_mul(b)
+}
+
 /// a, as one with a sign.
 #[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn signed(a: u64) -> i64 {

@@ -50,12 +50,13 @@ impl Executor {
                 arrival: &self.arrival,
             },
         );
+        let alarm = point.alarm.map(|code| run.alarm(code, plan, now.observer));
         self.position = point.position;
         self.spindle_speed = Some(run.command(plan));
         if point.done {
             self.end_float();
         }
-        if let Some(alarm) = point.alarm {
+        if let Some(alarm) = alarm {
             return Err(alarm);
         }
         self.tell(setpoint, point.motion);

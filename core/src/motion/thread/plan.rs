@@ -108,11 +108,13 @@ impl ThreadPlan {
         measured: TurnRate,
     ) -> Result<Self, Alarm> {
         let mut plan = Self::default();
-        match &Shape::of(from, moves) {
-            Ok(shape) => plan.fill(shape, params, commanded, measured)?,
-            Err(alarm) => return Err(*alarm),
+        if let Some(shape) = &Shape::of(from, moves) {
+            plan.fill(shape, params, commanded, measured)?;
+            Ok(plan)
+        } else {
+            let span = moves.first().map_or_else(Span::default, |first| first.span);
+            Err(Alarm::new(Code::ThreadMovesMixed, span))
         }
-        Ok(plan)
     }
 
     #[inline(never)]

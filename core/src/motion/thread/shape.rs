@@ -31,64 +31,47 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// The shape of `moves`, the first of which begins at `from`.
-    ///
-    /// # Errors
-    /// [`Code::ThreadMovesMixed`] unless they are a stroke with at most one run-in and one run-out.
-    pub fn of(from: Position, moves: &[Move]) -> Result<Self, Alarm> {
-        let mixed = |span| Err(Alarm::new(Code::ThreadMovesMixed, span));
-        let Some(first) = moves.first() else {
-            return mixed(Span::default());
-        };
-        let MoveKind::Thread(thread) = first.kind else {
-            return mixed(first.span);
-        };
-        let (mut run_in, mut stroke, mut run_out) = (None, None, None);
+    /// The shape of `moves`, the first of which begins at `from`; `None` unless they are a stroke with at most one run-in and
+    /// one run-out.
+    #[inline(never)]
+    pub fn of(from: Position, moves: &[Move]) -> Option<Self> {
+        let (mut thread, mut run_in, mut stroke, mut run_out) = (None, None, None, None);
         for each in moves {
-            if !matches!(each.kind, MoveKind::Thread(_)) {
-                return mixed(first.span);
-            }
+            let MoveKind::Thread(figures) = &each.kind else {
+                return None;
+            };
+            thread.get_or_insert(figures);
             let place = match each.tag.map(|tag| tag.stage) {
                 Some(Stage::RunIn) => &mut run_in,
                 Some(Stage::RunOut) => &mut run_out,
                 _ => &mut stroke,
             };
-            if place.replace(each.to).is_some() {
-                return mixed(first.span);
+            if place.replace(&each.to).is_some() {
+                return None;
             }
         }
-        let Some(stroke) = stroke else {
-            return mixed(first.span);
-        };
+        let (thread, stroke) = (*thread?, stroke?);
+        let begins = run_in.unwrap_or(&from);
         let end = run_out.unwrap_or(stroke);
 
-        let split = |p: Position| {
-            if thread.long_x {
-                (p.x, p.z)
-            } else {
-                (p.z, p.x)
-            }
-        };
-        let fine = |length: Length| length.nm().wrapping_shl(16);
-        let (long_0, short_0) = split(from);
-        let (long_1, short_1) = split(run_in.unwrap_or(from));
-        let (long_2, short_2) = split(stroke);
-        let (long_3, short_3) = split(end);
-        let stroke_way = fine((long_2 - long_1).abs());
-        let taper = slope(fine(short_2 - short_1), stroke_way.max(1) as u64);
-        let run_in = fine((long_1 - long_0).abs());
-        let run_out = fine((long_3 - long_2).abs());
-        Ok(Self {
-            span: first.span,
+        let long_x = thread.long_x;
+        let (run_in, run_in_rise) = step(&from, begins, long_x);
+        let (way, rise) = step(begins, stroke, long_x);
+        let (run_out, run_out_rise) = step(stroke, end, long_x);
+        let (length, _) = step(&from, end, long_x);
+        let taper = slope(fine(rise), fine(way.abs()).max(1) as u64);
+        let (run_in, run_out) = (fine(run_in.abs()), fine(run_out.abs()));
+        Some(Self {
+            span: moves.first()?.span,
             thread,
             from,
-            end,
-            backward: long_3 < long_0,
-            length: (long_3 - long_0).abs(),
+            end: *end,
+            backward: length.nm() < 0,
+            length: length.abs(),
             run_in,
-            run_in_rise: fine(short_0 - short_1).wrapping_add(along(run_in, taper)),
+            run_in_rise: along(run_in, taper).wrapping_sub(fine(run_in_rise)),
             run_out,
-            run_out_rise: fine(short_3 - short_2).wrapping_sub(along(run_out, taper)),
+            run_out_rise: fine(run_out_rise).wrapping_sub(along(run_out, taper)),
             taper,
         })
     }
@@ -102,4 +85,15 @@ impl Shape {
     pub const fn alarm(&self, code: Code) -> Alarm {
         Alarm::new(code, self.span)
     }
+}
+
+/// From one point to the next along the long axis and along the short one.
+#[inline(never)]
+fn step(from: &Position, to: &Position, long_x: bool) -> (Length, Length) {
+    let (x, z) = (to.x - from.x, to.z - from.z);
+    if long_x { (x, z) } else { (z, x) }
+}
+
+const fn fine(length: Length) -> Fine {
+    length.nm().wrapping_shl(16)
 }

@@ -47,8 +47,8 @@ pub struct FloatPoint {
     pub offset: u32,
     /// Nothing is left to do.
     pub done: bool,
-    /// What the spindle does not do as it must. The axis is being brought to rest, or stands.
-    pub alarm: Option<Alarm>,
+    /// What the spindle does not do as it must, for [`FloatRun::alarm`]. The axis is being brought to rest, or stands.
+    pub alarm: Option<Code>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +152,20 @@ impl FloatRun {
         matches!(self.stage, Stage::Arriving { .. } | Stage::Settling(_))
     }
 
+    /// The alarm `code` of a [`FloatPoint`], with what the spindle does and what it should.
+    #[must_use]
+    #[inline(never)]
+    pub fn alarm(&self, code: Code, plan: &FloatPlan, observer: &Observer) -> Alarm {
+        let measured = Arg::Rpm(observer.speed().rpm());
+        let (measured, wanted) = match code {
+            Code::SpindleNotArrived => (measured, Arg::Rpm(self.command(plan).rpm())),
+            Code::SpindleTooFast => (measured, Arg::Rpm(plan.speed_limit.rpm())),
+            Code::FloatSpindleRuns => (measured, Arg::None),
+            _ => (Arg::None, Arg::None),
+        };
+        Alarm::new(code, plan.span).with([measured, wanted, Arg::None, Arg::None])
+    }
+
     /// One tick.
     pub fn tick(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> FloatPoint {
         let mut point = FloatPoint {
@@ -163,11 +177,7 @@ impl FloatRun {
             alarm: None,
         };
         match self.stage {
-            Stage::Arriving {
-                speed,
-                index,
-                settled,
-            } => {
+            Stage::Arriving { .. } => {
                 point.motion = if now.hold {
                     self.stage = Stage::Arriving {
                         speed: 0,
@@ -176,7 +186,7 @@ impl FloatRun {
                     };
                     Motion::Hold
                 } else {
-                    point.alarm = self.arrive(plan, now, (speed, index, settled));
+                    point.alarm = self.arrive(plan, now);
                     point.done = point.alarm.is_some();
                     Motion::Wait
                 };
@@ -197,7 +207,7 @@ impl FloatRun {
                 let (way, region) = plan.law.at(helix);
                 let step = way.wrapping_sub(self.way);
                 if runs_on(plan, way, step, region) {
-                    point.alarm = Some(self.runs(plan, now));
+                    point.alarm = Some(Code::FloatSpindleRuns);
                     self.force(plan, step);
                 } else {
                     (self.way, self.step) = (way, step);
@@ -224,50 +234,37 @@ impl FloatRun {
     }
 
     /// Waits for speed and index; then the tap begins with the axis leaving R.
-    fn arrive(
-        &mut self,
-        plan: &FloatPlan,
-        now: &FloatTick<'_>,
-        (speed, index, settled): (u32, u32, u32),
-    ) -> Option<Alarm> {
-        let measured = Self::measured(plan, now);
+    fn arrive(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
+        let measured = Self::measured(plan, now).raw();
+        let Stage::Arriving {
+            speed,
+            index,
+            settled,
+        } = &mut self.stage
+        else {
+            return None;
+        };
         let wanted = plan.entry_rate.raw();
         let below = (wanted / 100).wrapping_mul(i64::from(now.arrival.tolerance_percent));
         let (least, most) = (wanted.wrapping_sub(below), wanted.wrapping_add(wanted >> 4));
-        if measured.raw() < least || measured.raw() > most {
-            self.stage = Stage::Arriving {
-                speed: speed.saturating_add(1),
-                index,
-                settled: settled.saturating_sub(UNSETTLING),
-            };
-            let args = [
-                Arg::Rpm(now.observer.speed().rpm()),
-                Arg::Rpm(self.command(plan).rpm()),
-                Arg::None,
-                Arg::None,
-            ];
-            let alarm = Alarm::new(Code::SpindleNotArrived, plan.span).with(args);
-            return (speed > now.arrival.speed_ticks).then_some(alarm);
+        if measured < least || measured > most {
+            let late = *speed > now.arrival.speed_ticks;
+            *speed = speed.saturating_add(1);
+            *settled = settled.saturating_sub(UNSETTLING);
+            return late.then_some(Code::SpindleNotArrived);
         }
         if !now.observer.indexed() {
-            self.stage = Stage::Arriving {
-                speed,
-                index: index.saturating_add(1),
-                settled,
-            };
             // Two turns and a second.
             let per_minute = now.arrival.ticks_per_minute;
             let rpm = plan.entry_rate.rpm().abs();
             let turn = per_minute.checked_div(rpm).unwrap_or(per_minute);
             let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
-            return (index > patience).then(|| Alarm::new(Code::NoIndex, plan.span));
+            let late = *index > patience;
+            *index = index.saturating_add(1);
+            return late.then_some(Code::NoIndex);
         }
-        if settled < plan.settling {
-            self.stage = Stage::Arriving {
-                speed,
-                index,
-                settled: settled.saturating_add(1),
-            };
+        if *settled < plan.settling {
+            *settled = settled.saturating_add(1);
             return None;
         }
         let angle = now.observer.predict(now.ahead.and(plan.lag));
@@ -309,7 +306,7 @@ impl FloatRun {
         plan: &FloatPlan,
         now: &FloatTick<'_>,
         region: Region,
-    ) -> (Motion, Option<Alarm>) {
+    ) -> (Motion, Option<Code>) {
         let held = now.hold && now.inside;
         if held || self.aborted {
             self.speed = plan.turner.towards(self.speed, 0);
@@ -403,29 +400,18 @@ impl FloatRun {
     }
 
     /// A spindle that takes longer to stop than it may.
-    fn overdue(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Alarm> {
+    fn overdue(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
         self.stopping = self.stopping.saturating_add(1);
         if self.stopping <= now.arrival.speed_ticks {
             return None;
         }
         self.stopping = 0;
-        let alarm = self.runs(plan, now);
         self.force(plan, self.step);
-        Some(alarm)
-    }
-
-    fn runs(&self, plan: &FloatPlan, now: &FloatTick<'_>) -> Alarm {
-        let args = [
-            Arg::Rpm(now.observer.speed().rpm()),
-            Arg::None,
-            Arg::None,
-            Arg::None,
-        ];
-        Alarm::new(Code::FloatSpindleRuns, plan.span).with(args)
+        Some(Code::FloatSpindleRuns)
     }
 
     /// A spindle that does not turn as it is told [D67].
-    fn astray(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Alarm> {
+    fn astray(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
         let measured = Self::measured(plan, now);
         let turning = measured.abs() > plan.standing;
         let told = plan.turner.rate(self.speed).abs() > plan.standing;
@@ -450,15 +436,9 @@ impl FloatRun {
         }
         self.astray = 0;
         Some(if too_fast {
-            let args = [
-                Arg::Rpm(now.observer.speed().rpm()),
-                Arg::Rpm(plan.speed_limit.rpm()),
-                Arg::None,
-                Arg::None,
-            ];
-            Alarm::new(Code::SpindleTooFast, plan.span).with(args)
+            Code::SpindleTooFast
         } else {
-            Alarm::new(Code::SpindleStopped, plan.span)
+            Code::SpindleStopped
         })
     }
 
