@@ -139,8 +139,9 @@ impl Alarm {
         self
     }
 
+    /// The same of as many as there are.
     #[cfg_attr(feature = "small", inline(never))]
-    fn fill(&mut self, figures: &[Arg]) {
+    pub(crate) fn fill(&mut self, figures: &[Arg]) {
         for (place, figure) in self.args.iter_mut().zip(figures) {
             *place = *figure;
         }

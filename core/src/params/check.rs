@@ -3,7 +3,7 @@
 
 use super::Params;
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::units::{Axis, Rpm, product, signed_product};
+use crate::units::{Axis, Rpm};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
@@ -18,20 +18,22 @@ const OBSERVER_SMOOTH: u32 = 79_577;
 const LONGEST_STEP: i64 = 1 << 24;
 
 /// Increments to a nanometre (µ°) that a drive's scale does not reach.
-const FINEST: u64 = 16;
+const FINEST: i64 = 16;
 
 /// Half a turn in a tick, in rpm·µs: from there on the direction of turning is a guess.
 const HALF_TURN: u32 = 30_000_000;
 
+// The ranges of the parameters keep every product here below 2⁶³.
 impl Params {
     /// Reports everything that makes the set impossible (alarms) or doubtful (warnings).
-    pub fn check(&self, mut report: impl FnMut(Alarm)) {
+    pub fn check(&self, report: impl FnMut(Alarm)) {
+        let mut reasons = Reasons(report);
         for axis in Axis::ALL {
-            self.check_axis(axis, &mut report);
+            self.check_axis(axis, &mut reasons);
         }
-        self.check_ramps(&mut report);
-        self.check_spindle(&mut report);
-        self.check_tapping(&mut report);
+        self.check_ramps(&mut reasons);
+        self.check_spindle(&mut reasons);
+        self.check_tapping(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -48,44 +50,42 @@ impl Params {
         first
     }
 
-    fn check_axis(&self, axis: Axis, report: &mut impl FnMut(Alarm)) {
+    fn check_axis(&self, axis: Axis, reasons: &mut Reasons<impl FnMut(Alarm)>) {
         let (plus, minus) = (self.soft_limit_plus(axis), self.soft_limit_minus(axis));
-        let mut blame = |code| report(alarm(code, [letter(axis), Arg::None, Arg::None]));
-        if minus >= plus {
-            blame(Code::SoftLimitsInverted);
-        }
-        if self.max_feed(axis) > self.rapid(axis) {
-            blame(Code::FeedAboveRapid);
-        }
-        let numerator = u64::from(self.drive_numerator(axis));
-        let denominator = u64::from(self.drive_denominator(axis));
+        let mut blame = |bad: bool, code| {
+            if bad {
+                reasons.add(code, &[letter(axis)]);
+            }
+        };
+        blame(minus >= plus, Code::SoftLimitsInverted);
+        blame(self.max_feed(axis) > self.rapid(axis), Code::FeedAboveRapid);
+        let numerator = i64::from(self.drive_numerator(axis));
+        let denominator = i64::from(self.drive_denominator(axis));
         // An axis without a limit may turn for ever, and its target wraps.
-        let most = product(denominator, i32::MAX as u64);
-        let beyond = |limit: i64| product(limit.unsigned_abs(), numerator) > most;
-        if (plus != i64::MAX && beyond(plus)) || (minus != i64::MIN && beyond(minus)) {
-            blame(Code::TravelBeyondDrive);
-        }
-        let limit = signed_product(self.following_error_limit(axis), numerator as i64);
-        if limit < i128::from(denominator) {
-            blame(Code::IncrementAboveLimit);
-        }
-        if numerator >= denominator.saturating_mul(FINEST) {
-            blame(Code::IncrementTooFine);
-        }
-        // v/60 · T/10⁶ with T in µs; the ranges keep the product below 2⁶³.
+        let most = denominator.wrapping_mul(i64::from(i32::MAX));
+        let beyond =
+            |limit: i64, none| limit != none && limit.wrapping_mul(numerator).wrapping_abs() > most;
+        blame(
+            beyond(plus, i64::MAX) || beyond(minus, i64::MIN),
+            Code::TravelBeyondDrive,
+        );
+        let limit = self.following_error_limit(axis).wrapping_mul(numerator);
+        blame(limit < denominator, Code::IncrementAboveLimit);
+        blame(
+            numerator >= denominator.wrapping_mul(FINEST),
+            Code::IncrementTooFine,
+        );
+        // v/60 · T/10⁶ with T in µs.
         let tick = i64::from(self.tick_us());
-        let step = self.rapid(axis).nm_per_min().saturating_mul(tick) / 60_000_000;
-        if step >= LONGEST_STEP {
-            report(alarm(
-                Code::RapidBeyondTick,
-                [letter(axis), Arg::Int(tick), Arg::None],
-            ));
+        let way = self.rapid(axis).nm_per_min().wrapping_mul(tick);
+        if way >= LONGEST_STEP.wrapping_mul(60_000_000) {
+            reasons.add(Code::RapidBeyondTick, &[letter(axis), Arg::Int(tick)]);
         }
     }
 
     /// On a slanted path one axis may set the speed, another the acceleration, a third the jerk; the path's ramps are
     /// never longer than the longest of any axis, so those are what must fit.
-    fn check_ramps(&self, report: &mut impl FnMut(Alarm)) {
+    fn check_ramps(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
         let none = (Axis::X, 0);
         let (mut to_speed, mut to_acceleration) = (none, none);
         for axis in Axis::ALL {
@@ -104,10 +104,8 @@ impl Params {
             } else {
                 to_speed.0
             };
-            report(alarm(
-                Code::RampTooLong,
-                [letter(longest), Arg::Int(ticks), Arg::Int(PROFILE_TICKS)],
-            ));
+            let figures = [letter(longest), Arg::Int(ticks), Arg::Int(PROFILE_TICKS)];
+            reasons.add(Code::RampTooLong, &figures);
         }
     }
 
@@ -117,19 +115,19 @@ impl Params {
         let speed = self.rapid(axis).nm_per_min();
         let acceleration = self.acceleration(axis).nm_per_s2();
         let jerk = self.jerk(axis).nm_per_s3();
-        // v/60 / (a·T/10⁶) = 50 000·v / (3·a·T) with T in µs; the ranges keep every product below 2⁶³.
+        // v/60 / (a·T/10⁶) = 50 000·v / (3·a·T) with T in µs.
         let to_speed = ceil(
-            speed.saturating_mul(50_000),
-            acceleration.saturating_mul(tick).saturating_mul(3),
+            speed.wrapping_mul(50_000),
+            acceleration.wrapping_mul(tick).wrapping_mul(3),
         );
         let to_acceleration = ceil(
-            acceleration.saturating_mul(1_000_000),
-            jerk.saturating_mul(tick),
+            acceleration.wrapping_mul(1_000_000),
+            jerk.wrapping_mul(tick),
         );
         (to_speed, to_acceleration)
     }
 
-    fn check_spindle(&self, report: &mut impl FnMut(Alarm)) {
+    fn check_spindle(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
         let tick = self.tick_us();
         let bandwidth = self.observer_bandwidth_hz();
         let product = bandwidth.saturating_mul(tick);
@@ -140,16 +138,13 @@ impl Params {
         };
         if let Some((code, limit)) = too_fast {
             let most = limit.checked_div(tick).unwrap_or(0);
-            let figures = [bandwidth, tick, most].map(|n| Arg::Int(i64::from(n)));
-            report(alarm(code, figures));
+            reasons.add(code, &[count(bandwidth), count(tick), count(most)]);
         }
         let rpm = self.spindle_max_rpm();
         if rpm.saturating_mul(tick) >= HALF_TURN {
             let most = HALF_TURN.saturating_sub(1).checked_div(tick).unwrap_or(0);
-            report(alarm(
-                Code::SpindleTooFastForTick,
-                [speed(rpm), Arg::Int(i64::from(tick)), speed(most)],
-            ));
+            let figures = [speed(rpm), count(tick), speed(most)];
+            reasons.add(Code::SpindleTooFastForTick, &figures);
         }
         let (arrived, room) = (
             self.spindle_tolerance_percent(),
@@ -157,55 +152,60 @@ impl Params {
         );
         if arrived > room {
             let percent = |p: u8| Arg::Percent(i32::from(p));
-            report(alarm(
-                Code::ToleranceAboveVariation,
-                [percent(arrived), percent(room), Arg::None],
-            ));
+            let figures = [percent(arrived), percent(room)];
+            reasons.add(Code::ToleranceAboveVariation, &figures);
         }
     }
 
-    fn check_tapping(&self, report: &mut impl FnMut(Alarm)) {
+    fn check_tapping(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
         let (tap, spindle) = (self.tap_max_rpm(), self.spindle_max_rpm());
         if tap > spindle {
-            report(alarm(
-                Code::TapSpeedAboveSpindle,
-                [speed(tap), speed(spindle), Arg::None],
-            ));
+            reasons.add(Code::TapSpeedAboveSpindle, &[speed(tap), speed(spindle)]);
         }
         // The flow, spindle, coolant, tapping spindle and subprogram codes.
         let code = self.tap_m_code();
         if matches!(code, 1..=5 | 8 | 9 | 24..=27 | 30 | 98 | 99) {
-            let code = Arg::Int(i64::from(code));
-            report(alarm(Code::TapCodeTaken, [code, Arg::None, Arg::None]));
+            reasons.add(Code::TapCodeTaken, &[Arg::Int(i64::from(code))]);
         }
-        let nothing = [Arg::None; 3];
         if self.tap_peck_return().nm() == 0 {
-            report(alarm(Code::NoPeckReturn, nothing));
+            reasons.add(Code::NoPeckReturn, &[]);
         }
         if self.tap_extract_by_j() && !self.tap_extract_override() {
-            report(alarm(Code::ExtractionOverrideOff, nothing));
+            reasons.add(Code::ExtractionOverrideOff, &[]);
         }
     }
 }
 
-fn alarm(code: Code, [a, b, c]: [Arg; 3]) -> Alarm {
-    Alarm::new(code, Span::default()).with([a, b, c, Arg::None])
+/// Where the reasons go.
+struct Reasons<Report>(Report);
+
+impl<Report: FnMut(Alarm)> Reasons<Report> {
+    #[cfg_attr(feature = "small", inline(never))]
+    fn add(&mut self, code: Code, figures: &[Arg]) {
+        let mut alarm = Alarm::new(code, Span::default());
+        alarm.fill(figures);
+        (self.0)(alarm);
+    }
 }
 
 const fn letter(axis: Axis) -> Arg {
     Arg::Letter(axis.letter())
 }
 
+fn count(number: u32) -> Arg {
+    Arg::Int(i64::from(number))
+}
+
 fn speed(rpm: u32) -> Arg {
     Arg::Rpm(Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX)))
 }
 
-/// `n / d` rounded up; the largest integer where `d` is zero.
+/// `n / d` rounded up, of a positive `d`.
+#[cfg_attr(feature = "small", inline(never))]
 fn ceil(n: i64, d: i64) -> i64 {
-    match (n.checked_div(d), n.checked_rem(d)) {
-        (Some(quotient), Some(rest)) => quotient.saturating_add(i64::from(rest > 0)),
-        _ => i64::MAX,
-    }
+    let up = n.wrapping_add(d.wrapping_sub(1)) as u64;
+    up.checked_div(d as u64)
+        .map_or(i64::MAX, |ticks| ticks as i64)
 }
 
 #[cfg(test)]
