@@ -10,7 +10,7 @@ mod open;
 mod pass;
 mod route;
 
-use heapless::{Deque, Vec};
+use heapless::Vec;
 
 use self::hole::{ends_hole, is_tap};
 use self::open::before;
@@ -81,7 +81,7 @@ pub struct Background {
     /// The move being taken is the last of its hole.
     hole_ends: bool,
     /// Planned and not queued yet; a pass waits here for its retract.
-    planned: Deque<Segment, 4>,
+    planned: Vec<Segment, 4>,
     complete: bool,
     failed: bool,
     guard: Guard,
@@ -117,7 +117,7 @@ impl Background {
             tap: None,
             float_number: None,
             hole_ends: false,
-            planned: Deque::new(),
+            planned: Vec::new(),
             complete: false,
             failed: false,
             guard: Guard::open(),
@@ -254,9 +254,10 @@ impl Background {
         if needs_plan && let Some(plan) = &self.plan {
             self.failed |= !segments.put_plan(plan);
         }
-        while let Some(segment) = self.planned.pop_front() {
-            self.failed |= !segments.put(&segment);
+        for segment in &self.planned {
+            self.failed |= !segments.put(segment);
         }
+        self.planned.clear();
         self.complete = false;
         true
     }
@@ -280,7 +281,7 @@ impl Background {
             action,
         };
         // Four places: a pass, its completion, its retract and one to spare.
-        if self.planned.push_back(segment).is_err() {
+        if self.planned.push(segment).is_err() {
             self.failed = true;
         }
     }

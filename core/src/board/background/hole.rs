@@ -40,12 +40,17 @@ impl Background {
         settings: &Settings<'_>,
     ) -> Result<(), Alarm> {
         let travel = tap.axis.of(next.to) - tap.axis.of(self.position);
-        let stroke = stroke(tap, travel, settings.params, settings.limits, next.span)?;
-        let step = TapStep::Stroke(stroke);
+        let made = stroke(tap, travel, settings.params, settings.limits, next.span);
+        let step = match &made {
+            Ok(stroke) => TapStep::Stroke(*stroke),
+            Err(alarm) => return Err(*alarm),
+        };
         if self.tap.is_none() {
             let inward = (tap.bottom - tap.level).signum();
-            let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand)
-                .ok_or_else(|| Alarm::new(Code::TapFeed, next.span))?;
+            let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand);
+            let Some(gear) = &gear else {
+                return Err(Alarm::new(Code::TapFeed, next.span));
+            };
             let feed_override = settings.params.tap_feed_override();
             let hole = TapHole {
                 axis: tap.axis,
@@ -57,7 +62,7 @@ impl Background {
                 speed: self.infeed,
                 notes: self.notes,
             };
-            let collected = Tap::new(gear, hole, self.position, feed_override);
+            let collected = Tap::new(*gear, hole, self.position, feed_override);
             self.plan = Some(Plan::Tap(collected));
             self.tap = Some(Collecting {
                 number: self.number,
@@ -114,15 +119,21 @@ impl Background {
 
 /// True for the way out of a hole by itself.
 pub(super) fn is_return(next: &Move) -> bool {
-    next.tag.is_some_and(|tag| tag.cycle == Cycle::G30P99)
+    next.tag
+        .as_ref()
+        .is_some_and(|tag| tag.cycle == Cycle::G30P99)
 }
 
 /// True for the last move of a hole: never inside it, and the single block of a tapping cycle stops nowhere else.
 pub(super) fn ends_hole(next: &Move, rest: &Moves) -> bool {
-    let Some(tag) = next.tag.filter(is_tap) else {
+    let Some(tag) = next.tag.as_ref().filter(|tag| is_tap(tag)) else {
         return false;
     };
-    let after = rest.clone().next().and_then(|after| after.tag);
+    let Moves::Tap(rest) = rest else {
+        return true;
+    };
+    let mut rest = *rest;
+    let after = rest.advance().and_then(|after| after.tag.as_ref());
     after.is_none_or(|after| after.pass != tag.pass)
 }
 

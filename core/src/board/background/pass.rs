@@ -17,25 +17,34 @@ impl Background {
         settings: &Settings<'_>,
     ) -> Result<(), Alarm> {
         let rpm = overridden(rpm, self.percent);
-        let plan = ThreadPlan::new(
+        let made = ThreadPlan::new(
             self.pass_start,
             &self.pass,
             settings.params,
             TurnRate::of_rpm(rpm),
-        )?;
+        );
+        // A plan is large, and stays where it is made until it lies where it waits.
+        let plan = match &made {
+            Ok(plan) => plan,
+            Err(alarm) => return Err(*alarm),
+        };
         let stops = Stops {
             hold_not_inside: true,
             frozen: Some(self.percent),
             ..Stops::default()
         };
         let ways = WaysOut::new(
-            &plan,
+            plan,
             self.home,
             last.tag.map_or(Length::ZERO, |tag| tag.depth),
             settings.params.thread_clearance(),
         );
         let end = plan.end();
-        self.plan = Some(Plan::Thread(Pass { plan, ways, rpm }));
+        self.plan = Some(Plan::Thread(Pass {
+            plan: *plan,
+            ways,
+            rpm,
+        }));
         self.put(self.pass_number, last.span, stops, Action::Planned);
         // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
         if end != last.to {
