@@ -23,6 +23,7 @@
 //! - [`bus`] is CANopen: frames, and the master of each CiA 402 drive.
 //! - [`signals`] are the inputs that a machine's PLC sets: hand and spindle of a tap.
 //! - [`journal`] is what survives a loss of power: the hole a tap is in.
+//! - [`checksum`] tells whether what is kept or compared is whole.
 //! - [`link`] is what gateway and board say to each other: calls, events, status, parameter sets, as bytes.
 //! - [`board`] ties them together: calls, frames and encoder samples in; frames, events and alarms out.
 //!
@@ -54,6 +55,7 @@
 pub mod alarm;
 pub mod board;
 pub mod bus;
+pub mod checksum;
 pub mod cycle;
 pub mod feasible;
 pub mod journal;

@@ -182,12 +182,14 @@ impl<F: NorFlash> Store<F> {
     fn is_erased(&mut self, from: u32, length: u32) -> Result<bool, StoreError> {
         let mut word = [0; WORD];
         let word = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
-        for address in (from..from.saturating_add(length)).step_by(F::WRITE_SIZE.max(1)) {
+        let (mut address, end) = (from, from.saturating_add(length));
+        while address < end {
             let read = self.map.flash().read_words(address, word);
             read.map_err(|_| StoreError::Device)?;
             if word.iter().any(|byte| *byte != 0xFF) {
                 return Ok(false);
             }
+            address = address.saturating_add(F::WRITE_SIZE.max(1) as u32);
         }
         Ok(true)
     }

@@ -14,14 +14,11 @@
 //!
 //! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-
 use super::store::{Region, StoreError};
 use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::checksum::crc32;
 use crate::link::{ImageReader, ImageWriter, identity};
 use crate::params::{Params, SCHEMA, TABLE_KEY};
-
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Layout of these bytes.
 const FORMAT: u16 = 1;
@@ -100,7 +97,7 @@ impl KeptSet<'_> {
         }
         let sum = into
             .get(..Self::BYTES.saturating_sub(SUM))
-            .map_or(0, |content| CRC.checksum(content));
+            .map_or(0, |content| crc32(0, content));
         let tail = into.iter_mut().skip(Self::BYTES.saturating_sub(SUM));
         for (place, byte) in tail.zip(sum.to_le_bytes()) {
             *place = byte;
@@ -128,7 +125,7 @@ impl KeptSet<'_> {
 /// The bytes before the checksum, and the number of the set.
 fn open(bytes: &[u8]) -> Result<(&[u8], u32), KeptError> {
     let (content, sum) = bytes.split_last_chunk::<SUM>().ok_or(KeptError::Damaged)?;
-    if CRC.checksum(content) != u32::from_le_bytes(*sum) {
+    if crc32(0, content) != u32::from_le_bytes(*sum) {
         return Err(KeptError::Damaged);
     }
     let (head, rest) = content
@@ -166,7 +163,7 @@ impl Mark {
     #[must_use]
     pub fn encode(self) -> [u8; Self::BYTES] {
         let [a, b, c, d] = self.0.to_le_bytes();
-        let [e, f, g, h] = CRC.checksum(&[a, b, c, d]).to_le_bytes();
+        let [e, f, g, h] = crc32(0, &[a, b, c, d]).to_le_bytes();
         [a, b, c, d, e, f, g, h]
     }
 

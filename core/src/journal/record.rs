@@ -17,15 +17,11 @@
 //!
 //! Little end first, signed numbers in two's complement.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-
 use super::bytes::{Reader, Writer};
 use crate::alarm::Arg;
+use crate::checksum::crc32;
 use crate::program::{Extraction, Hand, LengthUnit, Plane, TapAxis, TapNotes, TapSpindle};
 use crate::units::{CentiRpm, Diameter, Lead, Length, Turns};
-
-/// Bit by bit: an entry is written a few times in a hole, and flash is dearer than time.
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 const IN_HOLE: u8 = 1 << 0;
 const AXIS_Z: u8 = 1 << 1;
@@ -148,7 +144,7 @@ impl TapRecord {
         to.long(self.position.nm());
         to.long(self.angle.raw());
         if let Some((content, sum)) = bytes.split_last_chunk_mut() {
-            *sum = CRC.checksum(content).to_le_bytes();
+            *sum = crc32(0, content).to_le_bytes();
         }
         bytes
     }
@@ -167,7 +163,7 @@ impl TapRecord {
         let Some((content, sum)) = entry.split_last_chunk::<4>() else {
             return Err(RecordError::Length(bytes.len()));
         };
-        if CRC.checksum(content) != u32::from_le_bytes(*sum) {
+        if crc32(0, content) != u32::from_le_bytes(*sum) {
             return Err(RecordError::Damaged);
         }
         if let Some(version) = content.first()
@@ -321,7 +317,7 @@ mod tests {
     }
 
     fn with_sum(mut bytes: [u8; TapRecord::BYTES]) -> [u8; TapRecord::BYTES] {
-        let sum = CRC.checksum(&bytes[..68]).to_le_bytes();
+        let sum = crc32(0, &bytes[..68]).to_le_bytes();
         bytes[68..].copy_from_slice(&sum);
         bytes
     }

@@ -10,11 +10,8 @@
 //! The password of a set is not told: its place holds 1 where there is one. Whoever sends an image with that 1 keeps the
 //! password as it is; only an image that [`with_password`](ImageWriter::with_password) makes holds a new one.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-
+use crate::checksum::crc32;
 use crate::params::{Params, SLOTS, TABLE_KEY};
-
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 const HEAD: usize = 6;
 const VALUE: usize = 8;
@@ -79,12 +76,11 @@ impl<'a> ImageWriter<'a> {
     /// The CRC-32 at its end.
     #[must_use]
     pub fn checksum(&self) -> u32 {
-        let mut digest = CRC.digest();
-        digest.update(&head());
+        let mut sum = crc32(0, &head());
         for place in 0..SLOTS {
-            digest.update(&self.slot(place).to_le_bytes());
+            sum = crc32(sum, &self.slot(place).to_le_bytes());
         }
-        digest.finalize()
+        sum
     }
 
     /// Fills `into` with the bytes from `offset` on; how many there are comes back.

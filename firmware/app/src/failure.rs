@@ -3,8 +3,8 @@
 //! Whoever catches a failure writes [`Failure::encode`] to memory that a reset leaves as it is, and starts anew; at
 //! power-up [`Failure::decode`] finds it there, and nothing moves before somebody has taken note.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::checksum::crc32;
 
 /// What stopped it.
 // A byte, so that it goes through a register.
@@ -68,8 +68,6 @@ pub const fn file_key(name: &str) -> u32 {
     }
     key
 }
-
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 impl Failure {
     /// Words of a record.
@@ -201,11 +199,9 @@ impl Failure {
 
 /// CRC-32 of words, little-endian.
 pub(crate) fn checksum(words: &[u32]) -> u32 {
-    let mut digest = CRC.digest();
-    for word in words {
-        digest.update(&word.to_le_bytes());
-    }
-    digest.finalize()
+    words
+        .iter()
+        .fold(0, |sum, word| crc32(sum, &word.to_le_bytes()))
 }
 
 #[cfg(test)]

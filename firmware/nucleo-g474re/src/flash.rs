@@ -65,6 +65,7 @@ fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
     FLASH.acr().modify(|w| w.set_dcrst(true));
     FLASH.acr().modify(|w| w.set_dcrst(false));
     FLASH.acr().modify(|w| w.set_dcen(true));
+    FLASH.cr().write_value(Cr(0));
     FLASH.cr().write(|w| w.set_lock(true));
     let failed =
         state.progerr() || state.wrperr() || state.pgaerr() || state.sizerr() || state.pgserr();

@@ -1,6 +1,7 @@
-//! Entries of the tap journal and their bytes.
+//! Entries of the tap journal, their bytes and their checksum.
 
 use audit::any::{any, sink};
+use leadscrew_core::checksum::crc32;
 use leadscrew_core::journal::TapRecord;
 
 /// All of this room.
@@ -15,6 +16,7 @@ fn record() {
     sink(record.hole.depth(any()));
     let bytes: [u8; TapRecord::BYTES + 8] = any();
     let bytes = bytes.get(..any()).unwrap_or(&bytes);
+    sink(crc32(any(), bytes));
     if let Ok(Some(record)) = TapRecord::decode(bytes) {
         sink(record);
     }
