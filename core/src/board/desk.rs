@@ -48,14 +48,16 @@ pub trait TickPort {
 }
 
 /// The background half.
+// What is large last: what lies within a short way of the beginning takes a shorter instruction.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Desk {
-    params: Params,
-    limits: Limits,
-    calls: Calls,
-    background: Background,
-    station: Station,
     journal: Entries,
+    limits: Limits,
+    station: Station,
+    background: Background,
+    params: Params,
+    calls: Calls,
 }
 
 /// The tap journal on its way from the tick to the storage.

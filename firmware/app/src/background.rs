@@ -59,16 +59,18 @@ pub(crate) struct Ends {
 }
 
 /// The background's side of a board.
+// The desk last, which is large: what lies within a short way of the beginning takes a shorter instruction.
+#[repr(C)]
 pub struct BackgroundSide {
-    desk: Desk,
-    ends: Ends,
-    /// The tick side, as it was told last.
-    snapshot: Snapshot,
     begun: bool,
     /// The ticker is being made anew: nothing is planned meanwhile.
     renewing: bool,
     /// What is being stored.
     storing: Option<Region>,
+    ends: Ends,
+    /// The tick side, as it was told last.
+    snapshot: Snapshot,
+    desk: Desk,
 }
 
 /// What is asked of the tick side goes through a queue.

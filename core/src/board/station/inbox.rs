@@ -31,15 +31,16 @@ enum Phase {
 }
 
 /// The memory for programs on their way through.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Inbox {
-    ring: Ring<PROGRAM_BYTES>,
     phase: Phase,
     program: u32,
     /// Number of the call that comes next.
     next: u32,
     /// The end of the program has come in.
     ended: bool,
+    ring: Ring<PROGRAM_BYTES>,
 }
 
 impl Inbox {

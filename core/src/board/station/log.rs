@@ -11,14 +11,15 @@ const LOG_BYTES: usize = 1024;
 const ENTRY_BYTES: usize = 128;
 
 /// The event log.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Log {
-    /// Each entry behind its length in one byte.
-    ring: Ring<LOG_BYTES>,
-    /// Entries in it.
+    /// Entries in the ring.
     count: u32,
     /// Number of the newest.
     newest: u32,
+    /// Each entry behind its length in one byte.
+    ring: Ring<LOG_BYTES>,
 }
 
 impl Log {

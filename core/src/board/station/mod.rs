@@ -92,9 +92,10 @@ impl Loss {
 }
 
 /// A board's side of the bus, but for its drives.
+// What is large last, as everywhere on this way.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Station {
-    shelf: Shelf,
     nmt: NmtSlave,
     /// It is on a network, starting again or not.
     joined: bool,
@@ -103,8 +104,6 @@ pub struct Station {
     gate: OrderGate,
     /// Since the last of TPDO1–3.
     since: [Periods; 3],
-    urgent: Deque<Frame, URGENT>,
-    answers: Deque<Frame, ANSWERS>,
     /// The alarm that has been told: an emergency message says no more than its number.
     told: Option<Code>,
     /// A restart of the application is asked for; it waits until the machine stands.
@@ -113,6 +112,9 @@ pub struct Station {
     controller: Controller,
     /// Late setpoints are counted from here: how many there had been, and how long ago.
     lateness: (u32, Periods),
+    urgent: Deque<Frame, URGENT>,
+    answers: Deque<Frame, ANSWERS>,
+    shelf: Shelf,
 }
 
 impl Station {

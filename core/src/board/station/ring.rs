@@ -3,13 +3,14 @@
 use crate::board::store::copy;
 
 /// A ring of at most `N` bytes.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug)]
 pub struct Ring<const N: usize> {
-    bytes: [u8; N],
     /// Place of the oldest byte.
     front: usize,
     /// Bytes in it.
     used: usize,
+    bytes: [u8; N],
 }
 
 impl<const N: usize> Ring<N> {

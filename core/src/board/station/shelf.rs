@@ -35,51 +35,53 @@ const COMMANDS: usize = 8;
 const AS_IT_IS: u8 = 255;
 
 /// The values behind the objects.
+// In this order, what is large last: what lies within a short way of the beginning takes a shorter instruction.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Shelf {
     pub node: NodeId,
-    pub inbox: Inbox,
-    pub log: Log,
-    pub ledger: Ledger,
-    pub snapshot: Snapshot,
-    /// Ticks since power-up.
-    pub tick: u64,
-    /// Setpoints that came late for their SYNC.
-    pub late: u32,
-    pub sync_error: Option<Length>,
     /// Count of the last order taken.
     pub count: u8,
     /// Wanted or told only: the feeds of a call are resolved before it comes.
     pub dry_run: bool,
-    pub pdos: Pdos,
-    /// 1016h: who has to be heard.
-    pub watch: HeartbeatConsumer<1>,
-    /// 1017h.
-    pub heartbeat: HeartbeatProducer,
-    /// 1001h and 1003h.
-    pub emcy: EmcyProducer<{ HISTORY as usize }>,
-    /// 1018h:04.
-    pub serial: u32,
-    /// For the tick, in the order they came.
-    pub commands: Deque<Command, COMMANDS>,
-    /// The inputs, as they were set over the bus and not handed on yet.
-    pub signals: Option<Signals>,
     /// The tap journal's record is to be dropped.
     pub drops_tap: bool,
-    /// What is stored, and the change that is under way.
-    pub keeper: Keeper,
-    pub door: Door,
     /// The draft is good and comes into force: the owner takes it before the next frame.
     pub(super) staged: bool,
-    /// The draft is named by the image with its password.
+    /// The last commit named the draft with its password.
     pub(super) named: bool,
+    /// The inputs, as they were set over the bus and not handed on yet.
+    pub signals: Option<Signals>,
+    /// Setpoints that came late for their SYNC.
+    pub late: u32,
+    /// 1018h:04.
+    pub serial: u32,
+    pub(super) log_from: u32,
+    /// Bytes of the buffer in use.
+    pub(super) length: usize,
+    /// Ticks since power-up.
+    pub tick: u64,
+    pub sync_error: Option<Length>,
+    /// 1017h.
+    pub heartbeat: HeartbeatProducer,
+    pub door: Door,
+    /// 1016h: who has to be heard.
+    pub watch: HeartbeatConsumer<1>,
+    pub pdos: Pdos,
+    pub(super) image: ImageReader,
+    pub ledger: Ledger,
+    /// 1001h and 1003h.
+    pub emcy: EmcyProducer<{ HISTORY as usize }>,
+    /// What is stored, and the change that is under way.
+    pub keeper: Keeper,
+    pub snapshot: Snapshot,
+    /// For the tick, in the order they came.
+    pub commands: Deque<Command, COMMANDS>,
+    pub log: Log,
+    pub inbox: Inbox,
+    pub(super) buffer: [u8; BATCH_BYTES],
     /// Where a changed set is put together, before all of it has been looked at.
     pub(super) draft: Params,
-    pub(super) image: ImageReader,
-    pub(super) log_from: u32,
-    pub(super) buffer: [u8; BATCH_BYTES],
-    /// Bytes of it in use.
-    pub(super) length: usize,
 }
 
 /// TPDO1 to 3.
