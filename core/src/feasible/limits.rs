@@ -4,7 +4,8 @@ use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{Move, MoveKind};
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Angle, Axis, Diameter, Length, product, root_wide, signed, signed_product};
+use crate::units::plane::{self, Vector, ahead, side};
+use crate::units::{Angle, Axis, Diameter, Length, signed, size};
 
 /// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis.
 ///
@@ -65,9 +66,6 @@ fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// A vector in the Z–X plane: Z to the right, X up; counter-clockwise is G03.
-type Vector = (i64, i64);
-
 /// Where the arc from `start` to `end` around `centre` is farthest out: along +Z (0), +X, −Z or −X (3). `None` where it
 /// does not get there.
 #[inline(never)]
@@ -78,6 +76,7 @@ fn farthest(
     centre: Position,
     clockwise: bool,
 ) -> Option<Position> {
+    // In the Z–X plane: Z to the right, X up; counter-clockwise is G03.
     let from = |p: Position| ((p.z - centre.z).nm(), (p.x - centre.x).nm());
     let (first, last) = if clockwise {
         (from(end), from(start))
@@ -101,17 +100,13 @@ fn farthest(
 
 /// The length of a vector, rounded up.
 fn radius((z, x): Vector) -> i64 {
-    let square = |v: i64| product(v.unsigned_abs(), v.unsigned_abs());
-    let sum = square(z).saturating_add(square(x));
-    let root = root_wide(sum);
-    let up = u64::from(product(root, root) < sum);
-    signed(root.saturating_add(up))
+    signed(plane::length_up(size(z), size(x)))
 }
 
 /// True where one comes through `point` on the way counter-clockwise from `first` to `last` (a whole turn where they
 /// point the same way).
 fn passes(first: Vector, point: Vector, last: Vector) -> bool {
-    let whole = cross(first, last) == 0 && dot(first, last) > 0;
+    let whole = side(first, last) == 0 && ahead(first, last) > 0;
     if whole {
         return true;
     }
@@ -119,21 +114,11 @@ fn passes(first: Vector, point: Vector, last: Vector) -> bool {
     if to_point != to_last {
         return to_point < to_last;
     }
-    cross(point, last) >= 0
+    side(point, last) >= 0
 }
 
 /// 0 where `to` lies less than half a turn counter-clockwise of `from`, else 1.
 fn half(from: Vector, to: Vector) -> u8 {
-    let side = cross(from, to);
-    u8::from(side < 0 || (side == 0 && dot(from, to) < 0))
-}
-
-fn cross(a: Vector, b: Vector) -> i128 {
-    let left = signed_product(a.0, b.1);
-    left.wrapping_sub(signed_product(a.1, b.0))
-}
-
-fn dot(a: Vector, b: Vector) -> i128 {
-    let left = signed_product(a.0, b.0);
-    left.wrapping_add(signed_product(a.1, b.1))
+    let side = side(from, to);
+    u8::from(side < 0 || (side == 0 && ahead(from, to) < 0))
 }

@@ -1,11 +1,8 @@
 //! Circular paths in X–Z: a direction that turns and a radius that may change a little, driven by one distance.
 
-use super::line::ceil_sqrt;
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{
-    Direction, Length, mul_div, mul_high, narrow_div, product, root_wide, signed_product,
-};
+use crate::units::{Direction, Length, mul_div, mul_high, narrow_div, plane, size};
 
 /// How far the end may be from the circle through the start, at most; see [`Arc::new`].
 pub const ARC_TOLERANCE: Length = Length::from_nm(10_000);
@@ -103,7 +100,7 @@ impl Arc {
         // 2⁻²⁰ nm · 2⁻⁶³ turns · 2⁻⁶⁰: 2⁻¹⁵ nm.
         let arc = mul_high(mul_high(mean, turn << 1), TAU);
         let (arc, off) = (arc.div_ceil(1 << 15), off.div_ceil(1 << 20));
-        let length = ceil_sqrt(product(arc, arc).wrapping_add(product(off, off))).max(1);
+        let length = plane::length_up(arc, off).max(1);
         let travel = length << 16;
         let shift = travel.leading_zeros();
         let inverse = narrow_div(u128::MAX >> 1, travel << shift);
@@ -219,35 +216,26 @@ impl Ray {
         })
     }
 
-    /// Its length in 2⁻²⁰ nm: below 2⁶³, of a square below 2¹²⁶.
+    /// Its length in 2⁻²⁰ nm: below 2⁶³.
     fn radius(&self) -> u64 {
-        root_wide((self.dot(self) as u128) << 40)
+        plane::length(size(self.x) << 20, size(self.z) << 20)
     }
 
     fn phase(&self) -> Direction {
         Direction::of_vector(self.z, self.x)
     }
 
-    fn dot(&self, other: &Self) -> i128 {
-        signed_product(self.x, other.x).wrapping_add(signed_product(self.z, other.z))
-    }
-
-    /// Positive where `other` lies from this one towards a turn from +Z to +X.
-    fn cross(&self, other: &Self) -> i128 {
-        signed_product(self.z, other.x).wrapping_sub(signed_product(self.x, other.z))
-    }
-
     /// The turn from this one to `other`, from +Z to +X, in 2⁻⁶² turns; a full one for the same direction. The sign of
     /// the cross product is exact and decides between almost nothing and almost a turn.
     fn sweep_to(&self, other: &Self) -> u64 {
         let between = other.phase().raw().wrapping_sub(self.phase().raw());
-        let (cross, ahead) = (self.cross(other), self.dot(other) > 0);
-        let between = match (cross == 0, ahead) {
-            (true, true) => return FULL,
-            (true, false) => 1 << 63,
-            (false, true) if cross > 0 => (between as i64).max(1) as u64,
-            (false, true) => (between as i64).min(-1) as u64,
-            (false, false) => between,
+        let (from, to) = ((self.z, self.x), (other.z, other.x));
+        let between = match (plane::side(from, to), plane::ahead(from, to) > 0) {
+            (0, true) => return FULL,
+            (0, false) => 1 << 63,
+            (1, true) => (between as i64).max(1) as u64,
+            (_, true) => (between as i64).min(-1) as u64,
+            (_, false) => between,
         };
         between >> 2
     }

@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Angle, Length, mul_high, narrow_div, product, root_wide, size};
+use crate::units::{Angle, Length, mul_high, narrow_div, plane, size};
 
 /// A straight path in X, Z and C.
 ///
@@ -28,9 +28,8 @@ impl Line {
         let dx = magnitude(from.x.nm(), to.x.nm());
         let dz = magnitude(from.z.nm(), to.z.nm());
         let dc = magnitude(from.c.udeg(), to.c.udeg());
-        let square = |d: u64| product(d, d);
         // Rounded up, so that no share is above one.
-        let flat = ceil_sqrt(square(dx).wrapping_add(square(dz)));
+        let flat = plane::length_up(dx, dz);
         let length = flat.max(dc);
         Self {
             from,
@@ -117,16 +116,6 @@ const fn along(from: i64, to: i64, way: u64, share: u64) -> i64 {
         from.wrapping_sub(distance)
     } else {
         from.wrapping_add(distance)
-    }
-}
-
-/// The least integer whose square is not below `value`.
-pub(super) fn ceil_sqrt(value: u128) -> u64 {
-    let root = root_wide(value);
-    if product(root, root) < value {
-        root.saturating_add(1)
-    } else {
-        root
     }
 }
 

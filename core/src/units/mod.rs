@@ -11,6 +11,7 @@ mod axis;
 mod decimal;
 mod feed;
 mod length;
+pub(crate) mod plane;
 mod rate;
 mod ratio;
 mod root;

@@ -4,8 +4,8 @@
 //! a quarter turn, from a short series. Good to 2⁻⁵⁸: on a circle of 1 m radius that is 4·10⁻⁹ nm.
 
 use super::Turns;
-use super::root::root_wide;
-use super::wide::{mul_high, narrow_div, product, signed_product};
+use super::plane;
+use super::wide::{mul_high, narrow_div, signed_product};
 
 /// A direction: an angle in 2⁻⁶⁴ turns, wrapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -165,11 +165,7 @@ impl Direction {
 
         // The unit vector in 2⁻⁶², from the vector times 2^shift to use the whole of the root.
         let shift = a.max(b).leading_zeros().saturating_sub(2);
-        let square = |v: u64| {
-            let v = v << shift;
-            product(v, v)
-        };
-        let radius = root_wide(square(a).saturating_add(square(b)));
+        let radius = plane::length(a << shift, b << shift);
         let unit = |v: i64| {
             let size = u128::from(v.unsigned_abs()) << (shift.saturating_add(62));
             let size = narrow_div(size, radius) as i64;
