@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_core::board::station::dictionary;
 use leadscrew_core::board::{Board, Held, Output, PowerUp, Region, overridden};
-use leadscrew_core::bus::{Frame, Object};
+use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
 
 /// All of this room.
