@@ -1,13 +1,17 @@
-"""A board on `vcan0` against the Python packages `canopen` and `python-can`: its services, and its process data by its own
-data sheet (CANOPEN_EDS). BOARD_SIM is the board's program. `cargo xtask vcan` runs this where there is a bus."""
+"""A board on `vcan0` against the Python packages `canopen` and `python-can`: its services, its process data by its own data
+sheet (CANOPEN_EDS), and with a drive of other making. BOARD_SIM is the board's program. `cargo xtask vcan` runs this where
+there is a bus."""
 
 import os
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
 import canopen
+
+from drive import Drive
 
 # A tick and statuses that a slow kernel keeps up with.
 BOARD = [os.environ["BOARD_SIM"], "--bus", "vcan0", "--set", "9000=5000", "--set", "9022=50"]
@@ -106,6 +110,31 @@ class BoardTest(unittest.TestCase):
         number = int.from_bytes(error.data[:2], "little")
         self.assertTrue(4000 <= number < 5000, number)
         self.assertEqual(self.node.sdo.upload(0x1001, 0), b"\x81")
+
+
+class DriveTest(unittest.TestCase):
+    def test_a_drive_of_other_making_is_brought_up_and_moved(self):
+        # Where the machine powers up, and where the program ends: X 60 and 20 mm of diameter, in increments of 100 nm.
+        start, end = 300_000, 100_000
+        drive = Drive(16, start)
+        self.addCleanup(drive.end)
+        with tempfile.NamedTemporaryFile("w", suffix=".nc") as program:
+            program.write("G98\nG00 X50 Z-2\nG01 X20 Z-12 F3000\nM30\n")
+            program.flush()
+            board = [os.environ["BOARD_SIM"], "--bus", "vcan0", "--lockstep", "--drives", "Z,C"]
+            machine = ["--at", "X=60,Z=0", "--program", program.name]
+            ran = subprocess.run(board + machine, stderr=subprocess.PIPE, text=True, timeout=120)
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        # Through every state, and no way back.
+        path = ["SWITCH ON DISABLED", "READY TO SWITCH ON", "SWITCHED ON", "OPERATION ENABLED"]
+        self.assertEqual(drive.states[:4], path)
+        # It was told first where it stood, and then to go nowhere by a jump.
+        self.assertEqual(drive.targets[0], start)
+        steps = [b - a for a, b in zip(drive.targets, drive.targets[1:])]
+        # 12 m/min are 2000 increments in a tick.
+        self.assertLessEqual(max(map(abs, steps)), 2_000)
+        self.assertGreater(max(map(abs, steps)), 100)
+        self.assertEqual(drive.actual, end)
 
 
 if __name__ == "__main__":
