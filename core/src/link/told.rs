@@ -1,4 +1,4 @@
-//! What a board tells, written to its bytes: what the derived `Serialize` says, by hand and half the size [D142]. The tests
+//! What a board tells, written to its bytes: what the derived `Serialize` says, by hand and half the size [D161]. The tests
 //! hold it to the derived one, byte for byte.
 
 use super::writer::{Put, Writer};

@@ -2,7 +2,7 @@
 //! [reader](super::reader::Reader).
 //!
 //! What has no room any more is left out and noted; whoever writes asks once, at the end. So writing a value is one call
-//! and no decision [D142].
+//! and no decision [D161].
 
 use super::LinkError;
 

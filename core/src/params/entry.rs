@@ -133,7 +133,7 @@ impl Entry {
         (0, -1)
     }
 
-    /// Place in the table: no two have all the same.
+    /// What it means to a person; no two entries have all the same.
     fn meaning(&self) -> Option<&'static Meaning> {
         let place = ENTRIES.iter().position(|entry| entry == self)?;
         MEANINGS.get(place)

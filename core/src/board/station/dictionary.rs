@@ -137,7 +137,7 @@ pub enum Initial {
 pub(super) enum Name {
     /// With this line of the table.
     Line(usize),
-    /// It is the highest sub-index of a parameter.
+    /// It is the highest sub-index of an object.
     Highest,
     /// It is an axis of a parameter.
     Axis(Axis),

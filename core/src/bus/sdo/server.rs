@@ -12,7 +12,7 @@
 //! write to another object.
 //!
 //! Answers are written where they are sent from, byte by byte as the request says: on a board, taking a request to a
-//! value and a value to an answer was twice the code of what it is about.
+//! value and a value to an answer was twice the code of what it is about [D161].
 
 mod reading;
 mod writing;

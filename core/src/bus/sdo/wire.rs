@@ -2,6 +2,9 @@
 //!
 //! The first byte holds the command specifier (bits 7–5) and its flags; the object, where there is one, is in bytes 1–3.
 //! Segments of a block have a sequence number instead and can be told from commands only by what goes on.
+//!
+//! Requests and responses are values for the client. The server reads the bytes of the one and writes those of the other
+//! where they are [D161]; the tests let the two speak with each other.
 
 use crc::{CRC_16_XMODEM, Crc, NoTable};
 
