@@ -6,7 +6,7 @@
 //! image of the same curve brakes. Threads use it on the long axis (join, brake) and on the short one (run-in, run-out).
 
 use super::wide::{mul_div_up, root_mul_div_up};
-use crate::units::mul_div;
+use crate::units::{mul_div, size};
 
 /// A length in 2⁻¹⁶ nm: what the laws of a thread are computed in before the one rounding to a setpoint.
 pub(crate) type Fine = i64;
@@ -76,7 +76,7 @@ impl Fraction {
 
     /// `part` / `whole`, which it was made of, in 2⁻³¹: at most one either way.
     pub fn share(self, part: Fine, whole: Fine) -> i64 {
-        let size = part.saturating_abs();
+        let size = size(part) as Fine;
         let share = if size >= whole {
             1 << 31
         } else {
@@ -185,7 +185,7 @@ impl Ease {
     /// The curve at `h`.
     pub fn at(&self, h: Fine) -> Fine {
         let line = h.max(0);
-        let inside = self.half.wrapping_sub(h.saturating_abs());
+        let inside = self.half.wrapping_sub(size(h) as Fine);
         if inside <= 0 {
             return line;
         }

@@ -207,10 +207,9 @@ pub(super) fn bounds(params: &Params, axis: Axis) -> Bounds {
     }
 }
 
-/// `limit` · `ratio` / 2^`shift`, saturating.
+/// `limit` · `ratio` / 2^`shift`, saturating; `shift` ≤ 63.
 fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
-    let wide = product(limit, ratio) >> shift.min(63);
-    u64::try_from(wide).unwrap_or(u64::MAX)
+    mul_div(limit, ratio, 1_u64.wrapping_shl(shift))
 }
 
 /// The largest integer whose cube is not above `value`; `u32::MAX` at most.

@@ -73,7 +73,7 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
 }
 
 /// Why a move cannot be planned.
-enum Refusal {
+pub(super) enum Refusal {
     TooFar,
     /// The feed is nothing on this path.
     NoFeed,
@@ -167,7 +167,7 @@ fn in_range(position: Position) -> bool {
 
 impl Refusal {
     #[inline(never)]
-    fn alarm(&self, span: Span) -> Alarm {
+    pub(super) fn alarm(&self, span: Span) -> Alarm {
         let (code, word, args) = match *self {
             Self::TooFar | Self::Arc(ArcError::TooFar) => (
                 Code::MoveTooFar,

@@ -303,12 +303,12 @@ impl Profile {
 
     /// Rule 2 of the governor: the level the length allows, for a wanted rate above the level.
     fn raise(&mut self, wanted: u32) {
+        let (share, _) = self.ramp.ticks.divide(self.left);
+        let share = u32::try_from(share).unwrap_or(u32::MAX);
         let standing = self.at_rest();
         if standing {
             self.forget_peaks();
         }
-        let (share, _) = self.ramp.ticks.divide(self.left);
-        let share = u32::try_from(share).unwrap_or(u32::MAX);
         if standing && share == 0 {
             self.level = 1;
         } else if share >= self.peak.max(self.older_peak) {

@@ -6,6 +6,7 @@
 use super::limits::PathLimits;
 use super::profile::{CAPACITY, Ramp};
 use super::rate::PathRate;
+use super::wide::mul_div_up;
 use crate::units::{Length, multiple};
 
 /// The ramp for a motion of `length` at `nominal`, able to go up to `limits.speed`.
@@ -65,7 +66,7 @@ fn ticks_in_units(units: u64, nominal: PathRate, (ticks, cap): (u16, u32)) -> u6
     let ticks = u64::from(ticks);
     let share = units.checked_div(ticks).unwrap_or(0);
     let level = u64::from(nominal.raw().min(cap)).min(share).max(1);
-    units.div_ceil(level.max(1)).saturating_add(ticks)
+    mul_div_up(units, 1, level).saturating_add(ticks)
 }
 
 /// How `m` ticks are best split, and the rate (1/256 nm per tick) that makes possible.

@@ -2,6 +2,7 @@
 //!
 //! Knows a lead, a hand and a level; knows nothing of time.
 
+use crate::motion::wide::mul_div_up;
 use crate::program::{Hand, Position, TapAxis};
 use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed, signed_product};
 
@@ -27,15 +28,15 @@ impl Gear {
     #[must_use]
     pub fn new(axis: TapAxis, level: Length, inward: i64, lead: Lead, hand: Hand) -> Option<Self> {
         let (nm, turns) = (lead.numerator(), lead.denominator());
-        let bits = |value: i64| u64::BITS.wrapping_sub(value.leading_zeros());
-        // The factor has 62 to 64 bits: turns · 2³² / nm in that many.
-        let shift = 30_u32.wrapping_add(bits(nm)).checked_sub(bits(turns))?;
+        let (short, room) = (nm.leading_zeros(), turns.leading_zeros());
+        // The factor has 62 to 64 bits: turns · 2³² / nm in that many, which is turns in 63 bits times the highest bit of nm
+        // over nm. Neither is negative, so that each has a bit to spare.
+        let shift = 30_u32.wrapping_add(room).checked_sub(short)?;
         if shift > 90 {
             return None;
         }
-        let scaled = u128::from(turns.unsigned_abs()) << shift.wrapping_add(32).min(127);
-        let nm = nm.unsigned_abs();
-        let factor = narrow_div(scaled.wrapping_add(u128::from(nm.wrapping_sub(1))), nm);
+        let scaled = turns.wrapping_shl(room.wrapping_sub(1)) as u64;
+        let factor = mul_div_up(scaled, (1_u64 << 63).wrapping_shr(short), nm as u64);
         Some(Self {
             axis,
             level,

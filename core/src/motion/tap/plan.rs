@@ -3,12 +3,12 @@
 //! Knows moves and limits; knows nothing of the tick or of what an operator may do.
 
 use super::gear::Gear;
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Span};
 use crate::cycle::TapMove;
 use crate::journal::TapHole;
 use crate::motion::limits::{Limits, Pace, PathLimits};
-use crate::motion::plan::FEED_OVERRIDE_MAX;
-use crate::motion::profile::{CAPACITY, Ramp};
+use crate::motion::plan::{FEED_OVERRIDE_MAX, Refusal};
+use crate::motion::profile::Ramp;
 use crate::motion::rate::{PathRate, Rate};
 use crate::motion::shape;
 use crate::params::Params;
@@ -193,12 +193,7 @@ pub fn stroke(
     span: Span,
 ) -> Result<Stroke, Alarm> {
     if !travel.is_in_range() {
-        return Err(Alarm::new(Code::MoveTooFar, span).with([
-            Arg::Length(Length::INPUT_LIMIT),
-            Arg::None,
-            Arg::None,
-            Arg::None,
-        ]));
+        return Err(Refusal::TooFar.alarm(span));
     }
     let axis = match tap.axis {
         TapAxis::X => Axis::X,
@@ -225,14 +220,9 @@ pub fn stroke(
         nominal
     };
     bounds.speed = bounds.speed.min(top);
-    let ramp = ramp(travel.abs(), nominal, &mut bounds).ok_or_else(|| {
-        Alarm::new(Code::SpeedOutOfReach, span).with([
-            Arg::Feed(bounds.speed.feed(tick_us)),
-            Arg::Int(i64::from(CAPACITY)),
-            Arg::None,
-            Arg::None,
-        ])
-    })?;
+    let Some(ramp) = ramp(travel.abs(), nominal, &mut bounds) else {
+        return Err(Refusal::OutOfReach(bounds.speed.feed(tick_us)).alarm(span));
+    };
     Ok(Stroke {
         travel,
         nominal,

@@ -6,7 +6,7 @@
 
 use crate::motion::ease::{Bounds, Ease, Fine};
 use crate::motion::wide::{mul_div_up, ratio, root_mul_div_up};
-use crate::units::{mul_div, product, signed, signed_product, size};
+use crate::units::{mul_div, signed, signed_product, size};
 
 /// Short-axis travel per long-axis travel in 2⁻⁴⁰.
 pub(crate) type Slope = i64;
@@ -48,12 +48,9 @@ pub(crate) fn inverse(slope: u64) -> Slope {
 }
 
 /// A speed of the long axis (nm/s) seen on the short one.
-#[inline(never)]
 pub(crate) fn seen(speed: u64, slope: u64) -> u64 {
-    let wide = product(speed, slope);
     // Up, so that no limit is missed by the rounding.
-    let up = wide.saturating_add(u128::from(DIAGONAL - 1)) >> SLOPE_BITS;
-    u64::try_from(up).unwrap_or(u64::MAX)
+    mul_div_up(speed, slope, DIAGONAL)
 }
 
 /// What the long axis may do so that an axis which follows it with `slope` stays within `bounds`.

@@ -6,7 +6,7 @@ use super::ramp::along;
 use crate::alarm::{Alarm, Code};
 use crate::motion::ease::{Ease, Fine};
 use crate::program::Position;
-use crate::units::{Length, TurnRate, Turns, signed_product};
+use crate::units::{Length, TurnRate, Turns, signed_product, size};
 
 /// Where in its pass the tool is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +216,7 @@ impl ThreadRun {
             return Retract::Finishing;
         }
         // Ramp up and ramp down must not overlap; a short way out is a flatter one.
-        let apart = along(wanted.saturating_abs(), plan.retract_inverse).min(room);
+        let apart = along(size(wanted) as Fine, plan.retract_inverse).min(room);
         // A corner is two halves.
         let slope = scaled(plan.retract.slope, plan.retract.ease.share(apart >> 1));
         let apart = apart.max(corner);

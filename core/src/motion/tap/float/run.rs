@@ -10,7 +10,7 @@ use crate::motion::executor::{Arrival, Motion};
 use crate::motion::tap::TapLine;
 use crate::program::Position;
 use crate::spindle::Observer;
-use crate::units::{Length, Ticks, TurnRate, Turns};
+use crate::units::{Length, Ticks, TurnRate, Turns, size};
 
 /// Ticks for which the axis stands at R before the next segment begins [D52].
 const SETTLING: u8 = 2;
@@ -368,7 +368,7 @@ impl FloatRun {
         let most = if self.place.leg == Leg::Extract {
             turner.top()
         } else {
-            let near = self.speed.saturating_abs().wrapping_add(turner.gentle());
+            let near = (size(self.speed) as i64).wrapping_add(turner.gentle());
             // Only a spindle that brakes already is known to want the root.
             let stopping = if self.braking {
                 turner.stopping(left)
@@ -451,7 +451,7 @@ impl FloatRun {
 
     /// One tick of it; true once the axis stands.
     fn brake(&mut self, plan: &FloatPlan, speed: Fine) -> bool {
-        let slower = speed.saturating_abs().wrapping_sub(plan.brake).max(0);
+        let slower = (size(speed) as Fine).wrapping_sub(plan.brake).max(0);
         let step = slower.wrapping_mul(speed.signum());
         self.step = step;
         // R and the bottom hold whatever happens.
