@@ -44,7 +44,7 @@ impl Snapshot {
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),
             spindle_in_use: ticker.tap_spindle(),
-            tap: ticker.tap_record().copied(),
+            tap: ticker.tap_entry(),
             operator: *ticker.operator(),
         }
     }

@@ -16,6 +16,14 @@ use crate::units::{Divisor, Turns, signed_product};
 /// Periods from one turn of a spindle that is not selected to its next.
 const ROUND: u32 = 4;
 
+/// Their nodes.
+const NODES: [NodeId; 4] = [
+    NodeId::SPINDLE_1,
+    NodeId::SPINDLE_2,
+    NodeId::SPINDLE_3,
+    NodeId::SPINDLE_4,
+];
+
 /// All spindles of a machine.
 #[derive(Debug)]
 pub(super) struct Spindles {
@@ -34,13 +42,12 @@ pub(super) struct Spindles {
 impl Spindles {
     /// `present` spindles (1–4) whose drives are like `config`, node apart.
     pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32) -> Self {
+        let mut masters = [SpindleMaster::new(*config); 4];
+        for (master, node) in masters.iter_mut().zip(NODES) {
+            master.drive_mut().set_node(node);
+        }
         Self {
-            masters: [
-                master(config, NodeId::SPINDLE_1),
-                master(config, NodeId::SPINDLE_2),
-                master(config, NodeId::SPINDLE_3),
-                master(config, NodeId::SPINDLE_4),
-            ],
+            masters,
             present,
             selected: TapSpindle::First,
             turn: TapSpindle::First,
@@ -193,11 +200,6 @@ impl Spindles {
             TapSpindle::Fourth => Some(fourth),
         }
     }
-}
-
-#[inline(never)]
-const fn master(config: &DriveConfig, node: NodeId) -> SpindleMaster {
-    SpindleMaster::new(DriveConfig { node, ..*config })
 }
 
 const fn pick(masters: &[SpindleMaster; 4], spindle: TapSpindle) -> &SpindleMaster {

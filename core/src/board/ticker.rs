@@ -111,7 +111,8 @@ struct LastPass {
 }
 
 /// Position mode of the spindle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Told by its kind: to compare it would compare what is in it.
+#[derive(Clone, Copy, Debug)]
 enum Rigid {
     /// Speed mode.
     Off,
@@ -437,15 +438,12 @@ impl Ticker {
     #[cold]
     #[inline(never)]
     fn come_up(&mut self, ends: &mut Ends<'_, '_>) {
-        let position = self.drives.position(self.remembered.take());
-        let (position, warning) = self.place_tap(position);
+        emit(ends.events, Event::Ready);
+        let mut position = self.drives.position(self.remembered.take());
+        self.place_tap(&mut position, ends);
         self.executor.set_position(position);
         self.restart(position);
         self.mode = Mode::Idle;
-        emit(ends.events, Event::Ready);
-        if let Some(warning) = warning {
-            emit(ends.events, Event::Warning(warning));
-        }
         self.tell_found(ends);
     }
 

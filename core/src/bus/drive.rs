@@ -170,6 +170,12 @@ impl DriveMaster {
         }
     }
 
+    /// The same for a drive of another node; before anything is said to it.
+    pub(crate) const fn set_node(&mut self, node: NodeId) {
+        self.config.node = node;
+        self.status_id = CobId::of(Service::Tpdo1, node);
+    }
+
     /// What it was made with.
     #[must_use]
     pub const fn config(&self) -> &DriveConfig {

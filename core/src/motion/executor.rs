@@ -15,7 +15,7 @@ use super::run::Run;
 use super::segment::{Action, Plan, Stops, Task};
 use super::tap::{FloatRun, Tap, TapLine, TapRun};
 use super::thread::{Helix, Retract, ThreadRun};
-use crate::alarm::{Alarm, Span};
+use crate::alarm::{Alarm, Code, Span};
 use crate::program::{FeedRate, Position};
 use crate::spindle::Observer;
 use crate::units::{Length, Rpm, Ticks, TurnRate, Turns};
@@ -50,6 +50,36 @@ pub struct Arrival {
     pub speed_ticks: u32,
     /// Ticks in a minute.
     pub ticks_per_minute: u32,
+}
+
+impl Arrival {
+    /// Ticks the index may stay out at a speed: two turns and a second.
+    pub(super) fn index_ticks(&self, rpm: Rpm) -> u32 {
+        let per_minute = self.ticks_per_minute;
+        let turn = per_minute.checked_div(rpm.abs()).unwrap_or(per_minute);
+        turn.saturating_mul(2).saturating_add(per_minute / 60)
+    }
+
+    /// Counts the ticks for which a spindle does not turn as it must, each trouble with its patience: so many parts of a
+    /// second. The trouble where it has lasted longer.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(super) fn count_astray(
+        &self,
+        astray: &mut u32,
+        trouble: Option<(Code, u32)>,
+    ) -> Option<Code> {
+        let Some((code, part)) = trouble else {
+            *astray = 0;
+            return None;
+        };
+        let patience = (self.ticks_per_minute / 60).checked_div(part).unwrap_or(0);
+        *astray = astray.saturating_add(1);
+        if *astray <= patience {
+            return None;
+        }
+        *astray = 0;
+        Some(code)
+    }
 }
 
 /// What the axes are doing.

@@ -39,13 +39,13 @@ impl Ticker {
         }
         self.mode = Mode::Running;
         self.in_program = true;
-        if self.given.waits_for_rgtap && self.rigid == Rigid::On {
+        if self.given.waits_for_rgtap && matches!(self.rigid, Rigid::On) {
             let wait = self.wait_for_release(ends);
             if wait.is_some() {
                 return wait;
             }
         }
-        if self.rigid == Rigid::On
+        if matches!(self.rigid, Rigid::On)
             && let Some(waits) = self.wait_for_journal(ends)
         {
             return Some(waits);
@@ -62,7 +62,7 @@ impl Ticker {
         let instant = match segment.action {
             Action::Planned
                 if let Some(tap) = task.tap()
-                    && self.rigid != Rigid::On =>
+                    && !matches!(self.rigid, Rigid::On) =>
             {
                 if self.engages_itself(tap, number, line) {
                     return Some((number, line, Motion::Wait));

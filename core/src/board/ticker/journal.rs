@@ -130,6 +130,11 @@ impl Ticker {
         self.journal.record.as_ref()
     }
 
+    /// The same, as it is.
+    pub(in crate::board) const fn tap_entry(&self) -> Option<TapRecord> {
+        self.journal.record
+    }
+
     /// The owner has stored the entry with this number, or could not.
     pub fn stored(&mut self, sequence: u32, result: Result<(), StoreError>) {
         match result {
@@ -183,27 +188,21 @@ impl Ticker {
     }
 
     /// The drives have just come up: with a tap in its hole since before the power went, its axis stands at the bottom [D26].
-    /// Its warning comes back too.
-    pub(super) fn place_tap(&mut self, position: Position) -> (Position, Option<Alarm>) {
+    /// That is told.
+    pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut Ends<'_, '_>) {
         if !core::mem::take(&mut self.journal.assumed) {
-            return (position, None);
+            return;
         }
-        let Some(record) = &self.journal.record else {
-            return (position, None);
+        let Some(TapRecord { hole, .. }) = &self.journal.record else {
+            return;
         };
-        let hole = record.hole;
-        let args = [
-            Arg::Letter(hole.letter()),
-            hole.figure(hole.bottom),
-            Arg::None,
-            Arg::None,
-        ];
-        let warning = Alarm::new(Code::TapInHoleSincePower, Span::default()).with(args);
-        let placed = hole.axis.with(position, hole.bottom);
-        if !self.drives.place(position, placed) {
-            return (position, Some(warning));
+        let placed = hole.axis.with(*position, hole.bottom);
+        if self.drives.place(*position, placed) {
+            *position = placed;
         }
-        (placed, Some(warning))
+        let args = [Arg::Letter(hole.letter()), hole.figure(hole.bottom)];
+        let warning = Alarm::new(Code::TapInHoleSincePower, Span::default()).with(args);
+        emit(ends.events, Event::Warning(warning));
     }
 
     /// A hole may begin when it is known that its entry is stored. `Some`: it waits, or has failed.
@@ -242,7 +241,7 @@ impl Ticker {
             return false;
         }
         self.commanded = Rpm::STOPPED;
-        if self.rigid == Rigid::Leaving && tap.hole.spindle == self.taps_with {
+        if matches!(self.rigid, Rigid::Leaving) && tap.hole.spindle == self.taps_with {
             self.rigid = Rigid::On;
         } else {
             self.enter_with(tap.hole.spindle, number, line);
@@ -272,7 +271,7 @@ impl Ticker {
     }
 
     fn between_holes(&mut self, ends: &Ends<'_, '_>) {
-        if core::mem::take(&mut self.journal.returned) && self.rigid == Rigid::On {
+        if core::mem::take(&mut self.journal.returned) && matches!(self.rigid, Rigid::On) {
             self.rigid = Rigid::Leaving;
         }
         if !self.takes_calls() {
@@ -284,7 +283,7 @@ impl Ticker {
             self.tap_is_out();
             self.journal.returned = part.returns;
         }
-        if self.rigid != Rigid::On || self.operator.hold || self.paused {
+        if !matches!(self.rigid, Rigid::On) || self.operator.hold || self.paused {
             return;
         }
         let epoch = self.epoch;

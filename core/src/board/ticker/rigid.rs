@@ -66,7 +66,7 @@ impl Ticker {
     /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
     /// lost then.
     pub(super) fn leave_rigid(&mut self) {
-        if self.rigid == Rigid::Off || self.executor.is_tapping() {
+        if matches!(self.rigid, Rigid::Off) || self.executor.is_tapping() {
             return;
         }
         let stands = match self.taps_with {
@@ -74,7 +74,7 @@ impl Ticker {
             other => self.drives.spindles().rests(other),
         };
         let lost = !self.drives.spindles().is_enabled();
-        if lost || (stands && self.rigid == Rigid::Leaving) {
+        if lost || (stands && matches!(self.rigid, Rigid::Leaving)) {
             self.rigid = Rigid::Off;
             self.executor.set_spindle(None);
             self.drives.spindles().select(TapSpindle::First);

@@ -57,12 +57,13 @@ impl Ticker {
         self.stay_rigid();
         self.mode = Mode::Stopping(Then::Reset);
         let current = ends.current(self.source);
-        let Some(pass) = self.pass.filter(|_| self.in_thread()) else {
-            self.executor.stop(current);
-            return;
-        };
-        self.clearing = true;
-        self.executor.retract(current, pass.ways.clear);
+        match &self.pass {
+            Some(pass) if self.in_thread() => {
+                self.clearing = true;
+                self.executor.retract(current, pass.ways.clear);
+            }
+            _ => self.executor.stop(current),
+        }
     }
 
     /// The tool is in the thread, or may be: in a stroke, behind it, or on its way out.

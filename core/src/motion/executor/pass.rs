@@ -47,10 +47,7 @@ impl Executor {
                 ]));
             }
         } else if !now.observer.indexed() {
-            // Two turns at the commanded speed and a second.
-            let per_minute = self.arrival.ticks_per_minute;
-            let turn = per_minute.checked_div(pass.rpm.abs()).unwrap_or(per_minute);
-            let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
+            let patience = self.arrival.index_ticks(pass.rpm);
             if self.waits_longer(|waited| &mut waited.index) > patience {
                 self.active = Active::Free;
                 return Err(Alarm::new(Code::NoIndex, self.span));
@@ -115,30 +112,21 @@ impl Executor {
         let turning = now.observer.is_turning();
         let backwards = turning && speed.is_negative() != plan.is_reverse();
         let too_fast = speed.abs() > plan.speed_limit();
-        let as_planned = turning && !backwards && !too_fast;
-        let mut alarm = None;
-        if as_planned || !run.is_led() {
-            self.astray = 0;
+        let trouble = if !run.is_led() {
+            None
+        } else if too_fast {
+            Some((Code::SpindleTooFast, 100))
+        } else if backwards {
+            Some((Code::SpindleStopped, 10))
+        } else if !turning {
+            Some((Code::SpindleStopped, 1))
         } else {
-            let per_second = self.arrival.ticks_per_minute / 60;
-            let patience = if too_fast {
-                per_second / 100
-            } else if backwards {
-                per_second / 10
-            } else {
-                per_second
-            };
-            self.astray = self.astray.saturating_add(1);
-            if self.astray > patience {
-                self.astray = 0;
-                alarm = Some(if too_fast {
-                    plan.too_fast(speed)
-                } else {
-                    Alarm::new(Code::SpindleStopped, self.span)
-                });
-                // The axes brake from this tick on: one in which they stood would be a blow.
-                run.stop(plan);
-            }
+            None
+        };
+        let trouble = self.arrival.count_astray(&mut self.astray, trouble);
+        if trouble.is_some() {
+            // The axes brake from this tick on: one in which they stood would be a blow.
+            run.stop(plan);
         }
         let (long, short) = if plan.long_x() {
             (now.ahead_x, now.ahead_z)
@@ -163,8 +151,10 @@ impl Executor {
             }
             Phase::Joining | Phase::Locked | Phase::Braking => Motion::Run,
         };
-        if let Some(alarm) = alarm {
-            return Err(alarm);
+        match trouble {
+            None => {}
+            Some(Code::SpindleTooFast) => return Err(plan.too_fast(speed)),
+            Some(code) => return Err(Alarm::new(code, self.span)),
         }
         self.tell(setpoint, motion);
         setpoint.locked = point.phase == Phase::Locked;

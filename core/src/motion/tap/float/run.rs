@@ -228,11 +228,6 @@ impl FloatRun {
         TurnRate::from_raw(plan.law.inward(speed).raw())
     }
 
-    /// The spindle is told to stand, and does.
-    fn stands(&self, plan: &FloatPlan, now: &FloatTick<'_>) -> bool {
-        self.speed == 0 && now.observer.speed().abs() <= plan.standing
-    }
-
     /// Waits for speed and index; then the tap begins with the axis leaving R.
     fn arrive(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
         let measured = Self::measured(plan, now).raw();
@@ -254,11 +249,7 @@ impl FloatRun {
             return late.then_some(Code::SpindleNotArrived);
         }
         if !now.observer.indexed() {
-            // Two turns and a second.
-            let per_minute = now.arrival.ticks_per_minute;
-            let rpm = plan.entry_rate.rpm().abs();
-            let turn = per_minute.checked_div(rpm).unwrap_or(per_minute);
-            let patience = turn.saturating_mul(2).saturating_add(per_minute / 60);
+            let patience = now.arrival.index_ticks(plan.entry_rate.rpm());
             let late = *index > patience;
             *index = index.saturating_add(1);
             return late.then_some(Code::NoIndex);
@@ -307,13 +298,14 @@ impl FloatRun {
         now: &FloatTick<'_>,
         region: Region,
     ) -> (Motion, Option<Code>) {
+        let standing = now.observer.speed().abs() <= plan.standing;
         let held = now.hold && now.inside;
         if held || self.aborted {
             self.speed = plan.turner.towards(self.speed, 0);
             self.braking = false;
             self.astray = 0;
             // Once it has come to rest, the sample noise of a standing spindle does not count.
-            self.rested |= self.stands(plan, now);
+            self.rested |= self.speed == 0 && standing;
             if !self.rested {
                 return (Motion::Run, self.overdue(plan, now));
             }
@@ -347,14 +339,14 @@ impl FloatRun {
             return (Motion::Run, None);
         }
         if self.braking {
-            if now.observer.speed().abs() <= plan.standing {
+            if standing {
                 self.speed = 0;
                 self.next(plan, now);
                 return (Motion::Run, None);
             }
             return (Motion::Run, self.overdue(plan, now));
         }
-        (Motion::Run, self.astray(plan, now))
+        (Motion::Run, self.astray(plan, now, standing))
     }
 
     /// The next command on the way to the turning point.
@@ -370,11 +362,12 @@ impl FloatRun {
         } else {
             let near = (size(self.speed) as i64).wrapping_add(turner.gentle());
             // Only a spindle that brakes already is known to want the root.
-            let stopping = if self.braking {
-                turner.stopping(left)
+            let enough = if self.braking {
+                i64::MAX
             } else {
-                turner.stopping_or(left, near.max(turner.top()).saturating_add(1))
+                near.max(turner.top()).saturating_add(1)
             };
+            let stopping = turner.stopping_or(left, enough);
             self.braking |= stopping <= near;
             stopping.min(turner.top())
         };
@@ -411,35 +404,20 @@ impl FloatRun {
     }
 
     /// A spindle that does not turn as it is told [D67].
-    fn astray(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
+    fn astray(&mut self, plan: &FloatPlan, now: &FloatTick<'_>, standing: bool) -> Option<Code> {
         let measured = Self::measured(plan, now);
-        let turning = measured.abs() > plan.standing;
         let told = plan.turner.rate(self.speed).abs() > plan.standing;
-        let backwards = turning && measured.is_negative() != (self.speed < 0);
+        let backwards = !standing && measured.is_negative() != (self.speed < 0);
         let too_fast = measured.abs() > plan.speed_limit;
-        if !told || (turning && !backwards && !too_fast) {
-            self.astray = 0;
-            return None;
-        }
-        let per_second = now.arrival.ticks_per_minute / 60;
-        let patience = if too_fast {
+        let trouble = if !told || !(standing || backwards || too_fast) {
+            None
+        } else if too_fast {
             // Longer than the observer overshoots behind a quick ramp.
-            per_second / 20
-        } else if backwards {
-            per_second / 10
+            Some((Code::SpindleTooFast, 20))
         } else {
-            per_second
+            Some((Code::SpindleStopped, if backwards { 10 } else { 1 }))
         };
-        self.astray = self.astray.saturating_add(1);
-        if self.astray <= patience {
-            return None;
-        }
-        self.astray = 0;
-        Some(if too_fast {
-            Code::SpindleTooFast
-        } else {
-            Code::SpindleStopped
-        })
+        now.arrival.count_astray(&mut self.astray, trouble)
     }
 
     /// From here on the axis brakes by time.
