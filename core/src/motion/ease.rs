@@ -96,7 +96,7 @@ impl Fraction {
     }
 }
 
-/// See the module.
+/// See the module. By itself no rounding at all: a corner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Ease {
     half: Fine,
@@ -110,28 +110,12 @@ pub(crate) struct Ease {
 }
 
 impl Ease {
-    /// No rounding at all: a corner.
-    pub const NONE: Self = Self {
-        half: 0,
-        rise: 0,
-        of_half: Fraction {
-            shift: 0,
-            inverse: 0,
-        },
-        of_rise: Fraction {
-            shift: 0,
-            inverse: 0,
-        },
-        rise_gain: 0,
-        flat_gain: 0,
-    };
-
     /// The ease for something that runs at `speed` (nm/s) along `h` while its follower gains `follower` nm/s within
     /// `bounds`.
     #[inline(never)]
     pub fn new(speed: u64, follower: u64, bounds: &Bounds) -> Self {
         if speed == 0 || follower == 0 {
-            return Self::NONE;
+            return Self::default();
         }
         let (time, rise) = bounds.time(follower);
         let half = half_way(speed, time);
@@ -282,9 +266,9 @@ mod tests {
                     jerk: 1
                 }
             ),
-            Ease::NONE
+            Ease::default()
         );
-        assert_eq!(Ease::NONE.at(5), 5);
-        assert_eq!(Ease::NONE.at(-5), 0);
+        assert_eq!(Ease::default().at(5), 5);
+        assert_eq!(Ease::default().at(-5), 0);
     }
 }

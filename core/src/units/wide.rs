@@ -1,7 +1,7 @@
 //! Products that need 128 bits, for places that keep 64: the high half of a product, and `a · b / c`.
 //!
 //! The compiler's 128-bit division is two kilobytes of code, and the linker puts it in wherever it is written; so it is
-//! written nowhere, and that by 64 bits is here [D140].
+//! written nowhere, and that by 64 bits is here [D159].
 
 /// The high 64 bits of `a · b`.
 ///

@@ -1,6 +1,6 @@
 //! Division of 64 bits on a processor that divides 32, by the names that the compiler calls.
 //!
-//! Long division in digits of 16 bits; what comes with the compiler goes bit by bit, in a kilobyte.
+//! Long division in digits of 16 bits; what comes with the compiler goes bit by bit, in a kilobyte [D159].
 
 use core::arch::global_asm;
 
