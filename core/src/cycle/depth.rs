@@ -163,7 +163,7 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
 /// The first n > 1 with `(√n − √(n−1))·Δd < Δdmin`; beyond every pass where there is none.
 ///
 /// `Δd·√n < Δdmin + Δd·√(n−1)`; squared (both sides are positive) `Δd² − Δdmin² < 2·Δd·Δdmin·√(n−1)`; squared again where
-/// the left side is positive. The steps decrease, so once true it stays true.
+/// the left side is positive `Δdmin⁴ < ((4·n − 2)·Δdmin² − Δd²)·Δd²`. The steps decrease, so once true it stays true.
 #[inline(never)]
 fn first_clamped(first: u64, min_step: u64) -> u32 {
     if min_step == 0 {
@@ -172,25 +172,27 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
     if min_step >= first {
         return 2;
     }
-    let left = product(first, first).wrapping_sub(product(min_step, min_step));
-    let right = product(first, min_step) << 1;
-    // Wanted: the smallest c = n − 1 with left² < c · right². The ratio with 16 fractional bits, rounded down, puts
-    // (left/right)² into a gap of less than 1.004 above `whole`: the answer is one of two, and long products tell which.
-    let ratio = div_wide(div_wide(left << 16, first), min_step << 1);
-    if ratio >= 100 << 16 {
-        // √(n − 1) stays below 100.
-        return u32::MAX;
+    let (whole, part) = (product(first, first), product(min_step, min_step));
+    let mut n = 2_u32;
+    let mut parts = mul_wide(part, 6);
+    while parts <= whole {
+        parts = parts.wrapping_add(part << 2);
+        n = n.wrapping_add(1);
+        if n > MOST_PASSES {
+            return u32::MAX;
+        }
     }
-    let whole = (ratio.wrapping_mul(ratio) >> 32) as u32;
-    let c = whole.wrapping_add(1);
-    if long_product(left, left) < times(long_product(right, right), c) {
-        c.wrapping_add(1)
+    // Now the bracket is positive. From Δdmin² on there is no doubt; below it is this pass or the next one.
+    let over = parts.wrapping_sub(whole);
+    if over >= part || long_product(part, part) < long_product(over, whole) {
+        n
     } else {
-        c.wrapping_add(2)
+        n.wrapping_add(1)
     }
 }
 
 /// A 256-bit product: (high, low). The factors here are below 2⁸⁶.
+#[cfg_attr(feature = "small", inline(never))]
 const fn long_product(a: u128, b: u128) -> (u128, u128) {
     let (a1, a0) = ((a >> 64) as u64, a as u64);
     let (b1, b0) = ((b >> 64) as u64, b as u64);
@@ -202,13 +204,30 @@ const fn long_product(a: u128, b: u128) -> (u128, u128) {
     (high, (middle << 64) | low as u64 as u128)
 }
 
-/// A 256-bit value times a small number.
-const fn times(value: (u128, u128), n: u32) -> (u128, u128) {
-    let (carry, low) = long_product(value.1, n as u128);
-    (mul_wide(value.0, n as u64).wrapping_add(carry), low)
-}
-
 /// A length's magnitude as a number of nanometres.
 const fn magnitude(length: Length) -> u64 {
     length.nm().unsigned_abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the definition, squared twice in numbers small enough for it.
+    #[test]
+    fn the_least_step_begins_where_the_definition_says() {
+        for first in 1..200u128 {
+            for least in 1..first {
+                let left = (first * first - least * least).pow(2);
+                let right = (2 * first * least).pow(2);
+                let n = (2..=u128::from(MOST_PASSES)).find(|n| left < (n - 1) * right);
+                let found = first_clamped(first as u64, least as u64);
+                assert_eq!(
+                    u128::from(found),
+                    n.unwrap_or(u128::from(u32::MAX)),
+                    "{first} {least}"
+                );
+            }
+        }
+    }
 }
