@@ -199,15 +199,14 @@ impl Background {
         let Some(call) = calls.peek() else {
             return (false, None);
         };
-        let opened = self.open(call, settings);
+        let mut warning = None;
+        let opened = self.open(call, settings, &mut warning);
         drop_oldest(calls);
-        match opened {
-            Ok(warning) => (true, warning),
-            Err(alarm) => {
-                self.fail(&alarm);
-                (true, None)
-            }
+        if let Err(alarm) = &opened {
+            self.fail(alarm);
+            warning = None;
         }
+        (true, warning)
     }
 
     /// The next move of the call under expansion, or its end.

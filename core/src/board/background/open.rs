@@ -13,34 +13,33 @@ use crate::program::{
 use crate::signals::Signals;
 
 impl Background {
-    /// Checks a call and makes it the one under expansion; a warning of it comes back.
+    /// Checks a call and makes it the one under expansion; `warning` becomes that of it.
     #[inline(never)]
     pub(super) fn open(
         &mut self,
         call: &Call,
         settings: &Settings<'_>,
-    ) -> Result<Option<Alarm>, Alarm> {
+        warning: &mut Option<Alarm>,
+    ) -> Result<(), Alarm> {
         let signals = self.latch(call, settings.signals);
         self.plan = None;
-        let warning = match &call.kind {
-            CallKind::Thread(thread) => {
-                heed!(can_cut(thread, call.span, settings));
-                None
+        match &call.kind {
+            CallKind::Thread(thread) => heed!(can_cut(thread, call.span, settings)),
+            CallKind::Tap(tap) => {
+                heed!(self.prepare_tap(tap, signals, call.span, settings, warning));
             }
-            CallKind::Tap(tap) => self.prepare_tap(tap, signals, call.span, settings)?,
-            _ => {
-                heed!(feasible::tap_spindle(call, signals, settings.params));
-                None
-            }
-        };
+            _ => heed!(feasible::tap_spindle(call, signals, settings.params)),
+        }
         heed!(self.expand(call, signals, settings));
         if let CallKind::TapReturn(_) = call.kind {
             heed!(self.prepare_return(call, settings));
         }
         let Some(moves) = &self.moves else {
-            return Ok(warning);
+            return Ok(());
         };
-        let warning = moves.warning().or(warning);
+        if let Moves::Groove(groove) = moves {
+            *warning = groove.warning();
+        }
         heed!(self.guard.admit(call, moves));
         // Before anything of the call moves; what has expanded once expands a second time to the same.
         heed!(within_limits(moves, self.position, settings.params));
@@ -49,7 +48,7 @@ impl Background {
         if let CallKind::End(_) | CallKind::Over = call.kind {
             self.ending = Some(call.span);
         }
-        Ok(warning)
+        Ok(())
     }
 
     #[inline(never)]
@@ -78,7 +77,8 @@ impl Background {
         signals: Signals,
         span: Span,
         settings: &Settings<'_>,
-    ) -> Result<Option<Alarm>, Alarm> {
+        warning: &mut Option<Alarm>,
+    ) -> Result<(), Alarm> {
         (self.infeed, self.notes) = (tap.speed, tap.notes);
         let params = settings.params;
         let spindle = heed!(feasible::tap_can_begin(tap, signals, span, params));
@@ -100,7 +100,8 @@ impl Background {
             settings.limits,
             report
         ));
-        Ok(report.first_warning().copied())
+        *warning = report.first_warning().copied();
+        Ok(())
     }
 
     #[inline(never)]
