@@ -148,6 +148,19 @@ fn the_largest_speed_is_the_largest() {
     assert_eq!(most, Rpm::new(1333));
 }
 
+/// With an override a thread is asked about at a speed of its own; what is refused is told with that one.
+#[test]
+fn a_thread_at_another_speed_is_refused_as_if_that_were_written() {
+    let params = Params::default();
+    let alarm = |call: ThreadCall, rpm| {
+        thread_can_run(&call, Rpm::new(rpm), Span::default(), &params).unwrap_err()
+    };
+    for rpm in [0, 3001, -3001, 1400, -1400] {
+        let written = thread(&o0013(rpm), Span::default(), &params).unwrap_err();
+        assert_eq!(alarm(o0013(300), rpm), written, "{rpm}");
+    }
+}
+
 #[test]
 fn every_refusal() {
     let params = Params::default();

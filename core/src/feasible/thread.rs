@@ -76,9 +76,9 @@ pub fn thread_can_run(
     params: &Params,
 ) -> Result<(), Alarm> {
     let mut first = Ok(());
-    let mut wrong = |alarm| {
+    let mut wrong = |alarm: &Alarm| {
         if first.is_ok() {
-            first = Err(alarm);
+            first = Err(*alarm);
         }
     };
     heed!(examine(call, rpm, span, params, &mut wrong, &mut |_| {}));
@@ -91,19 +91,19 @@ fn examine(
     rpm: Rpm,
     span: Span,
     params: &Params,
-    wrong: &mut impl FnMut(Alarm),
+    wrong: &mut dyn FnMut(&Alarm),
     seen: &mut impl FnMut(&ThreadPlan),
 ) -> Result<ThreadSummary, Alarm> {
     let summary = heed!(ThreadMoves::survey(call, span));
     let speed = rpm.abs();
     if speed == 0 {
-        wrong(Alarm::new(Code::SpindleStopped, span));
+        wrong(&Alarm::new(Code::SpindleStopped, span));
     } else if speed > params.spindle_max_rpm() {
         let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
-        let args = [Arg::Rpm(positive(call.rpm)), Arg::Rpm(Rpm::new(most))];
-        wrong(Alarm::new(Code::SpeedAboveSpindle, span).with(args));
+        let args = [Arg::Rpm(positive(rpm)), Arg::Rpm(Rpm::new(most))];
+        wrong(&Alarm::new(Code::SpeedAboveSpindle, span).with(args));
     }
-    if let Some(alarm) = pitch(call, summary.shortest_stroke) {
+    if let Some(alarm) = &pitch(call, summary.shortest_stroke) {
         wrong(alarm);
     }
     if speed != 0 {
@@ -111,7 +111,7 @@ fn examine(
             match &plan(call, &pass(call, span, number), params, rpm) {
                 Ok(plan) => seen(plan),
                 Err(alarm) => {
-                    wrong(*alarm);
+                    wrong(alarm);
                     break;
                 }
             }
@@ -136,7 +136,7 @@ pub fn thread_findings(
         call.rpm,
         span,
         params,
-        &mut |alarm| alarms.push(alarm),
+        &mut |alarm| alarms.push(*alarm),
         &mut |plan| figures.take(plan),
     )?;
     if alarms.first().is_some() {
