@@ -263,7 +263,7 @@ fn example(name: &str) -> PathBuf {
 }
 
 /// Instructions of a whole run.
-pub fn instructions(program: &Path, args: &[&str]) -> Result<u64> {
+fn instructions(program: &Path, args: &[&str]) -> Result<u64> {
     callgrind(program, args, &[])
 }
 
@@ -282,7 +282,11 @@ fn callgrind(program: &Path, args: &[&str], options: &[&str]) -> Result<u64> {
         .arg(program)
         .args(args);
     run::read(command)?;
-    let log = fs::read_to_string(&log)?;
+    collected(&fs::read_to_string(&log)?)
+}
+
+/// The instructions in what callgrind says.
+pub fn collected(log: &str) -> Result<u64> {
     log.lines()
         .find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok())
         .ok_or_else(|| anyhow!("callgrind counted nothing:\n{log}"))

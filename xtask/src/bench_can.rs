@@ -1,5 +1,5 @@
-//! What receiving and recording a bus costs: system calls a frame, counted where the bus is, and user instructions a frame,
-//! counted on this machine over a socket that any kernel has. Beside them `candump`, which does the same.
+//! What receiving and recording a bus costs, counted where the bus is: system calls a frame, and user instructions a frame.
+//! Beside them `candump`, which does the same.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-use crate::bench::{instructions, tell, tenths};
+use crate::bench::{collected, tell, tenths};
 use crate::{run, setup, vcan};
 
 /// The part of `docs/performance.md` that is renewed stands between these lines.
@@ -19,6 +19,8 @@ const MANY: u64 = 500_000;
 const SINGLE: u64 = 3_000;
 /// Frames for `candump`: every one costs it several calls, and each call is slow while it is counted.
 const FEW: u64 = 20_000;
+/// Instructions are the difference of these two runs, so that the start of the program is not in them.
+const USER: [u64; 2] = [5_000, 25_000];
 
 /// Measures and prints, or (`write`) puts it into the document.
 pub fn bench(write: bool) -> Result<()> {
@@ -37,14 +39,14 @@ pub fn bench(write: bool) -> Result<()> {
         run::read(run::command(&root, "rustc", &["--version"]))?.trim(),
         vcan::place().name()
     );
-    let each = instructions_each()?;
-    let counted = calls()?;
-    for (name, frames, calls, lost) in counted {
-        let user = if name.starts_with("record, bursts") {
-            each.to_string()
-        } else {
-            "–".into()
-        };
+    for counted in count()? {
+        let Counted {
+            name,
+            frames,
+            calls,
+            user,
+            lost,
+        } = counted;
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
@@ -55,38 +57,41 @@ pub fn bench(write: bool) -> Result<()> {
     tell(&text, MARKS, write)
 }
 
-/// Receiving a frame and writing its line, from the difference of two runs.
-fn instructions_each() -> Result<String> {
-    let program = run::root()
-        .join("target")
-        .join("release")
-        .join("examples")
-        .join("receive");
-    let log = run::scratch("bench")?.join("received.log");
-    let log = log.to_string_lossy().into_owned();
-    let few = instructions(&program, &["50000", &log])?;
-    let many = instructions(&program, &["150000", &log])?;
-    Ok(tenths(many.saturating_sub(few), 100_000))
+/// What was counted of a program.
+struct Counted {
+    name: &'static str,
+    frames: u64,
+    /// System calls.
+    calls: u64,
+    /// User instructions a frame.
+    user: String,
+    lost: String,
 }
 
-/// What was counted of a program: its name, frames, system calls, and frames lost.
-type Counted = (&'static str, u64, u64, String);
-
-fn calls() -> Result<Vec<Counted>> {
+fn count() -> Result<Vec<Counted>> {
     let dir = run::scratch("vcan")?;
     let dir = dir.to_string_lossy();
     let bus = vcan::INTERFACE;
-    // Each recorder is counted while the other process sends; it has half a second to begin to listen.
+    let [less, more] = USER;
+    // Each recorder is counted while the other process sends, from when it listens.
     let script = format!(
         "set -e\n\
          r=target/release/leadscrew; s=target/release/examples/burst\n\
-         count() {{ name=$1; frames=$2; shift 2; strace -f -c -o {dir}/$name.calls \"$@\" > {dir}/$name.out 2> {dir}/$name.err & p=$!; sleep 2; }}\n\
-         count bursts {MANY} $r record --bus {bus} --json -o {dir}/bursts.log --count {MANY}\n\
+         start() {{ name=$1; shift; \"$@\" > {dir}/$name.out 2> {dir}/$name.err & p=$!\n\
+         until grep -q '^ *{bus} ' /proc/net/can/rcvlist_all; do kill -0 $p; sleep 0.1; done; }}\n\
+         strace='strace -f -c -o'; grind='valgrind --tool=callgrind --callgrind-out-file=/dev/null'\n\
+         start bursts $strace {dir}/bursts.calls $r record --bus {bus} --json -o {dir}/bursts.log --count {MANY}\n\
          $s {bus} {MANY} 2000; wait $p\n\
-         count single {SINGLE} $r record --bus {bus} --json -o {dir}/single.log --count {SINGLE}\n\
+         start single $strace {dir}/single.calls $r record --bus {bus} --json -o {dir}/single.log --count {SINGLE}\n\
          $s {bus} {SINGLE} 1 4000; wait $p\n\
-         count candump {FEW} candump -L -r 100000000 -n {FEW} {bus}\n\
+         start candump $strace {dir}/candump.calls candump -L -r 100000000 -n {FEW} {bus}\n\
          $s {bus} {FEW} 500 100000; wait $p\n\
+         for n in {less} {more}; do\n\
+         start record.$n $grind --log-file={dir}/record.$n.user $r record --bus {bus} -o {dir}/record.log --count $n\n\
+         $s {bus} $n 2000; wait $p\n\
+         start candump.$n $grind --log-file={dir}/candump.$n.user candump -L -r 100000000 -n $n {bus}\n\
+         $s {bus} $n 2000; wait $p\n\
+         done\n\
          wc -l {dir}/bursts.log {dir}/candump.out\n\
          echo counted\n"
     );
@@ -103,25 +108,35 @@ fn calls() -> Result<Vec<Counted>> {
         let told: serde_json::Value = serde_json::from_str(read(name, "out")?.trim())?;
         Ok(told["dropped"].to_string())
     };
+    let user = |name: &str| -> Result<String> {
+        let run = |frames| collected(&read(&format!("{name}.{frames}"), "user")?);
+        Ok(tenths(
+            run(more)?.saturating_sub(run(less)?),
+            more.saturating_sub(less),
+        ))
+    };
     Ok(vec![
-        (
-            "record, bursts of 2000",
-            MANY,
-            total(&read("bursts", "calls")?)?,
-            dropped("bursts")?,
-        ),
-        (
-            "record, one by one",
-            SINGLE,
-            total(&read("single", "calls")?)?,
-            dropped("single")?,
-        ),
-        (
-            "candump -L, bursts of 500",
-            FEW,
-            total(&read("candump", "calls")?)?,
-            "–".into(),
-        ),
+        Counted {
+            name: "record, bursts of 2000",
+            frames: MANY,
+            calls: total(&read("bursts", "calls")?)?,
+            user: user("record")?,
+            lost: dropped("bursts")?,
+        },
+        Counted {
+            name: "record, one by one",
+            frames: SINGLE,
+            calls: total(&read("single", "calls")?)?,
+            user: "–".into(),
+            lost: dropped("single")?,
+        },
+        Counted {
+            name: "candump -L, bursts of 500",
+            frames: FEW,
+            calls: total(&read("candump", "calls")?)?,
+            user: user("candump")?,
+            lost: "–".into(),
+        },
     ])
 }
 
