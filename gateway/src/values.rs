@@ -157,7 +157,7 @@ impl FromStr for Tolerance {
 
 /// A whole percentage; how far each override goes is not known here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Percent(pub u8);
+pub struct Percent(pub u16);
 
 impl FromStr for Percent {
     type Err = String;

@@ -309,6 +309,7 @@ fn what_only_a_simulated_machine_can_do_is_a_usage_error() {
         &["run", "examples/shaft.nc", "--cut-power", "5"],
         &["override", "spindle", "30"],
         &["override", "rapid", "101"],
+        &["override", "feed", "500"],
     ] {
         // Nobody listens there: it does not come to that.
         let told = bad(&leadscrew(args, "slcan:tcp:127.0.0.1:1"), 2);

@@ -63,12 +63,13 @@ pub fn levels(global: &Global, what: OverrideName, percent: Percent) -> Outcome 
         OverrideName::Spindle => (50, 120, "spindle", 6),
     };
     let wanted = percent.0;
-    if !(low..=high).contains(&wanted) {
+    let within = u8::try_from(wanted).ok();
+    let Some(wanted) = within.filter(|wanted| (low..=high).contains(wanted)) else {
         return Err(Failure::Usage(both!(
             "`override {name} {wanted}`: the {name} override goes from {low} to {high} %",
             "`override {name} {wanted}`：{name} 倍率的范围是 {low} 到 {high} %"
         )));
-    }
+    };
     let mut link = open(global)?;
     let mut command = BoardCommand::default();
     match what {
