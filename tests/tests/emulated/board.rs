@@ -1,6 +1,7 @@
 //! An emulated board, and `leadscrew` on its line.
 
 use std::fs::File;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -228,6 +229,22 @@ impl Running {
             let _ = child.kill();
             let _ = child.wait();
         }
+    }
+
+    /// Waits until it has said this for people.
+    #[track_caller]
+    pub fn wait_for_words(&mut self, words: &str) {
+        let child = self.0.as_mut().expect("it has not been ended");
+        let stderr = child.stderr.as_mut().expect("it is listened to");
+        let mut said = String::new();
+        let heard = BufReader::new(stderr).lines().map_while(Result::ok);
+        for line in heard {
+            if line.contains(words) {
+                return;
+            }
+            said.push_str(&line);
+        }
+        panic!("it never says `{words}`: {said}");
     }
 
     /// What it printed, at its end, which must be near.
