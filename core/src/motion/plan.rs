@@ -74,9 +74,11 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
 
 /// Why a move cannot be planned.
 pub(super) enum Refusal {
+    /// It begins or ends out of range.
     TooFar,
     /// The feed is nothing on this path.
     NoFeed,
+    /// There is no such arc.
     Arc(ArcError),
     /// Its ramp would be too long, up to this speed.
     OutOfReach(Feed),
@@ -166,6 +168,7 @@ fn in_range(position: Position) -> bool {
 }
 
 impl Refusal {
+    /// The alarm for a move of the block at `span`.
     #[inline(never)]
     pub(super) fn alarm(&self, span: Span) -> Alarm {
         let (code, word, args) = match *self {

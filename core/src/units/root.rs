@@ -30,7 +30,7 @@ pub(crate) fn root(square: u64) -> u64 {
 /// √`square` of at least 2³⁰.
 const fn first_digit(square: u32) -> u32 {
     // Newton's steps come down from above. From the middle of the range the first is off by 6 % at most, the second by
-    // 1/600, the third by 1/8 and what the divisions round away: less than one.
+    // 1/500, the third by a tenth of a unit and what the divisions round away: less than one.
     let mut root = 46_341_u32;
     let mut step = 0_u8;
     while step < 3 {
@@ -54,7 +54,8 @@ pub(crate) fn root_wide(square: u128) -> u64 {
     if upper == 0 {
         return root(square as u64);
     }
-    // Newton's steps from above, until there is none any more. At least one more than the root of the upper half is above.
+    // Newton's steps from above, until there is none any more. The upper half of the first guess is one more than the root of
+    // the upper half.
     let mut root = match u32::try_from(root(upper).wrapping_add(1)) {
         Ok(root) => u64::from(root) << 32,
         Err(_) => u64::MAX,
