@@ -226,6 +226,7 @@ impl Drives {
         }
     }
 
+    /// What each axis' drive would be told for a place ([`figures`]).
     #[inline(never)]
     fn demands(&self, places: [i64; 3]) -> [Option<Increments>; 3] {
         let mut demands = [None; 3];

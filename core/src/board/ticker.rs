@@ -125,8 +125,7 @@ enum Rigid {
 }
 
 /// The tick side of a board.
-// In this order, what is small first and the memory of a profile last: what lies within a short way of the beginning takes a
-// shorter instruction.
+// In the chip's image in this order [D158].
 #[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Ticker {

@@ -139,7 +139,7 @@ enum Active {
 }
 
 /// The one long-lived executor of a machine.
-// In this order: the memory of the profile last, so that the rest is within reach of a short instruction.
+// In the chip's image in this order [D158].
 #[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug)]
 pub struct Executor {

@@ -117,7 +117,7 @@ pub struct Progress {
 }
 
 /// The one long-lived profile of a machine: about 8 KiB, most of it the ring of past inputs.
-// Which is last, so that what is beside it is near.
+// In the chip's image in this order: the ring last [D158].
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "small", repr(C))]
 pub struct Profile {

@@ -21,7 +21,7 @@ pub struct Step {
 
 /// Time-driven motion in the tick. Long-lived: holds the profile and what has become of the motion under way. The motion
 /// itself stays where it is and is handed in, the same one until it is done.
-// The profile's ring last, so that the rest is near.
+// In the chip's image in this order [D158].
 #[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug, Default)]
 pub struct Run {
