@@ -1,7 +1,7 @@
 //! The CAN controller FDCAN1, register by register: classic frames, a hardware queue of three, no automatic way back from
 //! bus-off.
 //!
-//! Why not the driver of the chip's support crate: it hands frames over through channels that mask all interrupts, and the
+//! Why not the driver of a support crate for the chip: it hands frames over through channels that mask all interrupts, and the
 //! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
 //!
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
