@@ -385,6 +385,8 @@ pub fn wide_effect(first: u16, second: u16) -> Effect {
         0b111_0100 if first & 0x0120 != 0 && is_load => effect(base, twelve | eight),
         0b111_0100 => effect(base | twelve | eight | zero, 0),
         0b111_0101 => effect(base | zero, eight),
+        // Jumps and calls: what looks like registers is how far.
+        0b111_1000..=0b111_1011 if is_branch(first, second) => effect(0, 0),
         // Immediate operands; bfi and movt change what is there.
         0b111_1000..=0b111_1011 if second & 0x8000 == 0 => match first & 0xFBF0 {
             0xF240 => effect(0, eight),
@@ -411,6 +413,11 @@ pub fn wide_effect(first: u16, second: u16) -> Effect {
         0b111_1101 => effect(base | zero, eight),
         _ => effect(base | twelve | eight | zero, 0),
     }
+}
+
+/// b.w, bl, and b.w with a condition.
+const fn is_branch(first: u16, second: u16) -> bool {
+    second & 0x9000 == 0x9000 || second & 0xD000 == 0x8000 && first >> 6 & 0xF < 14
 }
 
 #[cfg(test)]
@@ -498,6 +505,15 @@ mod tests {
         assert!(only_called(&by_table(0x47A0), &marks));
         // Out of the function: b.w far ahead
         assert!(!only_called(&[0x4C01, 0xBF00, 0xF001, 0xB800], &start));
+    }
+
+    #[test]
+    fn a_jump_uses_no_register() {
+        // b.w back, bl, beq.w; msr msp, r4
+        for (first, second) in [(0xF7F4, 0xBB26), (0xF004, 0xF804), (0xF004, 0x8004)] {
+            assert_eq!(wide_effect(first, second), Effect::default());
+        }
+        assert!(wide_effect(0xF384, 0x8808).reads & 1 << 4 != 0);
     }
 
     #[test]
