@@ -1,8 +1,8 @@
 //! The beat of SYNC: TIM6.
 
 use cortex_m::peripheral::NVIC;
-use stm32_metapac::timer::vals::Urs;
-use stm32_metapac::{TIM6, interrupt};
+use embassy_stm32::pac::timer::vals::Urs;
+use embassy_stm32::pac::{TIM6, interrupt};
 
 use crate::clock::CORE_MHZ;
 

@@ -7,10 +7,10 @@
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
 //! have missed setpoints must not get new ones out of nowhere. What is told is its state.
 
+use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
+use embassy_stm32::pac::{FDCAN1, FDCANRAM1, interrupt};
 use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
 use leadscrew_parts::BitTiming;
-use stm32_metapac::can::vals::{Anfe, Anfs, Tfqm};
-use stm32_metapac::{FDCAN1, FDCANRAM1, interrupt};
 
 /// Words of an element of the message memory.
 const ELEMENT: usize = 18;

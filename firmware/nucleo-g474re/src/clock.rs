@@ -1,13 +1,17 @@
-//! Clocks: 170 MHz from the 24 MHz crystal of the board, and those of everything that is used of the chip.
+//! Clocks: 170 MHz from the 24 MHz crystal of the board.
 //!
 //! The crystal, not the oscillator inside the chip: a CAN bit of 1 Mbit/s allows its ends to differ by less than that
 //! oscillator may be off. Without the crystal nothing starts.
 //!
-//! A start is always behind a reset, which leaves all of this off and every part of the chip as it was made.
+//! The tree of clocks is set up by `embassy-stm32`, whatever ran before and left on: a mistake in it would show on a desk
+//! alone. What else is used of the chip is given its clock here and has its registers in a file of its own.
 
-use stm32_metapac::flash::vals::Latency;
-use stm32_metapac::rcc::vals::{Fdcansel, Hpre, Pllm, Plln, Pllr, Pllsrc, Sw};
-use stm32_metapac::{DBGMCU, FLASH, PWR, RCC};
+use embassy_stm32::Config;
+use embassy_stm32::pac;
+use embassy_stm32::rcc::{
+    APBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux,
+};
+use embassy_stm32::time::Hertz;
 
 /// The crystal, and the clock of the CAN controller.
 pub const CRYSTAL_HZ: u32 = 24_000_000;
@@ -16,53 +20,37 @@ pub const CORE_MHZ: u32 = 170;
 
 /// Starts the clocks.
 pub fn start() {
-    RCC.cr().modify(|w| w.set_hseon(true));
-    while !RCC.cr().read().hserdy() {}
-    // 24 MHz / 6 · 85 / 2.
-    RCC.pllcfgr().write(|w| {
-        w.set_pllsrc(Pllsrc::HSE);
-        w.set_pllm(Pllm::DIV6);
-        w.set_plln(Plln::MUL85);
-        w.set_pllr(Pllr::DIV2);
-        w.set_pllren(true);
+    let mut config = Config::default();
+    let rcc = &mut config.rcc;
+    rcc.hse = Some(Hse {
+        freq: Hertz(CRYSTAL_HZ),
+        mode: HseMode::Oscillator,
     });
-    RCC.cr().modify(|w| w.set_pllon(true));
-    while !RCC.cr().read().pllrdy() {}
-
-    RCC.apb1enr1().modify(|w| {
+    // 24 MHz / 6 · 85 / 2.
+    rcc.pll = Some(Pll {
+        source: PllSource::HSE,
+        prediv: PllPreDiv::DIV6,
+        mul: PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(PllRDiv::DIV2),
+    });
+    rcc.sys = Sysclk::PLL1_R;
+    rcc.boost = true;
+    rcc.apb1_pre = APBPrescaler::DIV1;
+    rcc.apb2_pre = APBPrescaler::DIV1;
+    rcc.hsi48 = None;
+    rcc.mux.fdcansel = mux::Fdcansel::HSE;
+    // Its tokens of ownership stay behind: `main` starts each part once.
+    let _ = embassy_stm32::init(config);
+    pac::RCC.apb1enr1().modify(|w| {
         w.set_tim2en(true);
         w.set_tim5en(true);
         w.set_tim6en(true);
         w.set_fdcanen(true);
-        w.set_pwren(true);
     });
-    RCC.ahb2enr().modify(|w| {
-        w.set_gpioaen(true);
-        w.set_gpioben(true);
-        w.set_gpiocen(true);
-    });
-    RCC.ccipr().modify(|w| w.set_fdcansel(Fdcansel::HSE));
-
-    // Above 150 MHz with more voltage. On the way there half the speed, for a microsecond.
-    RCC.cfgr().modify(|w| w.set_hpre(Hpre::DIV2));
-    PWR.cr5().modify(|w| w.set_r1mode(false));
     // Code runs from one bank only, so the prefetcher does not meet its erratum.
-    FLASH.acr().modify(|w| {
-        w.set_latency(Latency::WS4);
-        w.set_prften(true);
-    });
-    while FLASH.acr().read().latency() != Latency::WS4 {}
-    RCC.cfgr().modify(|w| w.set_sw(Sw::PLL1_R));
-    while RCC.cfgr().read().sws() != Sw::PLL1_R {}
-    cortex_m::asm::delay(CORE_MHZ);
-    RCC.cfgr().modify(|w| w.set_hpre(Hpre::DIV1));
-
-    // A debug probe reaches the processor also while it waits for an interrupt, and a program that it has stopped is not
-    // bitten by the watchdog.
-    DBGMCU.cr().modify(|w| {
-        w.set_dbg_sleep(true);
-        w.set_dbg_stop(true);
-        w.set_dbg_standby(true);
-    });
-    DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+    pac::FLASH.acr().modify(|w| w.set_prften(true));
+    // A program that a debugger has stopped is not bitten by the watchdog.
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
 }

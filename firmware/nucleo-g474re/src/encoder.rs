@@ -9,10 +9,10 @@
 //! So the time of the last edge needs no wire and no interrupt. The index is filtered longer than the lines: it comes
 //! together with an edge, and the count behind it is the one that belongs to it, whatever the direction.
 
+use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
+use embassy_stm32::pac::{TIM2, TIM5};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_parts::{EdgeClock, Reading};
-use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
-use stm32_metapac::{TIM2, TIM5};
 
 use crate::clock::CORE_MHZ;
 

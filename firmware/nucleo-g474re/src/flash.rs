@@ -6,9 +6,9 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::exception;
+use embassy_stm32::pac::FLASH;
+use embassy_stm32::pac::flash::regs::Cr;
 use leadscrew_parts::{WordDevice, WordError, WordFlash};
-use stm32_metapac::FLASH;
-use stm32_metapac::flash::regs::Cr;
 
 /// Bytes of a page.
 const PAGE: usize = 2048;

@@ -37,6 +37,7 @@ use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::entry;
+use embassy_stm32::pac::{UID, interrupt};
 use leadscrew_app::{
     BackgroundPlace, BackgroundSide, Inputs, Machine, PowerUp, Queues, TickMachine, TickPlace,
     TickSide, TickerPlace, serial_of,
@@ -50,7 +51,6 @@ use leadscrew_core::spindle::EncoderSample;
 use leadscrew_memory as _;
 use leadscrew_parts::{BitTiming, WordFlash};
 use leadscrew_store::{BUFFER, Store};
-use stm32_metapac::{UID, interrupt};
 
 use crate::encoder::Encoder;
 use crate::flash::Bank;

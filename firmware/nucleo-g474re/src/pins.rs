@@ -19,9 +19,9 @@
 
 use core::convert::Infallible;
 
+use embassy_stm32::pac::gpio::vals::{Moder, Ospeedr, Pupdr};
+use embassy_stm32::pac::{GPIOA, GPIOB, GPIOC};
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin, PinState};
-use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
-use stm32_metapac::{GPIOA, GPIOB, GPIOC};
 
 /// The board's contacts.
 pub type Contacts = leadscrew_parts::Contacts<Input, Input, Input>;

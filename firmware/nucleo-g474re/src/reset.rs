@@ -1,7 +1,7 @@
 //! Why the processor started.
 
+use embassy_stm32::pac::RCC;
 use leadscrew_app::ResetFlags;
-use stm32_metapac::RCC;
 
 /// The flags of the last reset; they are cleared, so that the next one is told from it.
 pub fn flags() -> ResetFlags {

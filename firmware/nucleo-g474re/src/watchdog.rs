@@ -1,7 +1,7 @@
 //! The watchdog of the chip, by a clock of its own: what stops feeding it is started anew.
 
-use stm32_metapac::IWDG;
-use stm32_metapac::iwdg::vals::{Key, Pr};
+use embassy_stm32::pac::IWDG;
+use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
 /// It bites behind this time without being fed.
 const PATIENCE_MS: u32 = 100;

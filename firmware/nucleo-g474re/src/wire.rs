@@ -14,11 +14,11 @@
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use cortex_m::peripheral::NVIC;
+use embassy_stm32::pac::interrupt;
 use heapless::spsc::{Consumer, Producer, Queue};
 use leadscrew_core::board::FRAMES;
 use leadscrew_core::bus::{Frame, Service};
 use leadscrew_parts::{Gate, Turn};
-use stm32_metapac::interrupt;
 
 use crate::beat;
 use crate::can::{self, Places};
