@@ -62,9 +62,8 @@ fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
             break state;
         }
     };
-    FLASH.acr().modify(|w| w.set_dcrst(true));
-    FLASH.acr().modify(|w| w.set_dcrst(false));
-    FLASH.acr().modify(|w| w.set_dcen(true));
+    forget();
+    // What is to be done is taken back first, and locked then.
     FLASH.cr().write_value(Cr(0));
     FLASH.cr().write(|w| w.set_lock(true));
     let failed =
@@ -74,6 +73,14 @@ fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
     } else {
         Ok(())
     }
+}
+
+/// Empties the chip's cache of data: what has changed, and what could not be read, is not in it.
+fn forget() {
+    FLASH.acr().modify(|w| w.set_dcen(false));
+    FLASH.acr().modify(|w| w.set_dcrst(true));
+    FLASH.acr().modify(|w| w.set_dcrst(false));
+    FLASH.acr().modify(|w| w.set_dcen(true));
 }
 
 impl WordDevice for Bank {
@@ -90,6 +97,8 @@ impl WordDevice for Bank {
         cortex_m::asm::isb();
         READING.store(false, Ordering::SeqCst);
         if UNREADABLE.swap(false, Ordering::SeqCst) {
+            // A second reading is to be refused like the first.
+            forget();
             return Err(WordError::Unreadable);
         }
         let [a, b, c, d] = low.to_le_bytes();
@@ -129,12 +138,14 @@ impl WordDevice for Bank {
 #[exception]
 unsafe fn NonMaskableInt() {
     let state = FLASH.eccr().read();
-    if state.eccd() && READING.load(Ordering::SeqCst) {
+    // The other bank is the program's, whose words are read meanwhile too.
+    let kept = state.bk_ecc() && !state.sysf_ecc();
+    if state.eccd() && kept && READING.load(Ordering::SeqCst) {
         UNREADABLE.store(true, Ordering::SeqCst);
         // Written as read: what is set is cleared, and the next one is told again.
         FLASH.eccr().write_value(state);
         return;
     }
-    // The program itself cannot be read, or the crystal has failed: nothing that is known still holds.
+    // The program itself cannot be read: nothing that is known still holds.
     panic!("non-maskable interrupt");
 }
