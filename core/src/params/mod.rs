@@ -11,6 +11,7 @@
 mod check;
 mod entry;
 mod set;
+mod short;
 #[cfg(test)]
 mod tests;
 pub mod unit;
@@ -19,6 +20,7 @@ pub use check::PROFILE_TICKS;
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{LARGEST_IS_NONE, Meaning, SMALLEST_IS_NONE};
 pub use set::SetError;
+use short::lengthen;
 pub use unit::{Unit, ValueError, Writing};
 
 use crate::units::{Acceleration, Axis, Feed, Jerk, Length};
@@ -41,22 +43,6 @@ impl Params {
         }
         Self { raw }
     }
-}
-
-/// A value of the built-in set as it lies in flash, where eight bytes for each would be most of it: its digits, and in the
-/// lowest four bits how many zeros are behind them. An extreme stands for an extreme.
-const fn lengthen(value: i32) -> i64 {
-    match value {
-        i32::MIN => return i64::MIN,
-        i32::MAX => return i64::MAX,
-        _ => {}
-    }
-    let (mut digits, mut zeros) = ((value >> 4) as i64, value & 15);
-    while zeros > 0 {
-        digits = digits.wrapping_mul(10);
-        zeros = zeros.wrapping_sub(1);
-    }
-    digits
 }
 
 impl Default for Params {
