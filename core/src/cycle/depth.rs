@@ -173,17 +173,16 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
         return 2;
     }
     let (whole, part) = (product(first, first), product(min_step, min_step));
-    let mut n = 2_u32;
-    let mut parts = mul_wide(part, 6);
-    while parts <= whole {
-        parts = parts.wrapping_add(part << 2);
-        n = n.wrapping_add(1);
-        if n > MOST_PASSES {
-            return u32::MAX;
-        }
+    // The first n with Δd² < (4·n − 2)·Δdmin². The quotient of a quotient is that by the product, rounded down once.
+    let ratio = div_wide(div_wide(whole, min_step), min_step);
+    let ratio = ratio.min(u128::from(4 * MOST_PASSES)) as u32;
+    let n = (ratio.wrapping_add(6) >> 2).max(2);
+    if n > MOST_PASSES {
+        return u32::MAX;
     }
     // Now the bracket is positive. From Δdmin² on there is no doubt; below it is this pass or the next one.
-    let over = parts.wrapping_sub(whole);
+    let parts = n.wrapping_mul(4).wrapping_sub(2);
+    let over = mul_wide(part, u64::from(parts)).wrapping_sub(whole);
     if over >= part || long_product(part, part) < long_product(over, whole) {
         n
     } else {
@@ -210,24 +209,106 @@ const fn magnitude(length: Length) -> u64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects)]
 mod tests {
     use super::*;
 
-    /// Against the definition, squared twice in numbers small enough for it.
+    /// A product of factors below 2⁹⁶, the highest digits first.
+    fn wide(factors: &[u128]) -> [u32; 12] {
+        let mut digits = [0; 12];
+        digits[11] = 1;
+        for factor in factors {
+            let mut carry = 0;
+            for digit in digits.iter_mut().rev() {
+                carry += u128::from(*digit) * factor;
+                *digit = carry as u32;
+                carry >>= 32;
+            }
+            assert_eq!(carry, 0);
+        }
+        digits
+    }
+
+    /// The definition, squared twice: whether the step to pass n is below the least one.
+    fn below(first: u64, least: u64, n: u32) -> bool {
+        let (first, least) = (u128::from(first), u128::from(least));
+        let (left, right) = (first * first - least * least, 2 * first * least);
+        wide(&[left, left]) < wide(&[right, right, u128::from(n - 1)])
+    }
+
+    /// Holds what is found against the definition; the steps decrease, so two passes tell. Gives it back.
+    #[track_caller]
+    fn check(first: u64, least: u64) -> u32 {
+        let n = first_clamped(first, least);
+        let last = n.min(MOST_PASSES + 1) - 1;
+        assert!(
+            last < 2 || !below(first, least, last),
+            "{first} {least} {n}"
+        );
+        assert!(
+            n > MOST_PASSES || below(first, least, n),
+            "{first} {least} {n}"
+        );
+        n
+    }
+
     #[test]
     fn the_least_step_begins_where_the_definition_says() {
-        for first in 1..200u128 {
+        for first in 2..200 {
             for least in 1..first {
-                let left = (first * first - least * least).pow(2);
-                let right = (2 * first * least).pow(2);
-                let n = (2..=u128::from(MOST_PASSES)).find(|n| left < (n - 1) * right);
-                let found = first_clamped(first as u64, least as u64);
-                assert_eq!(
-                    u128::from(found),
-                    n.unwrap_or(u128::from(u32::MAX)),
-                    "{first} {least}"
-                );
+                let found = check(first, least);
+                let searched = (2..=MOST_PASSES).find(|n| below(first, least, *n));
+                assert_eq!(searched, Some(found), "{first} {least}");
             }
+        }
+    }
+
+    #[test]
+    fn the_least_step_begins_there_at_every_border() {
+        const LONGEST: u64 = 1 << 42;
+        let leasts = [
+            1,
+            2,
+            3,
+            7,
+            10,
+            999,
+            1000,
+            12_345,
+            (1 << 20) + 1,
+            (1 << 31) - 1,
+        ];
+        let long = [
+            LONGEST / 201,
+            LONGEST / 200,
+            LONGEST / 199,
+            LONGEST / 3,
+            LONGEST - 1,
+        ];
+        for least in leasts.into_iter().chain(long) {
+            for n in [2, 3, 4, 10, 100, 5000, MOST_PASSES - 1, MOST_PASSES] {
+                // The longest first step that comes down to the least one by pass n.
+                let (mut inside, mut outside) = (least + 1, LONGEST + 1);
+                while outside - inside > 1 {
+                    let middle = inside.midpoint(outside);
+                    if below(middle, least, n) {
+                        inside = middle;
+                    } else {
+                        outside = middle;
+                    }
+                }
+                for first in inside.saturating_sub(2).max(1)..=(inside + 2).min(LONGEST) {
+                    if first <= least {
+                        assert_eq!(first_clamped(first, least), 2);
+                    } else {
+                        let found = check(first, least);
+                        assert_eq!(found <= n, first <= inside, "{first} {least} {n}: {found}");
+                    }
+                }
+            }
+        }
+        for (first, least) in [(LONGEST, 0), (LONGEST, 1), (400_000, 1000), (200, 1)] {
+            assert_eq!(first_clamped(first, least), u32::MAX);
         }
     }
 }
