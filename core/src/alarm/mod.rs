@@ -128,7 +128,7 @@ impl Alarm {
         self
     }
 
-    /// Gives the figures of the template, four at most; those that are not given are [`Arg::None`].
+    /// Gives the figures of the template, four at most; those that are not given stay as they are.
     #[must_use]
     #[inline]
     pub fn with<const N: usize>(mut self, figures: [Arg; N]) -> Self {

@@ -80,7 +80,7 @@ pub(crate) const fn div_wide(a: u128, b: u64) -> u128 {
     (first as u128) << 64 | second as u128
 }
 
-/// `a · b`; `u128::MAX` where that does not fit. Likewise of one copy.
+/// `a · b`; `u128::MAX` where that does not fit. One copy for all: inlined it is long.
 #[inline(never)]
 pub(crate) const fn mul_wide(a: u128, b: u64) -> u128 {
     a.saturating_mul(b as u128)
