@@ -84,8 +84,7 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
     position(&call.start)?;
     let ends = [&call.end_x.value, &call.end_z.value, &call.taper.value];
     lengths(From::Anywhere, &ends)?;
-    let above = [&call.height.value, &call.first_depth.value, &call.increment];
-    lengths(From::Above, &above)?;
+    lengths(From::Above, &[&call.height.value, &call.first_depth.value])?;
     let zero = [
         &call.min_step.value,
         &call.allowance.value,
@@ -98,6 +97,7 @@ fn thread(call: &ThreadCall) -> Result<(), Beyond> {
         rest(out.long_rest)?;
     }
     lead(&call.lead.value, THREAD_TURNS)?;
+    lengths(From::Above, &[&call.increment])?;
     speed(call.rpm)?;
     let counts = call.finish_passes.value <= TWO_DIGITS
         && call.angle.value <= TWO_DIGITS
