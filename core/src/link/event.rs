@@ -19,16 +19,11 @@ pub struct Logged {
     pub event: Event,
 }
 
-/// Puts an entry at the front of `bytes`; how many it takes comes back.
+/// Puts an entry, part by part as [`Logged`] has them, at the front of `bytes`; how many it takes comes back.
 ///
 /// # Errors
 /// [`LinkError::TooLong`] where it does not fit.
-pub fn encode_event(entry: &Logged, bytes: &mut [u8]) -> Result<usize, LinkError> {
-    encode_logged(entry.number, entry.tick, &entry.event, bytes)
-}
-
-/// The same of an event that is not part of an entry yet.
-pub(crate) fn encode_logged(
+pub fn encode_event(
     number: u32,
     tick: u64,
     event: &Event,

@@ -30,7 +30,6 @@ pub use batch::{
 };
 pub use certificate::{Certificate, SetpointHash};
 pub use change::{decode_changes, encode_changes};
-pub(crate) use event::encode_logged;
 pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;

@@ -433,7 +433,7 @@ fn events_and_status_come_back_equal() {
         })
         .collect();
     for entry in &entries {
-        used += encode_event(entry, &mut bytes[used..]).unwrap();
+        used += encode_event(entry.number, entry.tick, &entry.event, &mut bytes[used..]).unwrap();
     }
     let read: Vec<_> = EventReader::new(&bytes[..used])
         .map(Result::unwrap)

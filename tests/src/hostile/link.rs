@@ -26,7 +26,8 @@ pub fn link(data: &[u8]) {
         2 => {
             for entry in EventReader::new(message).map_while(Result::ok) {
                 let mut again = [0; 512];
-                let used = encode_event(&entry, &mut again).expect("as long as it was");
+                let used = encode_event(entry.number, entry.tick, &entry.event, &mut again)
+                    .expect("as long as it was");
                 let mut reader = EventReader::new(&again[..used]);
                 assert_eq!(reader.next(), Some(Ok(entry)));
             }

@@ -2,7 +2,7 @@
 
 use super::ring::Ring;
 use crate::board::Event;
-use crate::link::encode_logged;
+use crate::link::encode_event;
 
 /// Bytes of events kept.
 const LOG_BYTES: usize = 1024;
@@ -41,7 +41,7 @@ impl Log {
     pub fn push(&mut self, tick: u64, event: &Event) {
         self.newest = self.newest.saturating_add(1);
         let mut bytes = [0; ENTRY_BYTES];
-        let Ok(length) = encode_logged(self.newest, tick, event, &mut bytes) else {
+        let Ok(length) = encode_event(self.newest, tick, event, &mut bytes) else {
             return;
         };
         while self.ring.free() <= length {

@@ -484,7 +484,7 @@ impl Shelf {
         }
     }
 
-    pub fn switches(&mut self, single_block: Option<bool>, dry_run: Option<bool>) {
+    fn switches(&mut self, single_block: Option<bool>, dry_run: Option<bool>) {
         if let Some(on) = single_block {
             self.command(Command::SingleBlock(on));
         }

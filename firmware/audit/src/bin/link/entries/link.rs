@@ -40,7 +40,9 @@ fn records() {
     sink(Status::decode(bytes));
     let mut room = [0; 64];
     for entry in EventReader::new(bytes) {
-        sink(entry.and_then(|entry: Logged| encode_event(&entry, &mut room)));
+        sink(entry.and_then(|entry: Logged| {
+            encode_event(entry.number, entry.tick, &entry.event, &mut room)
+        }));
     }
     if let Ok(Ok(status)) = Status::decode(bytes) {
         sink(status.encode(&mut room));
