@@ -231,20 +231,36 @@ impl Running {
         }
     }
 
-    /// Waits until it has said this for people.
+    /// Waits until it has said this for people; what does not in time is ended.
     #[track_caller]
     pub fn wait_for_words(&mut self, words: &str) {
         let child = self.0.as_mut().expect("it has not been ended");
-        let stderr = child.stderr.as_mut().expect("it is listened to");
-        let mut said = String::new();
-        let heard = BufReader::new(stderr).lines().map_while(Result::ok);
-        for line in heard {
-            if line.contains(words) {
-                return;
+        let mut stderr = child.stderr.take().expect("it is listened to");
+        let wanted = words.to_owned();
+        let listener = std::thread::spawn(move || {
+            let mut said = String::new();
+            let heard = BufReader::new(&mut stderr).lines().map_while(Result::ok);
+            for line in heard {
+                if line.contains(&wanted) {
+                    return Ok(stderr);
+                }
+                said.push_str(&line);
             }
-            said.push_str(&line);
+            Err(said)
+        });
+        let started = Instant::now();
+        while !listener.is_finished() {
+            if started.elapsed() > PATIENCE {
+                // With it ends what it says.
+                let _ = child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(20));
         }
-        panic!("it never says `{words}`: {said}");
+        match listener.join().expect("a listener") {
+            // Whoever still writes must not find nobody there.
+            Ok(stderr) => child.stderr = Some(stderr),
+            Err(said) => panic!("it never says `{words}`: {said}"),
+        }
     }
 
     /// What it printed, at its end, which must be near.
