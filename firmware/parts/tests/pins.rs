@@ -1,5 +1,9 @@
 //! The pins of the NUCLEO-G474RE: what its image uses, and what the page about it says.
 
+use std::path::{Path, PathBuf};
+
+/// The sources of the image.
+const IMAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../nucleo-g474re/src");
 const PINS: &str = include_str!("../../nucleo-g474re/src/pins.rs");
 const PAGE: &str = include_str!("../../../docs/hardware.md");
 
@@ -40,6 +44,26 @@ fn used(text: &str) -> Vec<String> {
 fn the_page_and_the_image_have_one_table() {
     assert_eq!(rows(PINS), rows(PAGE));
     assert_eq!(rows(PINS).len(), 11);
+}
+
+#[test]
+fn no_other_file_gives_a_pin_its_mode() {
+    let mut files = Vec::new();
+    let mut folders = vec![PathBuf::from(IMAGE)];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("the sources of the image") {
+            let path = entry.expect("the sources of the image").path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).expect("a source");
+            if text.contains("moder(") {
+                files.push(path);
+            }
+        }
+    }
+    assert_eq!(files, [Path::new(IMAGE).join("pins.rs")]);
 }
 
 #[test]
