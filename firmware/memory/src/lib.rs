@@ -1,6 +1,6 @@
 #![no_std]
-//! What the compiler calls to copy, move, fill and compare memory, and to divide 64 bits, in few bytes: those that come with it are made
-//! for speed and take 4.5 KiB, these a small part of that. An image has them by `use leadscrew_memory as _`.
+//! What the compiler calls to copy, move, fill and compare memory, and to divide 64 bits, in few bytes: those that come
+//! with it are made for speed and take 4.5 KiB, these a small part of that. An image has them by `use leadscrew_memory as _`.
 //!
 //! For ARMv7E-M, where a word may be read and written at any address. What is aligned is copied sixteen bytes at a time.
 
@@ -8,8 +8,8 @@ mod division;
 
 use core::arch::global_asm;
 
-// Registers r0 to r3 and r12 are the caller's to save. Nothing that is copied forwards needs to lie apart from where it goes, as
-// long as it goes down: what a store writes has been read before.
+// Registers r0 to r3 and r12 are the caller's to save. Nothing that is copied forwards needs to lie apart from where it
+// goes, as long as it goes down: what a store writes has been read before.
 global_asm!(
     ".macro entry name",
     ".global \\name",

@@ -1,7 +1,7 @@
 #![no_std]
 #![no_main]
-//! Copies, moves, fills and comparisons of every length and alignment on the emulated Cortex-M4F, with the functions the images of boards
-//! have (`leadscrew-memory`), against the same thing done byte by byte; and their division.
+//! Copies, moves, fills and comparisons of every length and alignment on the emulated Cortex-M4F, with the functions the
+//! images of boards have (`leadscrew-memory`), against the same thing done byte by byte; and their division.
 
 mod division;
 
