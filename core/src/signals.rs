@@ -85,6 +85,18 @@ impl Signals {
     /// The bits that [`bits`](Self::bits) can have.
     pub const BITS: u16 = 0x0FF7;
 
+    /// Behind them, what a board mirrors and nobody sets there: feed hold [D164].
+    pub const HOLD: u16 = 1 << 12;
+
+    /// The same: single block.
+    pub const SINGLE_BLOCK: u16 = 1 << 13;
+
+    /// The same: emergency stop.
+    pub const STOP: u16 = 1 << 14;
+
+    /// All that is mirrored.
+    pub const MIRRORED: u16 = Self::HOLD | Self::SINGLE_BLOCK | Self::STOP;
+
     const SPINDLES: u8 = 0x0F;
 
     /// Sets one input. RGTAP stops following the mode.
@@ -120,7 +132,8 @@ impl Signals {
             | ((self.rgtsp & Self::SPINDLES) as u16) << 8
     }
 
-    /// The signals of such bits; `None` where one is set that has no meaning.
+    /// The signals of such bits; `None` where one is set that has no meaning. What is [mirrored](Self::MIRRORED) may be
+    /// among them and says nothing about the signals.
     #[must_use]
     pub const fn from_bits(bits: u16) -> Option<Self> {
         let rgtap = match bits & 0b110 {
@@ -129,7 +142,7 @@ impl Signals {
             0b110 => Some(true),
             _ => return None,
         };
-        if bits & !Self::BITS != 0 {
+        if bits & !(Self::BITS | Self::MIRRORED) != 0 {
             return None;
         }
         Some(Self {
@@ -293,11 +306,12 @@ mod tests {
             match Signals::from_bits(bits) {
                 Some(signals) => {
                     known += 1;
-                    assert_eq!(signals.bits(), bits);
+                    assert_eq!(signals.bits(), bits & !Signals::MIRRORED);
                 }
-                None => assert!(bits & !Signals::BITS != 0 || bits & 0b110 == 0b010),
+                None => assert!(bits & 0x8008 != 0 || bits & 0b110 == 0b010),
             }
         }
-        assert_eq!(known, 2 * 3 * 16 * 16);
+        // Each with every value of the three bits that are mirrored.
+        assert_eq!(known, 2 * 3 * 16 * 16 * 8);
     }
 }

@@ -44,7 +44,7 @@ pub use guard::Guard;
 pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use operator::Operator;
 pub use reference::Reference;
-pub use snapshot::Snapshot;
+pub use snapshot::{Contacts, Snapshot};
 pub use station::Station;
 pub use store::{Region, StoreError, StoreRequest};
 pub use ticker::{Ends, FRAMES, Notice, Outcome, Output, State, Ticker};
@@ -122,7 +122,7 @@ impl Board {
         let Some(ticker) = Ticker::new(params, remembered, tap) else {
             return Err(Alarm::new(Code::ParametersUnusable, Span::default()));
         };
-        let snapshot = Snapshot::new(&ticker, &Setpoint::default());
+        let snapshot = Snapshot::new(&ticker, &Setpoint::default(), Contacts::default());
         Ok(Self {
             desk: Desk::new(params, remembered.unwrap_or_default(), tap, snapshot),
             reference: Reference::default(),

@@ -9,7 +9,7 @@
 
 use super::queue::{Detours, Segments};
 use super::reference::Reference;
-use super::{Board, Snapshot};
+use super::{Board, Contacts, Snapshot};
 use crate::alarm::Alarm;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::motion::Setpoint;
@@ -37,7 +37,7 @@ impl Board {
     pub fn serve(&mut self, elapsed: Periods, setpoint: &Setpoint) -> bool {
         // Before any call goes to the planner.
         self.heed();
-        let snapshot = Snapshot::new(&self.ticker, setpoint);
+        let snapshot = Snapshot::new(&self.ticker, setpoint, Contacts::default());
         let (ticker, head) = (&self.ticker, self.segments.peek());
         let error = if elapsed == Periods::new(1) {
             self.reference.error(ticker, head, setpoint)

@@ -2,12 +2,23 @@
 
 use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, Code};
 use crate::bus::BoardState;
 use crate::journal::TapRecord;
 use crate::motion::{Motion, Setpoint};
 use crate::program::TapSpindle;
+use crate::signals::Signals;
 use crate::units::{Rpm, TurnRate, Turns};
+
+/// The operator's contacts, on a board that has pins for them. Only what is told of them: what follows from them are
+/// [commands](super::Command).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Contacts {
+    /// Feed hold is pressed.
+    pub hold: bool,
+    /// The emergency stop is pressed, or its circuit is open.
+    pub stop: bool,
+}
 
 /// The tick side of a board between two ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +41,14 @@ pub struct Snapshot {
     pub tap: Option<TapRecord>,
     /// What the operator has set.
     pub operator: Operator,
+    /// His contacts: as in [`Contacts::default`] where the board has none.
+    pub contacts: Contacts,
 }
 
 impl Snapshot {
-    /// As it is after the tick that gave `setpoint`.
+    /// As it is after the tick that gave `setpoint`, with contacts like these.
     #[must_use]
-    pub fn new(ticker: &Ticker, setpoint: &Setpoint) -> Self {
+    pub fn new(ticker: &Ticker, setpoint: &Setpoint, contacts: Contacts) -> Self {
         Self {
             state: ticker.state(),
             setpoint: *setpoint,
@@ -46,6 +59,7 @@ impl Snapshot {
             spindle_in_use: ticker.tap_spindle(),
             tap: ticker.tap_entry(),
             operator: *ticker.operator(),
+            contacts,
         }
     }
 
@@ -74,6 +88,28 @@ impl Snapshot {
             State::Alarm(alarm) | State::Stopping(Outcome::Alarm(alarm)) => Some(alarm),
             _ => None,
         }
+    }
+
+    /// Object 5060h: the [bits](Signals::bits) of the inputs, and what is mirrored behind them [D164]. Feed hold and
+    /// emergency stop are told while their contact says so or while they act: the hold until it is resumed or reset, the
+    /// stop until its alarm is.
+    // Two ask for it.
+    #[inline(never)]
+    #[must_use]
+    pub fn signals(&self) -> u16 {
+        let operator = &self.operator;
+        let mut bits = operator.signals.bits();
+        if operator.hold || self.contacts.hold {
+            bits |= Signals::HOLD;
+        }
+        if operator.single_block {
+            bits |= Signals::SINGLE_BLOCK;
+        }
+        let stands = |alarm: &Alarm| alarm.code == Code::EmergencyStop;
+        if self.contacts.stop || self.alarm().is_some_and(stands) {
+            bits |= Signals::STOP;
+        }
+        bits
     }
 
     /// Nothing moves, and nothing is about to: parameters may change.

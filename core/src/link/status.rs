@@ -57,7 +57,8 @@ pub struct Status {
     pub credit: u16,
     /// Number of the newest entry of the event log; 0 for none.
     pub newest_event: u32,
-    /// The inputs, as [`Signals::bits`](crate::signals::Signals::bits) gives them: object 5060h.
+    /// The inputs and what is mirrored behind them, as [`Snapshot::signals`](crate::board::Snapshot::signals) gives them:
+    /// object 5060h.
     pub signals: u16,
     /// CRC-32 of the parameter set in force.
     pub parameters: u32,

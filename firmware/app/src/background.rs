@@ -235,7 +235,7 @@ impl BackgroundSide {
             self.desk.begin_anew(position);
             machine.begin_anew(self.desk.params());
         }
-        self.snapshot = Snapshot::new(ticker, &Setpoint::default());
+        self.snapshot = Snapshot::new(ticker, &Setpoint::default(), self.snapshot.contacts);
         self.renewing = false;
         // There is one ticker and room for it; should that ever fail, nothing moves any more.
         let _ = put(&mut self.ends.returned, ticker);

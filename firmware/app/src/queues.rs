@@ -4,7 +4,9 @@ use core::mem::MaybeUninit;
 
 use heapless::spsc::Queue;
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::{self, Detours, Event, Events, Notice, Segments, Snapshot, Ticker};
+use leadscrew_core::board::{
+    self, Contacts, Detours, Event, Events, Notice, Segments, Snapshot, Ticker,
+};
 use leadscrew_core::bus::{Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::Setpoint;
@@ -105,7 +107,7 @@ impl Queues {
         let (strangers_in, strangers_out) = self.strangers.split();
         let (given_in, given_out) = self.given.split();
         let (returned_in, returned_out) = self.returned.split();
-        let snapshot = Snapshot::new(ticker, &Setpoint::default());
+        let snapshot = Snapshot::new(ticker, &Setpoint::default(), Contacts::default());
         let tick = tick.write(TickSide::new(
             ticker,
             TickEnds {

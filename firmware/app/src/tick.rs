@@ -5,8 +5,8 @@ use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::queue::{put, take};
 use leadscrew_core::board::{
-    Command, DetourOut, Ends as TickerEnds, Event, Notice, Output, Reference, SegmentOut, Snapshot,
-    Ticker,
+    Command, Contacts, DetourOut, Ends as TickerEnds, Event, Notice, Output, Reference, SegmentOut,
+    Snapshot, Ticker,
 };
 use leadscrew_core::bus::{Frame, NodeId, Service};
 use leadscrew_core::journal::TapRecord;
@@ -241,9 +241,13 @@ impl TickSide {
         let head = self.ends.segments.peek();
         let setpoint = &self.output.setpoint;
         let error = self.reference.error(ticker, head, setpoint);
+        let contacts = Contacts {
+            hold: self.inputs.hold,
+            stop: self.inputs.stop,
+        };
         let report = Report {
             elapsed: self.elapsed,
-            snapshot: Snapshot::new(ticker, setpoint),
+            snapshot: Snapshot::new(ticker, setpoint, contacts),
             begun: ticker.has_begun(),
             error,
             late: self.late,

@@ -352,6 +352,53 @@ fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
     }
 }
 
+/// Bits 12 and 14 of 5060h [D164].
+#[test]
+fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
+    let mut apart = Apart::new(&Params::slant_bed());
+    let told = |apart: &mut Apart, hold, stop| {
+        apart.bench.inputs = Inputs {
+            hold,
+            stop,
+            ..Inputs::default()
+        };
+        // The background hears of it with the report of this tick.
+        apart.step();
+        apart.bench.sent.clear();
+        apart.object(0x5060, 0)
+    };
+    assert_eq!(told(&mut apart, false, false), 0);
+    assert_eq!(told(&mut apart, true, false), 0x1000);
+    // Resumed with the contact still pressed: it is told what is pressed, and nothing is held.
+    apart.order(Order::Resume);
+    assert_eq!(told(&mut apart, true, false), 0x1000);
+    assert!(!apart.background.snapshot().operator.hold);
+    assert_eq!(told(&mut apart, false, false), 0);
+    // Pressed once, it holds until it is resumed.
+    assert_eq!(told(&mut apart, true, false), 0x1000);
+    assert_eq!(told(&mut apart, false, false), 0x1000);
+    assert!(apart.background.snapshot().operator.hold);
+    // The emergency stop, until its alarm is reset.
+    assert_eq!(told(&mut apart, false, true), 0x5000);
+    assert_eq!(told(&mut apart, false, false), 0x5000);
+    apart.order(Order::Reset);
+    for _ in 0..1000 {
+        apart.step();
+    }
+    assert_eq!(apart.background.snapshot().state, State::Idle);
+    assert_eq!(told(&mut apart, false, false), 0);
+    // Behind another alarm it raises none of its own, and is told all the same.
+    apart.bench.inputs.trouble = Some(Code::NetworkStop);
+    for _ in 0..1000 {
+        apart.step();
+    }
+    assert_eq!(told(&mut apart, false, false), 0);
+    assert_eq!(told(&mut apart, false, true), 0x4000);
+    assert_eq!(told(&mut apart, false, false), 0);
+    let alarm = apart.background.snapshot().alarm().map(|alarm| alarm.code);
+    assert_eq!(alarm, Some(Code::NetworkStop));
+}
+
 #[test]
 fn a_background_that_hangs_is_not_covered_up() {
     let params = Params::slant_bed();

@@ -301,13 +301,14 @@ impl Link {
         Ok(entries)
     }
 
-    /// The inputs.
+    /// The inputs, without what is mirrored behind them.
     ///
     /// # Errors
-    /// The board does not answer.
-    pub fn signals(&mut self) -> LinkResult<u16> {
+    /// The board does not answer, or with bits that have no meaning.
+    pub fn signals(&mut self) -> LinkResult<Signals> {
         let raw = self.read_number(SIGNALS)?;
-        u16::try_from(raw).map_err(|_| self.strange(SIGNALS))
+        let signals = u16::try_from(raw).ok().and_then(Signals::from_bits);
+        signals.ok_or_else(|| self.strange(SIGNALS))
     }
 
     /// Sets the inputs.

@@ -145,6 +145,7 @@ fn an_operator_holds_resumes_and_sets_overrides_while_it_runs() {
     good(&leadscrew(&["hold"], &bus));
     let held = wait_for(&bus, "it holds", |status| status["state"] == "hold");
     assert_eq!(held["hold"], true);
+    assert_eq!(held["emergency_stop"], false);
     let told = good(&leadscrew(&["override", "feed", "150%"], &bus));
     assert_eq!(told, "node 1: feed override 150 %\n");
     good(&leadscrew(&["override", "rapid", "100"], &bus));
@@ -192,9 +193,17 @@ fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
         (status["state"].as_str(), status["alarm"]["no"].as_u64()),
         (Some("alarm"), Some(4300))
     );
+    assert_eq!(
+        (&status["emergency_stop"], &status["signals"]),
+        (&Value::Bool(true), &Value::from(0))
+    );
+    let told = good(&leadscrew(&["status"], &bus));
+    assert!(told.contains("\nemergency stop is on\n"), "{told}");
     let refused = bad(&leadscrew(&["run", "examples/g84-tap.nc"], &bus), 4);
     assert!(refused.contains("`leadscrew reset`"), "{refused}");
     good(&leadscrew(&["reset"], &bus));
+    let status = json(&leadscrew(&["status", "--json"], &bus));
+    assert_eq!(status["emergency_stop"], false);
     // The next program counts its own moves and is none the worse.
     let output = leadscrew(&["run", "examples/g84-tap.nc", "--json"], &bus);
     let ran = json(&output);

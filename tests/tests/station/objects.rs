@@ -1,7 +1,9 @@
 //! The object dictionary as any CANopen tool finds it.
 
 use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_core::alarm::Code;
 use leadscrew_core::board::station::dictionary::{Access, Initial, Kind, items};
+use leadscrew_core::board::{Command, State};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, SdoError,
     SdoProtocol,
@@ -173,10 +175,91 @@ fn signals_are_inputs_and_undefined_bits_are_refused() {
     };
     assert_eq!(write(&mut sim, 0x0021), Ok(()));
     assert_eq!(write(&mut sim, 0x0008), Err(refused(Abort::Value)));
-    assert_eq!(write(&mut sim, 0x1000), Err(refused(Abort::TooHigh)));
+    assert_eq!(write(&mut sim, 0x8000), Err(refused(Abort::TooHigh)));
     sim.step();
     let signals = sim.board().ticker().operator().signals;
     assert!(signals.g61_2);
     assert_eq!(signals.sws, 2);
     assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x21));
+}
+
+/// Bits 12 to 14 of 5060h.
+#[test]
+fn hold_single_block_and_emergency_stop_are_told_behind_the_signals() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let signals = |gateway: &mut Gateway, sim: &mut _| gateway.number(sim, 0x5060, 0);
+    assert_eq!(signals(&mut gateway, &mut sim), Ok(0));
+    let orders = [
+        (Command::Hold, 0x1000),
+        (Command::SingleBlock(true), 0x3000),
+        (Command::Resume, 0x2000),
+        (Command::Stop, 0x6000),
+        (Command::Hold, 0x7000),
+        (Command::SingleBlock(false), 0x5000),
+        // Nothing is held any more either.
+        (Command::Reset, 0),
+    ];
+    for (command, expected) in orders {
+        sim.command(command);
+        // A reset brings the drives up again.
+        for _ in 0..1000 {
+            sim.step();
+        }
+        assert_eq!(
+            signals(&mut gateway, &mut sim),
+            Ok(expected),
+            "after {command:?}"
+        );
+    }
+    // Another alarm is no emergency stop.
+    sim.command(Command::Halt(Code::NetworkStop));
+    for _ in 0..1000 {
+        sim.step();
+    }
+    assert!(sim.board().ticker().has_alarm());
+    assert_eq!(signals(&mut gateway, &mut sim), Ok(0));
+}
+
+/// [D164]
+#[test]
+fn who_writes_signals_back_neither_sets_nor_ends_what_is_mirrored() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let write = |gateway: &mut Gateway, sim: &mut _, value: u16| {
+        let object = Object::new(0x5060, 0);
+        gateway.write(sim, object, &value.to_le_bytes(), SdoProtocol::Short)
+    };
+    // All three, with SWS1: the signal counts, nothing is held or stopped.
+    assert_eq!(write(&mut gateway, &mut sim, 0x7010), Ok(()));
+    sim.step();
+    let operator = *sim.board().ticker().operator();
+    assert!(!operator.hold && !operator.single_block);
+    assert_eq!(operator.signals.sws, 1);
+    assert_eq!(sim.board().ticker().state(), State::Idle);
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x0010));
+    // The other way round: they are on, and are written as 0.
+    sim.command(Command::Hold);
+    sim.command(Command::SingleBlock(true));
+    sim.step();
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x3010));
+    assert_eq!(write(&mut gateway, &mut sim, 0x0020), Ok(()));
+    sim.step();
+    assert_eq!(sim.board().ticker().operator().signals.sws, 2);
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x3020));
+    // What means nothing is refused with them too, and changes nothing.
+    assert_eq!(
+        write(&mut gateway, &mut sim, 0x3008),
+        Err(refused(Abort::Value))
+    );
+    assert_eq!(
+        write(&mut gateway, &mut sim, 0x3002),
+        Err(refused(Abort::Value))
+    );
+    assert_eq!(
+        write(&mut gateway, &mut sim, 0xB020),
+        Err(refused(Abort::TooHigh))
+    );
+    sim.step();
+    assert_eq!(gateway.number(&mut sim, 0x5060, 0), Ok(0x3020));
 }

@@ -312,7 +312,7 @@ impl Shelf {
             next_call: self.inbox.next_call(),
             credit: self.inbox.credit(),
             newest_event: self.log.newest(),
-            signals: operator.signals.bits(),
+            signals: self.snapshot.signals(),
             parameters: identity(params),
         }
     }
@@ -384,7 +384,7 @@ impl Shelf {
             (0x5020, 5) => self.inbox.credit().into(),
             (0x5040, 1) => self.log.newest(),
             (0x5040, 2) => self.log_from,
-            (0x5060, _) => operator.signals.bits().into(),
+            (0x5060, _) => self.snapshot.signals().into(),
             (0x5001, sub @ 2..) => return Ok(self.fact(sub)),
             _ => return Ok(row.number(self.node)),
         };

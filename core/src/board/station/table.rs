@@ -389,7 +389,11 @@ const LINES: &[Line] = &[
     item(0x5040, 2, "read from", U32, Both),
     item(0x5040, 3, "entries", Domain, Read),
     item(0x5041, 0, "Certificate of the run", Domain, Read),
-    within(item(0x5060, 0, "Signals", U16, Both), 0, Signals::BITS),
+    within(
+        item(0x5060, 0, "Signals", U16, Both),
+        0,
+        Signals::BITS | Signals::MIRRORED,
+    ),
 ];
 
 const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

@@ -2,7 +2,6 @@
 //! process data, so it waits behind nothing.
 
 use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order};
-use leadscrew_core::signals::Signals;
 
 use super::{open, print, print_json, state_name, state_words};
 use crate::cli::{Global, OverrideName};
@@ -100,7 +99,7 @@ pub fn levels(global: &Global, what: OverrideName, percent: Percent) -> Outcome 
 pub fn signal(global: &Global, set: SetSignal) -> Outcome {
     let mut link = open(global)?;
     link.greet()?;
-    let mut signals = Signals::from_bits(link.signals()?).unwrap_or_default();
+    let mut signals = link.signals()?;
     signals.set(set.signal, set.level);
     link.set_signals(signals)?;
     let level = u8::from(set.level);

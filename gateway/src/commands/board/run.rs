@@ -371,8 +371,7 @@ impl Runner<'_> {
     fn prepare_board(&mut self) -> Outcome {
         let global = self.setup.global;
         if !global.signal.is_empty() {
-            let mut signals = leadscrew_core::signals::Signals::from_bits(self.link.signals()?)
-                .unwrap_or_default();
+            let mut signals = self.link.signals()?;
             for set in &global.signal {
                 signals.set(set.signal, set.level);
             }

@@ -5,6 +5,7 @@ use std::path::Path;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
+use leadscrew_core::signals::Signals;
 
 use super::{open, print, print_json, state_name, state_words};
 use crate::cli::Global;
@@ -48,6 +49,7 @@ pub fn status(global: &Global) -> Outcome {
             json.integer("rpm_commanded", i64::from(status.command.get()));
             json.flag("hold", status.hold);
             json.flag("single_block", status.single_block);
+            json.flag("emergency_stop", mirrors(&status, Signals::STOP));
             json.object_at("override", |json| {
                 json.integer("feed", i64::from(status.feed_percent));
                 json.integer("rapid", i64::from(status.rapid_percent));
@@ -59,7 +61,7 @@ pub fn status(global: &Global) -> Outcome {
             }
             json.integer("late", i64::from(status.late));
             json.integer("credit", i64::from(status.credit));
-            json.integer("signals", i64::from(status.signals));
+            json.integer("signals", i64::from(status.signals & Signals::BITS));
             json.text("parameters", &format!("{:08x}", status.parameters));
             tapping::fields(record.as_ref(), json);
         });
@@ -75,6 +77,11 @@ pub fn status(global: &Global) -> Outcome {
         text.push_str(&tapping::text(&record, lang));
     }
     print(text.as_bytes())
+}
+
+/// One of the bits that the board mirrors behind its signals.
+const fn mirrors(status: &Status, bit: u16) -> bool {
+    status.signals & bit != 0
 }
 
 fn words(status: &Status, node: u8, lang: Lang) -> String {
@@ -116,6 +123,9 @@ fn words(status: &Status, node: u8, lang: Lang) -> String {
     }
     if status.single_block {
         text.push_str(pick(lang, "single block is on\n", "单段已打开\n"));
+    }
+    if mirrors(status, Signals::STOP) {
+        text.push_str(pick(lang, "emergency stop is on\n", "急停有效\n"));
     }
     if let Some(error) = status.sync_error {
         let error = number::text::<3>(error.nm());
