@@ -110,8 +110,10 @@ impl Moves {
         let span = call.span;
         match &call.kind {
             CallKind::Thread(thread) => {
-                heed!(ThreadMoves::survey(thread, span));
-                *self = Self::Thread(ThreadMoves::of(thread, span));
+                *self = match ThreadMoves::new(thread, span) {
+                    Ok(moves) => Self::Thread(moves),
+                    Err(alarm) => return Err(alarm),
+                };
             }
             CallKind::Groove(groove) => {
                 heed!(refuse_groove(groove, span));

@@ -21,6 +21,13 @@ pub(crate) struct Point {
     pub(crate) along: i64,
 }
 
+/// A point in machine coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) x: Length,
+    pub(crate) z: Length,
+}
+
 /// The corners of one pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Corners {
@@ -108,14 +115,18 @@ impl Shape {
         }
     }
 
-    /// A point in machine coordinates: X and Z.
+    /// A point in machine coordinates.
     #[cfg_attr(feature = "small", inline(never))]
-    pub(crate) fn place(&self, at: &Point) -> (Length, Length) {
+    #[cfg_attr(not(feature = "small"), inline)]
+    pub(crate) fn place(&self, at: &Point) -> Place {
         // Saturates nowhere: coordinates are far inside the integer's range, and this is the innermost arithmetic of the
         // cycles.
         let x = self.x.nm().wrapping_add(flip(at.out, self.side));
         let z = self.z.nm().wrapping_add(flip(at.along, self.sigma));
-        (Length::from_nm(x), Length::from_nm(z))
+        Place {
+            x: Length::from_nm(x),
+            z: Length::from_nm(z),
+        }
     }
 
     /// A.
@@ -147,38 +158,49 @@ impl Shape {
         let u = self.shifted(pass);
         // The pass's own D.
         let above = self.height.wrapping_sub(depth);
-        let end = Point {
-            out: above,
-            along: self.travel,
-        };
-        let begin = Point {
+        let at_line = Point {
             out: match &self.taper {
                 None => above,
                 Some(taper) => above.wrapping_add(taper.left_after(after(u, taper.per_depth))),
             },
             along: self.tangent.shift(u) as i64,
         };
-        let mut corners = Corners {
-            begin,
-            line: begin,
-            leave: end,
-            end,
+        let (begin, line) = if self.run_in == 0 {
+            (at_line, at_line)
+        } else {
+            self.run_in(at_line, above, u)
         };
-        if self.run_in != 0 {
-            self.run_in(&mut corners, u);
-        }
-        if let Some(out) = &self.run_out {
-            corners.leave = Point {
-                out: above.wrapping_add(out.out),
-                along: out.along,
-            };
-            if self.long_x {
-                corners.end.along = out.end;
-            } else {
-                corners.end.out = above.wrapping_add(out.end).min(self.room);
+        let end = Point {
+            out: above,
+            along: self.travel,
+        };
+        let (leave, end) = match &self.run_out {
+            None => (end, end),
+            Some(out) => {
+                let leave = Point {
+                    out: above.wrapping_add(out.out),
+                    along: out.along,
+                };
+                let end = if self.long_x {
+                    Point {
+                        along: out.end,
+                        ..end
+                    }
+                } else {
+                    Point {
+                        out: above.wrapping_add(out.end).min(self.room),
+                        ..end
+                    }
+                };
+                (leave, end)
             }
+        };
+        Corners {
+            begin,
+            line,
+            leave,
+            end,
         }
-        corners
     }
 
     /// How far a pass's start is shifted along Z, as the number `u` of nanometres of depth whose `u·tan(a/2)` is the shift
@@ -205,12 +227,11 @@ impl Shape {
         }
     }
 
-    /// Start and end of the run-in, of corners without one: E out from the pass's line, or to A where that is nearer; then
-    /// at 45° to the line.
+    /// Start and end of the run-in to a line that begins there: E out from it, or to A where that is nearer; then at 45° to the
+    /// line.
     #[cold]
-    fn run_in(&self, corners: &mut Corners, u: u64) {
-        let above = corners.end.out;
-        let Corners { begin, line, .. } = corners;
+    fn run_in(&self, at_line: Point, above: i64, u: u64) -> (Point, Point) {
+        let (mut begin, mut line) = (at_line, at_line);
         // Room between the line's start and A on the radius: a whole number where there is no taper, and
         // `whole ± u·tan·|i|/|W|` where there is one.
         let to_end = self.room.wrapping_sub(above);
@@ -218,7 +239,7 @@ impl Shape {
             let length = (to_end.max(0) as u64).min(self.run_in) as i64;
             begin.out = begin.out.wrapping_add(length);
             line.along = line.along.wrapping_add(length);
-            return;
+            return (begin, line);
         };
         let whole = to_end.wrapping_sub(flip(taper.size as i64, taper.sign));
         let whole = whole.max(0) as u64;
@@ -240,6 +261,7 @@ impl Shape {
             after(whole, taper.per_travel).wrapping_add(after(u, taper.per_clipped))
         };
         line.out = above.wrapping_add(taper.left_after(lost));
+        (begin, line)
     }
 
     /// Refuses the pass where it starts at or beyond D, or has no stroke between run-in and run-out.
@@ -274,6 +296,33 @@ impl Shape {
             ]));
         }
         Ok(())
+    }
+
+    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, a nanometre to
+    /// spare for rounding. False decides nothing.
+    #[cfg(not(feature = "small"))]
+    pub(crate) fn is_surely_long_enough(&self) -> bool {
+        let most = match self.cut_in {
+            CutIn::Centre => 0,
+            CutIn::Trailing => self.height,
+            _ => self.limit.saturating_mul(2),
+        };
+        let u = most.unsigned_abs();
+        let out = self
+            .run_out
+            .as_ref()
+            .map_or(0, |out| out.long.unsigned_abs());
+        let shift = self.tangent.shift(u);
+        let taken = shift.saturating_add(self.run_in).saturating_add(2);
+        let travel = self.travel.unsigned_abs();
+        if !self.long_x {
+            return travel > taken.saturating_add(out);
+        }
+        let Some(taper) = &self.taper else {
+            return false;
+        };
+        let lost = (after(u, taper.per_depth) >> FINE_BITS) as u64;
+        travel > taken && taper.size > lost.saturating_add(out).saturating_add(2)
     }
 
     /// Way on the long axis from the pass's start to D.

@@ -5,7 +5,7 @@
 use super::depth::{Depths, MOST_PASSES};
 use super::helix::{Helix, TURN_UDEG};
 use super::refuse::refuse_thread;
-use super::shape::{Corners, Point, Shape};
+use super::shape::{Corners, Place, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::program::{ThreadCall, ThreadCycle, start_angle};
@@ -25,8 +25,9 @@ pub struct ThreadMoves {
     shape: Shape,
     passes: Passes,
     step: Step,
-    /// The pass under way.
-    corners: Corners,
+    /// A, and where the pass under way has its corners.
+    home: Place,
+    pass: Places,
     /// Rough or finish.
     stroke: Stage,
     /// Helix angle from the pass's start to its stroke and to its run-out, in millionths of a degree.
@@ -38,6 +39,15 @@ pub struct ThreadMoves {
     /// before a plain copy takes half the instructions of putting a move together.
     rapid: Move,
     thread: Move,
+}
+
+/// The corners of a pass as its moves go to them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Places {
+    begin: Place,
+    line: Place,
+    leave: Place,
+    end: Place,
 }
 
 /// What comes next in a pass.
@@ -93,19 +103,31 @@ impl ThreadMoves {
     /// Everything that geometry forbids, before the first move: see the codes 0315, 0316 and 4100–4110. Alarms about one
     /// pass name its number.
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
-        Self::survey(call, span)?;
-        Ok(Self::of(call, span))
+        heed!(refuse_thread(call, span));
+        let moves = Self::of(call, span);
+        // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at. A small image
+        // does without this short cut.
+        #[cfg(not(feature = "small"))]
+        if moves.shape.is_surely_long_enough() && Depths::are_surely_few(call) {
+            return Ok(moves);
+        }
+        heed!(moves.examine(span));
+        Ok(moves)
     }
 
     /// What `call` amounts to; refused as in [`ThreadMoves::new`].
     #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn survey(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
         heed!(refuse_thread(call, span));
-        let moves = &Self::of(call, span);
+        Self::of(call, span).examine(span)
+    }
+
+    /// Refuses passes that cannot be, and too many of them.
+    fn examine(&self, span: Span) -> Result<ThreadSummary, Alarm> {
         let mut room = Ok(());
-        let summary = moves.walk(|pass, corners| {
+        let summary = self.walk(|pass, corners| {
             if room.is_ok() {
-                room = moves.shape.check_pass(pass.number, corners, span);
+                room = self.shape.check_pass(pass.number, corners, span);
             }
         });
         if summary.rough > MOST_PASSES {
@@ -157,7 +179,8 @@ impl ThreadMoves {
                 number: 0,
             },
             step: Step::Approach,
-            corners: Corners::default(),
+            home: shape.place(&shape.home()),
+            pass: Places::default(),
             stroke: Stage::Rough,
             to_line: 0,
             to_leave: 0,
@@ -186,46 +209,44 @@ impl ThreadMoves {
                     if !self.begin_pass() {
                         return None;
                     }
-                    let begin = self.corners.begin;
                     self.step = if self.shape.has_run_in() {
                         Step::RunIn
                     } else {
                         Step::Stroke
                     };
-                    if begin != self.shape.home() {
-                        return self.rapid(begin, Stage::Approach);
+                    if self.pass.begin != self.home {
+                        return self.rapid(self.pass.begin, Stage::Approach);
                     }
                 }
                 Step::RunIn => {
                     self.step = Step::Stroke;
-                    return self.thread(self.corners.line, Stage::RunIn, 0, false);
+                    return self.thread(self.pass.line, Stage::RunIn, 0, false);
                 }
                 Step::Stroke => {
-                    let leave = self.corners.leave;
+                    let leave = self.pass.leave;
                     let last = !self.shape.has_run_out();
                     self.step = if last { Step::Retract } else { Step::RunOut };
                     return self.thread(leave, self.stroke, self.to_line, last);
                 }
                 Step::RunOut => {
                     self.step = Step::Retract;
-                    return self.thread(self.corners.end, Stage::RunOut, self.to_leave, true);
+                    return self.thread(self.pass.end, Stage::RunOut, self.to_leave, true);
                 }
                 Step::Retract => {
                     self.step = Step::Return;
-                    let home = self.shape.home();
-                    if self.corners.end.out != home.out {
-                        let out = Point {
-                            along: self.corners.end.along,
-                            ..home
+                    let end = self.pass.end;
+                    if end.x != self.home.x {
+                        let out = Place {
+                            x: self.home.x,
+                            z: end.z,
                         };
                         return self.rapid(out, Stage::Retract);
                     }
                 }
                 Step::Return => {
                     self.step = Step::Approach;
-                    let home = self.shape.home();
-                    if self.corners.end.along != home.along {
-                        return self.rapid(home, Stage::Return);
+                    if self.pass.end.z != self.home.z {
+                        return self.rapid(self.home, Stage::Return);
                     }
                 }
             }
@@ -285,9 +306,12 @@ impl ThreadMoves {
             self.to_leave = self.helix.angle(self.along(corners.leave, corners.begin));
         }
         if self.shape.has_run_in() {
+            self.pass.line = self.shape.place(&corners.line);
             self.to_line = self.helix.angle(self.along(corners.line, corners.begin));
         }
-        self.corners = corners;
+        self.pass.begin = self.shape.place(&corners.begin);
+        self.pass.leave = self.shape.place(&corners.leave);
+        self.pass.end = self.shape.place(&corners.end);
         self.stroke = pass.stroke;
         if let (Some(rapid), Some(thread)) = (&mut self.rapid.tag, &mut self.thread.tag) {
             rapid.pass = pass.number;
@@ -330,9 +354,9 @@ impl ThreadMoves {
     }
 
     #[inline]
-    fn rapid(&mut self, to: Point, stage: Stage) -> Option<&Move> {
+    fn rapid(&mut self, to: Place, stage: Stage) -> Option<&Move> {
         let next = &mut self.rapid;
-        (next.to.x, next.to.z) = self.shape.place(&to);
+        (next.to.x, next.to.z) = (to.x, to.z);
         if let Some(tag) = &mut next.tag {
             tag.stage = stage;
         }
@@ -340,11 +364,11 @@ impl ThreadMoves {
     }
 
     #[inline]
-    fn thread(&mut self, to: Point, stage: Stage, turned: u32, last: bool) -> Option<&Move> {
+    fn thread(&mut self, to: Place, stage: Stage, turned: u32, last: bool) -> Option<&Move> {
         // Both are at most a turn, and the start angle is less.
         let angle = self.angle.wrapping_add(turned);
         let next = &mut self.thread;
-        (next.to.x, next.to.z) = self.shape.place(&to);
+        (next.to.x, next.to.z) = (to.x, to.z);
         if let MoveKind::Thread(thread) = &mut next.kind {
             thread.angle_udeg = if angle >= TURN_UDEG {
                 angle.wrapping_sub(TURN_UDEG)
