@@ -85,6 +85,7 @@ struct Leave {
 impl Shape {
     /// The shape of a cycle that [can be](super::refuse::refuse_thread).
     #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline)]
     pub(crate) fn of(call: &ThreadCall) -> Self {
         let (x, z) = (call.end_x.value, call.start.z);
         let stroke = call.end_z.value - z;
@@ -208,17 +209,21 @@ impl Shape {
     #[inline]
     fn shifted(&self, pass: &Pass) -> u64 {
         let depth = pass.depth.nm();
+        // Along one flank: what most threads are cut by.
+        if self.cut_in == CutIn::Trailing {
+            return depth as u64;
+        }
         let odd = pass.number & 1 == 1;
         let forwards = self.sigma > 0;
         // Along the trailing flank the shift grows with the depth, along the leading one it shrinks.
         let trailing = match self.cut_in {
             CutIn::Centre => return 0,
-            CutIn::Trailing => return depth as u64,
             _ if pass.stroke == Stage::Finish => return self.limit as u64,
             CutIn::RightCentre if !odd => return self.limit as u64,
             CutIn::Left => forwards,
             CutIn::Right | CutIn::RightCentre => !forwards,
             CutIn::LeftRight => forwards == odd,
+            CutIn::Trailing => true,
         };
         if trailing {
             depth as u64

@@ -25,6 +25,9 @@ pub struct ThreadMoves {
     shape: Shape,
     passes: Passes,
     step: Step,
+    /// What comes behind the approach, and behind the stroke.
+    after_approach: Step,
+    after_stroke: Step,
     /// A, and where the pass under way has its corners.
     home: Place,
     pass: Places,
@@ -139,6 +142,7 @@ impl ThreadMoves {
 
     /// The moves of a call that can be: one that [`ThreadMoves::survey`] has let pass.
     #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(not(feature = "small"), inline)]
     pub(crate) fn of(call: &ThreadCall, span: Span) -> Self {
         let shape = Shape::of(call);
         let tag = Tag {
@@ -179,6 +183,16 @@ impl ThreadMoves {
                 number: 0,
             },
             step: Step::Approach,
+            after_approach: if shape.has_run_in() {
+                Step::RunIn
+            } else {
+                Step::Stroke
+            },
+            after_stroke: if shape.has_run_out() {
+                Step::RunOut
+            } else {
+                Step::Retract
+            },
             home: shape.place(&shape.home()),
             pass: Places::default(),
             stroke: Stage::Rough,
@@ -209,11 +223,7 @@ impl ThreadMoves {
                     if !self.begin_pass() {
                         return None;
                     }
-                    self.step = if self.shape.has_run_in() {
-                        Step::RunIn
-                    } else {
-                        Step::Stroke
-                    };
+                    self.step = self.after_approach;
                     if self.pass.begin != self.home {
                         return self.rapid(self.pass.begin, Stage::Approach);
                     }
@@ -224,8 +234,8 @@ impl ThreadMoves {
                 }
                 Step::Stroke => {
                     let leave = self.pass.leave;
-                    let last = !self.shape.has_run_out();
-                    self.step = if last { Step::Retract } else { Step::RunOut };
+                    let last = self.after_stroke == Step::Retract;
+                    self.step = self.after_stroke;
                     return self.thread(leave, self.stroke, self.to_line, last);
                 }
                 Step::RunOut => {
@@ -342,15 +352,14 @@ impl ThreadMoves {
         }
     }
 
-    /// Distance on the long axis.
+    /// Distance on the long axis from `begin` on; along Z no pass goes back.
     #[inline]
-    fn along(&self, a: Point, b: Point) -> u64 {
-        let (a, b) = if self.shape.long_x {
-            (a.out, b.out)
+    fn along(&self, to: Point, begin: Point) -> u64 {
+        if self.shape.long_x {
+            to.out.abs_diff(begin.out)
         } else {
-            (a.along, b.along)
-        };
-        a.abs_diff(b)
+            to.along.wrapping_sub(begin.along) as u64
+        }
     }
 
     #[inline]

@@ -38,6 +38,11 @@ pub(crate) const fn narrow_div(a: u128, b: u64) -> u64 {
     if upper >= b {
         return u64::MAX;
     }
+    if upper == 0
+        && let Some(quotient) = digits.checked_div(b)
+    {
+        return quotient;
+    }
     // Long division in digits of 32 bits (Knuth, algorithm D): both shifted until the divisor's highest bit is set.
     let shift = b.leading_zeros();
     let b = b.wrapping_shl(shift);
