@@ -94,8 +94,8 @@ impl Depths {
         }
     }
 
-    /// True where the passes of `call` are certainly no more than [`MOST_PASSES`]: they are never shallower than `√n·Δd` less
-    /// half an increment, and √9999 > 99.99.
+    /// True where the passes of `call` are certainly no more than [`MOST_PASSES`]: they are never shallower than `√n·Δd`
+    /// less half an increment, and √9999 > 99.99 (those of equal infeed are deeper).
     #[cfg(not(feature = "small"))]
     pub(crate) fn are_surely_few(call: &ThreadCall) -> bool {
         let limit = magnitude(call.height.value - call.allowance.value);

@@ -223,6 +223,7 @@ impl Shape {
             CutIn::Left => forwards,
             CutIn::Right | CutIn::RightCentre => !forwards,
             CutIn::LeftRight => forwards == odd,
+            // Returned above.
             CutIn::Trailing => true,
         };
         if trailing {
@@ -232,8 +233,8 @@ impl Shape {
         }
     }
 
-    /// Start and end of the run-in to a line that begins there: E out from it, or to A where that is nearer; then at 45° to the
-    /// line.
+    /// Start and end of the run-in to a line that begins there: E out from it, or to A where that is nearer; then at 45°
+    /// to the line.
     #[cold]
     fn run_in(&self, at_line: Point, above: i64, u: u64) -> (Point, Point) {
         let (mut begin, mut line) = (at_line, at_line);
@@ -303,8 +304,8 @@ impl Shape {
         Ok(())
     }
 
-    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, a nanometre to
-    /// spare for rounding. False decides nothing.
+    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, two nanometres
+    /// to spare for rounding. False decides nothing.
     #[cfg(not(feature = "small"))]
     pub(crate) fn is_surely_long_enough(&self) -> bool {
         let most = match self.cut_in {

@@ -108,8 +108,8 @@ impl ThreadMoves {
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         heed!(refuse_thread(call, span));
         let moves = Self::of(call, span);
-        // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at. A small image
-        // does without this short cut.
+        // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at. A small
+        // image does without this short cut.
         #[cfg(not(feature = "small"))]
         if moves.shape.is_surely_long_enough() && Depths::are_surely_few(call) {
             return Ok(moves);
@@ -140,7 +140,7 @@ impl ThreadMoves {
         room.map(|()| summary)
     }
 
-    /// The moves of a call that can be: one that [`ThreadMoves::survey`] has let pass.
+    /// The moves of a call that [`refuse_thread`] has let pass; [`ThreadMoves::examine`] tells whether its passes can be.
     #[cfg_attr(feature = "small", inline(never))]
     #[cfg_attr(not(feature = "small"), inline)]
     pub(crate) fn of(call: &ThreadCall, span: Span) -> Self {

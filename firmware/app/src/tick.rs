@@ -105,6 +105,8 @@ impl TickSide {
         self.silence = self.silence.saturating_add(1);
         if let Some(ticker) = take(&mut self.ends.returned) {
             self.ticker = Some(ticker);
+            // It has forgotten a feed hold; one that is still pressed counts as pressed now, like at power-up.
+            self.inputs.hold = false;
         }
         let inputs = machine.inputs();
         let received = self.receive(machine);

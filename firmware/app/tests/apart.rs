@@ -452,6 +452,37 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     }
 }
 
+/// Begun anew, the machine knows of no feed hold; a contact that is still pressed holds it again.
+#[test]
+fn a_feed_hold_that_stays_pressed_outlives_a_restart_of_the_application() {
+    let mut apart = Apart::new(&Params::slant_bed());
+    for pressed in [true, false] {
+        apart.bench.inputs.hold = true;
+        apart.step();
+        apart.step();
+        assert!(apart.background.snapshot().operator.hold);
+        apart.bench.inputs.hold = pressed;
+        apart.step();
+        apart.bench.events.clear();
+        apart
+            .bench
+            .others
+            .push_back(NmtCommand::ResetNode.frame(Some(NodeId::BOARD)));
+        apart.rest();
+        for _ in 0..100 {
+            apart.step();
+        }
+        assert_eq!(apart.bench.events, [Event::Ready]);
+        assert_eq!(apart.background.snapshot().operator.hold, pressed);
+        apart.order(Order::Resume);
+        apart.bench.inputs.hold = false;
+        for _ in 0..4 {
+            apart.step();
+        }
+        assert!(!apart.background.snapshot().operator.hold);
+    }
+}
+
 /// The alarm the machine stands on, behind so many ticks.
 fn alarm(apart: &mut Apart, ticks: u32) -> Option<Code> {
     for _ in 0..ticks {

@@ -4,12 +4,15 @@
 //! oscillator may be off. Without the crystal nothing starts.
 //!
 //! The tree of clocks is set up by `embassy-stm32`, whatever ran before and left on: a mistake in it would show on a desk
-//! alone. What else is used of the chip is given its clock here and has its registers in a file of its own.
+//! alone. It ends at half the speed; the manual wants a microsecond of that before the whole. Timers and CAN controller are
+//! given their clocks here, the ports have theirs from the crate; each has its registers in a file of its own.
 
 use embassy_stm32::Config;
 use embassy_stm32::pac;
+use embassy_stm32::pac::flash::vals::Latency;
 use embassy_stm32::rcc::{
-    APBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux,
+    AHBPrescaler, APBPrescaler, Hse, HseMode, LsConfig, Pll, PllMul, PllPreDiv, PllRDiv, PllSource,
+    Sysclk, mux,
 };
 use embassy_stm32::time::Hertz;
 
@@ -37,20 +40,28 @@ pub fn start() {
     });
     rcc.sys = Sysclk::PLL1_R;
     rcc.boost = true;
+    rcc.ahb_pre = AHBPrescaler::DIV2;
     rcc.apb1_pre = APBPrescaler::DIV1;
     rcc.apb2_pre = APBPrescaler::DIV1;
     rcc.hsi48 = None;
+    rcc.ls = LsConfig::off();
     rcc.mux.fdcansel = mux::Fdcansel::HSE;
     // Its tokens of ownership stay behind: `main` starts each part once.
     let _ = embassy_stm32::init(config);
+    // Code runs from one bank only, so the prefetcher does not meet its erratum.
+    pac::FLASH.acr().modify(|w| {
+        w.set_latency(Latency::WS4);
+        w.set_prften(true);
+    });
+    while pac::FLASH.acr().read().latency() != Latency::WS4 {}
+    cortex_m::asm::delay(CORE_MHZ);
+    pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV1));
     pac::RCC.apb1enr1().modify(|w| {
         w.set_tim2en(true);
         w.set_tim5en(true);
         w.set_tim6en(true);
         w.set_fdcanen(true);
     });
-    // Code runs from one bank only, so the prefetcher does not meet its erratum.
-    pac::FLASH.acr().modify(|w| w.set_prften(true));
     // A program that a debugger has stopped is not bitten by the watchdog.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
 }

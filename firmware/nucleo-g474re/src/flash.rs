@@ -89,6 +89,10 @@ impl WordDevice for Bank {
 
     fn read(&mut self, offset: u32) -> Result<[u8; 8], WordError> {
         let at = (START + offset) as *const u32;
+        // A mended error of before would keep its place, and a bad word would be told as one of there. Written as read:
+        // what is set is cleared.
+        let before = FLASH.eccr().read();
+        FLASH.eccr().write_value(before);
         READING.store(true, Ordering::SeqCst);
         // SAFETY: both halves of a word of the second bank; `offset` has been checked.
         let (low, high) = unsafe { (at.read_volatile(), at.add(1).read_volatile()) };

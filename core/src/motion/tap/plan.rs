@@ -184,8 +184,8 @@ impl Tap {
 /// than the profile holds makes the stroke slower, not another: it stays in phase, and [`Stroke::reaches_speed`] tells.
 ///
 /// # Errors
-/// [`Code::MoveTooFar`](crate::alarm::Code::MoveTooFar); [`Code::SpeedOutOfReach`](crate::alarm::Code::SpeedOutOfReach) where even
-/// the slowest ramp is too long.
+/// [`Code::MoveTooFar`](crate::alarm::Code::MoveTooFar);
+/// [`Code::SpeedOutOfReach`](crate::alarm::Code::SpeedOutOfReach) where even the slowest ramp is too long.
 pub fn stroke(
     tap: &TapMove,
     travel: Length,
