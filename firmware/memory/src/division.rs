@@ -2,19 +2,8 @@
 //!
 //! Long division in digits of 16 bits; what comes with the compiler goes bit by bit, in a kilobyte [D159].
 
-use core::arch::global_asm;
-
 // Registers r0 to r3 and r12 are the caller's to save. A divisor of zero gives some number: no caller has one.
-global_asm!(
-    ".macro entry name",
-    ".global \\name",
-    ".type \\name, %function",
-    ".thumb_func",
-    "\\name:",
-    ".endm",
-    ".macro ends name",
-    ".size \\name, . - \\name",
-    ".endm",
+functions!(
     // r1:r0 by r2, with r1 below r2 -> r4, and a rest in r1. Changes r0, r2, r5, r6 and r12.
     ".section .text.leadscrew_divide_word, \"ax\", %progbits",
     ".balign 2",
@@ -127,7 +116,4 @@ global_asm!(
     "sbcs r3, r4",
     "pop {{r4, r5, r6, pc}}",
     "ends __aeabi_ldivmod",
-    ".purgem entry",
-    ".purgem ends",
-    ".text",
 );

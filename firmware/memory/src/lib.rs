@@ -4,25 +4,35 @@
 //!
 //! For ARMv7E-M, where a word may be read and written at any address. What is aligned is copied sixteen bytes at a time.
 
-mod division;
+/// Functions in assembler. `entry` begins one, by every name it has; `ends` tells the size behind each of them.
+macro_rules! functions {
+    ($($line:literal,)*) => {
+        core::arch::global_asm!(
+            ".macro entry name",
+            ".global \\name",
+            ".type \\name, %function",
+            ".thumb_func",
+            "\\name:",
+            ".endm",
+            // Each reaches to the end of its section: without a size nobody could tell what it takes of the stack.
+            ".macro ends names:vararg",
+            ".irp name, \\names",
+            ".size \\name, . - \\name",
+            ".endr",
+            ".endm",
+            $($line,)*
+            ".purgem entry",
+            ".purgem ends",
+            ".text",
+        );
+    };
+}
 
-use core::arch::global_asm;
+mod division;
 
 // Registers r0 to r3 and r12 are the caller's to save. Nothing that is copied forwards needs to lie apart from where it
 // goes, as long as it goes down: what a store writes has been read before.
-global_asm!(
-    ".macro entry name",
-    ".global \\name",
-    ".type \\name, %function",
-    ".thumb_func",
-    "\\name:",
-    ".endm",
-    // Each reaches to the end of its section: without a size nobody could tell what it takes of the stack.
-    ".macro ends names:vararg",
-    ".irp name, \\names",
-    ".size \\name, . - \\name",
-    ".endr",
-    ".endm",
+functions!(
     // (to, from, bytes) -> to. Up to three bytes are left for the end of each.
     ".section .text.memcpy, \"ax\", %progbits",
     ".balign 2",
@@ -147,7 +157,4 @@ global_asm!(
     "2:",
     "bx lr",
     "ends memcmp",
-    ".purgem entry",
-    ".purgem ends",
-    ".text",
 );
