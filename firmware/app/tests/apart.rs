@@ -122,6 +122,14 @@ struct Apart {
 }
 
 impl Apart {
+    /// Begins the application anew, as an NMT master can; its events are told from there on.
+    fn restart(&mut self) {
+        self.bench.events.clear();
+        let anew = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
+        self.bench.others.push_back(anew);
+        self.rest();
+    }
+
     /// One that has come up, and then taken tick 0.
     fn new(params: &Params) -> Self {
         let mut apart = Self::off(params);
@@ -426,12 +434,7 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     let text = "G0 X60 Z5\nM30\n";
     let first = apart.run(text, &params);
     let syncs = apart.bench.syncs;
-    apart.bench.events.clear();
-    apart
-        .bench
-        .others
-        .push_back(NmtCommand::ResetNode.frame(Some(NodeId::BOARD)));
-    apart.rest();
+    apart.restart();
     apart.step();
     assert_eq!(apart.background.snapshot().state, State::Starting);
     assert_eq!(apart.bench.periods, [params.tick_us()]);
@@ -463,12 +466,7 @@ fn a_feed_hold_that_stays_pressed_outlives_a_restart_of_the_application() {
         assert!(apart.background.snapshot().operator.hold);
         apart.bench.inputs.hold = pressed;
         apart.step();
-        apart.bench.events.clear();
-        apart
-            .bench
-            .others
-            .push_back(NmtCommand::ResetNode.frame(Some(NodeId::BOARD)));
-        apart.rest();
+        apart.restart();
         for _ in 0..100 {
             apart.step();
         }
