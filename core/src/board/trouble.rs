@@ -96,7 +96,7 @@ impl BusTrouble {
             Self::Intruder(Intrusion::Setpoint(node)) => (Code::SecondSetpoints, drive(node)),
             Self::Intruder(Intrusion::Network(node)) => (Code::SecondManager, drive(node)),
         };
-        Alarm::new(code, Span::default()).with([first, second, Arg::None, Arg::None])
+        Alarm::new(code, Span::default()).with([first, second])
     }
 }
 

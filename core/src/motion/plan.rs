@@ -192,7 +192,7 @@ impl Refusal {
             ),
         };
         let [first, second] = args;
-        let mut alarm = Alarm::new(code, span).with([first, second, Arg::None, Arg::None]);
+        let mut alarm = Alarm::new(code, span).with([first, second]);
         alarm.word = word;
         alarm
     }

@@ -42,8 +42,7 @@ impl Word {
     /// The alarm for a number outside `low` … `high`.
     #[cold]
     pub(super) fn out_of_range(&self, low: Arg, high: Arg) -> Alarm {
-        self.alarm(Code::WordOutOfRange)
-            .with([low, high, Arg::None, Arg::None])
+        self.alarm(Code::WordOutOfRange).with([low, high])
     }
 }
 

@@ -83,7 +83,7 @@ impl State<'_> {
     ) -> Result<(), Alarm> {
         let named = |code: Code, arg: Arg| {
             let name = g_arg(self.motion.code());
-            Alarm::new(code, span).with([name, arg, Arg::None, Arg::None])
+            Alarm::new(code, span).with([name, arg])
         };
         if self.plane != 18 {
             return Err(named(Code::ArcPlane, g_arg(i64::from(self.plane))));
@@ -192,9 +192,7 @@ fn within_turns(angle: Angle, word: &Word) -> Result<Angle, Alarm> {
         return Ok(angle);
     }
     let limit = Arg::Angle(Angle::from_udeg(limit));
-    Err(word
-        .alarm(Code::PositionOutOfRange)
-        .with([limit, Arg::None, Arg::None, Arg::None]))
+    Err(word.alarm(Code::PositionOutOfRange).with([limit]))
 }
 
 /// A coordinate that the machine arithmetic can carry.

@@ -291,7 +291,5 @@ fn lead_alarm(word: &Word, low: Decimal, high: Decimal) -> Alarm {
     word.alarm(Code::LeadMissing).with([
         Arg::Decimal(low.mantissa(), low.decimals()),
         Arg::Decimal(high.mantissa(), high.decimals()),
-        Arg::None,
-        Arg::None,
     ])
 }

@@ -372,7 +372,7 @@ impl State<'_> {
 
     fn misplaced(&self, alarm: Alarm) -> Alarm {
         let code = Arg::Int(i64::from(rigid_code(self.params)));
-        alarm.with([code, Arg::None, Arg::None, Arg::None])
+        alarm.with([code])
     }
 }
 
@@ -384,15 +384,13 @@ fn is_limit(block: &Block, codes: &Codes) -> bool {
 /// The alarm of a word that would take the tap out of phase; `span` is the block with K198.
 pub(super) fn locked(word: &Word, span: Span) -> Alarm {
     let line = Arg::Int(i64::from(span.line));
-    word.alarm(Code::TapLocked)
-        .with([line, Arg::None, Arg::None, Arg::None])
+    word.alarm(Code::TapLocked).with([line])
 }
 
 /// An alarm with the name of the G code to blame.
 pub(super) fn named(word: &Word, code: Code) -> Alarm {
     let name = g_arg(word.value.mantissa());
-    word.alarm(code)
-        .with([name, Arg::None, Arg::None, Arg::None])
+    word.alarm(code).with([name])
 }
 
 /// Two codes that both take the axis words.

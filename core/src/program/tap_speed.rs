@@ -182,6 +182,6 @@ impl State<'_> {
         };
         let asked = Rpm::new(asked.get() / 100);
         let limit = Arg::Int(i64::from(self.highest_tap_speed()));
-        alarm.with([Arg::Rpm(asked), limit, Arg::None, Arg::None])
+        alarm.with([Arg::Rpm(asked), limit])
     }
 }

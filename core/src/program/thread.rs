@@ -333,7 +333,7 @@ impl State<'_> {
         };
         let lead = self.thread.lead.ok_or_else(|| {
             let [low, high] = self.scale.lead_range();
-            Alarm::new(Code::LeadMissing, word.span).with([low, high, Arg::None, Arg::None])
+            Alarm::new(Code::LeadMissing, word.span).with([low, high])
         });
         Ok(Common {
             start: self.position,

@@ -165,12 +165,8 @@ impl Shelf {
     pub(super) fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {
         let (alarm, abort) = match error {
             ImageError::Table(key) => (
-                Alarm::new(Code::ImageForeign, Span::default()).with([
-                    Arg::Key(key),
-                    Arg::Key(TABLE_KEY),
-                    Arg::None,
-                    Arg::None,
-                ]),
+                Alarm::new(Code::ImageForeign, Span::default())
+                    .with([Arg::Key(key), Arg::Key(TABLE_KEY)]),
                 Abort::Incompatible,
             ),
             ImageError::Length => (incomplete(), Abort::Length),

@@ -39,12 +39,8 @@ impl Executor {
         if !self.arrived(speed, wanted) {
             if self.waits_longer(|waited| &mut waited.speed) > self.arrival.speed_ticks {
                 self.active = Active::Free;
-                return Err(Alarm::new(Code::SpindleNotArrived, self.span).with([
-                    Arg::Rpm(speed.rpm()),
-                    Arg::Rpm(pass.rpm),
-                    Arg::None,
-                    Arg::None,
-                ]));
+                return Err(Alarm::new(Code::SpindleNotArrived, self.span)
+                    .with([Arg::Rpm(speed.rpm()), Arg::Rpm(pass.rpm)]));
             }
         } else if !now.observer.indexed() {
             let patience = self.arrival.index_ticks(pass.rpm);

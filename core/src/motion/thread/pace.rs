@@ -122,8 +122,6 @@ impl Pace {
             return Err(alarm.with([
                 Arg::Length(whole(needed as Fine)),
                 Arg::Rpm(self.nominal.rpm()),
-                Arg::None,
-                Arg::None,
             ]));
         }
         corner.put(shape.run_in_rise, join, ramp);

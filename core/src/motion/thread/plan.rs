@@ -274,8 +274,6 @@ impl ThreadPlan {
         Alarm::new(Code::SpindleTooFast, self.span).with([
             Arg::Rpm(speed.abs().rpm()),
             Arg::Rpm(self.speed_limit.rpm()),
-            Arg::None,
-            Arg::None,
         ])
     }
 

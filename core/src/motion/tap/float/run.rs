@@ -163,7 +163,7 @@ impl FloatRun {
             Code::FloatSpindleRuns => (measured, Arg::None),
             _ => (Arg::None, Arg::None),
         };
-        Alarm::new(code, plan.span).with([measured, wanted, Arg::None, Arg::None])
+        Alarm::new(code, plan.span).with([measured, wanted])
     }
 
     /// One tick.
