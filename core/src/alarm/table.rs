@@ -660,6 +660,14 @@ codes! {
     /// The staged set has another identity than the one that is to be committed.
     StagedSetGone = 4376, "the staged parameter set is not the one that is to come into force: somebody else has changed parameters meanwhile", "send the set again",
         "暂存的参数集不是要生效的参数集：其间另有人修改了参数", "请重新发送参数集";
+    /// Two drives of a parameter set have one number; their letters, and the number.
+    DriveNodeTwice = 4377, "drives {0} and {1} have the same node, {2}",
+        "give each drive a number of its own: 9015 for an axis, 9016 for spindle 1, which spindles 2 to 4 (9014) follow",
+        "驱动器 {0} 和 {1} 的节点号相同：{2}", "请为每个驱动器设置不同的节点号：各轴用 9015，1 号主轴用 9016，2 至 4 号主轴（9014）依次递增";
+    /// A drive of the parameter set has the number of the board; its letter, and the number.
+    DriveNodeOfBoard = 4378, "drive {0} has node {1}, which is the board's own",
+        "give the drive another number (9015 for an axis, 9016 for the spindles), or start the board with another one",
+        "驱动器 {0} 的节点号 {1} 与控制板自身相同", "请更改驱动器的节点号（各轴用 9015，主轴用 9016），或以其他节点号启动控制板";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.

@@ -4,6 +4,7 @@
 
 use heapless::Vec;
 
+use super::nodes::DriveNodes;
 use super::spindles::Spindles;
 use super::ticker::FRAMES;
 use crate::alarm::Alarm;
@@ -12,7 +13,7 @@ use crate::bus::{
     Periods, Scale, SyncProducer, Told,
 };
 use crate::params::Params;
-use crate::program::Position;
+use crate::program::{Position, TapSpindle};
 use crate::units::{Angle, Axis, Length, Turns};
 
 /// A status comes every fourth SYNC; three of them missing is silence.
@@ -72,6 +73,7 @@ pub(super) struct Drives {
     last: [Told; 3],
     spindles: Spindles,
     sync: SyncProducer,
+    nodes: DriveNodes,
 }
 
 /// What the spindle is to do at the next SYNC.
@@ -89,9 +91,10 @@ impl Drives {
     pub(super) fn new(params: &Params, figures: &Figures) -> Self {
         let [x, z, c] = figures.scales;
         let per_turn = params.spindle_increments();
+        let nodes = DriveNodes::of(params);
         let spindle = DriveConfig {
             letter: b'S',
-            node: NodeId::SPINDLE_1,
+            node: nodes.spindle(TapSpindle::First),
             scale: c,
             step: figures.step,
             silence: SILENCE,
@@ -100,14 +103,15 @@ impl Drives {
         };
         Self {
             axes: [
-                figures.axis(params, Axis::X, NodeId::DRIVE_X, x),
-                figures.axis(params, Axis::Z, NodeId::DRIVE_Z, z),
-                figures.axis(params, Axis::C, NodeId::DRIVE_C, c),
+                figures.axis(params, Axis::X, nodes.axis(Axis::X), x),
+                figures.axis(params, Axis::Z, nodes.axis(Axis::Z), z),
+                figures.axis(params, Axis::C, nodes.axis(Axis::C), c),
             ],
             offsets: [0; 3],
             last: [x.find(0), z.find(0), c.find(0)],
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
             sync: SyncProducer::new(),
+            nodes,
         }
     }
 
@@ -116,6 +120,11 @@ impl Drives {
         let offsets = self.offsets;
         *self = Self::new(params, figures);
         self.offsets = offsets;
+    }
+
+    /// Where they are on the bus.
+    pub(super) const fn nodes(&self) -> DriveNodes {
+        self.nodes
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut DriveMaster> {
@@ -127,11 +136,11 @@ impl Drives {
         // Whose it could be shows in seven bits; the drive itself looks closer.
         let node = (frame.id().get() & 0x7F) as u8;
         let [x, z, c] = &mut self.axes;
-        let drive = if node == NodeId::DRIVE_X.get() {
+        let drive = if node == x.config().node.get() {
             x
-        } else if node == NodeId::DRIVE_Z.get() {
+        } else if node == z.config().node.get() {
             z
-        } else if node == NodeId::DRIVE_C.get() {
+        } else if node == c.config().node.get() {
             c
         } else if let Some(spindle) = self.spindles.of_node(node) {
             spindle

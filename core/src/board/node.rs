@@ -18,7 +18,8 @@ impl Board {
     /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
     ///
     /// # Errors
-    /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus.
+    /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus;
+    /// [`Code::DriveNodeOfBoard`](crate::alarm::Code::DriveNodeOfBoard) where a drive has this number.
     pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
         self.desk.join(node)
     }

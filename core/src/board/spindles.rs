@@ -16,14 +16,6 @@ use crate::units::{Divisor, Turns, signed_product};
 /// Periods from one turn of a spindle that is not selected to its next.
 const ROUND: u32 = 4;
 
-/// Their nodes.
-const NODES: [NodeId; 4] = [
-    NodeId::SPINDLE_1,
-    NodeId::SPINDLE_2,
-    NodeId::SPINDLE_3,
-    NodeId::SPINDLE_4,
-];
-
 /// All spindles of a machine.
 #[derive(Debug)]
 pub(super) struct Spindles {
@@ -40,11 +32,12 @@ pub(super) struct Spindles {
 }
 
 impl Spindles {
-    /// `present` spindles (1–4) whose drives are like `config`, node apart.
+    /// `present` spindles (1–4) whose drives are like `config`, that of the first; their nodes follow each other.
     pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32) -> Self {
         let mut masters = [SpindleMaster::new(*config); 4];
-        for (master, node) in masters.iter_mut().zip(NODES) {
-            master.drive_mut().set_node(node);
+        for (master, before) in masters.iter_mut().zip(0..) {
+            let node = config.node.get().saturating_add(before);
+            master.drive_mut().set_node(NodeId::nearest(node));
         }
         Self {
             masters,
@@ -71,20 +64,17 @@ impl Spindles {
 
     /// The drive of this node, if there is one.
     pub(super) const fn of_node(&mut self, node: u8) -> Option<&mut DriveMaster> {
-        const FIRST: u8 = NodeId::SPINDLE_1.get();
-        const SECOND: u8 = NodeId::SPINDLE_2.get();
-        const THIRD: u8 = NodeId::SPINDLE_3.get();
-        const FOURTH: u8 = NodeId::SPINDLE_4.get();
-        let spindle = match node {
-            FIRST => TapSpindle::First,
-            SECOND => TapSpindle::Second,
-            THIRD => TapSpindle::Third,
-            FOURTH => TapSpindle::Fourth,
-            _ => return None,
-        };
-        if spindle.number() > self.present {
+        let [first, ..] = &self.masters;
+        let before = node.wrapping_sub(first.drive().config().node.get());
+        if before >= self.present {
             return None;
         }
+        let spindle = match before {
+            0 => TapSpindle::First,
+            1 => TapSpindle::Second,
+            2 => TapSpindle::Third,
+            _ => TapSpindle::Fourth,
+        };
         Some(pick_mut(&mut self.masters, spindle).drive_mut())
     }
 

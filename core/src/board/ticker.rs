@@ -29,6 +29,7 @@ use super::detour::{Detour, Route};
 use super::drives::{Drives, Figures, Spindle};
 use super::event::{Command, Event};
 use super::kept::Found;
+use super::nodes::DriveNodes;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -302,6 +303,12 @@ impl Ticker {
     /// A program begins: until its end an empty queue is a wait, not idleness.
     pub const fn program_begins(&mut self) {
         self.in_program = true;
+    }
+
+    /// Where its drives are on the bus.
+    #[must_use]
+    pub const fn drive_nodes(&self) -> DriveNodes {
+        self.drives.nodes()
     }
 
     /// What is planned in this epoch counts.

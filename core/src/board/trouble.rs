@@ -1,5 +1,6 @@
 //! What can be wrong with the bus as a whole, and how it is told.
 
+use super::nodes::DriveNodes;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::{
     BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, is_sync,
@@ -29,40 +30,41 @@ pub enum Intrusion {
     /// SYNC.
     Sync,
     /// A setpoint for one of the board's drives.
-    Setpoint(NodeId),
+    Setpoint(Victim),
     /// An NMT command by which one of the board's drives ceases to follow.
-    Network(NodeId),
+    Network(Victim),
+}
+
+/// One of the board's drives, to which somebody else speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Victim {
+    /// Its letter in messages.
+    pub letter: u8,
+    /// Its node.
+    pub node: NodeId,
 }
 
 impl Intrusion {
-    /// What a frame from the bus is of these. What the board sends itself does not come back to it.
+    /// What a frame from the bus is of these, where the board's drives have these nodes. What the board sends itself does
+    /// not come back to it.
     #[must_use]
-    pub fn of(frame: &Frame) -> Option<Self> {
+    pub fn of(frame: &Frame, drives: &DriveNodes) -> Option<Self> {
         if is_sync(frame) {
             return Some(Self::Sync);
         }
-        if frame.id() == CobId::NMT {
-            let (command, node) = NmtCommand::decode(frame)?;
-            let node = node.filter(|node| letter(*node).is_some())?;
-            return (command != NmtCommand::Start).then_some(Self::Network(node));
-        }
-        match frame.id().service()? {
-            (Service::Rpdo1 | Service::Rpdo2, node) if letter(node).is_some() => {
-                Some(Self::Setpoint(node))
+        let (what, node): (fn(Victim) -> Self, _) = if frame.id() == CobId::NMT {
+            match NmtCommand::decode(frame)? {
+                (NmtCommand::Start, _) => return None,
+                (_, node) => (Self::Network, node?),
             }
-            _ => None,
-        }
-    }
-}
-
-/// The letter of a drive in messages; `None` for a node that is none of the board's drives.
-const fn letter(node: NodeId) -> Option<u8> {
-    match node {
-        NodeId::DRIVE_X => Some(b'X'),
-        NodeId::DRIVE_Z => Some(b'Z'),
-        NodeId::DRIVE_C => Some(b'C'),
-        NodeId::SPINDLE_1 | NodeId::SPINDLE_2 | NodeId::SPINDLE_3 | NodeId::SPINDLE_4 => Some(b'S'),
-        _ => None,
+        } else {
+            match frame.id().service()? {
+                (Service::Rpdo1 | Service::Rpdo2, node) => (Self::Setpoint, node),
+                _ => return None,
+            }
+        };
+        let letter = drives.letter(node)?;
+        Some(what(Victim { letter, node }))
     }
 }
 
@@ -82,19 +84,14 @@ impl BusTrouble {
     pub fn alarm(self) -> Alarm {
         let number = |count: u32| Arg::Int(i64::from(count));
         let errors = |of: ErrorCounts| [number(of.sending.into()), number(of.receiving.into())];
-        let drive = |node: NodeId| {
-            [
-                Arg::Letter(letter(node).unwrap_or(b'?')),
-                number(node.get().into()),
-            ]
-        };
+        let drive = |of: Victim| [Arg::Letter(of.letter), number(of.node.get().into())];
         let (code, [first, second]) = match self {
             Self::Off(counts) => (Code::BusOff, errors(counts)),
             Self::Passive(counts) => (Code::BusPassive, errors(counts)),
             Self::Late { count, limit } => (Code::SetpointsLate, [number(count), number(limit)]),
             Self::Intruder(Intrusion::Sync) => (Code::SecondSync, [Arg::None; 2]),
-            Self::Intruder(Intrusion::Setpoint(node)) => (Code::SecondSetpoints, drive(node)),
-            Self::Intruder(Intrusion::Network(node)) => (Code::SecondManager, drive(node)),
+            Self::Intruder(Intrusion::Setpoint(of)) => (Code::SecondSetpoints, drive(of)),
+            Self::Intruder(Intrusion::Network(of)) => (Code::SecondManager, drive(of)),
         };
         Alarm::new(code, Span::default()).with([first, second])
     }
@@ -104,6 +101,16 @@ impl BusTrouble {
 mod tests {
     use super::*;
     use crate::bus::{Controlword, DriveCommand, Increments, SyncProducer};
+    use crate::params::{Entry, Params};
+
+    const X: Victim = Victim {
+        letter: b'X',
+        node: NodeId::DRIVE_X,
+    };
+    const Z: Victim = Victim {
+        letter: b'Z',
+        node: NodeId::DRIVE_Z,
+    };
 
     #[test]
     fn what_only_the_board_may_say() {
@@ -116,28 +123,38 @@ mod tests {
         };
         let cases = [
             (SyncProducer::new().next(), Some(Intrusion::Sync)),
-            (
-                setpoint(NodeId::DRIVE_Z),
-                Some(Intrusion::Setpoint(NodeId::DRIVE_Z)),
-            ),
+            (setpoint(Z.node), Some(Intrusion::Setpoint(Z))),
             (
                 setpoint(NodeId::SPINDLE_3),
-                Some(Intrusion::Setpoint(NodeId::SPINDLE_3)),
+                Some(Intrusion::Setpoint(Victim {
+                    letter: b'S',
+                    node: NodeId::SPINDLE_3,
+                })),
             ),
             // Drives of another board.
             (setpoint(NodeId::new(48).unwrap()), None),
             (
-                NmtCommand::Stop.frame(Some(NodeId::DRIVE_X)),
-                Some(Intrusion::Network(NodeId::DRIVE_X)),
+                NmtCommand::Stop.frame(Some(X.node)),
+                Some(Intrusion::Network(X)),
             ),
-            (NmtCommand::Start.frame(Some(NodeId::DRIVE_X)), None),
+            (NmtCommand::Start.frame(Some(X.node)), None),
             // To all: the board hears that as a node.
             (NmtCommand::ResetNode.frame(None), None),
             (NmtCommand::ResetNode.frame(Some(NodeId::BOARD)), None),
         ];
+        let mut params = Params::slant_bed();
+        let drives = DriveNodes::of(&params);
         for (frame, expected) in cases {
-            assert_eq!(Intrusion::of(&frame), expected, "{frame:?}");
+            assert_eq!(Intrusion::of(&frame, &drives), expected, "{frame:?}");
         }
+        // Where the drives have other nodes, others may speak to that one.
+        let entry = Entry::find_text("9015.Z").unwrap();
+        params.set(entry, 48).unwrap();
+        let drives = DriveNodes::of(&params);
+        assert_eq!(Intrusion::of(&setpoint(Z.node), &drives), None);
+        let node = NodeId::new(48).unwrap();
+        let moved = Intrusion::Setpoint(Victim { node, ..Z });
+        assert_eq!(Intrusion::of(&setpoint(node), &drives), Some(moved));
     }
 
     #[test]
@@ -156,7 +173,7 @@ mod tests {
             (4371, Arg::Int(136), Arg::Int(7))
         );
         assert_eq!(BusTrouble::of(Controller::default()), None);
-        let alarm = BusTrouble::Intruder(Intrusion::Setpoint(NodeId::DRIVE_Z)).alarm();
+        let alarm = BusTrouble::Intruder(Intrusion::Setpoint(Z)).alarm();
         assert_eq!(
             (alarm.number(), alarm.args[0], alarm.args[1]),
             (4374, Arg::Letter(b'Z'), Arg::Int(17))

@@ -9,7 +9,7 @@ pub struct NodeId(u8);
 impl NodeId {
     /// The board, unless it is given another number.
     pub const BOARD: Self = Self(1);
-    /// The X drive.
+    /// The X drive, and so on: where the built-in parameters say they are.
     pub const DRIVE_X: Self = Self(16);
     /// The Z drive.
     pub const DRIVE_Z: Self = Self(17);
@@ -32,6 +32,16 @@ impl NodeId {
         match number {
             1..=127 => Some(Self(number)),
             _ => None,
+        }
+    }
+
+    /// The node whose number is nearest to this one.
+    #[must_use]
+    pub const fn nearest(number: u8) -> Self {
+        match number {
+            0 => Self(1),
+            1..=127 => Self(number),
+            _ => Self(127),
         }
     }
 

@@ -34,6 +34,7 @@ impl Params {
         self.check_ramps(&mut reasons);
         self.check_spindle(&mut reasons);
         self.check_tapping(&mut reasons);
+        self.check_nodes(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -172,6 +173,31 @@ impl Params {
         }
         if self.tap_extract_by_j() && !self.tap_extract_override() {
             reasons.add(Code::ExtractionOverrideOff, &[]);
+        }
+    }
+
+    /// Each drive has a number of its own; that none is the gateway's is said by their ranges.
+    fn check_nodes(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+        const PAIRS: [(Axis, Option<Axis>); 6] = [
+            (Axis::X, Some(Axis::Z)),
+            (Axis::X, Some(Axis::C)),
+            (Axis::Z, Some(Axis::C)),
+            // With any spindle.
+            (Axis::X, None),
+            (Axis::Z, None),
+            (Axis::C, None),
+        ];
+        for (one, other) in PAIRS {
+            let node = self.drive_node(one);
+            let (from, drives) = match other {
+                Some(axis) => (self.drive_node(axis), 1),
+                None => (self.spindle_node(), self.tap_spindles()),
+            };
+            if node.wrapping_sub(from) < drives {
+                let other = Arg::Letter(other.map_or(b'S', Axis::letter));
+                let figures = [letter(one), other, count(node.into())];
+                reasons.add(Code::DriveNodeTwice, &figures);
+            }
         }
     }
 }
@@ -336,6 +362,25 @@ mod tests {
                 Code::IncrementAboveLimit,
                 [x, none, none, none],
                 &[("1828.X", "0.001"), ("9002.X", "1000")],
+            ),
+            (
+                &[("9015.C", "16")],
+                Code::DriveNodeTwice,
+                [x, Arg::Letter(b'C'), Arg::Int(16), none],
+                &[("9015.C", "19")],
+            ),
+            (
+                // The last of four spindles.
+                &[("9015.Z", "35")],
+                Code::DriveNodeTwice,
+                [z, Arg::Letter(b'S'), Arg::Int(35), none],
+                &[("9015.Z", "35"), ("9014", "3")],
+            ),
+            (
+                &[("9016", "18")],
+                Code::DriveNodeTwice,
+                [Arg::Letter(b'C'), Arg::Letter(b'S'), Arg::Int(18), none],
+                &[("9016", "19")],
             ),
             (
                 &[("9007", "16")],

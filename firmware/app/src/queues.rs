@@ -88,7 +88,7 @@ impl Queues {
     ///
     /// # Errors
     /// [`Code::ParametersUnusable`] for a set that does not pass its own checks; [`Code::BusOverload`] where its cycle leaves
-    /// no room on the bus.
+    /// no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its number.
     pub fn power_up(
         &'static mut self,
         tick: &'static mut TickPlace,

@@ -5,10 +5,10 @@ use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::queue::{put, take};
 use leadscrew_core::board::{
-    Command, Contacts, DetourOut, Ends as TickerEnds, Event, Notice, Output, Reference, SegmentOut,
-    Snapshot, Ticker,
+    Command, Contacts, DetourOut, DriveNodes, Ends as TickerEnds, Event, Notice, Output, Reference,
+    SegmentOut, Snapshot, Ticker,
 };
-use leadscrew_core::bus::{Frame, NodeId, Service};
+use leadscrew_core::bus::{Frame, Service};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -69,6 +69,8 @@ pub(crate) struct Ends {
 pub struct TickSide {
     /// `None` while it is made anew.
     ticker: Option<&'static mut Ticker>,
+    /// Where the drives are; while there is no ticker, where they were.
+    drives: DriveNodes,
     ends: Ends,
     output: Output,
     reference: Reference,
@@ -85,6 +87,7 @@ pub struct TickSide {
 impl TickSide {
     pub(crate) fn new(ticker: &'static mut Ticker, ends: Ends) -> Self {
         Self {
+            drives: ticker.drive_nodes(),
             ticker: Some(ticker),
             ends,
             output: Output::default(),
@@ -104,6 +107,7 @@ impl TickSide {
         self.elapsed = self.elapsed.saturating_add(1);
         self.silence = self.silence.saturating_add(1);
         if let Some(ticker) = take(&mut self.ends.returned) {
+            self.drives = ticker.drive_nodes();
             self.ticker = Some(ticker);
             // It has forgotten a feed hold; one that is still pressed counts as pressed now, like at power-up.
             self.inputs.hold = false;
@@ -141,7 +145,7 @@ impl TickSide {
         while !received.is_full()
             && let Some(frame) = machine.receive()
         {
-            if is_of_drive(&frame) {
+            if is_of_drive(&frame, &self.drives) {
                 // There is room.
                 let _ = received.push(frame);
             } else {
@@ -261,16 +265,7 @@ impl TickSide {
 }
 
 /// True for what a drive sends. What is sent to one by somebody else is for the background, which knows who may.
-fn is_of_drive(frame: &Frame) -> bool {
-    const DRIVES: [NodeId; 7] = [
-        NodeId::DRIVE_X,
-        NodeId::DRIVE_Z,
-        NodeId::DRIVE_C,
-        NodeId::SPINDLE_1,
-        NodeId::SPINDLE_2,
-        NodeId::SPINDLE_3,
-        NodeId::SPINDLE_4,
-    ];
+fn is_of_drive(frame: &Frame, drives: &DriveNodes) -> bool {
     const SPOKEN: [Service; 6] = [
         Service::Tpdo1,
         Service::Tpdo2,
@@ -282,5 +277,5 @@ fn is_of_drive(frame: &Frame) -> bool {
     frame
         .id()
         .service()
-        .is_some_and(|(service, node)| SPOKEN.contains(&service) && DRIVES.contains(&node))
+        .is_some_and(|(service, node)| SPOKEN.contains(&service) && drives.letter(node).is_some())
 }

@@ -6,7 +6,7 @@ use core::num::NonZeroU8;
 use core::time::Duration;
 
 use leadscrew_core::alarm::{At, Span};
-use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError};
+use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
     Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
     BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy,
@@ -206,8 +206,8 @@ choices! {
         BusTrouble::Off(any()), BusTrouble::Passive(any()), BusTrouble::Late { count: any(), limit: any() },
     } or BusTrouble::Intruder(any());
     Intrusion {
-        Intrusion::Sync, Intrusion::Setpoint(any()),
-    } or Intrusion::Network(any());
+        Intrusion::Sync, Intrusion::Setpoint(Victim { letter: any(), node: any() }),
+    } or Intrusion::Network(Victim { letter: any(), node: any() });
     Command {
         Command::Hold, Command::Resume, Command::Reset, Command::Stop, Command::SingleBlock(any()),
         Command::FeedOverride(any()), Command::RapidOverride(any()), Command::Trouble(any()),

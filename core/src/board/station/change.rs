@@ -8,6 +8,7 @@ use super::shelf::Shelf;
 use super::table::{LOAD, SAVE};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::event::Event;
+use crate::board::nodes::DriveNodes;
 use crate::board::store::{Region, StoreError, StoreRequest};
 use crate::bus::Abort;
 use crate::link::{ImageError, ImageWriter, identity};
@@ -92,7 +93,7 @@ impl Shelf {
         self.look_and_stage(params)
     }
 
-    /// Whether the draft can work; a password that is only named is the one there is.
+    /// Whether the draft can work on this board; a password that is only named is the one there is.
     fn look(&mut self, params: &Params) -> Result<(), Abort> {
         if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
             let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
@@ -101,7 +102,8 @@ impl Shelf {
             }
             self.draft.put_slot(PASSWORD_SLOT, kept);
         }
-        if let Err(alarm) = self.draft.validate() {
+        let nodes = DriveNodes::of(&self.draft);
+        if let Err(alarm) = self.draft.validate().and_then(|()| nodes.spare(self.node)) {
             return self.refuse_with(&alarm, Abort::Incompatible);
         }
         Ok(())

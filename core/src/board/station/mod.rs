@@ -46,6 +46,7 @@ use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::snapshot::Snapshot;
 use super::store::{Region, StoreError, StoreRequest};
+use super::nodes::DriveNodes;
 use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
 use crate::bus::{
@@ -198,7 +199,8 @@ impl Station {
     /// Joins the network: says so, and waits to be started.
     ///
     /// # Errors
-    /// [`Code::BusOverload`] where the cycle leaves no room on the bus.
+    /// [`Code::BusOverload`] where the cycle leaves no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its
+    /// number.
     pub fn join(&mut self, params: &Params) -> Result<(), Alarm> {
         let cycle = Cycle {
             tick_us: params.tick_us(),
@@ -209,6 +211,7 @@ impl Station {
             status_ms: params.status_period_ms(),
         };
         cycle.check()?;
+        DriveNodes::of(params).spare(self.node())?;
         self.joined = true;
         let boot_up = self.nmt.boot();
         self.say(boot_up);
@@ -243,7 +246,7 @@ impl Station {
         if !self.has_joined() {
             return false;
         }
-        if let Some(intrusion) = Intrusion::of(frame) {
+        if let Some(intrusion) = Intrusion::of(frame, &DriveNodes::of(params)) {
             self.resist(intrusion);
         }
         if frame.id() == CobId::NMT {

@@ -1,0 +1,126 @@
+//! Where the drives are on the bus: the node numbers of a parameter set.
+
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::bus::NodeId;
+use crate::params::Params;
+use crate::program::TapSpindle;
+use crate::units::Axis;
+
+/// The node numbers of a machine's drives: one for each axis, and one after the other those of its spindles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveNodes {
+    x: u8,
+    z: u8,
+    c: u8,
+    /// Of spindle 1.
+    first: u8,
+    /// How many spindles there are, 1–4.
+    spindles: u8,
+}
+
+impl DriveNodes {
+    /// Those of a parameter set (9014–9016).
+    #[must_use]
+    #[inline(never)]
+    pub const fn of(params: &Params) -> Self {
+        Self {
+            x: params.drive_node(Axis::X),
+            z: params.drive_node(Axis::Z),
+            c: params.drive_node(Axis::C),
+            first: params.spindle_node(),
+            spindles: params.tap_spindles(),
+        }
+    }
+
+    /// That of an axis.
+    // The ranges of the parameters are within those of nodes.
+    #[must_use]
+    pub const fn axis(&self, axis: Axis) -> NodeId {
+        NodeId::nearest(match axis {
+            Axis::X => self.x,
+            Axis::Z => self.z,
+            Axis::C => self.c,
+        })
+    }
+
+    /// That of a spindle, whether the machine has it or not.
+    #[must_use]
+    pub const fn spindle(&self, spindle: TapSpindle) -> NodeId {
+        NodeId::nearest(self.first.wrapping_add(spindle.number()).wrapping_sub(1))
+    }
+
+    /// The letter in messages of the drive that has this node, all spindles being S; `None` where none has.
+    #[must_use]
+    pub const fn letter(&self, node: NodeId) -> Option<u8> {
+        let node = node.get();
+        if node == self.x {
+            Some(b'X')
+        } else if node == self.z {
+            Some(b'Z')
+        } else if node == self.c {
+            Some(b'C')
+        } else if node.wrapping_sub(self.first) < self.spindles {
+            Some(b'S')
+        } else {
+            None
+        }
+    }
+
+    /// A board of this number can be the master of the drives.
+    ///
+    /// # Errors
+    /// [`Code::DriveNodeOfBoard`] where one of them has it.
+    pub(super) fn spare(&self, board: NodeId) -> Result<(), Alarm> {
+        let Some(letter) = self.letter(board) else {
+            return Ok(());
+        };
+        let mut alarm = Alarm::new(Code::DriveNodeOfBoard, Span::default());
+        alarm.fill(&[Arg::Letter(letter), Arg::Int(board.get().into())]);
+        Err(alarm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Entry;
+
+    #[test]
+    fn the_built_in_machine_has_them_where_they_are_known_to_be() {
+        let nodes = DriveNodes::of(&Params::slant_bed());
+        let axes = [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C];
+        assert_eq!(Axis::ALL.map(|axis| nodes.axis(axis)), axes);
+        let spindles = [
+            NodeId::SPINDLE_1,
+            NodeId::SPINDLE_2,
+            NodeId::SPINDLE_3,
+            NodeId::SPINDLE_4,
+        ];
+        assert_eq!(TapSpindle::ALL.map(|s| nodes.spindle(s)), spindles);
+    }
+
+    #[test]
+    fn what_is_no_drive_of_the_machine_has_no_letter() {
+        let mut params = Params::slant_bed();
+        for (key, value) in [("9014", 2), ("9015.Z", 126), ("9016", 5)] {
+            params.set(Entry::find_text(key).unwrap(), value).unwrap();
+        }
+        let nodes = DriveNodes::of(&params);
+        for node in (1..=127).filter_map(NodeId::new) {
+            let letter = match node.get() {
+                16 => Some(b'X'),
+                126 => Some(b'Z'),
+                18 => Some(b'C'),
+                5 | 6 => Some(b'S'),
+                _ => None,
+            };
+            assert_eq!(nodes.letter(node), letter, "{node:?}");
+            let refused = nodes.spare(node).map_err(|alarm| {
+                assert_eq!(alarm.args[1], Arg::Int(node.get().into()));
+                (alarm.number(), alarm.args[0])
+            });
+            let expected = letter.map_or(Ok(()), |of| Err((4378, Arg::Letter(of))));
+            assert_eq!(refused, expected);
+        }
+    }
+}
