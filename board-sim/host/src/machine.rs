@@ -13,10 +13,11 @@ use leadscrew_board_sim::line::{Line, Span, Way};
 use leadscrew_board_sim::plant::{Flash, Plant};
 use leadscrew_board_sim::{keep, stored_params, stored_tap};
 use leadscrew_core::alarm::{Alarm, Lang};
-use leadscrew_core::board::{Board, Event, Output, PowerUp, State};
+use leadscrew_core::board::{Board, DriveNodes, Event, Output, PowerUp, State};
 use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Periods, Service};
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
+use leadscrew_core::units::Axis;
 
 use crate::claim::Claim;
 use crate::cli;
@@ -116,11 +117,11 @@ impl Machine {
             Some(path) => Some(Feeder::open(path, params, options.at)?),
             None => None,
         };
-        let nodes = [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C];
-        let away: Vec<NodeId> = nodes
+        let nodes = DriveNodes::of(params);
+        let away: Vec<NodeId> = Axis::ALL
             .into_iter()
             .zip(options.away)
-            .filter_map(|(node, away)| away.then_some(node))
+            .filter_map(|(axis, away)| away.then_some(nodes.axis(axis)))
             .collect();
         let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
         let wire = Wire::open(args.common.address(), params)?;
@@ -146,7 +147,7 @@ impl Machine {
             state,
             plant,
             wire,
-            line: Line::new(args.spoil.faults(args.seed)),
+            line: Line::new(args.spoil.faults(args.seed, &nodes)),
             cut: args.spoil.cut_power.map(|ticks| ticks.0),
             node,
             signals,

@@ -4,7 +4,10 @@ use std::str::FromStr;
 
 use leadscrew_board_sim::line::{self, Faults, Intruder, Noise, Way};
 use leadscrew_board_sim::plant::Tear;
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::NodeId;
+use leadscrew_core::program::TapSpindle;
+use leadscrew_core::units::Axis;
 
 /// Ticks as they are typed: `4000` (from there on), `4000..4500`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +65,46 @@ impl FromStr for Chance {
 
 /// A second master, and when it is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Second(pub Intruder, pub line::Span);
+pub struct Second(pub Deed, pub line::Span);
+
+/// What a second master does, before it is known where the drives are on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Deed {
+    /// See [`Intruder::Sync`].
+    Sync,
+    /// See [`Intruder::Setpoint`].
+    Setpoint(Whose),
+    /// See [`Intruder::Stop`].
+    Stop(Whose),
+}
+
+/// Which drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whose {
+    /// That of an axis.
+    Axis(Axis),
+    /// That of spindle 1.
+    Spindle,
+}
+
+impl Deed {
+    fn among(self, drives: &DriveNodes) -> Intruder {
+        match self {
+            Self::Sync => Intruder::Sync,
+            Self::Setpoint(whose) => Intruder::Setpoint(whose.among(drives)),
+            Self::Stop(whose) => Intruder::Stop(whose.among(drives)),
+        }
+    }
+}
+
+impl Whose {
+    fn among(self, drives: &DriveNodes) -> NodeId {
+        match self {
+            Self::Axis(axis) => drives.axis(axis),
+            Self::Spindle => drives.spindle(TapSpindle::First),
+        }
+    }
+}
 
 impl FromStr for Second {
     type Err = String;
@@ -72,22 +114,22 @@ impl FromStr for Second {
             || format!("`{text}`: expected `sync@4000`, `setpoint:X@4000` or `stop:Z@4000`");
         let (what, ticks) = text.rsplit_once('@').ok_or_else(wrong)?;
         let Ticks(span) = ticks.parse()?;
-        let intruder = match what.split_once(':') {
-            None if what == "sync" => Intruder::Sync,
-            Some(("setpoint", name)) => Intruder::Setpoint(drive(name).ok_or_else(wrong)?),
-            Some(("stop", name)) => Intruder::Stop(drive(name).ok_or_else(wrong)?),
+        let deed = match what.split_once(':') {
+            None if what == "sync" => Deed::Sync,
+            Some(("setpoint", name)) => Deed::Setpoint(drive(name).ok_or_else(wrong)?),
+            Some(("stop", name)) => Deed::Stop(drive(name).ok_or_else(wrong)?),
             _ => return Err(wrong()),
         };
-        Ok(Self(intruder, span))
+        Ok(Self(deed, span))
     }
 }
 
-fn drive(name: &str) -> Option<NodeId> {
+fn drive(name: &str) -> Option<Whose> {
     match name {
-        "X" | "x" => Some(NodeId::DRIVE_X),
-        "Z" | "z" => Some(NodeId::DRIVE_Z),
-        "C" | "c" => Some(NodeId::DRIVE_C),
-        "S" | "s" => Some(NodeId::SPINDLE_1),
+        "X" | "x" => Some(Whose::Axis(Axis::X)),
+        "Z" | "z" => Some(Whose::Axis(Axis::Z)),
+        "C" | "c" => Some(Whose::Axis(Axis::C)),
+        "S" | "s" => Some(Whose::Spindle),
         _ => None,
     }
 }
@@ -164,15 +206,17 @@ pub struct Options {
 }
 
 impl Options {
-    /// What goes wrong with the wire.
-    pub fn faults(&self, seed: u64) -> Faults {
+    /// What goes wrong with the wire of a machine whose drives are there.
+    pub fn faults(&self, seed: u64, drives: &DriveNodes) -> Faults {
         let mut faults = Faults {
             seed,
             cable_out: self.cable_out.map(|ticks| ticks.0),
             bus_off: self.bus_off.map(|ticks| ticks.0),
             error_passive: self.error_passive.map(|ticks| ticks.0),
             late: self.late.map(|ticks| ticks.0),
-            intruder: self.second_master.map(|Second(what, span)| (what, span)),
+            intruder: self
+                .second_master
+                .map(|Second(deed, span)| (deed.among(drives), span)),
             ..Faults::NONE
         };
         let mut put = |chances: &[Chance], set: fn(&mut Noise, u16)| {
@@ -193,6 +237,8 @@ impl Options {
 
 #[cfg(test)]
 mod tests {
+    use leadscrew_core::params::{Entry, Params};
+
     use super::*;
 
     #[test]
@@ -235,8 +281,9 @@ mod tests {
         };
         // Setpoints, statuses, in, out.
         let expected = [noise(0, 3), noise(7, 3), noise(5, 3), noise(0, 3)];
-        assert_eq!(options.faults(9).noise, expected);
-        assert_eq!(Options::default().faults(1), Faults::NONE);
+        let drives = DriveNodes::of(&Params::slant_bed());
+        assert_eq!(options.faults(9, &drives).noise, expected);
+        assert_eq!(Options::default().faults(1, &drives), Faults::NONE);
         for wrong in ["1001", "up=3", "in=", "in=-1"] {
             assert!(wrong.parse::<Chance>().is_err(), "{wrong}");
         }
@@ -245,9 +292,22 @@ mod tests {
     #[test]
     fn a_second_master_says_what_it_does_and_when() {
         let from = |from| line::Span { from, to: u64::MAX };
-        assert_eq!("sync@9".parse(), Ok(Second(Intruder::Sync, from(9))));
-        let stop = Second(Intruder::Stop(NodeId::DRIVE_Z), from(7));
+        assert_eq!("sync@9".parse(), Ok(Second(Deed::Sync, from(9))));
+        let stop = Second(Deed::Stop(Whose::Axis(Axis::Z)), from(7));
         assert_eq!("stop:Z@7".parse(), Ok(stop));
+        let mut params = Params::slant_bed();
+        let entry = Entry::find_text("drive_node.Z").unwrap();
+        params.set(entry, 70).unwrap();
+        let drives = DriveNodes::of(&params);
+        let options = Options {
+            second_master: Some(stop),
+            ..Options::default()
+        };
+        let expected = Intruder::Stop(NodeId::new(70).unwrap());
+        assert_eq!(
+            options.faults(1, &drives).intruder,
+            Some((expected, from(7)))
+        );
         for wrong in ["sync", "stop@3", "setpoint:Y@3", "sync:X@3", "sync@"] {
             assert!(wrong.parse::<Second>().is_err(), "{wrong}");
         }

@@ -74,6 +74,8 @@ pub struct Drive {
     follower: Follower,
     /// The spindle turns: its mode cannot change.
     turning: bool,
+    /// It turns a spindle, and has a second RPDO for that.
+    of_spindle: bool,
     /// SYNCs since the last answer.
     syncs: u8,
     /// SYNCs until the power state may change again.
@@ -112,6 +114,7 @@ impl Drive {
             next_spindle: standing,
             follower,
             turning: false,
+            of_spindle: false,
             syncs: 0,
             busy: 0,
             trouble: Trouble::None,
@@ -127,6 +130,13 @@ impl Drive {
     pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
         self.settings = self.settings.with_tick(tick_us);
         self.kept = self.settings;
+        self
+    }
+
+    /// The same for a spindle: it is told mode and speed, too.
+    #[must_use]
+    pub(super) const fn for_spindle(mut self) -> Self {
+        self.of_spindle = true;
         self
     }
 
@@ -239,8 +249,7 @@ impl Drive {
         let now = Now {
             node: self.node,
             pre_operational: self.nmt == NmtState::PreOperational,
-            // The spindles' nodes come after the axes'.
-            spindle: self.node >= NodeId::SPINDLE_1,
+            spindle: self.of_spindle,
             control: self.control,
             status: self.power.statusword(),
             mode: self.spindle.mode as u8,

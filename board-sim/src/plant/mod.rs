@@ -46,11 +46,10 @@ pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 pub use tapper::Tapper;
 
-use leadscrew_core::bus::{
-    Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
-};
+use leadscrew_core::board::DriveNodes;
+use leadscrew_core::bus::{Frame, Increments, MilliRpm, NmtCommand, Scale, Service, is_sync};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::Position;
+use leadscrew_core::program::{Position, TapSpindle};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Turns};
 
@@ -143,18 +142,21 @@ impl Plant {
             options.drives.lag,
         )
         .ok_or(PlantError::Latency(Axis::Z))?;
-        let tapper = |node, place| {
+        let nodes = DriveNodes::of(params);
+        let first = nodes.spindle(TapSpindle::First);
+        let tapper = |spindle, place| {
+            let node = nodes.spindle(spindle);
             let per_turn = params.spindle_increments();
             let mut tapper =
                 Tapper::new(node, staggered(options, place), position, still, per_turn);
-            *tapper.drive() = tapper.drive().with_tick(params.tick_us());
+            *tapper.drive() = tapper.drive().with_tick(params.tick_us()).for_spindle();
             tapper
         };
         Ok(Self {
             tappers: [
-                tapper(NodeId::SPINDLE_2, 4),
-                tapper(NodeId::SPINDLE_3, 5),
-                tapper(NodeId::SPINDLE_4, 6),
+                tapper(TapSpindle::Second, 4),
+                tapper(TapSpindle::Third, 5),
+                tapper(TapSpindle::Fourth, 6),
             ],
             present: usize::from(params.tap_spindles()).saturating_sub(1),
             tick_ns: u64::from(params.tick_us()).wrapping_mul(1000),
@@ -165,8 +167,9 @@ impl Plant {
             z: axis_drive(params, options, Axis::Z)?,
             c: axis_drive(params, options, Axis::C)?,
             away: options.away,
-            spindle_drive: Drive::new(NodeId::SPINDLE_1, staggered(options, 3), still)
-                .with_tick(params.tick_us()),
+            spindle_drive: Drive::new(first, staggered(options, 3), still)
+                .with_tick(params.tick_us())
+                .for_spindle(),
             per_turn: params.spindle_increments(),
             position,
             positioning: false,
@@ -346,10 +349,11 @@ pub fn axis_drive(
     options: &PlantOptions,
     axis: Axis,
 ) -> Result<Drive, PlantError> {
-    let (node, position) = match axis {
-        Axis::X => (NodeId::DRIVE_X, options.at.x.nm()),
-        Axis::Z => (NodeId::DRIVE_Z, options.at.z.nm()),
-        Axis::C => (NodeId::DRIVE_C, options.at.c.udeg()),
+    let node = DriveNodes::of(params).axis(axis);
+    let position = match axis {
+        Axis::X => options.at.x.nm(),
+        Axis::Z => options.at.z.nm(),
+        Axis::C => options.at.c.udeg(),
     };
     let scale = Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))
         .ok_or(PlantError::Scale(axis))?;

@@ -120,6 +120,15 @@ impl Alarm {
         }
     }
 
+    /// A condition that is of no place in a text, with the figures of its template.
+    #[must_use]
+    #[cfg_attr(feature = "small", inline(never))]
+    pub fn of(code: Code, figures: &[Arg]) -> Self {
+        let mut alarm = Self::new(code, Span::default());
+        alarm.fill(figures);
+        alarm
+    }
+
     /// Names the word to blame.
     #[must_use]
     #[cfg_attr(feature = "small", inline(never))]

@@ -9,8 +9,8 @@ use super::spindles::Spindles;
 use super::ticker::FRAMES;
 use crate::alarm::Alarm;
 use crate::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, NodeId,
-    Periods, Scale, SyncProducer, Told,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Periods,
+    Scale, SyncProducer, Told,
 };
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
@@ -45,11 +45,11 @@ impl Figures {
     }
 
     #[inline(never)]
-    fn axis(&self, params: &Params, axis: Axis, node: NodeId, scale: Scale) -> DriveMaster {
+    fn axis(&self, params: &Params, axis: Axis, nodes: &DriveNodes, scale: Scale) -> DriveMaster {
         let increments = scale.limit(params.following_error_limit(axis));
         DriveMaster::new(DriveConfig {
             letter: axis.letter(),
-            node,
+            node: nodes.axis(axis),
             scale,
             step: self.step,
             silence: SILENCE,
@@ -103,9 +103,9 @@ impl Drives {
         };
         Self {
             axes: [
-                figures.axis(params, Axis::X, nodes.axis(Axis::X), x),
-                figures.axis(params, Axis::Z, nodes.axis(Axis::Z), z),
-                figures.axis(params, Axis::C, nodes.axis(Axis::C), c),
+                figures.axis(params, Axis::X, &nodes, x),
+                figures.axis(params, Axis::Z, &nodes, z),
+                figures.axis(params, Axis::C, &nodes, c),
             ],
             offsets: [0; 3],
             last: [x.find(0), z.find(0), c.find(0)],

@@ -15,7 +15,7 @@
 //! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
 
 use super::store::{Region, StoreError};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::checksum::crc32;
 use crate::link::{ImageReader, ImageWriter, identity};
 use crate::params::{Params, SCHEMA, TABLE_KEY};
@@ -219,13 +219,13 @@ impl Found {
                 ],
             ),
         };
-        Some(Alarm::new(code, Span::default()).with(args))
+        Some(Alarm::of(code, &args))
     }
 
     /// What is told and stops nothing.
     #[must_use]
     pub fn warning(self) -> Option<Alarm> {
-        (self == Self::Nothing).then(|| Alarm::new(Code::ParametersBuiltIn, Span::default()))
+        (self == Self::Nothing).then(|| Alarm::of(Code::ParametersBuiltIn, &[]))
     }
 }
 

@@ -1,13 +1,15 @@
 //! Where the drives are on the bus: the node numbers of a parameter set.
 
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::NodeId;
 use crate::params::Params;
 use crate::program::TapSpindle;
 use crate::units::Axis;
 
 /// The node numbers of a machine's drives: one for each axis, and one after the other those of its spindles.
+// Copied in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(align(4))]
 pub struct DriveNodes {
     x: u8,
     z: u8,
@@ -74,9 +76,8 @@ impl DriveNodes {
         let Some(letter) = self.letter(board) else {
             return Ok(());
         };
-        let mut alarm = Alarm::new(Code::DriveNodeOfBoard, Span::default());
-        alarm.fill(&[Arg::Letter(letter), Arg::Int(board.get().into())]);
-        Err(alarm)
+        let figures = [Arg::Letter(letter), Arg::Int(board.get().into())];
+        Err(Alarm::of(Code::DriveNodeOfBoard, &figures))
     }
 }
 

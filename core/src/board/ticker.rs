@@ -414,8 +414,7 @@ impl Ticker {
     fn slip(&mut self, counts: i32, ends: &mut Ends<'_, '_>) {
         self.slipped = true;
         self.begin_new_count();
-        let args = [Arg::Int(i64::from(counts)), Arg::None, Arg::None, Arg::None];
-        let alarm = Alarm::new(Code::IndexSlipped, Span::default()).with(args);
+        let alarm = Alarm::of(Code::IndexSlipped, &[Arg::Int(i64::from(counts))]);
         let in_cycle = self.executor.stops().frozen.is_some()
             && matches!(self.mode, Mode::Running | Mode::Held);
         if in_cycle || self.executor.thread().is_some() || self.executor.is_floating() {

@@ -1,7 +1,7 @@
 //! What can be wrong with the bus as a whole, and how it is told.
 
 use super::nodes::DriveNodes;
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::{
     BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, is_sync,
 };
@@ -52,19 +52,24 @@ impl Intrusion {
         if is_sync(frame) {
             return Some(Self::Sync);
         }
-        let (what, node): (fn(Victim) -> Self, _) = if frame.id() == CobId::NMT {
+        let managed = frame.id() == CobId::NMT;
+        let node = if managed {
             match NmtCommand::decode(frame)? {
                 (NmtCommand::Start, _) => return None,
-                (_, node) => (Self::Network, node?),
+                (_, node) => node?,
             }
         } else {
             match frame.id().service()? {
-                (Service::Rpdo1 | Service::Rpdo2, node) => (Self::Setpoint, node),
+                (Service::Rpdo1 | Service::Rpdo2, node) => node,
                 _ => return None,
             }
         };
         let letter = drives.letter(node)?;
-        Some(what(Victim { letter, node }))
+        let victim = Victim { letter, node };
+        Some(match managed {
+            true => Self::Network(victim),
+            false => Self::Setpoint(victim),
+        })
     }
 }
 
@@ -93,7 +98,7 @@ impl BusTrouble {
             Self::Intruder(Intrusion::Setpoint(of)) => (Code::SecondSetpoints, drive(of)),
             Self::Intruder(Intrusion::Network(of)) => (Code::SecondManager, drive(of)),
         };
-        Alarm::new(code, Span::default()).with([first, second])
+        Alarm::of(code, &[first, second])
     }
 }
 

@@ -3,7 +3,7 @@
 use super::cia402::Statusword;
 use super::drive::{DriveConfig, Step};
 use super::increments::Increments;
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::units::{Angle, Length};
 
 /// What went wrong with a drive. Latched until [`DriveMaster::reset`](super::DriveMaster::reset).
@@ -62,12 +62,13 @@ impl DriveFailure {
                 )
             }
         };
-        Alarm::new(self.code(), Span::default()).with([
+        let figures = [
             Arg::Letter(config.letter),
             Arg::Int(i64::from(config.node.get())),
             third,
             fourth,
-        ])
+        ];
+        Alarm::of(self.code(), &figures)
     }
 
     const fn code(self) -> Code {

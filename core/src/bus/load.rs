@@ -7,7 +7,7 @@
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
 
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 
 /// What the cycle consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +85,7 @@ impl Cycle {
             Arg::Int(self.drives.saturating_add(self.further).into()),
             Arg::Int(self.kbit.into()),
         ];
-        Err(Alarm::new(Code::BusOverload, Span::default()).with(args))
+        Err(Alarm::of(Code::BusOverload, &args))
     }
 }
 

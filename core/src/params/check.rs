@@ -2,7 +2,7 @@
 //! with the figures and the parameters to change.
 
 use super::Params;
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::units::{Axis, Rpm};
 
 /// Ticks that the two ramps of a motion profile may have together.
@@ -208,9 +208,7 @@ struct Reasons<Report>(Report);
 impl<Report: FnMut(Alarm)> Reasons<Report> {
     #[cfg_attr(feature = "small", inline(never))]
     fn add(&mut self, code: Code, figures: &[Arg]) {
-        let mut alarm = Alarm::new(code, Span::default());
-        alarm.fill(figures);
-        (self.0)(alarm);
+        (self.0)(Alarm::of(code, figures));
     }
 }
 

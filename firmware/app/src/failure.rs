@@ -3,7 +3,7 @@
 //! Whoever catches a failure writes [`Failure::encode`] to memory that a reset leaves as it is, and starts anew; at
 //! power-up [`Failure::decode`] finds it there, and nothing moves before somebody has taken note.
 
-use leadscrew_core::alarm::{Alarm, Arg, Code, Span};
+use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::checksum::crc32;
 
 /// What stopped it.
@@ -166,7 +166,7 @@ impl Failure {
         } else {
             (code, args)
         };
-        Alarm::new(code, Span::default()).with(args)
+        Alarm::of(code, &args)
     }
 
     const fn told(&self) -> (Code, [Arg; 4]) {

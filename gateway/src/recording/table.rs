@@ -18,6 +18,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use leadscrew_can::{Packet, Stamp};
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
     DriveCommand, DriveStatus, Emcy, Frame, Increments, Mode, NmtCommand, NmtState, NodeId, Scale,
     SpindleCommand, State, is_sync,
@@ -26,6 +27,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
 use crate::number;
+use crate::params::drives::DriveName;
 
 /// The first line.
 pub const HEADER: &str = "t_us,sync,x_nm,z_nm,c_udeg,s1_urev,s1_rpm,\
@@ -35,17 +37,6 @@ pub const HEADER: &str = "t_us,sync,x_nm,z_nm,c_udeg,s1_urev,s1_rpm,\
 
 /// Columns between the time and the event.
 const BETWEEN: usize = 19;
-
-/// The drives in the order of the columns.
-const DRIVES: [NodeId; 7] = [
-    NodeId::DRIVE_X,
-    NodeId::DRIVE_Z,
-    NodeId::DRIVE_C,
-    NodeId::SPINDLE_1,
-    NodeId::SPINDLE_2,
-    NodeId::SPINDLE_3,
-    NodeId::SPINDLE_4,
-];
 
 /// What is known of a drive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,7 +69,9 @@ impl Drive {
 #[derive(Debug)]
 pub struct Table<W: Write> {
     pub(super) to: W,
+    /// In the order of the columns, as their nodes are.
     drives: [Drive; 7],
+    nodes: [NodeId; 7],
     /// Increments of a spindle's drive to a turn.
     per_turn: i64,
     first: Option<Stamp>,
@@ -96,8 +89,10 @@ impl<W: Write> Table<W> {
             scale: Scale::new(params.drive_numerator(axis), params.drive_denominator(axis)),
             ..Drive::default()
         };
+        let drives = DriveNodes::of(params);
         Ok(Self {
             to,
+            nodes: DriveName::ALL.map(|name| name.among(&drives).node),
             drives: [
                 axis(Axis::X),
                 axis(Axis::Z),
@@ -186,7 +181,7 @@ impl<W: Write> Table<W> {
     }
 
     fn drive(&mut self, node: NodeId) -> Option<&mut Drive> {
-        let place = DRIVES.iter().position(|drive| *drive == node)?;
+        let place = self.nodes.iter().position(|drive| *drive == node)?;
         self.drives.get_mut(place)
     }
 

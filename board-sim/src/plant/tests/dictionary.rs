@@ -7,7 +7,7 @@ use std::vec::Vec;
 
 use super::super::*;
 use leadscrew_core::bus::{
-    Abort, DriveStatus, NmtCommand, NmtState, Object, SdoBuffer, SdoDownload, SdoError,
+    Abort, DriveStatus, NmtCommand, NmtState, NodeId, Object, SdoBuffer, SdoDownload, SdoError,
     SdoProtocol, SdoUpload, SyncProducer,
 };
 

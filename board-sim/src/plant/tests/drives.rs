@@ -4,7 +4,7 @@ extern crate std;
 
 use super::super::*;
 use leadscrew_core::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, NmtState, Periods, Phase,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, NmtState, NodeId, Periods, Phase,
     SpindleDemand, SpindleMaster, SyncProducer,
 };
 use leadscrew_core::units::{Length, Rpm};

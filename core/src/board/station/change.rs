@@ -6,7 +6,7 @@
 use super::keeper::Progress;
 use super::shelf::Shelf;
 use super::table::{LOAD, SAVE};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::board::event::Event;
 use crate::board::nodes::DriveNodes;
 use crate::board::store::{Region, StoreError, StoreRequest};
@@ -22,7 +22,7 @@ impl Shelf {
 
     /// A change of parameters is refused, and why.
     fn refuse(&mut self, code: Code, abort: Abort) -> Result<(), Abort> {
-        self.refuse_with(&Alarm::new(code, Span::default()), abort)
+        self.refuse_with(&Alarm::of(code, &[]), abort)
     }
 
     fn refuse_with(&mut self, reason: &Alarm, abort: Abort) -> Result<(), Abort> {
@@ -167,8 +167,7 @@ impl Shelf {
     pub(super) fn refuse_image(&mut self, error: ImageError) -> Result<(), Abort> {
         let (alarm, abort) = match error {
             ImageError::Table(key) => (
-                Alarm::new(Code::ImageForeign, Span::default())
-                    .with([Arg::Key(key), Arg::Key(TABLE_KEY)]),
+                Alarm::of(Code::ImageForeign, &[Arg::Key(key), Arg::Key(TABLE_KEY)]),
                 Abort::Incompatible,
             ),
             ImageError::Length => (incomplete(), Abort::Length),
@@ -253,12 +252,11 @@ pub enum Change {
 }
 
 fn incomplete() -> Alarm {
-    Alarm::new(Code::ParametersIncomplete, Span::default())
+    Alarm::of(Code::ParametersIncomplete, &[])
 }
 
 fn out_of_range(no: u16) -> Alarm {
-    let args = [Arg::Int(no.into()), Arg::None, Arg::None, Arg::None];
-    Alarm::new(Code::ParametersOutOfRange, Span::default()).with(args)
+    Alarm::of(Code::ParametersOutOfRange, &[Arg::Int(no.into())])
 }
 
 /// Number of the parameter that allows writing the others.

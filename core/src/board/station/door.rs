@@ -3,7 +3,7 @@
 //! Opened by the right number, shut again when the gateway has been silent for its time, or the power goes. After a wrong
 //! one the door hears nothing for a second, after the next for two, then four, up to a minute.
 
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::Periods;
 use crate::params::Params;
 
@@ -62,13 +62,8 @@ impl Door {
             self.wrong = self.wrong.saturating_add(1);
         }
         let seconds = wait_s(self.wrong.saturating_sub(1));
-        let args = [
-            Arg::Int(self.wrong.into()),
-            Arg::Int(seconds.into()),
-            Arg::None,
-            Arg::None,
-        ];
-        Err(Alarm::new(Code::PasswordWrong, Span::default()).with(args))
+        let args = [Arg::Int(self.wrong.into()), Arg::Int(seconds.into())];
+        Err(Alarm::of(Code::PasswordWrong, &args))
     }
 }
 

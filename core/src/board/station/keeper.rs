@@ -11,7 +11,7 @@
 //!
 //! Knows what is stored where; must not know flash, objects or frames.
 
-use crate::alarm::{Alarm, Code, Span};
+use crate::alarm::{Alarm, Code};
 use crate::board::kept::{Found, KeptSet, Mark, PowerUp, Shelved, Slot};
 use crate::board::store::{Content, Region, StoreError, StoreRequest};
 use crate::bus::Abort;
@@ -230,7 +230,7 @@ impl Keeper {
 
     fn fail(&mut self, code: Code) -> Progress {
         self.step = Step::Idle;
-        self.refuse(&Alarm::new(code, Span::default()));
+        self.refuse(&Alarm::of(code, &[]));
         Progress {
             in_force: false,
             warning: Some(code),

@@ -44,9 +44,9 @@ use self::served::Served;
 use self::shelf::{Shelf, Told};
 use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
+use super::nodes::DriveNodes;
 use super::snapshot::Snapshot;
 use super::store::{Region, StoreError, StoreRequest};
-use super::nodes::DriveNodes;
 use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
 use crate::bus::{

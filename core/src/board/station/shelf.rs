@@ -12,7 +12,7 @@ use super::keeper::Keeper;
 use super::ledger::Ledger;
 use super::log::Log;
 use super::table::{DROP, HISTORY};
-use crate::alarm::{Alarm, Code, Span};
+use crate::alarm::{Alarm, Code};
 use crate::board::event::{Command, Event};
 use crate::board::snapshot::Snapshot;
 use crate::board::store::copy;
@@ -230,7 +230,7 @@ impl Shelf {
     /// A warning without figures, for the event log.
     #[inline(never)]
     pub fn warn(&mut self, code: Code) {
-        let warning = Alarm::new(code, Span::default());
+        let warning = Alarm::of(code, &[]);
         self.log.push(self.tick, &Event::Warning(warning));
     }
 

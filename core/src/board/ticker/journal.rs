@@ -8,7 +8,7 @@
 use super::super::event::Event;
 use super::super::store::StoreError;
 use super::{Ends, Mode, Output, Rigid, Ticker, emit};
-use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::journal::{TapHole, TapRecord};
 use crate::motion::{Motion, Tap, TapPart, Task};
 use crate::program::Position;
@@ -201,7 +201,7 @@ impl Ticker {
             *position = placed;
         }
         let args = [Arg::Letter(hole.letter()), hole.figure(hole.bottom)];
-        let warning = Alarm::new(Code::TapInHoleSincePower, Span::default()).with(args);
+        let warning = Alarm::of(Code::TapInHoleSincePower, &args);
         emit(ends.events, Event::Warning(warning));
     }
 
@@ -260,7 +260,7 @@ impl Ticker {
         }
         if self.journal.failed && self.journal.begun {
             self.journal.failed = false;
-            let warning = Alarm::new(Code::TapJournalStale, Span::default());
+            let warning = Alarm::of(Code::TapJournalStale, &[]);
             emit(ends.events, Event::Warning(warning));
         }
         output.journal = None;

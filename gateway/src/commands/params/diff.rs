@@ -32,7 +32,7 @@ pub fn run(global: &Global, args: &Diff) -> Outcome {
         Home::Board(machine) => Some(machine.params.clone()),
     };
     let wanted = told_good(global, params::load_over(base, &files, &global.set, lang)?)?;
-    let drives = home.drive_changes(&wanted.drives)?;
+    let drives = home.drive_changes(&wanted.drives, &wanted.params)?;
     tell(global, &changes(home.params(), &wanted.params), &drives)
 }
 

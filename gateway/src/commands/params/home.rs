@@ -1,6 +1,7 @@
 //! Where the set that a command is about lives: on a board, or nowhere but in this program.
 
 use leadscrew_can::Address;
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::params::Params;
 
 use super::drive::{self, Found, Pending};
@@ -55,15 +56,20 @@ impl Home {
         }
     }
 
-    /// What differs on the drives; nothing is known of them where there is no board.
+    /// What differs on the drives that the `wanted` set names; nothing is known of them where there is no board.
     ///
     /// # Errors
     /// A drive that does not answer, or does not have an object.
-    pub fn drive_changes(&mut self, settings: &[Setting]) -> Outcome<Vec<DriveChange>> {
+    pub fn drive_changes(
+        &mut self,
+        settings: &[Setting],
+        wanted: &Params,
+    ) -> Outcome<Vec<DriveChange>> {
         match self {
             Self::BuiltIn(_) => Ok(Vec::new()),
             Self::Board(machine) => {
-                let pending = drive::pending(&mut machine.link, settings)?;
+                let nodes = DriveNodes::of(wanted);
+                let pending = drive::pending(&mut machine.link, settings, &nodes)?;
                 Ok(pending.iter().map(drive::Pending::change).collect())
             }
         }
@@ -77,11 +83,12 @@ impl Home {
         let Self::Board(machine) = self else {
             return Ok(text);
         };
-        let pending = drive::pending(&mut machine.link, settings)?;
+        let nodes = DriveNodes::of(&machine.params);
+        let pending = drive::pending(&mut machine.link, settings, &nodes)?;
         let found = |setting: &Setting| {
             let of = pending
                 .iter()
-                .find(|p| p.drive == setting.drive && p.wanted == setting.wanted);
+                .find(|p| p.drive.name == setting.drive && p.wanted == setting.wanted);
             of.map(|pending| pending.found.clone())
         };
         let mut replacements: Vec<Replacement> = Vec::new();
@@ -98,7 +105,7 @@ impl Home {
                 match (
                     pending
                         .iter()
-                        .find(|p| p.drive == other.drive && p.wanted == other.wanted),
+                        .find(|p| p.drive.name == other.drive && p.wanted == other.wanted),
                     &other.wanted,
                 ) {
                     (

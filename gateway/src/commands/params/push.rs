@@ -16,6 +16,7 @@ use std::path::PathBuf;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_can::Address;
 use leadscrew_core::alarm::{Code, Lang};
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::Order;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
@@ -178,7 +179,7 @@ fn carry_out(
 ) -> Outcome<Done> {
     let old = machine.params.clone();
     let link = &mut machine.link;
-    let pending = drive::pending(link, &wanted.drives)?;
+    let pending = drive::pending(link, &wanted.drives, &DriveNodes::of(&wanted.params))?;
     let mut done = Done {
         changes: changes(&old, &wanted.params),
         drives: pending.iter().map(drive::Pending::change).collect(),

@@ -22,7 +22,7 @@ use leadscrew_core::params::Params;
 use crate::diagnostics::Place;
 
 pub use objects::{
-    DriveName, KNOWN, Kind, Known, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE, mapping_text,
+    Drive, DriveName, KNOWN, Kind, Known, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE, mapping_text,
     object_text,
 };
 pub(super) use section::apply;

@@ -2,7 +2,10 @@
 
 use std::fmt;
 
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NodeId, Object};
+use leadscrew_core::program::TapSpindle;
+use leadscrew_core::units::Axis;
 
 /// A drive of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -57,18 +60,19 @@ impl DriveName {
             .find(|drive| drive.name().eq_ignore_ascii_case(name))
     }
 
-    /// Its number on the bus.
+    /// The drive itself, on a machine whose drives are there.
     #[must_use]
-    pub const fn node(self) -> NodeId {
-        match self {
-            Self::X => NodeId::DRIVE_X,
-            Self::Z => NodeId::DRIVE_Z,
-            Self::C => NodeId::DRIVE_C,
-            Self::S1 => NodeId::SPINDLE_1,
-            Self::S2 => NodeId::SPINDLE_2,
-            Self::S3 => NodeId::SPINDLE_3,
-            Self::S4 => NodeId::SPINDLE_4,
-        }
+    pub const fn among(self, drives: &DriveNodes) -> Drive {
+        let node = match self {
+            Self::X => drives.axis(Axis::X),
+            Self::Z => drives.axis(Axis::Z),
+            Self::C => drives.axis(Axis::C),
+            Self::S1 => drives.spindle(TapSpindle::First),
+            Self::S2 => drives.spindle(TapSpindle::Second),
+            Self::S3 => drives.spindle(TapSpindle::Third),
+            Self::S4 => drives.spindle(TapSpindle::Fourth),
+        };
+        Drive { name: self, node }
     }
 
     /// It turns a spindle.
@@ -81,6 +85,21 @@ impl DriveName {
 impl fmt::Display for DriveName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+/// A drive, and where it is on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Drive {
+    /// Which.
+    pub name: DriveName,
+    /// Its number.
+    pub node: NodeId,
+}
+
+impl fmt::Display for Drive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.name.fmt(f)
     }
 }
 

@@ -4,6 +4,7 @@
 //! and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets its old
 //! value back.
 
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};
 use leadscrew_core::params::Params;
 
@@ -11,7 +12,8 @@ use super::{Found, Pending, is, read, refused};
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, LinkResult, Trouble};
 use crate::params::drives::{
-    DriveName, Kind, PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, object_text, period_conflict,
+    Drive, DriveName, Kind, PERIOD_EXPONENT, PERIOD_VALUE, Setting, Wanted, object_text,
+    period_conflict,
 };
 use crate::words::{Both, both};
 
@@ -27,6 +29,7 @@ const SAVE: [u8; 4] = *b"save";
 /// # Errors
 /// [`Failure::WrongBecause`]; a drive with a section that does not answer.
 pub fn check_periods(link: &mut Link, settings: &[Setting], old: &Params, new: &Params) -> Outcome {
+    let nodes = DriveNodes::of(new);
     for drive in DriveName::ALL {
         let wanted = |object| {
             settings.iter().find_map(|setting| match setting.wanted {
@@ -43,7 +46,7 @@ pub fn check_periods(link: &mut Link, settings: &[Setting], old: &Params, new: &
         let mut value_of = |object, kind| match wanted(object) {
             Some(value) => Ok(Some(value)),
             None => link
-                .ask(drive.node(), object)
+                .ask(drive.among(&nodes).node, object)
                 .map(|bytes| bytes.and_then(|b| Kind::decode(kind, &b))),
         };
         let value = value_of(PERIOD_VALUE, Kind::U8)?;
@@ -92,7 +95,7 @@ pub fn apply(link: &mut Link, pending: &[Pending], done: &mut dyn FnMut()) -> Ou
     }
     let mut notes = Vec::new();
     for drive in &drives {
-        match link.write_of(drive.node(), STORE, &SAVE) {
+        match link.write_of(drive.node, STORE, &SAVE) {
             Ok(()) => {}
             Err(trouble) if trouble.refusal().is_some() => notes.push(both!(
                 "drive {drive} does not keep this by itself (1010h): after it was switched off it has to be pushed again",
@@ -123,12 +126,12 @@ pub fn only_drives(failure: Failure) -> Failure {
 }
 
 /// The drives of these objects, in pre-operational.
-fn to_pre_operational(link: &mut Link, pending: &[Pending]) -> LinkResult<Vec<DriveName>> {
-    let mut drives: Vec<DriveName> = pending.iter().map(|pending| pending.drive).collect();
+fn to_pre_operational(link: &mut Link, pending: &[Pending]) -> LinkResult<Vec<Drive>> {
+    let mut drives: Vec<Drive> = pending.iter().map(|pending| pending.drive).collect();
     drives.sort_unstable();
     drives.dedup();
     for drive in &drives {
-        link.send(&[NmtCommand::PreOperational.frame(Some(drive.node()))])?;
+        link.send(&[NmtCommand::PreOperational.frame(Some(drive.node))])?;
     }
     Ok(drives)
 }
@@ -183,7 +186,7 @@ fn take_back(link: &mut Link, pending: &[Pending], reset: bool) -> LinkResult<Ve
     let mut kept = Ok(());
     for drive in &drives {
         // Whether it keeps anything has been said at the first time.
-        match link.write_of(drive.node(), STORE, &SAVE) {
+        match link.write_of(drive.node, STORE, &SAVE) {
             Err(trouble) if trouble.refusal().is_none() => kept = kept.and(Err(trouble)),
             _ => {}
         }
@@ -222,7 +225,7 @@ fn is_as_before(link: &mut Link, pending: &Pending) -> bool {
 }
 
 fn put_back(link: &mut Link, pending: &Pending) -> LinkResult {
-    let node = pending.drive.node();
+    let node = pending.drive.node;
     match (&pending.wanted, &pending.found) {
         (Wanted::Number { object, kind, .. }, Found::Number(value)) => {
             link.write_of(node, *object, &kind.encode(*value))
@@ -247,9 +250,9 @@ fn put_back(link: &mut Link, pending: &Pending) -> LinkResult {
     }
 }
 
-fn start(link: &mut Link, drives: &[DriveName]) -> LinkResult {
+fn start(link: &mut Link, drives: &[Drive]) -> LinkResult {
     for drive in drives {
-        link.send(&[NmtCommand::Start.frame(Some(drive.node()))])?;
+        link.send(&[NmtCommand::Start.frame(Some(drive.node))])?;
     }
     Ok(())
 }
@@ -283,8 +286,8 @@ fn joined(failure: Failure, more: &Both) -> Failure {
     }
 }
 
-fn write(link: &mut Link, drive: DriveName, wanted: &Wanted) -> LinkResult {
-    let node = drive.node();
+fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
+    let node = drive.node;
     match wanted {
         Wanted::Number {
             object,
@@ -354,7 +357,7 @@ fn unkept(pending: &Pending) -> Failure {
         "drive {drive} (node {node}): object {object} took {new} and reads back otherwise",
         "驱动器 {drive}（节点 {node}）：对象 {object} 接受了 {new}，但读回的值不同",
         drive = pending.drive,
-        node = pending.drive.node().get(),
+        node = pending.drive.node.get(),
         object = change.object,
         new = change.new
     ))

@@ -4,12 +4,13 @@ mod apply;
 #[cfg(test)]
 mod tests;
 
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, Object};
 
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, Trouble, reason};
 use crate::params::difference::DriveChange;
-use crate::params::drives::{DriveName, Kind, Setting, Wanted, mapping_text, object_text};
+use crate::params::drives::{Drive, Kind, Setting, Wanted, mapping_text, object_text};
 use crate::words::both;
 
 pub use apply::{apply, check_periods, only_drives, with_drives};
@@ -32,7 +33,7 @@ pub enum Found {
 #[derive(Clone, Debug)]
 pub struct Pending {
     /// Of which drive.
-    pub drive: DriveName,
+    pub drive: Drive,
     /// What it is to be.
     pub wanted: Wanted,
     /// What it is.
@@ -53,7 +54,7 @@ impl Pending {
             _ => (String::new(), String::new()),
         };
         DriveChange {
-            drive: self.drive.name(),
+            drive: self.drive.name.name(),
             object: object_text(self.wanted.object()),
             old,
             new,
@@ -61,14 +62,14 @@ impl Pending {
     }
 }
 
-/// What each of these is on its drive.
+/// What each of these is on its drive, where `drives` says that it is.
 ///
 /// # Errors
 /// A drive that does not answer, does not have the object, or has another type.
-pub fn found(link: &mut Link, settings: &[Setting]) -> Outcome<Vec<Found>> {
+pub fn found(link: &mut Link, settings: &[Setting], drives: &DriveNodes) -> Outcome<Vec<Found>> {
     settings
         .iter()
-        .map(|setting| read(link, setting.drive, &setting.wanted))
+        .map(|setting| read(link, setting.drive.among(drives), &setting.wanted))
         .collect()
 }
 
@@ -76,11 +77,15 @@ pub fn found(link: &mut Link, settings: &[Setting]) -> Outcome<Vec<Found>> {
 ///
 /// # Errors
 /// As [`found`].
-pub fn pending(link: &mut Link, settings: &[Setting]) -> Outcome<Vec<Pending>> {
-    let found = found(link, settings)?;
+pub fn pending(
+    link: &mut Link,
+    settings: &[Setting],
+    drives: &DriveNodes,
+) -> Outcome<Vec<Pending>> {
+    let found = found(link, settings, drives)?;
     let differ = |(setting, found): (&Setting, Found)| {
         (!is(&setting.wanted, &found)).then(|| Pending {
-            drive: setting.drive,
+            drive: setting.drive.among(drives),
             wanted: setting.wanted.clone(),
             found,
         })
@@ -96,8 +101,8 @@ fn is(wanted: &Wanted, found: &Found) -> bool {
     }
 }
 
-fn read(link: &mut Link, drive: DriveName, wanted: &Wanted) -> Outcome<Found> {
-    let node = drive.node();
+fn read(link: &mut Link, drive: Drive, wanted: &Wanted) -> Outcome<Found> {
+    let node = drive.node;
     let mut number = |object: Object, kind: Kind| -> Outcome<i64> {
         let bytes = link
             .read_of(node, object)
@@ -130,7 +135,7 @@ fn read(link: &mut Link, drive: DriveName, wanted: &Wanted) -> Outcome<Found> {
 }
 
 /// A drive says no, or nothing.
-fn refused(drive: DriveName, trouble: &Trouble) -> Failure {
+fn refused(drive: Drive, trouble: &Trouble) -> Failure {
     let Trouble::Transfer {
         object,
         write,
@@ -145,7 +150,7 @@ fn refused(drive: DriveName, trouble: &Trouble) -> Failure {
     } else {
         both!("reading", "读")
     };
-    let (reason, node) = (reason(*error), drive.node().get());
+    let (reason, node) = (reason(*error), drive.node.get());
     let words = both!(
         "drive {drive} (node {node}): {doing_en} object {object} {en}",
         "驱动器 {drive}（节点 {node}）：{doing_zh}对象 {object} {zh}",
@@ -161,13 +166,13 @@ fn refused(drive: DriveName, trouble: &Trouble) -> Failure {
     }
 }
 
-fn other_type(drive: DriveName, object: Object, kind: Kind, bytes: usize) -> Failure {
+fn other_type(drive: Drive, object: Object, kind: Kind, bytes: usize) -> Failure {
     Failure::WrongBecause(both!(
         "drive {drive} (node {node}): object {object} has {bytes} bytes there, and {kind} has {wanted}: correct its type in \
          `[drive.{drive}]`; nothing has been changed",
         "驱动器 {drive}（节点 {node}）：对象 {object} 在驱动器上有 {bytes} 字节，而 {kind} 有 {wanted} 字节：请改正 \
          `[drive.{drive}]` 中的类型；未作任何改动",
-        node = drive.node().get(),
+        node = drive.node.get(),
         object = object_text(object),
         kind = kind.name(),
         wanted = kind.bytes()

@@ -9,9 +9,13 @@ use super::{Found, Pending, apply, read, with_drives};
 use crate::failure::Failure;
 use crate::link::bench::{Fate, between, link, machine};
 use crate::link::{Inside, Link, Trouble};
-use crate::params::drives::{DriveName, Kind, Wanted};
+use crate::params::drives::{Drive, DriveName, Kind, Wanted};
 
 const VELOCITY: Object = Object::new(0x607F, 0);
+const X: Drive = Drive {
+    name: DriveName::X,
+    node: NodeId::DRIVE_X,
+};
 /// Of the first RPDO.
 const COB_ID: Object = Object::new(0x1400, 1);
 
@@ -22,7 +26,7 @@ fn board() -> Inside {
 /// On this end of the bus the drive of X does not do what is written to it `at` (command, index, sub-index, as SDO has it): it
 /// `says` so, or nothing at all.
 fn wayward(inside: &Inside, at: [u8; 4], says: bool) -> Link {
-    let node = DriveName::X.node();
+    let node = X.node;
     let sent = move |frame: &Frame| {
         let request = CobId::of(Service::SdoRequest, node);
         if frame.id() != request || !frame.payload().starts_with(&at) {
@@ -42,7 +46,7 @@ fn wayward(inside: &Inside, at: [u8; 4], says: bool) -> Link {
 /// The limit of X's velocity is to be another one.
 fn velocity(value: i64) -> Vec<Pending> {
     vec![Pending {
-        drive: DriveName::X,
+        drive: X,
         wanted: Wanted::Number {
             object: VELOCITY,
             kind: Kind::U32,
@@ -53,7 +57,7 @@ fn velocity(value: i64) -> Vec<Pending> {
 }
 
 fn number(link: &mut Link, object: Object) -> u32 {
-    let bytes = link.read_of(DriveName::X.node(), object).unwrap();
+    let bytes = link.read_of(X.node, object).unwrap();
     let mut raw = [0; 4];
     raw[..bytes.len()].copy_from_slice(&bytes);
     u32::from_le_bytes(raw)
@@ -79,7 +83,7 @@ fn a_drive_that_falls_silent_when_it_is_to_keep_its_values_is_told_of_and_starte
     assert_eq!(number(&mut link, VELOCITY), 500_000);
     // In pre-operational it would take this.
     let period = Object::new(0x60C2, 1);
-    let written = link.write_of(DriveName::X.node(), period, &[1]);
+    let written = link.write_of(X.node, period, &[1]);
     assert!(written.is_err_and(|trouble| trouble.is_abort(Abort::State)));
 }
 
@@ -122,7 +126,7 @@ fn drives_keep_their_new_values_where_it_is_open_which_set_the_board_has() {
 
 /// X's first RPDO is to have something else in it, which the simulated drive does not take.
 fn mapping(link: &mut Link) -> Vec<Pending> {
-    let drive = DriveName::X;
+    let drive = X;
     let objects = vec![Mapped::new(0x6040, 0, 16), Mapped::new(0x6060, 0, 8)];
     let wanted = Wanted::Mapping {
         mapping: 0x1600,
@@ -167,7 +171,7 @@ fn a_pdo_gets_its_old_mapping_back_and_is_on_or_off_as_it_was() {
     for id in [0x210, 0x8000_0210_u32] {
         let inside = board();
         let mut link = link(&inside);
-        let node = DriveName::X.node();
+        let node = X.node;
         link.send(&[NmtCommand::PreOperational.frame(Some(node))])
             .unwrap();
         link.write_of(node, COB_ID, &id.to_le_bytes()).unwrap();
