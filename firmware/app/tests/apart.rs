@@ -9,14 +9,14 @@ use leadscrew_app::{
 };
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_board_sim::{Doing, Sim};
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{self, Event, Held, Region, State, StoreError, StoreRequest};
 use leadscrew_core::bus::{
     BoardCommand, BoardState, BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId,
     Order, Service,
 };
 use leadscrew_core::link::SetpointHash;
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{self, Call, Options};
 use leadscrew_core::spindle::EncoderSample;
 
@@ -317,6 +317,47 @@ fn programs_give_the_same_setpoints_as_on_a_board_in_one_piece() {
         assert_ne!(hash, SetpointHash::new().value(), "{name} moves");
         assert_eq!(hash, whole(&mut sim, &text, &params), "{name}");
     }
+}
+
+/// The drives elsewhere, one of them where another is on the built-in machine.
+fn moved() -> Params {
+    let mut params = Params::slant_bed();
+    let nodes = [("9015.X", 126), ("9015.Z", 16), ("9015.C", 2), ("9016", 99)];
+    for (key, node) in nodes {
+        let entry = Entry::find_text(key).expect("a parameter");
+        params.set(entry, node).expect("in its range");
+    }
+    params
+}
+
+#[test]
+fn programs_give_the_same_setpoints_wherever_the_drives_are() {
+    for name in ["shaft", "g84-tap"] {
+        let path = format!("{}/../../examples/{name}.nc", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let hashes = [Params::slant_bed(), moved()].map(|params| {
+            let hash = Apart::new(&params).run(&text, &params);
+            assert_eq!(hash, whole(&mut sim(&params), &text, &params), "{name}");
+            hash
+        });
+        assert_eq!(hashes[0], hashes[1], "{name}");
+    }
+}
+
+#[test]
+fn a_set_that_names_other_nodes_is_followed_from_its_restart_on() {
+    let mut apart = Apart::new(&Params::slant_bed());
+    // 2000h + 9015, X: a byte.
+    let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
+    let request = Frame::new(request, &[0x2F, 0x37, 0x43, 1, 50, 0, 0, 0]);
+    apart.bench.others.push_back(request.expect("a frame"));
+    // The drive has stayed where it was.
+    let deadline = 3000;
+    assert_eq!(alarm(&mut apart, deadline), Some(Code::DriveNoAnswer));
+    let State::Alarm(alarm) = apart.background.snapshot().state else {
+        panic!("it stands on it");
+    };
+    assert_eq!(alarm.args[..2], [Arg::Letter(b'X'), Arg::Int(50)]);
 }
 
 #[test]

@@ -238,9 +238,13 @@ impl Loaded {
             Arg::Letter(letter) => Axis::ALL.into_iter().find(|axis| axis.letter() == letter),
             _ => None,
         };
-        let is_axis = |entry: &Entry| match entry.part {
-            Part::Axis(of) => axis.is_none_or(|axis| axis == of),
-            Part::Whole | Part::Bit(_) => true,
+        // The drives of two axes, or of one and a spindle.
+        let among = |letter| alarm.args.contains(&Arg::Letter(letter));
+        let is_axis = |entry: &Entry| match (alarm.code, entry.part) {
+            (Code::DriveNodeTwice, Part::Axis(of)) => among(of.letter()),
+            (Code::DriveNodeTwice, _) => among(b'S'),
+            (_, Part::Axis(of)) => axis.is_none_or(|axis| axis == of),
+            (_, Part::Whole | Part::Bit(_)) => true,
         };
         // A ramp is made of several axes; what the named one has counts first.
         let source = Entry::all()
@@ -280,6 +284,7 @@ fn numbers(code: Code) -> &'static [u16] {
         Code::TapSpeedAboveSpindle => &[3772, 5241],
         Code::NoPeckReturn => &[5213],
         Code::ExtractionOverrideOff => &[5200, 5201],
+        Code::DriveNodeTwice => &[9014, 9015, 9016],
         _ => &[],
     }
 }

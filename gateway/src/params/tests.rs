@@ -96,7 +96,7 @@ fn every_value_can_be_written_by_number_alias_and_name_in_files_and_options() {
             let by_file = load_texts(&[&loader_file], &[]);
             assert_eq!(by_file.params, expected);
             assert!(
-                by_file.diagnostics.iter().all(|d| d.number >= 4420),
+                by_file.diagnostics.iter().all(|d| d.number >= 4377),
                 "{:?}",
                 told(&by_file)
             );
@@ -359,6 +359,40 @@ fn no_file_and_no_option_brings_it_down_or_is_half_believed() {
     }
     // Some mutations must be harmless (comments), most must not.
     assert!((1..2_900).contains(&taken), "{taken}");
+}
+
+#[test]
+fn of_two_drives_with_one_number_the_one_written_last_is_shown() {
+    for (text, place, drives) in [
+        (
+            "drive_node.C = 40\ndrive_node.X = 17\n",
+            "1.toml:2:",
+            "X and Z",
+        ),
+        (
+            "drive_node.Z = 16\nspindle_node = 40\n",
+            "1.toml:1:",
+            "X and Z",
+        ),
+        (
+            "drive_node.Z = 41\nspindle_node = 40\n",
+            "1.toml:2:",
+            "Z and S",
+        ),
+        (
+            "spindle_node = 40\ndrive_node.Z = 43\n",
+            "1.toml:2:",
+            "Z and S",
+        ),
+    ] {
+        let told = told(&load_texts(&[text], &[]));
+        let words = format!(" 4377 drives {drives} have the same node, ");
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(
+            told[0].starts_with(place) && told[0].contains(&words),
+            "{told:?}"
+        );
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use leadscrew_core::board::{Command, State};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 
-use crate::bench::{Bench, WORK, calm, places, span};
+use crate::bench::{Bench, WORK, calm, places, span, with};
 
 fn second(what: Intruder, tick: u64, ticks: u64) -> Faults {
     Faults {
@@ -73,6 +73,32 @@ fn a_drive_that_is_stopped_by_nmt_is_known_at_once_and_brought_up_again() {
         bench.reset(&what);
         bench.next(&what);
     }
+}
+
+/// Two machines on a wire: the drives of the other are at the nodes that are built in.
+#[test]
+fn what_is_said_to_the_drives_of_another_board_is_not_this_ones_affair() {
+    let params = with(&[("9015.X", 48), ("9015.Z", 49), ("9015.C", 50), ("9016", 64)]);
+    let tick = places(&calm(&params, WORK))[2];
+    let rows = |faults| {
+        let mut bench = Bench::at_work(&params, WORK, faults);
+        bench.until("to the end", 60_000, Bench::state_is_idle_again);
+        assert_eq!(bench.alarm, None);
+        bench.rows
+    };
+    let quiet = rows(Faults::NONE);
+    for what in [
+        Intruder::Setpoint(NodeId::DRIVE_X),
+        Intruder::Setpoint(NodeId::SPINDLE_1),
+        Intruder::Stop(NodeId::DRIVE_Z),
+    ] {
+        assert!(rows(second(what, tick, 200)) == quiet, "{what:?}");
+    }
+    let node = NodeId::new(49).expect("a node");
+    let mut bench = Bench::at_work(&params, WORK, second(Intruder::Setpoint(node), tick, 1));
+    bench.until("its own", tick, |bench| bench.ticks == tick);
+    let alarm = bench.stops_with("its own", 4374, 3);
+    assert_eq!(alarm.args[..2], [Arg::Letter(b'Z'), Arg::Int(49)]);
 }
 
 /// At rest somebody may mean it, to write to a drive; the drive's own silence tells.

@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Sim};
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{Board, Event};
 use leadscrew_core::bus::{
     BoardState, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoProtocol,
@@ -226,6 +226,26 @@ fn a_cycle_that_leaves_no_room_is_refused_when_the_board_joins() {
             (Err(alarm), Some(_)) => assert_eq!(alarm.code, Code::BusOverload),
             (got, _) => panic!("{values:?}: {got:?}"),
         }
+    }
+}
+
+#[test]
+fn a_board_with_the_number_of_a_drive_does_not_join() {
+    let params = with(&[("9015.Z", 40), ("9016", 50), ("9014", 2)]);
+    for (number, letter) in [(16, Some(b'X')), (17, None), (40, Some(b'Z'))]
+        .into_iter()
+        .chain([(49, None), (50, Some(b'S')), (51, Some(b'S')), (52, None)])
+    {
+        let mut board = Board::new(&params, None, None).unwrap();
+        let joined = board.join(NodeId::new(number).unwrap()).map_err(|alarm| {
+            let [drive, node, ..] = alarm.args;
+            (alarm.code, drive, node)
+        });
+        let expected = letter.map_or(Ok(()), |letter| {
+            let figures = (Arg::Letter(letter), Arg::Int(number.into()));
+            Err((Code::DriveNodeOfBoard, figures.0, figures.1))
+        });
+        assert_eq!(joined, expected);
     }
 }
 

@@ -103,6 +103,37 @@ fn bits_are_one_byte_and_no_limit_is_a_value() {
 }
 
 #[test]
+fn each_drive_has_a_number_of_its_own() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let z = parameter(9015, 2);
+    let first = parameter(9016, 0);
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 9015, 2), Ok(17));
+    for (object, node, expected, why) in [
+        (z, 0, Abort::TooLow, None),
+        // The gateway's.
+        (z, 127, Abort::TooHigh, None),
+        // X, and the last of the spindles.
+        (z, 16, Abort::Incompatible, Some(4377)),
+        (z, 35, Abort::Incompatible, Some(4377)),
+        // The board.
+        (z, 1, Abort::Incompatible, Some(4378)),
+        (first, 124, Abort::TooHigh, None),
+        (first, 15, Abort::Incompatible, Some(4377)),
+        (first, 1, Abort::Incompatible, Some(4378)),
+    ] {
+        let written = write(&mut gateway, &mut sim, object, node, 1);
+        assert_eq!(written, refused(expected), "{node}");
+        if let Some(why) = why {
+            assert_eq!(gateway.number(&mut sim, 0x5010, 7), Ok(why), "{node}");
+        }
+    }
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 9015, 2), Ok(17));
+    assert_eq!(write(&mut gateway, &mut sim, z, 126, 1), Ok(()));
+    assert_eq!(gateway.number(&mut sim, 0x2000 + 9015, 2), Ok(126));
+}
+
+#[test]
 fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
     let params = Params::slant_bed();
     let mut sim = machine(&params, &PlantOptions::default());

@@ -10,6 +10,7 @@ use leadscrew_core::bus::{
     Abort, DriveStatus, NmtCommand, NmtState, NodeId, Object, SdoBuffer, SdoDownload, SdoError,
     SdoProtocol, SdoUpload, SyncProducer,
 };
+use leadscrew_core::params::Entry;
 
 const NOW: Duration = Duration::ZERO;
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -21,11 +22,15 @@ struct Bench {
 }
 
 impl Bench {
-    fn new() -> Self {
-        let mut bench = Self {
-            plant: Plant::new(&Params::slant_bed(), &PlantOptions::default()).unwrap(),
+    fn with(params: &Params) -> Self {
+        Self {
+            plant: Plant::new(params, &PlantOptions::default()).unwrap(),
             sync: SyncProducer::new(),
-        };
+        }
+    }
+
+    fn new() -> Self {
+        let mut bench = Self::with(&Params::slant_bed());
         assert_eq!(bench.tick().len(), 7, "boot-up messages");
         bench
     }
@@ -99,6 +104,26 @@ fn result(outcome: Option<Result<(), SdoError>>) -> Result<(), Abort> {
         Err(SdoError::Refused(code)) => Err(Abort::from_code(code).unwrap()),
         Err(error) => panic!("{error:?}"),
     }
+}
+
+#[test]
+fn drives_are_where_the_parameters_say() {
+    let mut params = Params::slant_bed();
+    for (key, node) in [("9015.X", 70), ("9015.C", 32), ("9016", 5), ("9014", 2)] {
+        params.set(Entry::find_text(key).unwrap(), node).unwrap();
+    }
+    let mut bench = Bench::with(&params);
+    let mut nodes: Vec<_> = bench
+        .tick()
+        .iter()
+        .filter_map(|frame| frame.id().service().map(|(_, node)| node.get()))
+        .collect();
+    nodes.sort_unstable();
+    assert_eq!(nodes, [5, 6, 17, 32, 70], "boot-up messages");
+    let mut second_rpdo = |node| bench.read(NodeId::new(node).unwrap(), 0x1601, 2);
+    // A spindle is one wherever it is, and an axis none.
+    assert_eq!(second_rpdo(6), Ok(0x60FF_0020));
+    assert_eq!(second_rpdo(32), Err(Abort::NoObject));
 }
 
 #[test]
