@@ -2,9 +2,10 @@
 
 use audit::any::{any, sink};
 use leadscrew_core::board::station::dictionary;
-use leadscrew_core::board::{Board, Held, Output, PowerUp, Region, overridden};
+use leadscrew_core::board::{Board, DriveNodes, Held, Output, PowerUp, Region, overridden};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
 
 /// All of this room.
 pub fn all() {
@@ -37,8 +38,17 @@ fn kept(params: &Params) -> PowerUp {
 }
 
 #[inline(never)]
+fn nodes(nodes: &DriveNodes) {
+    for axis in Axis::ALL {
+        sink(nodes.axis(axis));
+    }
+    sink((nodes.spindle(any()), nodes.letter(any())));
+}
+
+#[inline(never)]
 fn board() {
     let params: Params = any();
+    nodes(&DriveNodes::of(&params));
     let found = kept(&params);
     sink(Board::new(&params, any(), any()));
     let Ok(mut board) = Board::power_up(&found, any(), any()) else {
@@ -63,6 +73,7 @@ fn board() {
             board.is_busy(),
             board.ticker().in_program(),
             board.ticker().spindle_command(),
+            board.ticker().drive_nodes().letter(any()),
         ));
         if any() {
             board.command(any());
