@@ -9,7 +9,7 @@ pub struct NodeId(u8);
 impl NodeId {
     /// The board, unless it is given another number.
     pub const BOARD: Self = Self(1);
-    /// The X drive, and so on: where the built-in parameters say they are.
+    /// The X drive of the built-in machine; where another's are is said by its parameters, here as below.
     pub const DRIVE_X: Self = Self(16);
     /// The Z drive.
     pub const DRIVE_Z: Self = Self(17);

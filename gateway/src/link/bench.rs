@@ -12,8 +12,13 @@ use super::{Inside, Link};
 
 /// A board at power-up with its drives.
 pub fn machine(flash: Flash) -> Inside {
+    machine_of(&Params::slant_bed(), flash)
+}
+
+/// The same of another machine.
+pub fn machine_of(params: &Params, flash: Flash) -> Inside {
     let options = PlantOptions::default();
-    let mut sim = Sim::power_up(&Params::slant_bed(), &options, flash)
+    let mut sim = Sim::power_up(params, &options, flash)
         .map(Box::new)
         .unwrap();
     sim.join(NodeId::BOARD).unwrap();

@@ -244,8 +244,35 @@ fn field(line: &mut Vec<u8>, value: Option<i64>) {
 mod tests {
     use leadscrew_can::ErrorFrame;
     use leadscrew_core::bus::{Controlword, MilliRpm, Statusword, SyncProducer};
+    use leadscrew_core::params::Entry;
 
     use super::*;
+
+    #[test]
+    fn columns_are_those_of_the_drives_wherever_they_are() {
+        let mut params = Params::slant_bed();
+        // X is where Z is on the built-in machine, and there is one spindle only.
+        for (key, node) in [("9015.X", 17), ("9015.Z", 33), ("9014", 1)] {
+            let entry = Entry::find_text(key).unwrap();
+            params.set(entry, node).unwrap();
+        }
+        let mut table = Table::new(Vec::new(), &params).unwrap();
+        let target = |target, node| {
+            let command = DriveCommand {
+                control: Controlword::ENABLE_OPERATION,
+                target: Increments::new(target),
+            };
+            command.frame(NodeId::new(node).unwrap())
+        };
+        let frames = [target(10, 17), target(20, 33), target(30, 16)];
+        for frame in frames.into_iter().chain([SyncProducer::new().next()]) {
+            table
+                .push(Stamp::from_micros(0), &Packet::Frame(frame))
+                .unwrap();
+        }
+        let text = String::from_utf8(table.to).unwrap();
+        assert_eq!(text, format!("{HEADER}\n0,1,1000,2000,,,,,,,,,,,,,,,,,\n"));
+    }
 
     #[test]
     fn setpoints_stand_at_the_sync_that_latches_them_and_events_where_they_happen() {

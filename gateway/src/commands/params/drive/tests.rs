@@ -3,11 +3,13 @@
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
+use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service};
+use leadscrew_core::params::{Entry, Params};
 
 use super::{Found, Pending, apply, read, with_drives};
 use crate::failure::Failure;
-use crate::link::bench::{Fate, between, link, machine};
+use crate::link::bench::{Fate, between, link, machine, machine_of};
 use crate::link::{Inside, Link, Trouble};
 use crate::params::drives::{Drive, DriveName, Kind, Wanted};
 
@@ -122,6 +124,29 @@ fn drives_keep_their_new_values_where_it_is_open_which_set_the_board_has() {
     let failure = with_drives(&mut link, &pending, refusal, false);
     ends_with(failure, "the drives have their old values again");
     assert_eq!(number(&mut link, VELOCITY), 10_000_000);
+}
+
+#[test]
+fn a_drive_is_asked_where_the_set_says_that_it_is() {
+    let mut params = Params::slant_bed();
+    let entry = Entry::find_text("drive_node.X").unwrap();
+    params.set(entry, 70).unwrap();
+    let inside = machine_of(&params, Flash::erased());
+    let mut link = link(&inside);
+    link.set_patience(Duration::from_millis(50));
+    let pending = velocity(500_000);
+    let Pending { wanted, found, .. } = &pending[0];
+    let there = DriveName::X.among(&DriveNodes::of(&params));
+    assert_eq!(there.node.get(), 70);
+    assert_eq!(read(&mut link, there, wanted).unwrap(), *found);
+    let Err(Failure::Bus(words)) = read(&mut link, X, wanted) else {
+        panic!("nobody is at 16");
+    };
+    assert!(
+        words.en.starts_with("drive X (node 16): reading"),
+        "{}",
+        words.en
+    );
 }
 
 /// X's first RPDO is to have something else in it, which the simulated drive does not take.
