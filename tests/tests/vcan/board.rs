@@ -147,8 +147,21 @@ fn so_it_is_with_a_spindle_that_ripples() {
 /// The drives in a process of their own: the setpoints go over the wire and nowhere else.
 #[test]
 fn drives_elsewhere_make_no_difference_to_the_setpoints() {
+    drives_elsewhere(&[]);
+    // Under other numbers: board and drives have them from the same set.
+    drives_elsewhere(&[
+        "--set",
+        "9015.X=70",
+        "--set",
+        "9015.C=5",
+        "--set",
+        "9016=18",
+    ]);
+}
+
+fn drives_elsewhere(set: &[&str]) {
     let before = sockets_on("vcan0");
-    let drives = Running(board_sim(&["drives", "--bus", "vcan0"]));
+    let drives = Running(board_sim(&[&["drives", "--bus", "vcan0"], set].concat()));
     eventually("the drives listen", || sockets_on("vcan0") > before);
     let setpoints = |frames: &[Frame]| -> Vec<Frame> {
         frames
@@ -163,9 +176,11 @@ fn drives_elsewhere_make_no_difference_to_the_setpoints() {
             .copied()
             .collect()
     };
-    let there = setpoints(&on_the_wire("g88-side-tap.nc", &["--drives", "elsewhere"]));
+    let elsewhere = [&["--drives", "elsewhere"], set].concat();
+    let there = setpoints(&on_the_wire("g88-side-tap.nc", &elsewhere));
     drop(drives);
-    let here = setpoints(&inside("g88-side-tap.nc", &[]));
+    eventually("the drives are gone", || sockets_on("vcan0") == before);
+    let here = setpoints(&inside("g88-side-tap.nc", set));
     assert!(here.len() > 1000, "{} frames are no program", here.len());
     // While they come up, drives elsewhere are held a little longer: that alone stands before it.
     assert!(there.len() < here.len() + 200);
