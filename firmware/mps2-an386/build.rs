@@ -8,6 +8,8 @@ fn main() {
     println!("cargo:rustc-link-search={}", here.display());
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");
+    // First, for what it takes is not left for the other.
+    println!("cargo:rustc-link-arg-bins=-Tpanicking.x");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     if std::env::var_os("CARGO_FEATURE_DEFMT").is_some() {
         println!("cargo:rustc-link-arg-bins=-Tdefmt.x");

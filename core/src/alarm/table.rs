@@ -612,10 +612,10 @@ codes! {
     FirmwareFault = 4364, "the board's firmware stopped: processor fault at {0}, called from {1}, {2} ticks after power-up (firmware {3})",
         "report these figures as a fault of the program in the board; then reset",
         "控制板固件已停止：处理器故障，地址 {0}，调用自 {1}，上电后 {2} 个周期（固件 {3}）", "请将这些数据作为控制板程序故障报告；然后复位";
-    /// A panic: line, key of the file, ticks since power-up, version.
-    FirmwarePanic = 4365, "the board's firmware stopped: panic in line {0} of file {1}, {2} ticks after power-up (firmware {3})",
+    /// A panic: addresses of the call and of the one its function came from, ticks since power-up, version.
+    FirmwarePanic = 4365, "the board's firmware stopped: panic at {0}, called from {1}, {2} ticks after power-up (firmware {3})",
         "report these figures as a fault of the program in the board; then reset",
-        "控制板固件已停止：文件 {1} 第 {0} 行 panic，上电后 {2} 个周期（固件 {3}）", "请将这些数据作为控制板程序故障报告；然后复位";
+        "控制板固件已停止：panic，地址 {0}，调用自 {1}，上电后 {2} 个周期（固件 {3}）", "请将这些数据作为控制板程序故障报告；然后复位";
     /// The stack has left its memory: ticks since power-up, version.
     FirmwareStack = 4366, "the board's firmware stopped: its stack ran over, {0} ticks after power-up (firmware {1})",
         "report these figures as a fault of the program in the board; then reset",

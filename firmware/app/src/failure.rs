@@ -28,9 +28,9 @@ pub enum FailureKind {
 pub struct Failure {
     /// What stopped it.
     pub kind: FailureKind,
-    /// Fault: address of the instruction. Panic: line. Else 0.
+    /// Fault: address of the instruction. Panic: address within the call that panicked. Else 0.
     pub place: u32,
-    /// Fault: return address of the function it was in. Panic: [`file_key`] of the file. Else 0.
+    /// Fault: return address of the function it was in. Panic: address within the call of the function it was in. Else 0.
     pub within: u32,
     /// SYNC periods since power-up; 0 where that is not known.
     pub ticks: u32,
@@ -57,18 +57,6 @@ const fn number(text: &str) -> u32 {
     value
 }
 
-/// Tells files apart where their names have no room: FNV-1a.
-#[must_use]
-pub const fn file_key(name: &str) -> u32 {
-    let mut bytes = name.as_bytes();
-    let mut key = 0x811C_9DC5_u32;
-    while let [byte, rest @ ..] = bytes {
-        key = (key ^ *byte as u32).wrapping_mul(0x0100_0193);
-        bytes = rest;
-    }
-    key
-}
-
 impl Failure {
     /// Words of a record.
     pub const WORDS: usize = 8;
@@ -81,8 +69,8 @@ impl Failure {
     /// The power never makes it so many: see [`Left::failure`](crate::Left::failure).
     pub const LAST: u32 = 10;
 
-    /// In front of a record: memory at power-up does not look like it.
-    const MARK: u32 = 0x4C53_4651;
+    /// In front of a record: memory at power-up does not look like it. Another one for each meaning of the words behind it.
+    const MARK: u32 = 0x4C53_4652;
 
     /// One that leaves no record.
     pub(crate) const fn untold(kind: FailureKind) -> Self {
@@ -183,12 +171,7 @@ impl Failure {
             ),
             FailureKind::Panic => (
                 Code::FirmwarePanic,
-                [
-                    Arg::Int(self.place as i64),
-                    Arg::Key(self.within),
-                    ticks,
-                    version,
-                ],
+                [Arg::Key(self.place), Arg::Key(self.within), ticks, version],
             ),
             FailureKind::StackOverflow => {
                 (Code::FirmwareStack, [ticks, version, Arg::None, Arg::None])
@@ -210,8 +193,8 @@ mod tests {
 
     const PANIC: Failure = Failure {
         kind: FailureKind::Panic,
-        place: 120,
-        within: file_key("src/tick.rs"),
+        place: 0x0800_1234,
+        within: 0x0800_2345,
         ticks: 4711,
         version: VERSION,
         in_a_row: 2,
@@ -242,10 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn files_have_keys_of_their_own_and_the_version_is_one_of_three_bytes() {
-        // The reference values of FNV-1a.
-        assert_eq!(file_key(""), 0x811C_9DC5);
-        assert_eq!(file_key("foobar"), 0xBF9C_F968);
+    fn the_version_is_one_of_three_bytes() {
         assert_eq!(number("10"), 10);
         assert_eq!(VERSION, 0x0000_0100);
     }

@@ -60,7 +60,7 @@ mod serial;
 mod tick;
 
 pub use background::{BackgroundSide, Machine};
-pub use failure::{Failure, FailureKind, VERSION, file_key};
+pub use failure::{Failure, FailureKind, VERSION};
 pub use left::Left;
 pub use queues::{BackgroundPlace, PowerUp, Queues, TickPlace, TickerPlace};
 pub use report::{Order, Report};

@@ -647,8 +647,8 @@ fn behind_too_many_failures_nothing_lets_it_move() {
     let params = Params::slant_bed();
     let failure = Failure {
         kind: FailureKind::Panic,
-        place: 120,
-        within: 0x1234_5678,
+        place: 0x0800_1234,
+        within: 0x0800_2345,
         ticks: 4711,
         version: VERSION,
         in_a_row: Failure::LIMIT,

@@ -12,11 +12,10 @@
 
 use core::arch::naked_asm;
 use core::mem::MaybeUninit;
-use core::panic::PanicInfo;
-use core::ptr::{read_volatile, write_volatile};
+use core::ptr::{read_volatile, with_exposed_provenance, write_volatile};
 
 use cortex_m::peripheral::{MPU, SCB};
-use leadscrew_app::{Failure, FailureKind, Left, VERSION, file_key};
+use leadscrew_app::{Failure, FailureKind, Left, VERSION};
 
 /// What a reset leaves as it is.
 #[repr(C)]
@@ -110,12 +109,39 @@ pub fn guard_stack(mpu: &mut MPU) {
     cortex_m::asm::isb();
 }
 
-/// For the image's handler of panics.
-pub fn panicked(info: &PanicInfo<'_>) -> ! {
-    let (line, file) = info
-        .location()
-        .map_or((0, ""), |location| (location.line(), location.file()));
-    end(FailureKind::Panic, line, file_key(file))
+/// For the image's handler of panics, which looks at nothing of what it is handed: so neither texts nor places of panics are in
+/// the image. What is recorded is what the stack says: the call that panicked, and that of the function it is in.
+#[unsafe(naked)]
+pub extern "C" fn panicked() -> ! {
+    naked_asm!(
+        "cpsid i",
+        // The frame of the handler.
+        "mov r0, r7",
+        "b {came_from}",
+        came_from = sym came_from,
+    )
+}
+
+/// Up the stack from a frame. Each begins with where the one above it is, and the address that its function returns to.
+extern "C" fn came_from(mut frame: u32) -> ! {
+    /// From where a call returns to, in Thumb state, back into the call.
+    const INTO_CALL: u32 = 3;
+    let mut call = || {
+        let (above, back) = (on_stack(frame), on_stack(frame.saturating_add(4)));
+        // Always upwards, so that it ends.
+        frame = if above > frame { above } else { 0 };
+        back.saturating_sub(INTO_CALL)
+    };
+    // The library's own ways to a panic.
+    let (start, end_of) = (
+        &raw const __panicking_start as u32,
+        &raw const __panicking_end as u32,
+    );
+    let mut place = call();
+    while (start..end_of).contains(&place) {
+        place = call();
+    }
+    end(FailureKind::Panic, place, call())
 }
 
 /// Writes down what is known, and starts the processor anew. With a stack that is empty: so it adds nothing to the deepest.
@@ -161,29 +187,27 @@ unsafe extern "C" fn HardFault() -> ! {
 unsafe extern "C" {
     static _stack_start: u32;
     static _stack_end: u32;
+    static __panicking_start: u32;
+    static __panicking_end: u32;
 }
 
-/// Words that the processor has put on the stack: r0–r3, r12, return address, address of the instruction, flags.
-const STACKED: usize = 8;
+/// A word of the stack; 0 where that is not.
+fn on_stack(at: u32) -> u32 {
+    let (low, high) = (&raw const _stack_end as u32, &raw const _stack_start as u32);
+    if (low..high).contains(&at) && at.is_multiple_of(4) {
+        // SAFETY: within the stack, aligned, and any bits are a word.
+        unsafe { read_volatile(with_exposed_provenance(at as usize)) }
+    } else {
+        0
+    }
+}
 
-/// `stacked`: where the stack was, with what the processor has put there of the code that failed.
-extern "C" fn fault(stacked: *const u32) -> ! {
-    let (low, high) = (
-        &raw const _stack_end as usize,
-        &raw const _stack_start as usize,
-    );
-    let at = stacked as usize;
-    if at < low {
+/// `stacked`: where the stack was. There the processor has put r0–r3, r12, return address, address of the instruction, flags of
+/// the code that failed.
+extern "C" fn fault(stacked: u32) -> ! {
+    if stacked < &raw const _stack_end as u32 {
         end(FailureKind::StackOverflow, 0, 0);
     }
-    let whole = at.is_multiple_of(4) && at.saturating_add(4 * STACKED) <= high;
-    let word = |index: usize| {
-        if whole {
-            // SAFETY: within the stack, aligned, and any bits are a word.
-            unsafe { read_volatile(stacked.wrapping_add(index)) }
-        } else {
-            0
-        }
-    };
+    let word = |index: u32| on_stack(stacked.saturating_add(4 * index));
     end(FailureKind::Fault, word(6), word(5))
 }

@@ -16,6 +16,6 @@ pub fn start(flags: ResetFlags) -> (ResetCause, Option<Failure>) {
 
 #[cfg(not(feature = "defmt"))]
 #[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    leadscrew_fault::panicked(info)
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    leadscrew_fault::panicked()
 }

@@ -9,6 +9,9 @@ use std::time::{Duration, Instant};
 
 use crate::kernel::Interface;
 
+/// Says where the image is.
+pub const IMAGE: &str = "LEADSCREW_IMAGE";
+
 /// How long anything is waited for before it counts as lost.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -38,7 +41,7 @@ impl Board {
 
     /// The same with words on the image's command line.
     pub fn start_with(words: &[&str]) -> Self {
-        Self::start_image("LEADSCREW_IMAGE", words)
+        Self::start_image(IMAGE, words)
     }
 
     /// The same with the image of this variable.

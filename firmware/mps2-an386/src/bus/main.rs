@@ -106,8 +106,6 @@ fn main() -> ! {
 }
 
 #[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    #[cfg(not(feature = "defmt"))]
-    leadscrew_console::print(format_args!("{info}\n"));
-    leadscrew_fault::panicked(info)
+fn panic(_: &PanicInfo) -> ! {
+    leadscrew_fault::panicked()
 }

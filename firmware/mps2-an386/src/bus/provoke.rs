@@ -15,6 +15,8 @@ pub fn line(line: u32) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     Panic,
+    /// The same from within the library: a division by zero.
+    Divide,
     /// An instruction that does not exist.
     Fault,
     /// Calls without end.
@@ -41,6 +43,7 @@ impl Provoke {
         let (way, when) = text.split_once('@')?;
         let way = match way {
             "panic" => Way::Panic,
+            "divide" => Way::Divide,
             "fault" => Way::Fault,
             "stack" => Way::Stack,
             "hang" => Way::Hang,
@@ -76,7 +79,10 @@ impl Provoke {
             return;
         }
         match self.way {
-            Way::Panic => panic!("as asked"),
+            Way::Panic => panics(black_box(0)),
+            Way::Divide => {
+                black_box(divides(black_box(0)));
+            }
             Way::Fault => cortex_m::asm::udf(),
             Way::Stack => {
                 black_box(deeper(0));
@@ -86,6 +92,17 @@ impl Provoke {
             },
         }
     }
+}
+
+// Functions of their own: of several panics in one the compiler makes one, which is no line's.
+#[inline(never)]
+fn panics(number: u32) {
+    assert!(number > 0, "as asked");
+}
+
+#[inline(never)]
+fn divides(number: u32) -> u32 {
+    1000 / number
 }
 
 #[inline(never)]

@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_app::{
     BackgroundPlace, Failure, Inputs, Left, Machine, PowerUp, Queues, ResetCause, ResetFlags,
-    TickMachine, TickPlace, TickerPlace, file_key, serial_of,
+    TickMachine, TickPlace, TickerPlace, serial_of,
 };
 use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
 use leadscrew_core::bus::{Controller, Frame};
@@ -15,7 +15,6 @@ pub fn all() {
     board();
     left();
     sink(serial_of(any()));
-    sink(file_key("anything"));
 }
 
 /// Hardware that says anything.
