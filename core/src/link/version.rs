@@ -9,20 +9,21 @@ use serde::{Deserialize, Serialize};
 use super::{Certificate, Logged, Status};
 use crate::alarm::Code;
 use crate::program::Call;
+use crate::signals::Signals;
 
 /// The version of a link: both sides have to have the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Version {
     /// Counted up by hand with every release that changes what a message means.
     pub number: u16,
-    /// Key over all message types, field by field, and over the list of alarms.
+    /// Key over all message types, field by field, over the bits of the signals, and over the list of alarms.
     #[serde(with = "postcard::fixint::le")]
     pub key: u32,
 }
 
-/// The link of this build.
+/// The link of this build. 2: [`Status::signals`] has what the board mirrors behind its signals [D164].
 pub const VERSION: Version = Version {
-    number: 1,
+    number: 2,
     key: key(),
 };
 
@@ -53,7 +54,10 @@ impl fmt::Display for Version {
 const fn key() -> u32 {
     let key = Key::for_path::<(Call, Status, Logged, Certificate)>("leadscrew");
     let mut hash = u64::from_le_bytes(key.to_bytes());
-    // An alarm travels as its number, so both sides need the same list. FNV-1a, as above.
+    // Bits have a meaning that no type shows: a side that knows fewer of them would give the others back as it likes. FNV-1a,
+    // as above.
+    hash = (hash ^ (Signals::BITS | Signals::MIRRORED) as u64).wrapping_mul(0x0000_0100_0000_01B3);
+    // An alarm travels as its number, so both sides need the same list.
     let mut codes: &[Code] = Code::ALL;
     while let [first, rest @ ..] = codes {
         hash = (hash ^ first.number() as u64).wrapping_mul(0x0000_0100_0000_01B3);

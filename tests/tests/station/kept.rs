@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
-use leadscrew_core::alarm::{Alarm, Code};
+use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::board::station::{CommitState, LOAD, SAVE};
 use leadscrew_core::board::{Board, Event, KeptSet, Mark, Output, Region, StoreError};
 use leadscrew_core::bus::{
@@ -208,6 +208,29 @@ fn the_last_good_set_can_be_taken_and_left_again() {
     assert_eq!(none, refused(Abort::NoData));
     let other = command(&mut gateway, &mut sim, 0x5010, 5, 2);
     assert_eq!(other, refused(Abort::TooHigh));
+}
+
+#[test]
+fn a_last_good_set_of_a_board_with_another_number_is_not_taken_where_a_drive_has_this_ones() {
+    let sets = [set(10), set(12)];
+    let mut flash = flash_with(&sets);
+    let other = with(&[("9015.X", NODE.get().into())]);
+    put(&mut flash, Region::ParametersA, &kept(1, &other));
+    let (mut sim, mut gateway, told) = power_up(flash);
+    assert_eq!(alarms(&told), [], "the newest set is in force");
+    let written = sim.flash().written();
+    let id = identity(&other);
+    assert_eq!(number(&mut gateway, &mut sim, 0x5010, 4), id);
+    assert_eq!(command(&mut gateway, &mut sim, 0x5010, 5, 1), Ok(()));
+    assert_eq!(state(&mut gateway, &mut sim), CommitState::Refused as u8);
+    let figures = [Arg::Letter(b'X'), Arg::Int(NODE.get().into())];
+    let expected = Alarm::of(Code::DriveNodeOfBoard, &figures);
+    assert_eq!(reason(&mut gateway, &mut sim), Some(expected));
+    assert_eq!(in_force(&mut gateway, &mut sim), identity(&sets[1]));
+    assert_eq!(sim.flash().written(), written);
+    // And the board takes another one.
+    push(&mut gateway, &mut sim, &sets[0]).expect("taken");
+    assert_eq!(in_force(&mut gateway, &mut sim), identity(&sets[0]));
 }
 
 #[test]

@@ -213,9 +213,15 @@ impl Shelf {
         })
     }
 
-    /// See [`Keeper::loaded`](super::keeper::Keeper::loaded).
+    /// See [`Keeper::loaded`](super::keeper::Keeper::loaded). It was good when it was stored, on a board that may have had
+    /// another number then.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
         let progress = self.keeper.loaded(held, &mut self.draft);
+        if self.keeper.is_busy()
+            && let Err(alarm) = DriveNodes::of(&self.draft).spare(self.node)
+        {
+            self.keeper.give_up(&alarm);
+        }
         self.go_on(progress);
     }
 

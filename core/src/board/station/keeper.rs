@@ -228,9 +228,14 @@ impl Keeper {
         }
     }
 
-    fn fail(&mut self, code: Code) -> Progress {
+    /// Nothing more is stored, for this reason.
+    pub fn give_up(&mut self, reason: &Alarm) {
         self.step = Step::Idle;
-        self.refuse(&Alarm::of(code, &[]));
+        self.refuse(reason);
+    }
+
+    fn fail(&mut self, code: Code) -> Progress {
+        self.give_up(&Alarm::of(code, &[]));
         Progress {
             in_force: false,
             warning: Some(code),
