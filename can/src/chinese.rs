@@ -35,6 +35,10 @@ impl CanError {
             Self::NoDevice { name } => {
                 format!("没有 `{name}`；适配器插好了吗？提供它的程序启动了吗？")
             }
+            Self::NotSerial { name } => format!(
+                "`{name}` 不是串口：请写适配器的设备（`slcan:/dev/ttyACM0`）、套接字（`slcan:unix:{name}`），或直接写内核接口名（\
+                 `can0`）"
+            ),
             Self::Busy { name } => format!("`{name}` 正被其它程序使用，或拒绝连接"),
             Self::NoSuchBaud { name, baud } => format!(
                 "串口不能以 {baud} 波特工作；多数适配器使用 `{name}@115200`"

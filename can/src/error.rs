@@ -47,6 +47,11 @@ pub enum CanError {
         /// Its path or address.
         name: String,
     },
+    /// It is a file or a device, and no serial line.
+    NotSerial {
+        /// Its path.
+        name: String,
+    },
     /// Something else uses the device, or refuses the connection.
     Busy {
         /// Its path or address.
@@ -136,6 +141,11 @@ impl fmt::Display for CanError {
             Self::NoDevice { name } => {
                 write!(f, "there is no `{name}`; is the adapter plugged in, the program that serves it started?")
             }
+            Self::NotSerial { name } => write!(
+                f,
+                "`{name}` is no serial line: name the device of an adapter (`slcan:/dev/ttyACM0`), what answers behind a \
+                 socket (`slcan:unix:{name}`), or an interface of the kernel by its name alone (`can0`)"
+            ),
             Self::Busy { name } => write!(
                 f,
                 "`{name}` is in use by another program, or refuses the connection"

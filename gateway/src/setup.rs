@@ -1,6 +1,7 @@
 //! What every command starts from: the machine's parameters, the language, and whether colour is welcome.
 
 use std::io::{IsTerminal as _, Write as _};
+use std::path::PathBuf;
 
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::alarm::Lang;
@@ -14,6 +15,7 @@ use leadscrew_core::units::{Angle, Length};
 
 use crate::cli::{DialectName, Drive, Global};
 use crate::commands::board;
+use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
 use crate::params::{self, Loaded};
@@ -165,7 +167,28 @@ pub fn load(global: &Global) -> Outcome<Loaded> {
 /// The same over another set than the built-in machine's, and with one more `--set` at the end.
 fn load_over(global: &Global, base: Option<Params>, last: Option<String>) -> Outcome<Loaded> {
     let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
-    let loaded = params::load_over(base, &global.params, &set, global.lang())?;
+    told_good(
+        global,
+        params::load_over(base, &global.params, &set, global.lang())?,
+    )
+}
+
+/// Files and options by themselves: what is wrong with them over whatever set needs no board to be told.
+///
+/// # Errors
+/// A file that cannot be read; mistakes in it, which have been told.
+pub fn alone(global: &Global, files: &[PathBuf], set: &[String]) -> Outcome<Loaded> {
+    let loaded = params::load(files, set, global.lang())?;
+    // What the cross-checks find may be otherwise over another set.
+    let wrong = |d: &Diagnostic| !d.warning && d.number < 4420;
+    if loaded.diagnostics.iter().any(wrong) {
+        return told_good(global, loaded);
+    }
+    Ok(loaded)
+}
+
+/// The set, with what is wrong with it told; a wrong one ends the command.
+pub fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
     loaded.tell(colour());
     if loaded.is_good() {
         return Ok(loaded);

@@ -1,13 +1,14 @@
 //! Opening what an adapter is reached over.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, IsTerminal as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
+use nix::errno::Errno;
 use nix::fcntl::OFlag;
 use nix::sys::termios::{self, BaudRate, SetArg, SpecialCharacterIndices};
 
@@ -74,7 +75,14 @@ fn serial(path: &Path, name: &str, baud: u32) -> Result<File, CanError> {
         .write(true)
         .custom_flags((OFlag::O_NOCTTY | OFlag::O_NONBLOCK).bits())
         .open(path)
-        .map_err(|error| failed(name, error))?;
+        .map_err(|error| match error.raw_os_error().map(Errno::from_raw) {
+            // A folder; a socket.
+            Some(Errno::EISDIR | Errno::ENXIO) => CanError::NotSerial { name: name.into() },
+            _ => failed(name, error),
+        })?;
+    if !line.is_terminal() {
+        return Err(CanError::NotSerial { name: name.into() });
+    }
     match line.try_lock() {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {

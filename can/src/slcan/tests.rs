@@ -225,6 +225,30 @@ fn each_mistake_has_its_own_words() {
 }
 
 #[test]
+fn what_is_no_serial_line_is_told() {
+    let file = path("file");
+    std::fs::write(&file, "not an adapter").unwrap();
+    let socket = path("socket");
+    let listener = UnixListener::bind(&socket).unwrap();
+    let folder = std::env::temp_dir();
+    for wrong in [&file, &socket, &folder, &"/dev/null".into()] {
+        let address = Address::Serial {
+            path: wrong.clone(),
+            baud: 115_200,
+        };
+        let opened = Slcan::open(&address, BitRate::M1);
+        let error = opened.err().unwrap();
+        assert!(matches!(error, CanError::NotSerial { .. }), "{error}");
+        assert!(error.to_string().contains("is no serial line"), "{error}");
+        assert!(error.chinese().contains("不是串口"));
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "not an adapter");
+    drop(listener);
+    std::fs::remove_file(file).unwrap();
+    std::fs::remove_file(socket).unwrap();
+}
+
+#[test]
 fn a_terminal_in_use_is_told() {
     let pty = openpty(None, None).unwrap();
     let path = nix::unistd::ttyname(&pty.slave).unwrap();

@@ -9,7 +9,7 @@ use super::{node, open};
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::link::{Inside, Link};
-use crate::setup::Setup;
+use crate::setup::{Setup, alone};
 use crate::state::{StateFile, stored_set};
 use crate::words::{Both, both};
 
@@ -151,8 +151,9 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
 /// where its flash is.
 ///
 /// # Errors
-/// No bus, no board, another version; a file that is no flash.
+/// No bus, no board, another version; a file that is no flash; files or options that are wrong over whatever set.
 pub fn base(global: &Global) -> Outcome<Option<Params>> {
+    alone(global, &global.params, &global.set)?;
     if global.bus == Address::Sim {
         let Some(path) = &global.state else {
             return Ok(None);

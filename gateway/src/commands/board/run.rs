@@ -20,7 +20,7 @@ use crate::feeder::{Feeder, placed};
 use crate::interrupt;
 use crate::link::{Feed, Link};
 use crate::number;
-use crate::setup::Setup;
+use crate::setup::{Setup, alone};
 use crate::source::SourceFile;
 use crate::values::Tolerance;
 use crate::words::{both, pick};
@@ -78,6 +78,7 @@ pub fn run(
     source
         .open()
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
+    alone(global, &global.params, &global.set)?;
     interrupt::watch();
     let machine = Machine::meet(global)?;
     let mut setup = Setup::over(global, Some(machine.params.clone()))?;

@@ -48,6 +48,7 @@ pub fn status(global: &Global) -> Outcome {
             json.integer("rpm", i64::from(status.speed.rpm().get()));
             json.integer("rpm_commanded", i64::from(status.command.get()));
             json.flag("hold", status.hold);
+            json.flag("feed_hold", mirrors(&status, Signals::HOLD));
             json.flag("single_block", status.single_block);
             json.flag("emergency_stop", mirrors(&status, Signals::STOP));
             json.object_at("override", |json| {
@@ -120,6 +121,12 @@ fn words(status: &Status, node: u8, lang: Lang) -> String {
     .to_owned();
     if status.hold {
         text.push_str(pick(lang, "feed hold is on\n", "进给保持已打开\n"));
+    } else if mirrors(status, Signals::HOLD) {
+        text.push_str(pick(
+            lang,
+            "the contact of feed hold is pressed; it acts when it is pressed anew\n",
+            "进给保持触点处于按下状态；再次按下时才起作用\n",
+        ));
     }
     if status.single_block {
         text.push_str(pick(lang, "single block is on\n", "单段已打开\n"));

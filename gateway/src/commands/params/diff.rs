@@ -3,12 +3,13 @@
 use leadscrew_core::params::Params;
 
 use super::home::Home;
-use super::{print, told_good};
+use super::print;
 use crate::cli::{Diff, Global};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::params::difference::{self, Change, DriveChange, changes};
 use crate::params::{self};
+use crate::setup::{alone, told_good};
 use crate::words::pick;
 
 /// Compares.
@@ -22,8 +23,9 @@ pub fn run(global: &Global, args: &Diff) -> Outcome {
         let (old, new) = (load(first)?, load(second)?);
         return tell(global, &changes(&old.params, &new.params), &[]);
     }
-    let mut home = Home::open(global)?;
     let files: Vec<_> = global.params.iter().chain(&args.files).cloned().collect();
+    alone(global, &files, &global.set)?;
+    let mut home = Home::open(global)?;
     if files.is_empty() && global.set.is_empty() {
         return tell(global, &changes(&Params::slant_bed(), home.params()), &[]);
     }

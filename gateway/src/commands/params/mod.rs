@@ -23,7 +23,6 @@ use crate::cli::{Global, ParamsCommand};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::params::{Loaded, meaning};
-use crate::setup;
 
 /// Does what was typed.
 pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
@@ -46,18 +45,6 @@ fn print(bytes: &[u8]) -> Outcome {
         .lock()
         .write_all(bytes)
         .map_err(|error| Failure::stdout(&error))
-}
-
-/// The set, with what is wrong with it told; a wrong one ends the command.
-fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
-    loaded.tell(setup::colour());
-    if loaded.is_good() {
-        return Ok(loaded);
-    }
-    if global.json {
-        print(&loaded.report())?;
-    }
-    Err(Failure::Wrong)
 }
 
 /// The unit as a table shows it: a diameter says that it is one.

@@ -13,19 +13,31 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::params::difference::changes;
 use crate::params::{self, Loaded, edit, whole};
 use crate::replace::replace;
-use crate::setup;
+use crate::setup::{self, told_good};
 use crate::words::{Both, both};
 
 /// Fetches it.
 pub fn run(global: &Global, args: &Pull) -> Outcome {
+    // What is wrong with the place for it needs no board to be told.
+    let into = args.into.as_deref().map(|path| file(global, path));
+    let into = into.transpose()?;
+    if let Some(path) = &args.output
+        && path.exists()
+    {
+        return Err(Failure::Usage(both!(
+            "`{path}` is there already: `--into {path}` takes the values over and keeps its comments",
+            "`{path}` 已存在：`--into {path}` 可更新其中的值并保留注释",
+            path = path.display()
+        )));
+    }
     let mut home = Home::open(global)?;
     let params = match &home {
         // Without a board it is the set that the options make.
         Home::BuiltIn(_) => setup::load(global)?.params,
         Home::Board(machine) => machine.params.clone(),
     };
-    if let Some(path) = &args.into {
-        return into(global, &mut home, &params, path);
+    if let Some(file) = into {
+        return file.take(global, &mut home, &params);
     }
     if global.json && args.output.is_none() {
         let loaded = Loaded::of(params);
@@ -50,37 +62,44 @@ pub fn run(global: &Global, args: &Pull) -> Outcome {
     let Some(path) = &args.output else {
         return print(text.as_bytes());
     };
-    if path.exists() {
-        return Err(Failure::Usage(both!(
-            "`{path}` is there already: `--into {path}` takes the values over and keeps its comments",
-            "`{path}` 已存在：`--into {path}` 可更新其中的值并保留注释",
-            path = path.display()
-        )));
-    }
     put(path, &text)?;
     told(global, path, &home.name())
 }
 
-/// The values go into a file that is there, which otherwise stays as it is.
-fn into(global: &Global, home: &mut Home, params: &Params, path: &Path) -> Outcome {
+/// A file that is to take the values over.
+struct Into<'a> {
+    path: &'a Path,
+    text: String,
+    loaded: Loaded,
+}
+
+/// It, as it is.
+fn file<'a>(global: &Global, path: &'a Path) -> Outcome<Into<'a>> {
     let text = params::read(path)?;
-    let files = [path.to_owned()];
-    let loaded = params::load(&files, &[], global.lang())?;
-    if !loaded.is_good() {
-        loaded.tell(setup::colour());
-        return Err(Failure::Wrong);
+    let loaded = params::load(&[path.to_owned()], &[], global.lang())?;
+    Ok(Into {
+        path,
+        text,
+        loaded: told_good(global, loaded)?,
+    })
+}
+
+impl Into<'_> {
+    /// The values go into it, and it otherwise stays as it is.
+    fn take(self, global: &Global, home: &mut Home, params: &Params) -> Outcome {
+        let Self { path, text, loaded } = self;
+        // What the file does not name is the built-in machine's, and has to be named where the board has another value.
+        let values: Vec<_> = changes(&loaded.params, params)
+            .into_iter()
+            .map(|change| (change.entry, change.new))
+            .collect();
+        let new = home.drives_into(text.clone(), &loaded.drives)?;
+        let new = edit::with_values(&new, &values);
+        if new != text {
+            put(path, &new)?;
+        }
+        told(global, path, &home.name())
     }
-    // What the file does not name is the built-in machine's, and has to be named where the board has another value.
-    let values: Vec<_> = changes(&loaded.params, params)
-        .into_iter()
-        .map(|change| (change.entry, change.new))
-        .collect();
-    let new = home.drives_into(text.clone(), &loaded.drives)?;
-    let new = edit::with_values(&new, &values);
-    if new != text {
-        put(path, &new)?;
-    }
-    told(global, path, &home.name())
 }
 
 fn put(path: &Path, text: &str) -> Outcome {

@@ -21,7 +21,7 @@ use leadscrew_core::bus::Order;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
 
-use super::{drive, print, told_good};
+use super::{drive, print};
 use crate::cli::{Global, Push};
 use crate::commands::board::{Greeted, Machine};
 use crate::diagnostics::say;
@@ -30,6 +30,7 @@ use crate::json::Json;
 use crate::link::{Link, Trouble};
 use crate::params::difference::{self, Change, DriveChange, changes};
 use crate::params::{self, Loaded};
+use crate::setup::{alone, told_good};
 use crate::words::{Both, both, pick};
 
 /// Parameter 9026: the board takes it by itself also where it refuses a whole set.
@@ -84,14 +85,7 @@ pub fn run(global: &Global, args: &Push) -> Outcome {
 /// Carries a wish out, or shows what it would do.
 pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     // What is wrong with the files by themselves needs no board to be told.
-    let alone = load(global, wish, None)?;
-    if alone
-        .diagnostics
-        .iter()
-        .any(|d| !d.warning && d.number < 4420)
-    {
-        return told_good(global, alone).map(drop);
-    }
+    let alone = alone(global, wish.files, wish.set)?;
     if global.bus == Address::Sim && global.state.is_none() {
         return Err(no_board());
     }

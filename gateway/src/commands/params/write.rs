@@ -2,14 +2,15 @@
 
 use leadscrew_can::Address;
 
+use super::print;
 use super::push::{self, Wish};
-use super::{print, told_good};
 use crate::cli::{Global, Write};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::json::Json;
 use crate::params::difference::{self, changes};
 use crate::params::{self, edit};
 use crate::replace::replace;
+use crate::setup::told_good;
 use crate::words::{both, pick};
 
 /// Writes them.

@@ -52,9 +52,9 @@ pub fn monitor(global: &Global) -> Outcome {
     // The load of the bus is everybody's.
     link.hear_everything()?;
     let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
-    let mut terminal = ratatui::try_init().map_err(|error| Failure::stdout(&error))?;
-    let result = watch(global, &mut link, kbit, &mut terminal);
-    ratatui::restore();
+    let taken = interrupt::take_terminal().map_err(|error| Failure::stdout(&error));
+    let result = taken.and_then(|mut terminal| watch(global, &mut link, kbit, &mut terminal));
+    interrupt::give_back();
     result
 }
 
