@@ -5,8 +5,11 @@ use std::time::Duration;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
-use leadscrew_core::bus::{Frame, NodeId};
+use leadscrew_core::bus::{BoardState, Frame, NodeId};
+use leadscrew_core::link::{Status, VERSION};
 use leadscrew_core::params::Params;
+use leadscrew_core::program::Position;
+use leadscrew_core::units::{Rpm, TurnRate, Turns};
 
 use super::{Inside, Link};
 
@@ -29,6 +32,36 @@ pub fn machine_of(params: &Params, flash: Flash) -> Inside {
 /// A client of it.
 pub fn link(inside: &Inside) -> Link {
     Link::on(Box::new(inside.clone()), NodeId::BOARD)
+}
+
+/// What a board says that has nothing to do.
+pub fn status() -> Status {
+    Status {
+        version: VERSION,
+        tick: 0,
+        state: BoardState::Idle,
+        alarm: None,
+        in_program: false,
+        line: 0,
+        number: 0,
+        position: Position::default(),
+        spindle: Turns::default(),
+        speed: TurnRate::default(),
+        command: Rpm::default(),
+        hold: false,
+        single_block: false,
+        feed_percent: 100,
+        rapid_percent: 100,
+        spindle_percent: 100,
+        sync_error: None,
+        late: 0,
+        program: 0,
+        next_call: 0,
+        credit: 2048,
+        newest_event: 0,
+        signals: 0,
+        parameters: 0,
+    }
 }
 
 /// What becomes of a frame that this side sends.

@@ -5,6 +5,7 @@ mod long;
 mod long_program;
 mod params;
 mod server;
+mod terminal;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

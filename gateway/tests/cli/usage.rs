@@ -171,3 +171,43 @@ fn status_without_a_board_says_where_to_look() {
         stderr(&output)
     );
 }
+
+#[test]
+fn what_is_wrong_with_files_is_told_before_a_board_is_looked_for() {
+    // Nobody listens there.
+    let bus = ["--bus", "slcan:unix:/no/such/socket"];
+    for args in [
+        &["params", "diff", "no-such.toml"][..],
+        &["params", "push", "no-such.toml"],
+        &["params", "pull", "--into", "no-such.toml"],
+        &["params", "list", "--params", "no-such.toml"],
+        &["params", "get", "9000", "--params", "no-such.toml"],
+        &["check", "examples/shaft.nc", "--params", "no-such.toml"],
+        &["run", "examples/shaft.nc", "--params", "no-such.toml"],
+    ] {
+        let output = leadscrew(&[args, &bus].concat());
+        assert_eq!(code(&output), 2, "{args:?}: {}", stderr(&output));
+        assert_eq!(
+            stderr(&output),
+            "error: cannot read `no-such.toml`: there is no such file\n",
+            "{args:?}"
+        );
+    }
+    for args in [
+        &["params", "diff", "--set", "9000=0"][..],
+        &["run", "examples/shaft.nc", "--set", "9000=0"],
+    ] {
+        let output = leadscrew(&[args, &bus].concat());
+        assert_eq!(code(&output), 1, "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("is out of range"), "{args:?}");
+    }
+    let output = leadscrew(&[&["params", "pull", "-o", "README.md"][..], &bus].concat());
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("`README.md` is there already"),
+        "{}",
+        stderr(&output)
+    );
+    let output = leadscrew(&[&["params", "diff"][..], &bus].concat());
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+}

@@ -149,3 +149,37 @@ fn words(status: &Status, node: u8, lang: Lang) -> String {
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::bench;
+
+    #[test]
+    fn a_contact_that_is_pressed_is_told_apart_from_a_hold() {
+        let told = |hold, signals| {
+            let status = Status {
+                hold,
+                signals,
+                ..bench::status()
+            };
+            let line = |lang| {
+                let text = words(&status, 1, lang);
+                text.lines().nth(4).unwrap_or_default().to_owned()
+            };
+            [line(Lang::En), line(Lang::Zh)]
+        };
+        assert_eq!(told(false, 0), ["", ""]);
+        let [en, zh] = told(false, Signals::HOLD);
+        assert_eq!(
+            en,
+            "the contact of feed hold is pressed; it acts when it is pressed anew"
+        );
+        assert!(zh.starts_with("进给保持触点"), "{zh}");
+        for signals in [0, Signals::HOLD] {
+            assert_eq!(told(true, signals), ["feed hold is on", "进给保持已打开"]);
+        }
+        let stop = told(false, Signals::STOP);
+        assert_eq!(stop, ["emergency stop is on", "急停有效"]);
+    }
+}

@@ -238,13 +238,11 @@ fn program_lines(view: &View) -> Vec<Line<'static>> {
 
 #[cfg(test)]
 mod tests {
-    use leadscrew_core::link::VERSION;
-    use leadscrew_core::program::Position;
-    use leadscrew_core::units::{Rpm, TurnRate, Turns};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
     use super::*;
+    use crate::link::bench;
 
     fn picture(view: &View, width: u16, height: u16) -> String {
         let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
@@ -287,30 +285,10 @@ mod tests {
     fn nothing_is_cut_off_on_a_terminal_of_eighty_columns() {
         let mut view = View::new("socketcan:can0", 127, Lang::En);
         view.status = Some(Status {
-            version: VERSION,
-            tick: 0,
-            state: BoardState::Idle,
-            alarm: None,
-            in_program: false,
-            line: 0,
-            number: 0,
-            position: Position::default(),
-            spindle: Turns::default(),
-            speed: TurnRate::default(),
-            command: Rpm::default(),
-            hold: false,
-            single_block: false,
             feed_percent: 150,
             rapid_percent: 100,
             spindle_percent: 120,
-            sync_error: None,
-            late: 0,
-            program: 0,
-            next_call: 0,
-            credit: 2048,
-            newest_event: 0,
-            signals: 0,
-            parameters: 0,
+            ..bench::status()
         });
         let picture = picture(&view, 80, 24);
         for part in [
