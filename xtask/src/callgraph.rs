@@ -141,6 +141,9 @@ fn references(file: &object::File, nodes: &BTreeMap<u64, Node>) -> Vec<Reference
     targets(file).into_iter().filter_map(within).collect()
 }
 
+/// Where the linker's script says that something begins or ends: nobody goes there.
+const BOUNDS: [&str; 2] = ["__panicking_start", "__panicking_end"];
+
 /// An address that code or data of the image refers to.
 pub struct Target {
     /// Where it does.
@@ -164,7 +167,9 @@ pub fn targets(file: &object::File) -> Vec<Target> {
             let RelocationTarget::Symbol(index) = relocation.target() else {
                 continue;
             };
-            if let Ok(symbol) = file.symbol_by_index(index) {
+            if let Ok(symbol) = file.symbol_by_index(index)
+                && !symbol.name().is_ok_and(|name| BOUNDS.contains(&name))
+            {
                 found.push(Target {
                     at,
                     to: symbol.address() & !1,
