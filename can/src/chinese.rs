@@ -19,6 +19,14 @@ impl CanError {
             Self::NotCan { name } => {
                 format!("`{name}` 是接口，但不是 CAN 接口；`ip -details link show type can` 可列出 CAN 接口")
             }
+            Self::NoFd { name } => format!(
+                "接口 `{name}` 只支持经典帧。请在接口停用时执行：虚拟接口 `ip link set {name} mtu 72`；支持 FD 的真实接口 `ip link \
+                 set {name} type can bitrate 1000000 dbitrate 5000000 fd on`（docs/can.md）"
+            ),
+            Self::AdapterNoFd { name, kbit } => format!(
+                "`{name}` 处的适配器不能以 {kbit} kbit/s 的数据段速率收发 FD 帧：固件支持 `Y` 命令的适配器（CANable 2.0）可以，速率为 \
+                 1、2、4、5 或 8 Mbit/s（docs/can.md）"
+            ),
             Self::Down { name } => format!(
                 "接口 `{name}` 未启用：请执行 `ip link set {name} up`（真实接口须先设置波特率：`ip link set {name} type can \
                  bitrate 1000000`）"
@@ -102,6 +110,11 @@ mod tests {
             },
             CanError::NotCan { name: name() },
             CanError::Down { name: name() },
+            CanError::NoFd { name: name() },
+            CanError::AdapterNoFd {
+                name: name(),
+                kbit: 7000,
+            },
             CanError::Gone { name: name() },
             CanError::NoPermission { name: name() },
             CanError::Stuck { name: name() },

@@ -32,6 +32,18 @@ pub enum CanError {
         /// Its name.
         name: String,
     },
+    /// The interface carries classical frames only.
+    NoFd {
+        /// Its name.
+        name: String,
+    },
+    /// The adapter carries classical frames only, or FD frames not at this rate.
+    AdapterNoFd {
+        /// Its path or address.
+        name: String,
+        /// The rate of the data, kbit/s.
+        kbit: u32,
+    },
     /// Not allowed.
     NoPermission {
         /// The interface, device or socket.
@@ -118,6 +130,16 @@ impl fmt::Display for CanError {
             Self::NotCan { name } => write!(
                 f,
                 "`{name}` is an interface, but not one of CAN; `ip -details link show type can` lists those"
+            ),
+            Self::NoFd { name } => write!(
+                f,
+                "interface `{name}` carries classical frames only. While it is down: `ip link set {name} mtu 72` for a virtual \
+                 one, `ip link set {name} type can bitrate 1000000 dbitrate 5000000 fd on` for a real one that can (docs/can.md)"
+            ),
+            Self::AdapterNoFd { name, kbit } => write!(
+                f,
+                "the adapter at `{name}` carries no FD frames with their data at {kbit} kbit/s: one with firmware that knows `Y` \
+                 (CANable 2.0) does, at 1, 2, 4, 5 or 8 Mbit/s (docs/can.md)"
             ),
             Self::Down { name } => write!(
                 f,

@@ -5,7 +5,7 @@
 //! It moves frames and says what became of them. What a frame means is the business of `leadscrew_core::bus`.
 //!
 //! Terms. A *packet* is whatever a bus can show: classical frames, remote requests, extended identifiers, FD frames and
-//! error frames. CANopen is the classical data frames with an 11-bit identifier; these alone are sent. *Dropped* frames
+//! error frames. CANopen is the data frames with an 11-bit identifier, classical and FD; these alone are sent. *Dropped* frames
 //! reached this machine and found the receive buffer full.
 //!
 //! ```text
@@ -30,8 +30,8 @@ mod tests;
 
 use std::time::Duration;
 
-use leadscrew_core::bus::Frame;
 pub use leadscrew_core::bus::slcan::BitRate;
+use leadscrew_core::bus::{self, Frame};
 
 pub use address::{Address, WrongAddress};
 pub use error::CanError;
@@ -53,6 +53,20 @@ pub trait Can: Send {
     /// # Errors
     /// The bus is gone or down, or nothing went out for a second.
     fn send(&mut self, frames: &[Frame]) -> Result<(), CanError>;
+
+    /// From now on FD frames are sent and understood, with their data at `data_kbit` kbit/s. An interface of the kernel has its
+    /// rates from outside and is only asked whether it carries them; where none are sent, it needs not be asked.
+    ///
+    /// # Errors
+    /// The interface or the adapter knows classical frames only, or not this rate.
+    fn use_fd(&mut self, data_kbit: u32) -> Result<(), CanError>;
+
+    /// Sends FD frames as [`send`](Self::send) does classical ones, behind what was sent before; [`use_fd`](Self::use_fd) has
+    /// said so.
+    ///
+    /// # Errors
+    /// As there, or the bus carries classical frames only.
+    fn send_fd(&mut self, frames: &[bus::FdFrame]) -> Result<(), CanError>;
 
     /// Appends what has arrived to `into` and says how many these are. Where nothing has arrived yet, waits for the first
     /// until `patience` is over; returns earlier, with nothing, where a signal came to this thread.

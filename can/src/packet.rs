@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
+use leadscrew_core::bus::{self, CobId, Frame, NodeId, Service};
 
 use crate::ErrorFrame;
 
@@ -102,6 +102,29 @@ pub struct FdFrame {
     pub rate_switched: bool,
     /// The sender was error passive.
     pub sender_passive: bool,
+}
+
+impl FdFrame {
+    /// The frame of core that it is; `None` with an extended identifier, or with a length that there is not.
+    #[must_use]
+    pub fn frame(&self) -> Option<bus::FdFrame> {
+        match self.id {
+            Id::Standard(id) => bus::FdFrame::new(id, self.data.bytes(), self.rate_switched)
+                .filter(|frame| frame.payload().len() == self.data.bytes().len()),
+            Id::Extended(_) => None,
+        }
+    }
+}
+
+impl From<&bus::FdFrame> for FdFrame {
+    fn from(frame: &bus::FdFrame) -> Self {
+        Self {
+            id: Id::Standard(frame.id()),
+            data: Data::truncated(frame.payload()),
+            rate_switched: frame.is_rate_switched(),
+            sender_passive: false,
+        }
+    }
 }
 
 /// Whatever a bus can show.

@@ -4,7 +4,7 @@
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
 
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{self, Frame};
 
 use crate::{Can, CanError, Filter, Packet, Received, Stamp};
 
@@ -62,6 +62,17 @@ impl Can for End {
     fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
         for frame in frames {
             self.inject(Packet::Frame(*frame))?;
+        }
+        Ok(())
+    }
+
+    fn use_fd(&mut self, _data_kbit: u32) -> Result<(), CanError> {
+        Ok(())
+    }
+
+    fn send_fd(&mut self, frames: &[bus::FdFrame]) -> Result<(), CanError> {
+        for frame in frames {
+            self.inject(Packet::Fd(frame.into()))?;
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::os::unix::net::UnixDatagram;
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
+use leadscrew_core::bus::{self, CobId, Frame, NodeId, Service};
 
 use crate::{
     Can, CanError, Data, Entry, ErrorFrame, Fault, FdFrame, Filter, Health, Id, LogReader,
@@ -136,6 +136,53 @@ fn what_one_end_of_a_pair_sends_the_other_receives_in_order() {
         b.receive(&mut heard, Duration::ZERO),
         Err(CanError::Closed { .. })
     ));
+}
+
+#[test]
+fn fd_frames_go_through_a_pair_and_a_socket_between_classical_ones() {
+    let content: Vec<u8> = (1..=64).collect();
+    let fd: Vec<bus::FdFrame> = (0..=64)
+        .filter_map(|count| bus::FdFrame::new(CobId::SYNC, &content[..count], count % 2 == 0))
+        .collect();
+    let (here, there) = UnixDatagram::pair().unwrap();
+    let sockets = [here, there].map(|end| SocketCan::over(end.into(), "no interface").unwrap());
+    let [mut a, mut b] = sockets;
+    let (mut c, mut d) = pair();
+    let ends: [(&mut dyn Can, &mut dyn Can); 2] = [(&mut a, &mut b), (&mut c, &mut d)];
+    for (from, to) in ends {
+        from.use_fd(5000).unwrap();
+        from.send(&[frame(0x80, &[1])]).unwrap();
+        from.send_fd(&fd).unwrap();
+        from.send(&[frame(0x80, &[2])]).unwrap();
+        let mut heard = Vec::new();
+        while heard.len() < fd.len() + 2 {
+            assert!(to.receive(&mut heard, Duration::from_secs(10)).unwrap() > 0);
+        }
+        let packets: Vec<Packet> = heard.iter().map(|received| received.packet).collect();
+        let (last, rest) = packets.split_last().unwrap();
+        assert_eq!(rest[0], Packet::Frame(frame(0x80, &[1])));
+        assert_eq!(*last, Packet::Frame(frame(0x80, &[2])));
+        for (packet, sent) in rest[1..].iter().zip(&fd) {
+            let Packet::Fd(got) = packet else {
+                panic!("{packet:?}");
+            };
+            assert_eq!(got.frame(), Some(*sent));
+        }
+    }
+}
+
+#[test]
+fn what_comes_as_an_fd_frame_is_one_of_ours_with_a_short_identifier_and_a_length_there_is() {
+    let heard = |id, count| FdFrame {
+        id,
+        data: Data::new(&[7; 64][..count]).unwrap(),
+        rate_switched: true,
+        sender_passive: true,
+    };
+    let frame = heard(standard(0x481), 12).frame().unwrap();
+    assert_eq!((frame.id().get(), frame.payload()), (0x481, &[7; 12][..]));
+    assert_eq!(heard(standard(0x481), 11).frame(), None);
+    assert_eq!(heard(Id::Extended(0x481), 12).frame(), None);
 }
 
 #[test]

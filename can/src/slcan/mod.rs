@@ -1,9 +1,10 @@
 //! Lawicel (SLCAN) adapters, and boards that behave like one: on a serial line, behind TCP or behind a Unix socket.
 //!
-//! The protocol itself is `leadscrew_core::bus::slcan`. Classical frames only; such adapters tell neither FD nor error
-//! frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under way at a time,
+//! The protocol itself is `leadscrew_core::bus::slcan`, what some adapters add to it for FD frames is [`fd`]. Such adapters
+//! tell no error frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under way at a time,
 //! so that its buffer is not overrun.
 
+mod fd;
 mod line;
 #[cfg(test)]
 mod tests;
@@ -12,8 +13,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::Frame;
 use leadscrew_core::bus::slcan::{BitRate, Heard, Lines, Reply, Request, SlcanFrame};
+use leadscrew_core::bus::{self, Frame};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;
@@ -38,7 +39,7 @@ impl<T: Read + Write + AsFd + Send> Stream for T {}
 pub struct Slcan {
     name: String,
     stream: Box<dyn Stream>,
-    lines: Lines,
+    lines: Lines<{ fd::LONGEST }>,
     filters: Vec<Filter>,
     /// Frames sent and not yet acknowledged.
     under_way: usize,
@@ -58,7 +59,7 @@ impl Slcan {
         let mut adapter = Self {
             name,
             stream,
-            lines: Lines::new(),
+            lines: Lines::with_room(),
             filters: Vec::new(),
             under_way: 0,
             refused: false,
@@ -91,13 +92,18 @@ impl Slcan {
                 }
             }
         }
-        self.lines = Lines::new();
+        self.lines = Lines::with_room();
         self.command("S", &Request::Rate(bit_rate))?;
         self.command("O", &Request::Open)
     }
 
     fn command(&mut self, name: &'static str, request: &Request) -> Result<(), CanError> {
-        self.write(request.line().bytes())?;
+        self.ask(name, request.line().bytes())
+    }
+
+    /// Sends a line and waits for its answer.
+    fn ask(&mut self, name: &'static str, line: &[u8]) -> Result<(), CanError> {
+        self.write(line)?;
         let deadline = Instant::now() + ANSWER;
         let mut early = std::mem::take(&mut self.early);
         let mut answered = None;
@@ -135,15 +141,23 @@ impl Slcan {
         let count = self.read(&mut bytes)?;
         let time = Stamp::now();
         for byte in bytes.get(..count).unwrap_or_default() {
-            match self.lines.push(*byte).and_then(Reply::of) {
-                Some(Reply::Frame(frame, _)) => {
-                    let packet = packet(&frame);
-                    if Filter::any_passes(&self.filters, &packet) {
-                        into.push(Received { time, packet });
-                    }
+            let Some(heard) = self.lines.push(*byte) else {
+                continue;
+            };
+            let packet = match (Reply::of(heard), heard) {
+                (Some(Reply::Frame(frame, _)), _) => packet(&frame),
+                (Some(reply), _) => {
+                    other(&reply);
+                    continue;
                 }
-                Some(reply) => other(&reply),
-                None => {}
+                (None, Heard::Line(line)) => match fd::frame(line) {
+                    Some(frame) => Packet::Fd(frame),
+                    None => continue,
+                },
+                (None, _) => continue,
+            };
+            if Filter::any_passes(&self.filters, &packet) {
+                into.push(Received { time, packet });
             }
         }
         Ok(())
@@ -173,6 +187,33 @@ impl Slcan {
             });
         }
         Ok(())
+    }
+
+    /// Sends lines that are frames, no more at a time than the adapter takes.
+    fn post(&mut self, lines: &[Vec<u8>]) -> Result<(), CanError> {
+        self.tell_refusal()?;
+        let mut left = lines;
+        let mut early = std::mem::take(&mut self.early);
+        let mut result = Ok(());
+        while !left.is_empty() && result.is_ok() {
+            let room = WINDOW.saturating_sub(self.under_way).min(left.len());
+            let (now, later) = left.split_at(room);
+            let text = now.concat();
+            left = later;
+            self.under_way += room;
+            result = self.write(&text);
+            if result.is_ok() && self.under_way >= WINDOW {
+                result = match self.wait(Duration::from_secs(1)) {
+                    Ok(true) => self.hear(&mut early),
+                    Ok(false) => Err(CanError::Stuck {
+                        name: self.name.clone(),
+                    }),
+                    Err(error) => Err(error),
+                };
+            }
+        }
+        self.early = early;
+        result
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), CanError> {
@@ -235,35 +276,34 @@ impl Can for Slcan {
     }
 
     fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
-        self.tell_refusal()?;
-        let mut left = frames;
-        let mut early = std::mem::take(&mut self.early);
-        let mut result = Ok(());
-        while !left.is_empty() && result.is_ok() {
-            let room = WINDOW.saturating_sub(self.under_way).min(left.len());
-            let (now, later) = left.split_at(room);
-            let text: Vec<u8> = now
-                .iter()
-                .flat_map(|frame| {
-                    let line = Request::Send(SlcanFrame::Data(*frame)).line();
-                    line.bytes().to_vec()
-                })
-                .collect();
-            left = later;
-            self.under_way += room;
-            result = self.write(&text);
-            if result.is_ok() && self.under_way >= WINDOW {
-                result = match self.wait(Duration::from_secs(1)) {
-                    Ok(true) => self.hear(&mut early),
-                    Ok(false) => Err(CanError::Stuck {
-                        name: self.name.clone(),
-                    }),
-                    Err(error) => Err(error),
-                };
-            }
+        let lines = frames.iter().map(|frame| {
+            Request::Send(SlcanFrame::Data(*frame))
+                .line()
+                .bytes()
+                .to_vec()
+        });
+        self.post(&lines.collect::<Vec<_>>())
+    }
+
+    fn use_fd(&mut self, data_kbit: u32) -> Result<(), CanError> {
+        let refused = CanError::AdapterNoFd {
+            name: self.name.clone(),
+            kbit: data_kbit,
+        };
+        let Some(rate) = fd::rate(data_kbit) else {
+            return Err(refused);
+        };
+        self.command("C", &Request::Close)?;
+        match self.ask("Y", rate.as_bytes()) {
+            Ok(()) => {}
+            Err(CanError::AdapterRefused { .. }) => return Err(refused),
+            Err(error) => return Err(error),
         }
-        self.early = early;
-        result
+        self.command("O", &Request::Open)
+    }
+
+    fn send_fd(&mut self, frames: &[bus::FdFrame]) -> Result<(), CanError> {
+        self.post(&frames.iter().map(fd::line).collect::<Vec<_>>())
     }
 
     fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {

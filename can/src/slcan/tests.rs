@@ -8,10 +8,10 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use leadscrew_core::bus::slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
-use leadscrew_core::bus::{CobId, Frame};
+use leadscrew_core::bus::{self, CobId, Frame};
 use nix::pty::openpty;
 
-use crate::{Address, Can, CanError, Filter, Received, Slcan};
+use crate::{Address, Can, CanError, Filter, Packet, Received, Slcan};
 
 static NUMBER: AtomicU32 = AtomicU32::new(0);
 
@@ -156,6 +156,104 @@ fn an_adapter_that_was_left_open_is_closed_first() {
     assert_eq!(heard[0].packet.frame(), Some(&frame(0x111, &[2])));
     drop(can);
     assert_eq!(server.join().unwrap().bit_rate(), Some(BitRate::K500));
+    std::fs::remove_file(path).unwrap();
+}
+
+/// An adapter like a CANable 2.0: it knows `Y` while it is closed, acknowledges with a line, and its bus sends back what it got.
+/// What it was told, in the end.
+fn serve_fd(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Vec<String>> {
+    std::thread::spawn(move || {
+        let (mut told, mut heard, mut open) = (Vec::new(), Vec::new(), false);
+        let mut bytes = [0; 256];
+        while let Ok(count @ 1..) = line.read(&mut bytes) {
+            heard.extend_from_slice(&bytes[..count]);
+            while let Some(end) = heard.iter().position(|byte| *byte == b'\r') {
+                let text = String::from_utf8(heard.drain(..=end).collect()).unwrap();
+                let text = text.trim_end().to_owned();
+                let answer = match (text.as_bytes(), open) {
+                    ([], _) => "\r".into(),
+                    ([b'V'], _) => "V1013\r".into(),
+                    ([b'C'], _) => {
+                        open = false;
+                        "\r".into()
+                    }
+                    ([b'O'], _) => {
+                        open = true;
+                        "\r".into()
+                    }
+                    ([b'S', b'8'] | [b'Y', b'1' | b'2' | b'4' | b'5' | b'8'], false) => "\r".into(),
+                    ([b't' | b'b' | b'd', ..], true) => format!("\r{text}\r"),
+                    _ => "\x07".into(),
+                };
+                told.push(text);
+                if line.write_all(answer.as_bytes()).is_err() {
+                    return told;
+                }
+            }
+        }
+        told
+    })
+}
+
+#[test]
+fn an_adapter_that_knows_fd_frames_is_told_their_rate_and_carries_them_between_others() {
+    let path = path("fd");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || serve_fd(listener.accept().unwrap().0).join().unwrap());
+    let mut can = Slcan::open(&Address::Unix(path.clone()), BitRate::M1).unwrap();
+    let unknown = can.use_fd(3000).unwrap_err().to_string();
+    assert!(
+        unknown.contains("no FD frames with their data at 3000 kbit/s"),
+        "{unknown}"
+    );
+    can.use_fd(5000).unwrap();
+    let content: Vec<u8> = (1..=64).collect();
+    let fd: Vec<bus::FdFrame> = (0..=64)
+        .filter_map(|count| bus::FdFrame::new(CobId::new(0x481)?, &content[..count], count > 0))
+        .collect();
+    can.send(&[frame(0x80, &[1])]).unwrap();
+    can.send_fd(&fd).unwrap();
+    can.send(&[frame(0x80, &[2])]).unwrap();
+    let mut heard: Vec<Received> = Vec::new();
+    while heard.len() < fd.len() + 2 {
+        assert!(can.receive(&mut heard, Duration::from_secs(10)).unwrap() > 0);
+    }
+    let back = |place: usize| match heard[place].packet {
+        Packet::Frame(frame) => frame.payload().to_vec(),
+        Packet::Fd(got) => {
+            assert_eq!(got.frame(), Some(fd[place - 1]));
+            Vec::new()
+        }
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(back(0), [1]);
+    assert!((1..=fd.len()).all(|place| back(place).is_empty()));
+    assert_eq!(back(fd.len() + 1), [2]);
+    drop(can);
+    let told = server.join().unwrap();
+    let commands: Vec<&str> = told
+        .iter()
+        .map(String::as_str)
+        .filter(|line| !line.is_empty() && !line.starts_with(['t', 'b', 'd']))
+        .collect();
+    assert_eq!(commands, ["C", "V", "S8", "O", "C", "Y5", "O", "C"]);
+    assert!(told.contains(&"b48190102030405060708090A0B0C".into()));
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn an_adapter_that_knows_no_fd_frames_says_so() {
+    let path = path("classical");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || serve(listener.accept().unwrap().0).join().unwrap());
+    let mut can = Slcan::open(&Address::Unix(path.clone()), BitRate::M1).unwrap();
+    let error = can.use_fd(5000).unwrap_err().to_string();
+    assert!(
+        error.contains("carries no FD frames with their data at 5000 kbit/s"),
+        "{error}"
+    );
+    drop(can);
+    server.join().unwrap();
     std::fs::remove_file(path).unwrap();
 }
 

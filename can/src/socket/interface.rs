@@ -19,6 +19,22 @@ pub fn check(name: &str) -> Result<(), CanError> {
     look(Path::new(INTERFACES), name)
 }
 
+/// What the kernel takes of an interface at a time where that is classical frames only.
+const CLASSICAL_ONLY: &str = "16";
+
+/// Refuses an interface without FD frames.
+pub fn check_fd(name: &str) -> Result<(), CanError> {
+    look_for_fd(Path::new(INTERFACES), name)
+}
+
+fn look_for_fd(all: &Path, name: &str) -> Result<(), CanError> {
+    match fs::read_to_string(all.join(name).join("mtu")) {
+        Ok(mtu) if mtu.trim() == CLASSICAL_ONLY => Err(CanError::NoFd { name: name.into() }),
+        // Without a list the socket itself has to tell.
+        _ => Ok(()),
+    }
+}
+
 fn look(all: &Path, name: &str) -> Result<(), CanError> {
     if !all.is_dir() {
         // Without the list the socket itself has to tell.
@@ -71,6 +87,28 @@ mod tests {
             Ok(()) => "ok".into(),
             Err(error) => error.to_string(),
         }
+    }
+
+    #[test]
+    fn an_interface_for_classical_frames_is_told_from_one_for_fd() {
+        let all = std::env::temp_dir().join(format!("leadscrew-mtu-{}", std::process::id()));
+        for (name, mtu) in [("can0", "16\n"), ("can1", "72\n")] {
+            fs::create_dir_all(all.join(name)).unwrap();
+            fs::write(all.join(name).join("mtu"), mtu).unwrap();
+        }
+        let said = ["can0", "can1", "can2"].map(|name| look_for_fd(&all, name));
+        fs::remove_dir_all(&all).unwrap();
+        let [classical, fd, none] = said;
+        let text = classical.unwrap_err().to_string();
+        assert!(
+            text.contains("`can0` carries classical frames only"),
+            "{text}"
+        );
+        assert!(
+            text.contains("dbitrate") && text.contains("mtu 72"),
+            "{text}"
+        );
+        assert!(fd.is_ok() && none.is_ok());
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::io::{IoSlice, IoSliceMut};
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::time::Duration;
 
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{self, Frame};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::socket::{
@@ -169,26 +169,10 @@ impl SocketCan {
         Ok(into.len() - before)
     }
 
-    /// Waits exactly; true where something can be received.
-    fn wait(&self, patience: Duration) -> Result<bool, CanError> {
-        let mut wanted = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
-        match ppoll(&mut wanted, Some(TimeSpec::from_duration(patience)), None) {
-            Ok(ready) => Ok(ready > 0),
-            Err(Errno::EINTR) => Ok(false),
-            Err(error) => Err(failure(&self.name, "wait for", error)),
-        }
-    }
-}
-
-impl Can for SocketCan {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+    /// Everything, in order, with as few system calls as can be.
+    fn put<const N: usize>(&self, bytes: &[[u8; N]]) -> Result<(), Errno> {
         let mut blocked = Duration::ZERO;
-        let bytes: Vec<[u8; raw::CLASSICAL]> = frames.iter().map(raw::bytes).collect();
-        let mut left = bytes.as_slice();
+        let mut left = bytes;
         while !left.is_empty() {
             let some = left.get(..BATCH.1).unwrap_or(left);
             let slices: Vec<[IoSlice; 1]> =
@@ -213,10 +197,47 @@ impl Can for SocketCan {
                     blocked += RETRY;
                 }
                 Err(Errno::EINTR) => {}
-                Err(error) => return Err(failure(&self.name, "send to", error)),
+                Err(error) => return Err(error),
             }
         }
         Ok(())
+    }
+
+    /// Waits exactly; true where something can be received.
+    fn wait(&self, patience: Duration) -> Result<bool, CanError> {
+        let mut wanted = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
+        match ppoll(&mut wanted, Some(TimeSpec::from_duration(patience)), None) {
+            Ok(ready) => Ok(ready > 0),
+            Err(Errno::EINTR) => Ok(false),
+            Err(error) => Err(failure(&self.name, "wait for", error)),
+        }
+    }
+}
+
+impl Can for SocketCan {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> Result<(), CanError> {
+        let bytes: Vec<[u8; raw::CLASSICAL]> = frames.iter().map(raw::bytes).collect();
+        self.put(&bytes)
+            .map_err(|error| failure(&self.name, "send to", error))
+    }
+
+    fn use_fd(&mut self, _data_kbit: u32) -> Result<(), CanError> {
+        interface::check_fd(&self.name)
+    }
+
+    fn send_fd(&mut self, frames: &[bus::FdFrame]) -> Result<(), CanError> {
+        let bytes: Vec<[u8; raw::FD]> = frames.iter().map(raw::fd_bytes).collect();
+        self.put(&bytes).map_err(|error| match error {
+            // What the kernel says of a frame that is longer than the interface takes.
+            Errno::EINVAL => CanError::NoFd {
+                name: self.name.clone(),
+            },
+            error => failure(&self.name, "send to", error),
+        })
     }
 
     fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {

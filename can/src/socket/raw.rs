@@ -1,7 +1,7 @@
 //! Frames as the kernel's sockets carry them: `struct can_frame` and `struct canfd_frame` of `linux/can.h`, in the
 //! machine's byte order.
 
-use leadscrew_core::bus::{CobId, Frame};
+use leadscrew_core::bus::{self, CobId, Frame};
 
 use crate::{Data, ErrorFrame, FdFrame, Id, Packet};
 
@@ -62,15 +62,25 @@ fn id_of(word: u32) -> Option<Id> {
 
 /// A frame as bytes.
 pub fn bytes(frame: &Frame) -> [u8; CLASSICAL] {
-    let mut bytes = [0; CLASSICAL];
-    let (id, rest) = bytes.split_at_mut(4);
-    id.copy_from_slice(&u32::from(frame.id().get()).to_ne_bytes());
-    let payload = frame.payload();
-    if let [len, _, _, _, content @ ..] = rest {
-        *len = payload.len() as u8;
-        for (to, from) in content.iter_mut().zip(payload) {
-            *to = *from;
-        }
+    laid_out(frame.id(), 0, frame.payload())
+}
+
+/// An FD frame as bytes.
+pub fn fd_bytes(frame: &bus::FdFrame) -> [u8; FD] {
+    let flags = if frame.is_rate_switched() {
+        RATE_SWITCHED
+    } else {
+        0
+    };
+    laid_out(frame.id(), flags, frame.payload())
+}
+
+fn laid_out<const N: usize>(id: CobId, flags: u8, payload: &[u8]) -> [u8; N] {
+    let mut bytes = [0; N];
+    let id = u32::from(id.get()).to_ne_bytes();
+    let head = id.into_iter().chain([payload.len() as u8, flags, 0, 0]);
+    for (to, from) in bytes.iter_mut().zip(head.chain(payload.iter().copied())) {
+        *to = from;
     }
     bytes
 }
@@ -92,6 +102,23 @@ mod tests {
             let frame =
                 Frame::new(CobId::new(0x123).unwrap(), &[1, 2, 3, 4, 5, 6, 7, 8][..len]).unwrap();
             assert_eq!(packet(&bytes(&frame)), Some(Packet::Frame(frame)));
+        }
+    }
+
+    #[test]
+    fn fd_frames_come_back_as_they_went() {
+        let content: Vec<u8> = (1..=64).collect();
+        for length in bus::FdFrame::LENGTHS {
+            let id = CobId::new(0x481).unwrap();
+            let content = &content[..usize::from(length)];
+            for rate_switched in [false, true] {
+                let frame = bus::FdFrame::new(id, content, rate_switched).unwrap();
+                let Some(Packet::Fd(back)) = packet(&fd_bytes(&frame)) else {
+                    panic!("{frame:?}");
+                };
+                assert_eq!(back.frame(), Some(frame));
+                assert_eq!(back, FdFrame::from(&frame));
+            }
         }
     }
 

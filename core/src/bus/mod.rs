@@ -17,6 +17,7 @@ mod drive;
 mod emcy;
 mod emcy_producer;
 mod failure;
+mod fd;
 mod frame;
 mod heartbeat;
 mod increments;
@@ -41,6 +42,7 @@ pub use drive::{DriveConfig, DriveMaster, DriveOutput, FollowingLimit, Phase, St
 pub use emcy::Emcy;
 pub use emcy_producer::EmcyProducer;
 pub use failure::DriveFailure;
+pub use fd::{FdBits, FdFrame};
 pub use frame::{CobId, Frame, NodeId, Service};
 pub use heartbeat::{HeartbeatConsumer, HeartbeatEvent, HeartbeatProducer, HeartbeatWatch};
 pub use increments::{Increments, Scale, Told};

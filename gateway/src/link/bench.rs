@@ -5,7 +5,7 @@ use std::time::Duration;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
-use leadscrew_core::bus::{BoardState, Frame, NodeId};
+use leadscrew_core::bus::{BoardState, FdFrame, Frame, NodeId};
 use leadscrew_core::link::{Status, VERSION};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
@@ -128,6 +128,14 @@ where
             }
         }
         Ok(())
+    }
+
+    fn use_fd(&mut self, data_kbit: u32) -> Result<(), CanError> {
+        self.inside.use_fd(data_kbit)
+    }
+
+    fn send_fd(&mut self, frames: &[FdFrame]) -> Result<(), CanError> {
+        self.inside.send_fd(frames)
     }
 
     fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_board_sim::Sim;
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{self, Frame};
 
 /// A look for news from the board.
 const LOOK: Duration = Duration::from_micros(200);
@@ -74,6 +74,15 @@ impl Can for Inside {
             sim.receive(frame);
             sim.settle();
         }
+        Ok(())
+    }
+
+    fn use_fd(&mut self, _data_kbit: u32) -> Result<(), CanError> {
+        Ok(())
+    }
+
+    /// Nobody in here listens for them.
+    fn send_fd(&mut self, _frames: &[bus::FdFrame]) -> Result<(), CanError> {
         Ok(())
     }
 

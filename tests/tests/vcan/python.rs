@@ -4,7 +4,8 @@ use std::process::Command;
 
 use crate::bus::ours;
 
-fn given(name: &str) -> String {
+/// What the set-up has prepared for these tests.
+pub fn given(name: &str) -> String {
     std::env::var(name).unwrap_or_else(|_| {
         panic!("the variable {name} is not set; `cargo xtask vcan` prepares Python and the data sheet and sets it")
     })

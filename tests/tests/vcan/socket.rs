@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use leadscrew_can::{Can as _, CanError, Filter, Health, Id, Packet, SocketCan, Stamp, Suspicion};
-use leadscrew_core::bus::{CobId, Frame, NodeId};
+use leadscrew_core::bus::{CobId, FdFrame, Frame, NodeId};
 
 use crate::bus::{frame, open, open_on, packets, receive, tool};
 
@@ -103,6 +103,20 @@ fn fd_frames_are_received_and_told_as_such() {
         health.note(&received.packet);
     }
     assert_eq!((health.frames, health.fd_frames), (2, 1));
+}
+
+#[test]
+fn an_interface_for_classical_frames_refuses_fd_with_the_way_to_change_that() {
+    let name = "vcan7";
+    tool("ip", &["link", "add", "dev", name, "type", "vcan"]);
+    tool("ip", &["link", "set", name, "mtu", "16", "up"]);
+    let mut end = open_on(name);
+    let asked = end.use_fd(5000).unwrap_err().to_string();
+    let fd = FdFrame::new(CobId::new(0x481).unwrap(), &[0; 12], true).unwrap();
+    let sent = end.send_fd(&[fd]).unwrap_err().to_string();
+    tool("ip", &["link", "del", name]);
+    assert_eq!(asked, sent);
+    assert!(asked.contains("`ip link set vcan7 mtu 72`"), "{asked}");
 }
 
 #[test]

@@ -80,22 +80,37 @@ pub enum Heard<'a> {
     TooLong,
 }
 
-/// Cuts bytes into lines.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Lines {
-    bytes: [u8; LONGEST],
+/// Cuts bytes into lines of at most `ROOM` bytes: as many as the longest one has, unless an adapter knows more than classical
+/// frames.
+#[derive(Clone, Copy, Debug)]
+pub struct Lines<const ROOM: usize = LONGEST> {
+    bytes: [u8; ROOM],
     /// Bytes of the line so far; more than there is room for means that it is too long.
     len: usize,
     /// The line before was handed out.
     complete: bool,
 }
 
+impl<const ROOM: usize> Default for Lines<ROOM> {
+    fn default() -> Self {
+        Self::with_room()
+    }
+}
+
 impl Lines {
     /// Nothing heard so far.
     #[must_use]
     pub const fn new() -> Self {
+        Self::with_room()
+    }
+}
+
+impl<const ROOM: usize> Lines<ROOM> {
+    /// Nothing heard so far.
+    #[must_use]
+    pub const fn with_room() -> Self {
         Self {
-            bytes: [0; LONGEST],
+            bytes: [0; ROOM],
             len: 0,
             complete: false,
         }
@@ -125,7 +140,7 @@ impl Lines {
                 if let Some(place) = self.bytes.get_mut(self.len) {
                     *place = byte;
                 }
-                self.len = self.len.saturating_add(1).min(LONGEST.saturating_add(1));
+                self.len = self.len.saturating_add(1).min(ROOM.saturating_add(1));
                 None
             }
         }

@@ -1,0 +1,280 @@
+//! A frame of CAN FD with an 11-bit identifier, and what it takes of the bus.
+//!
+//! | part of the frame (ISO 11898-1, FD base frame format) | bits | at the rate |
+//! |---|---|---|
+//! | start, identifier, RRS, IDE, FDF, reserved, BRS | 17 | nominal |
+//! | ESI, length code, data of n bytes | 5 + 8 n | of the data |
+//! | count of the stuff bits, CRC, and a fixed stuff bit before every four of these | 27 up to 16 bytes, 32 above | of the data |
+//! | CRC delimiter, acknowledgement, end, intermission | 13 | nominal |
+//!
+//! Before the CRC a bit is stuffed behind five equal ones. FDF and BRS are 1 and what stands between IDE and FDF, FDF and BRS
+//! is 0, so that no row of equal bits reaches over them: at worst 3 bits are stuffed before FDF, and 1 + 2 n behind BRS.
+
+use super::frame::{CobId, Frame};
+
+/// A data frame of CAN FD. The bytes from its length on are zero, so that equal frames compare equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(align(4))]
+pub struct FdFrame {
+    id: CobId,
+    len: u8,
+    rate_switched: bool,
+    data: [u8; 64],
+}
+
+impl FdFrame {
+    /// The lengths there are, in bytes, by their code.
+    pub const LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
+
+    /// A frame with the bytes of `payload`, and zeros behind them up to the next length there is; `None` for more than 64.
+    /// `rate_switched`: its data go at the higher rate.
+    #[must_use]
+    pub fn new(id: CobId, payload: &[u8], rate_switched: bool) -> Option<Self> {
+        let len = Self::length_for(payload.len())?;
+        let mut data = [0; 64];
+        for (place, byte) in data.iter_mut().zip(payload) {
+            *place = *byte;
+        }
+        Some(Self {
+            id,
+            len,
+            rate_switched,
+            data,
+        })
+    }
+
+    /// The length of the frame that has room for so many bytes; `None` for more than 64.
+    #[must_use]
+    pub fn length_for(bytes: usize) -> Option<u8> {
+        let mut all = Self::LENGTHS.into_iter();
+        all.find(|length| usize::from(*length) >= bytes)
+    }
+
+    /// The identifier.
+    #[must_use]
+    pub const fn id(&self) -> CobId {
+        self.id
+    }
+
+    /// The payload, with the zeros that fill it up.
+    #[must_use]
+    pub fn payload(&self) -> &[u8] {
+        self.data.get(..usize::from(self.len)).unwrap_or(&self.data)
+    }
+
+    /// The code of its length, 0–15.
+    #[must_use]
+    pub fn length_code(&self) -> u8 {
+        let mut all = (0..).zip(Self::LENGTHS);
+        // Only lengths from the table are ever taken.
+        all.find(|(_, length)| *length == self.len)
+            .map_or(15, |(code, _)| code)
+    }
+
+    /// True where the data go at the higher rate.
+    #[must_use]
+    pub const fn is_rate_switched(&self) -> bool {
+        self.rate_switched
+    }
+
+    /// The classical frame that says the same; `None` for more than eight bytes.
+    #[must_use]
+    pub fn classical(&self) -> Option<Frame> {
+        Frame::new(self.id, self.payload())
+    }
+}
+
+impl From<&Frame> for FdFrame {
+    /// The same, at one rate.
+    fn from(frame: &Frame) -> Self {
+        let mut data = [0; 64];
+        for (place, byte) in data.iter_mut().zip(frame.payload()) {
+            *place = *byte;
+        }
+        Self {
+            id: frame.id(),
+            len: frame.payload().len() as u8,
+            rate_switched: false,
+            data,
+        }
+    }
+}
+
+/// Bits of a frame of CAN FD by the rate they go at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FdBits {
+    /// At the nominal rate, or all of them where the rate is not switched.
+    pub nominal: u32,
+    /// At the rate of the data.
+    pub data: u32,
+}
+
+impl FdBits {
+    /// Those of a frame with room for `bytes` bytes (0–64), intermission included, stuffed as badly as can be.
+    #[must_use]
+    pub const fn of(bytes: u32) -> Self {
+        let bytes = match bytes {
+            0..=8 => bytes,
+            9..=12 => 12,
+            13..=16 => 16,
+            17..=20 => 20,
+            21..=24 => 24,
+            25..=32 => 32,
+            33..=48 => 48,
+            _ => 64,
+        };
+        let check = if bytes > 16 { 32 } else { 27 };
+        Self {
+            nominal: const { 17 + 3 + 13 },
+            // ESI and length code, data, what is stuffed of them.
+            data: bytes.wrapping_mul(10).wrapping_add(6).wrapping_add(check),
+        }
+    }
+
+    /// How many bits of `kbit` kbit/s take as long, rounded up, where the data go at `data_kbit`. All at one rate where that is
+    /// none.
+    #[must_use]
+    pub const fn at(self, kbit: u32, data_kbit: u32) -> u32 {
+        // Frames have some hundred bits, rates below ten thousand kbit/s.
+        let data = match self.data.saturating_mul(kbit).checked_div(data_kbit) {
+            // One more for what is left of the division.
+            Some(whole) if whole < self.data => whole.saturating_add(1),
+            _ => self.data,
+        };
+        self.nominal.saturating_add(data)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::arithmetic_side_effects)]
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    fn id() -> CobId {
+        CobId::new(0x481).unwrap()
+    }
+
+    #[test]
+    fn a_frame_has_the_next_length_there_is_and_zeros_behind_its_bytes() {
+        let bytes: Vec<u8> = (1..=65).collect();
+        for count in 0..=64 {
+            let frame = FdFrame::new(id(), &bytes[..count], true).unwrap();
+            let length = frame.payload().len();
+            assert!(length >= count);
+            let mut shorter = FdFrame::LENGTHS.into_iter().map(usize::from);
+            assert!(!shorter.any(|other| (count..length).contains(&other)));
+            assert_eq!(frame.payload()[..count], bytes[..count]);
+            assert!(frame.payload()[count..].iter().all(|byte| *byte == 0));
+            let code = usize::from(frame.length_code());
+            assert_eq!(usize::from(FdFrame::LENGTHS[code]), length);
+        }
+        assert_eq!(FdFrame::new(id(), &bytes, true), None);
+        let lengths = [9, 13, 17, 21, 25, 33, 49].map(|count| FdFrame::length_for(count).unwrap());
+        assert_eq!(lengths, [12, 16, 20, 24, 32, 48, 64]);
+    }
+
+    #[test]
+    fn up_to_eight_bytes_it_can_be_a_classical_frame_and_back() {
+        let bytes = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+        for count in 0..=8 {
+            let classical = Frame::new(id(), &bytes[..count]).unwrap();
+            let fd = FdFrame::from(&classical);
+            assert_eq!(fd, FdFrame::new(id(), &bytes[..count], false).unwrap());
+            assert!(!fd.is_rate_switched());
+            assert_eq!(fd.classical(), Some(classical));
+        }
+        let more = FdFrame::new(id(), &bytes, true).unwrap();
+        assert_eq!((more.id(), more.classical()), (id(), None));
+    }
+
+    /// How many bits are stuffed into these.
+    fn stuffed(bits: &[bool]) -> usize {
+        let (mut run, mut last, mut stuffed) = (0, None, 0);
+        for bit in bits {
+            run = if last == Some(*bit) { run + 1 } else { 1 };
+            last = Some(*bit);
+            if run == 5 {
+                // The stuff bit is the first of the next row.
+                stuffed += 1;
+                (run, last) = (1, Some(!*bit));
+            }
+        }
+        stuffed
+    }
+
+    /// The bits from the start to the data of a frame.
+    fn bits(id: u16, length: usize, code: u8, byte: impl Fn(usize) -> u8) -> Vec<bool> {
+        let mut bits = std::vec![false];
+        bits.extend((0..11).rev().map(|bit| id >> bit & 1 != 0));
+        // RRS, IDE, FDF, reserved, BRS, ESI.
+        bits.extend([false, false, true, false, true, false]);
+        bits.extend((0..4).rev().map(|bit| code >> bit & 1 != 0));
+        for place in 0..length {
+            bits.extend((0..8).rev().map(|bit| byte(place) >> bit & 1 != 0));
+        }
+        bits
+    }
+
+    #[test]
+    fn no_frame_has_more_stuff_bits_than_are_reckoned_with_and_some_have_nearly_all() {
+        let mut seed = 0x9E37_79B9_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            seed >> 8
+        };
+        for (code, length) in (0_u8..).zip(FdFrame::LENGTHS) {
+            let length = usize::from(length);
+            let counted = FdBits::of(length as u32);
+            let check = if length > 16 { 32 } else { 27 };
+            let before = counted.nominal - 13 + counted.data - check;
+            let plain = 22 + 8 * length;
+            let room = before as usize - plain;
+            assert_eq!(room, 3 + 1 + 2 * length);
+            let mut worst = 0;
+            for _ in 0..2000 {
+                // Rows of four, and what is near to them.
+                let pattern = [0x00, 0xFF, 0x0F, 0xF0, 0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E]
+                    [random() as usize % 10];
+                let flip = random() as usize % 64;
+                let id = random() as u16 & 0x7FF;
+                let all = bits(id, length, code, |place| {
+                    if place == flip { !pattern } else { pattern }
+                });
+                let count = stuffed(&all);
+                assert!(count <= room, "{length} bytes: {count} of {room}");
+                worst = worst.max(count);
+            }
+            // Identifier 000 and data in rows of four.
+            for pattern in [0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E, 0x0F, 0xF0] {
+                worst = worst.max(stuffed(&bits(0, length, code, |_| pattern)));
+            }
+            assert!(worst + 4 >= room, "{length} bytes: {worst} of {room}");
+        }
+    }
+
+    #[test]
+    fn the_bits_of_frames_by_hand() {
+        // 17 + 3 + 13; 5 + 8 n, 1 + 2 n stuffed, 4 + 17 + 6 or 4 + 21 + 7.
+        for (bytes, data) in [
+            (0, 33),
+            (6, 93),
+            (8, 113),
+            (12, 153),
+            (20, 238),
+            (24, 278),
+            (64, 678),
+        ] {
+            assert_eq!(FdBits::of(bytes), FdBits { nominal: 33, data }, "{bytes}");
+        }
+        assert_eq!(FdBits::of(18), FdBits::of(20));
+        // 12 bytes at 1 and 5 Mbit/s: 33 µs and 30.6 µs.
+        assert_eq!(FdBits::of(12).at(1000, 5000), 64);
+        assert_eq!(FdBits::of(12).at(500, 2000), 33 + 39);
+        // At one rate, or where the data's is none.
+        assert_eq!(FdBits::of(12).at(1000, 1000), 186);
+        assert_eq!(FdBits::of(12).at(1000, 0), 186);
+    }
+}
