@@ -508,9 +508,9 @@ codes! {
     NodeTwice = 4332, "another node on the bus has the number of this board", "give each board a number of its own, then restart both",
         "总线上另有节点使用本控制板的节点号", "请为每块控制板设置不同的节点号，然后重新启动";
     /// The cyclic frames do not fit: load in per cent, tick in µs, drives, kbit/s.
-    BusOverload = 4333, "the cycle would take {0} of the bus: SYNC, {2} drives and the board's status every {1} µs at {3} kbit/s",
+    BusOverload = 4333, "the cycle would take {0} of the bus: SYNC, {2} drives and the board's status every {1} µs at {3} kbit/s, and what other boards take (9030)",
         "make the tick (9000) longer, let the drives send their status less often (9021), or raise the bit rate (9020)",
-        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s", "请加长周期（9000）、减少驱动状态发送次数（9021）或提高波特率（9020）";
+        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s，另加其他控制板所占部分（9030）", "请加长周期（9000）、减少驱动状态发送次数（9021）或提高波特率（9020）";
     /// `run` has come where no program waits for it. A warning in the event log.
     NothingToRun = 4334, "`run` did nothing: no program waits for it", "load a program first, also after a reset or an alarm; `resume` goes on after a feed hold",
         "“运行”命令无效：没有等待运行的程序", "请先装入程序（复位或报警之后也是如此）；进给保持之后请用“恢复”";
@@ -634,7 +634,7 @@ codes! {
         "nothing needs to be done where that was meant; else check the wiring of its reset pin",
         "控制板处理器由外部复位：复位按钮或调试器", "若为有意操作则无需处理；否则请检查复位引脚的接线";
 
-    // 4370–4379: the bus as a whole.
+    // 4370–4389: the bus as a whole.
     /// The controller has left the bus; errors counted while sending and receiving.
     BusOff = 4370, "bus-off: the board's CAN controller has left the bus ({0} errors sending, {1} receiving)",
         "check wiring, termination (120 Ω at both ends) and bit rate; once the board is back on the bus, start its node and reset",
@@ -668,6 +668,16 @@ codes! {
     DriveNodeOfBoard = 4378, "drive {0} has node {1}, which is the board's own",
         "give the drive another number (9015 for an axis, 9016 for the spindles), or start the board with another one",
         "驱动器 {0} 的节点号 {1} 与控制板自身相同", "请更改驱动器的节点号（各轴用 9015，主轴用 9016），或以其他节点号启动控制板";
+
+    /// The SYNC that the board follows has stopped, or the board has come off it; of the last eight periods so many were without,
+    /// and a period in µs.
+    SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last 8 periods of {1} µs were without it, or the board's own beat has come off it",
+        "look at the board that gives the beat, and at the wire between the two; then reset",
+        "本控制板所跟随的 SYNC 已丢失：最近 8 个周期（每周期 {1} µs）中有 {0} 个未收到，或本板节拍已与其失步", "请检查发出节拍的控制板及两者之间的接线；然后复位";
+    /// No SYNC that can be followed; so many heard, in so many periods of so many µs.
+    SyncUnsteady = 4380, "there is no steady SYNC to follow: {0} heard in {1} periods of {2} µs",
+        "switch on the board that gives the beat (9029 = 0 there and only there), and give both boards the same tick (9000); then reset",
+        "没有可跟随的稳定 SYNC：{1} 个周期（每周期 {2} µs）内收到 {0} 个", "请接通发出节拍的控制板（仅该板 9029 = 0），并为两块控制板设置相同的周期（9000）；然后复位";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.

@@ -10,7 +10,7 @@ use super::ticker::FRAMES;
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Periods,
-    Scale, SyncProducer, Told,
+    Scale, SyncProducer, SyncSource, Told,
 };
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
@@ -72,7 +72,8 @@ pub(super) struct Drives {
     /// Where each axis was told to be last.
     last: [Told; 3],
     spindles: Spindles,
-    sync: SyncProducer,
+    /// Where it is the board that gives the beat.
+    sync: Option<SyncProducer>,
     nodes: DriveNodes,
 }
 
@@ -110,7 +111,10 @@ impl Drives {
             offsets: [0; 3],
             last: [x.find(0), z.find(0), c.find(0)],
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
-            sync: SyncProducer::new(),
+            sync: match SyncSource::of(params.sync_source()) {
+                SyncSource::Own => Some(SyncProducer::new()),
+                SyncSource::Bus => None,
+            },
             nodes,
         }
     }
@@ -271,7 +275,7 @@ impl Drives {
         core::mem::take(&mut self.offsets) != [0; 3]
     }
 
-    /// The frames of a period: SYNC, then what each drive is told. An axis whose position its drive cannot count comes
+    /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose position its drive cannot count comes
     /// back; its drive is held where it is.
     pub(super) fn send(
         &mut self,
@@ -283,7 +287,9 @@ impl Drives {
         let mut put = |frame: Frame| {
             let _ = frames.push(frame);
         };
-        put(self.sync.next());
+        if let Some(sync) = &mut self.sync {
+            put(sync.next());
+        }
         let [x, z, c] = &mut self.axes;
         let [off_x, off_z, off_c] = self.offsets;
         let [last_x, last_z, last_c] = &mut self.last;

@@ -16,6 +16,7 @@ mod journal;
 mod rigid;
 mod state;
 mod stopping;
+mod sync;
 mod withheld;
 
 use core::mem::MaybeUninit;
@@ -33,7 +34,7 @@ use super::nodes::DriveNodes;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
-use crate::bus::Frame;
+use crate::bus::{Frame, SyncSource, SyncWatch};
 use crate::journal::TapRecord;
 use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint, Task, WaysOut};
 use crate::params::Params;
@@ -58,7 +59,7 @@ pub enum Notice {
 /// What one tick gives. Made once and filled in every tick: nothing as large is copied about in it.
 #[derive(Clone, Debug, Default)]
 pub struct Output {
-    /// To be sent in this order; SYNC first.
+    /// To be sent in this order; SYNC first, where the board gives the beat.
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
@@ -170,6 +171,8 @@ pub struct Ticker {
     /// What the background has not heard yet.
     notice: Option<Notice>,
     journal: Journal,
+    /// The beat of the bus, where it is not the board's own.
+    beat: SyncWatch,
     /// The alarm of a mode that has one: large, and not to be copied with every change of mode.
     alarm: Alarm,
     drives: Drives,
@@ -283,6 +286,7 @@ impl Ticker {
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
+            beat: SyncWatch::new(SyncSource::of(params.sync_source()), params.tick_us()),
             // Read in a mode that has one only.
             alarm: Alarm::new(Code::EmergencyStop, Span::default()),
             drives: Drives::new(params, figures),
@@ -339,6 +343,9 @@ impl Ticker {
             self.drives.hear(frame);
         }
         self.observe(sample, ends);
+        if self.beat.is_for_bus() {
+            self.keep_beat(ends);
+        }
         self.watch_drives(ends);
         self.obey(ends);
         self.drop_stale(ends);
@@ -431,7 +438,7 @@ impl Ticker {
                 self.drives.let_go(self.mode == Mode::Alarm);
                 return;
             }
-            Mode::Starting if self.drives.enable() => self.come_up(ends),
+            Mode::Starting if self.beat.is_steady() && self.drives.enable() => self.come_up(ends),
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {

@@ -3,7 +3,7 @@
 use super::nodes::DriveNodes;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::{
-    BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, is_sync,
+    BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, SyncSource, is_sync,
 };
 
 /// What is wrong with the bus. Each is a controlled stop with an alarm.
@@ -24,7 +24,7 @@ pub enum BusTrouble {
     Intruder(Intrusion),
 }
 
-/// What only the board may say, said by somebody else.
+/// What only the board may say, said by somebody else. To a board that follows the bus, SYNC is not of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intrusion {
     /// SYNC.
@@ -45,12 +45,12 @@ pub struct Victim {
 }
 
 impl Intrusion {
-    /// What a frame from the bus is of these, where the board's drives have these nodes. What the board sends itself does
-    /// not come back to it.
+    /// What a frame from the bus is of these, where the board's drives have these nodes and its beat comes from `source`.
+    /// What the board sends itself does not come back to it.
     #[must_use]
-    pub fn of(frame: &Frame, drives: &DriveNodes) -> Option<Self> {
+    pub fn of(frame: &Frame, drives: &DriveNodes, source: SyncSource) -> Option<Self> {
         if is_sync(frame) {
-            return Some(Self::Sync);
+            return (source == SyncSource::Own).then_some(Self::Sync);
         }
         let managed = frame.id() == CobId::NMT;
         let node = if managed {
@@ -150,16 +150,20 @@ mod tests {
         let mut params = Params::slant_bed();
         let drives = DriveNodes::of(&params);
         for (frame, expected) in cases {
-            assert_eq!(Intrusion::of(&frame, &drives), expected, "{frame:?}");
+            let of = |source| Intrusion::of(&frame, &drives, source);
+            assert_eq!(of(SyncSource::Own), expected, "{frame:?}");
+            let expected = expected.filter(|intrusion| *intrusion != Intrusion::Sync);
+            assert_eq!(of(SyncSource::Bus), expected, "{frame:?}");
         }
         // Where the drives have other nodes, others may speak to that one.
         let entry = Entry::find_text("9015.Z").unwrap();
         params.set(entry, 48).unwrap();
         let drives = DriveNodes::of(&params);
-        assert_eq!(Intrusion::of(&setpoint(Z.node), &drives), None);
+        let of = |frame: &Frame| Intrusion::of(frame, &drives, SyncSource::Own);
+        assert_eq!(of(&setpoint(Z.node)), None);
         let node = NodeId::new(48).unwrap();
         let moved = Intrusion::Setpoint(Victim { node, ..Z });
-        assert_eq!(Intrusion::of(&setpoint(node), &drives), Some(moved));
+        assert_eq!(of(&setpoint(node)), Some(moved));
     }
 
     #[test]

@@ -6,6 +6,8 @@
 //! | every fourth tick | RPDO1 of each spindle that only taps and does not tap now |
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
+//!
+//! What other boards take is a figure of the parameters.
 
 use crate::alarm::{Alarm, Arg, Code};
 
@@ -24,6 +26,8 @@ pub struct Cycle {
     pub drive_syncs: u32,
     /// Time from status to status of the board in milliseconds.
     pub status_ms: u32,
+    /// What other boards take beyond SYNC, in percent.
+    pub others: u32,
 }
 
 /// Bits of a classical frame with `bytes` of data, intermission included, stuffed as badly as can be.
@@ -41,7 +45,7 @@ impl Cycle {
     /// What may be taken, in tenths of a percent: the rest is for transfers and commands.
     pub const MOST: u32 = 900;
 
-    /// The load in tenths of a percent.
+    /// The load in tenths of a percent. SYNC is on the bus whoever sends it.
     #[must_use]
     pub fn load(&self) -> u32 {
         let all = self.drives.saturating_add(self.further);
@@ -54,7 +58,7 @@ impl Cycle {
             (setpoint, self.tick_us, self.drive_syncs, all),
             (status, self.status_ms, 1000, 3),
         ];
-        let mut thousandths = 0_u64;
+        let mut thousandths = u64::from(self.others).wrapping_mul(1000);
         for (bits, times, us, frames) in &sent {
             // Products of two numbers of 32 bits fit.
             let every_us = u64::from(*times).wrapping_mul(u64::from(*us));
@@ -101,6 +105,7 @@ mod tests {
             further: 0,
             drive_syncs,
             status_ms: 10,
+            others: 0,
         }
     }
 
@@ -134,6 +139,12 @@ mod tests {
             ..cycle(4, 4)
         };
         assert_eq!(four_spindles.load(), 853);
+        // Two boards, each with two drives: SYNC is there once.
+        let two = Cycle {
+            others: 33,
+            ..cycle(2, 4)
+        };
+        assert_eq!(two.load(), 393 + 330);
     }
 
     #[test]
@@ -150,6 +161,12 @@ mod tests {
                 Arg::Int(1000)
             ]
         );
+        let with_others = Cycle {
+            others: 22,
+            ..cycle(4, 4)
+        };
+        let alarm = with_others.check().unwrap_err();
+        assert_eq!(alarm.args[0], Arg::Percent(90), "901 tenths");
         let stopped = Cycle {
             kbit: 0,
             ..cycle(1, 4)

@@ -32,6 +32,7 @@ mod sdo;
 pub mod slcan;
 mod spindle;
 mod sync;
+mod sync_watch;
 
 pub use board_pdo::{
     BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus, Order, OrderGate,
@@ -57,4 +58,5 @@ pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
 };
 pub use spindle::{SpindleDemand, SpindleMaster};
-pub use sync::{SyncBeat, SyncConsumer, SyncProducer, is_sync};
+pub use sync::{SyncBeat, SyncConsumer, SyncHeard, SyncProducer, SyncSource, is_sync};
+pub use sync_watch::{SyncVerdict, SyncWatch};

@@ -83,6 +83,52 @@ impl SyncConsumer {
     }
 }
 
+/// Who gives the beat to a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SyncSource {
+    /// The board itself: it sends SYNC at every tick.
+    Own,
+    /// Another node: the board sends no SYNC, and ticks with the one that comes.
+    Bus,
+}
+
+impl SyncSource {
+    /// What the parameter says (9029): 0 its own, else the bus.
+    #[must_use]
+    pub const fn of(parameter: u8) -> Self {
+        match parameter {
+            0 => Self::Own,
+            _ => Self::Bus,
+        }
+    }
+}
+
+/// What one period has brought of the SYNC that somebody else sends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SyncHeard {
+    /// SYNCs since the last tick.
+    pub count: u8,
+    /// How many are missing by their counters.
+    pub missed: u8,
+    /// The board's own beat keeps to theirs; of a board whose tick is the SYNC that comes, always.
+    pub locked: bool,
+}
+
+impl SyncHeard {
+    /// A period without any, and nothing else wrong.
+    pub const NONE: Self = Self {
+        count: 0,
+        missed: 0,
+        locked: true,
+    };
+
+    /// A period as it should be.
+    pub const ONE: Self = Self {
+        count: 1,
+        ..Self::NONE
+    };
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

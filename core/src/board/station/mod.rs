@@ -52,6 +52,7 @@ use crate::alarm::{Alarm, Code};
 use crate::bus::{
     BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
     NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
+    SyncSource,
 };
 use crate::params::Params;
 use crate::program::Call;
@@ -209,6 +210,7 @@ impl Station {
             further: u32::from(params.tap_spindles()).saturating_sub(1),
             drive_syncs: params.drive_status_syncs(),
             status_ms: params.status_period_ms(),
+            others: params.bus_others().into(),
         };
         cycle.check()?;
         DriveNodes::of(params).spare(self.node())?;
@@ -246,7 +248,8 @@ impl Station {
         if !self.has_joined() {
             return false;
         }
-        if let Some(intrusion) = Intrusion::of(frame, &DriveNodes::of(params)) {
+        let source = SyncSource::of(params.sync_source());
+        if let Some(intrusion) = Intrusion::of(frame, &DriveNodes::of(params), source) {
             self.resist(intrusion);
         }
         if frame.id() == CobId::NMT {
@@ -308,9 +311,11 @@ impl Station {
         self.shelf.sync_error = error;
     }
 
-    /// Says how many setpoints have come late for their SYNC since power-up.
+    /// Says how many setpoints have come late for their SYNC since power-up. What the tick side has counted of a beat that it
+    /// follows is told in snapshots, and added.
     pub const fn set_late(&mut self, late: u32) {
-        self.shelf.late = late;
+        let before = core::mem::replace(&mut self.shelf.owners_late, late);
+        self.shelf.late = self.shelf.late.wrapping_add(late.wrapping_sub(before));
     }
 
     /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
@@ -324,6 +329,8 @@ impl Station {
     ) -> bool {
         // Ticks do not come to the end of 64 bits.
         self.shelf.tick = self.shelf.tick.wrapping_add(elapsed.get().into());
+        let more = snapshot.sync_late.wrapping_sub(self.shelf.snapshot.sync_late);
+        self.shelf.late = self.shelf.late.wrapping_add(more.into());
         self.shelf.snapshot = snapshot;
         let error = self.shelf.sync_error;
         self.shelf.ledger.take(elapsed, &snapshot, error);

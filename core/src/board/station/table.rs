@@ -31,6 +31,9 @@ pub const LOAD: u32 = u32::from_le_bytes(*b"load");
 /// What 1010h:01 reads as: the device stores by itself.
 const STORES_ITSELF: u32 = 2;
 
+/// What 1005h reads as on a board that gives the beat: bit 30 says so.
+pub const SENDS_SYNC: u32 = 0x4000_0080;
+
 /// What 1011h:01 reads as: the device restores its own set.
 const RESTORES: u32 = 1;
 
@@ -286,8 +289,7 @@ const LINES: &[Line] = &[
     item(0x1003, 6, "error", U32, Read),
     item(0x1003, 7, "error", U32, Read),
     item(0x1003, 8, "error", U32, Read),
-    // Bit 30: the board is the one that sends it.
-    fixed(0x1005, 0, "COB-ID of SYNC", U32, 0x4000_0080),
+    with(item(0x1005, 0, "COB-ID of SYNC", U32, Read), number(SENDS_SYNC)),
     item(0x1006, 0, "Communication cycle period", U32, Read),
     text(0x1008, "Device name", Value::DeviceName),
     text(0x100A, "Software version", Value::SoftwareVersion),

@@ -1,0 +1,45 @@
+//! A beat that somebody else gives: when the drives may be brought up by it, and what it means where it ends [D166].
+//!
+//! Without SYNC no drive latches anything: each stands where the last one has left it, while the path of the board goes on. So
+//! behind three periods without one the drives are told 0006h from then on, as in bus-off, and none of them moves when the beat
+//! is back. A board that has only come off the beat has drives that still follow: they are braked.
+
+use super::state::Mode;
+use super::{Ends, Ticker};
+use crate::alarm::{Alarm, Arg, Code};
+use crate::bus::{SyncHeard, SyncVerdict};
+
+impl Ticker {
+    /// What the period that ends with the next tick has brought of the SYNC that somebody else gives. To be said before each
+    /// tick of a board that follows the bus (9029); where it is not said, nothing was heard.
+    pub const fn follow(&mut self, heard: SyncHeard) {
+        self.beat.hear(heard);
+    }
+
+    /// Periods, since power-up, in which setpoints were late for the SYNC that the board follows; 65535 is followed by 0.
+    #[must_use]
+    pub const fn sync_late(&self) -> u16 {
+        self.beat.late()
+    }
+
+    /// Judges a period of a beat that is not the board's own.
+    #[inline(never)]
+    pub(super) fn keep_beat(&mut self, ends: &mut Ends<'_, '_>) {
+        let verdict = self.beat.tick(self.mode == Mode::Starting);
+        if self.beat.has_ended() {
+            self.drives.cut_off();
+        }
+        let number = |figure: u32| Arg::Int(figure.into());
+        let period = number(self.beat.tick_us().into());
+        let alarm = match verdict {
+            SyncVerdict::Good => return,
+            SyncVerdict::Lost => Alarm::of(Code::SyncLost, &[number(self.beat.gaps()), period]),
+            SyncVerdict::Unsteady => {
+                let (seen, waited) = self.beat.seen();
+                let figures = [number(seen.into()), number(waited.into()), period];
+                Alarm::of(Code::SyncUnsteady, &figures)
+            }
+        };
+        self.raise(&alarm, ends);
+    }
+}

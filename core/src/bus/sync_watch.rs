@@ -1,0 +1,341 @@
+//! Whether the SYNC of somebody else can be followed.
+//!
+//! A board that follows tells in every period what that has brought. It *follows* once a hundred periods in a row had one
+//! SYNC each, nothing missing by the counters, and the board's own beat with it. From then on a period with none, with two or
+//! with a gap in the counters is one in which setpoints were late for their SYNC, and is counted as that; three in a row with
+//! none, or a beat that has come off, and it is lost.
+//!
+//! ```text
+//!            100 periods as they should be               3 without SYNC, or off the beat
+//! (waits) ─────────────────────────────────► (follows) ──────────────────────────────────► (waits)
+//!    └── too long: unsteady
+//! ```
+//!
+//! Knows neither drives nor what an alarm is.
+
+use super::sync::{SyncHeard, SyncSource};
+
+/// Periods in a row that have to be as they should be.
+const STEADY: u8 = 100;
+
+/// Three periods in a row without SYNC.
+const GONE: u8 = 0b111;
+
+/// What has come of a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SyncVerdict {
+    /// The board may go on as it is.
+    Good,
+    /// It followed, and does not any more.
+    Lost,
+    /// It has waited too long for a beat that can be followed.
+    Unsteady,
+}
+
+/// What there is to know about the beat of the bus.
+#[derive(Clone, Copy, Debug)]
+pub struct SyncWatch {
+    source: SyncSource,
+    /// The drives may be brought up.
+    follows: bool,
+    /// What the owner said of this period.
+    heard: SyncHeard,
+    /// The last periods without SYNC, the newest in bit 0.
+    gaps: u8,
+    /// Periods in a row that were as they should be.
+    steady: u8,
+    /// Periods that were not, while it followed.
+    late: u16,
+    /// Periods that it has waited, and SYNCs heard in them.
+    waited: u16,
+    seen: u16,
+    /// Time of a period in microseconds.
+    tick_us: u16,
+}
+
+impl SyncWatch {
+    /// For a board with this period in microseconds.
+    #[must_use]
+    pub const fn new(source: SyncSource, tick_us: u32) -> Self {
+        Self {
+            source,
+            follows: matches!(source, SyncSource::Own),
+            heard: SyncHeard::NONE,
+            gaps: 0,
+            steady: 0,
+            late: 0,
+            waited: 0,
+            seen: 0,
+            // A tick is no longer than 10 ms.
+            tick_us: tick_us as u16,
+        }
+    }
+
+    /// The same for another set, the periods counted so far included.
+    pub(crate) const fn begin_anew(&mut self, source: SyncSource, tick_us: u32) {
+        let late = self.late;
+        *self = Self::new(source, tick_us);
+        self.late = late;
+    }
+
+    /// Somebody else gives the beat.
+    #[inline]
+    #[must_use]
+    pub const fn is_for_bus(&self) -> bool {
+        matches!(self.source, SyncSource::Bus)
+    }
+
+    /// Takes what this period has brought. Where nothing is said, it has brought nothing.
+    pub const fn hear(&mut self, heard: SyncHeard) {
+        self.heard = heard;
+    }
+
+    /// The beat is the board's own, or one that it follows.
+    #[must_use]
+    pub const fn is_steady(&self) -> bool {
+        self.follows
+    }
+
+    /// True once where three periods in a row have brought no SYNC: nobody latches anything.
+    #[must_use]
+    pub const fn has_ended(&self) -> bool {
+        self.gaps & (GONE << 1 | 1) == GONE
+    }
+
+    /// Periods in which setpoints were late for a SYNC, since power-up; 65535 is followed by 0.
+    #[must_use]
+    pub const fn late(&self) -> u16 {
+        self.late
+    }
+
+    /// For [`SyncVerdict::Lost`]: how many of the last eight periods were without SYNC.
+    #[must_use]
+    pub const fn gaps(&self) -> u32 {
+        self.gaps.count_ones()
+    }
+
+    /// For [`SyncVerdict::Unsteady`]: how many SYNCs were heard, in how many periods.
+    #[must_use]
+    pub const fn seen(&self) -> (u16, u16) {
+        (self.seen, self.waited)
+    }
+
+    /// Time of a period in microseconds.
+    #[must_use]
+    pub const fn tick_us(&self) -> u16 {
+        self.tick_us
+    }
+
+    /// A period is over. `waits`: the drives are to be brought up.
+    #[inline(never)]
+    pub fn tick(&mut self, waits: bool) -> SyncVerdict {
+        let heard = core::mem::replace(&mut self.heard, SyncHeard::NONE);
+        let before = self.gaps;
+        self.gaps = before << 1 | u8::from(heard.count == 0);
+        let good = heard == SyncHeard::ONE;
+        if self.follows {
+            if good {
+                return SyncVerdict::Good;
+            }
+            // What a gap in the counters says of periods that were empty has been counted with them.
+            if heard.count != 1 || u32::from(heard.missed) > before.trailing_ones() {
+                self.late = self.late.wrapping_add(1);
+            }
+            if heard.locked && self.gaps & GONE != GONE {
+                return SyncVerdict::Good;
+            }
+            self.follows = false;
+            self.steady = 0;
+            return SyncVerdict::Lost;
+        }
+        self.steady = if good {
+            self.steady.saturating_add(1)
+        } else {
+            0
+        };
+        self.follows = self.steady >= STEADY;
+        if !waits || self.waited >= self.patience() {
+            (self.waited, self.seen) = (0, 0);
+        }
+        if self.follows || !waits {
+            return SyncVerdict::Good;
+        }
+        self.waited = self.waited.saturating_add(1);
+        self.seen = self.seen.saturating_add(heard.count.into());
+        if self.waited < self.patience() {
+            return SyncVerdict::Good;
+        }
+        SyncVerdict::Unsteady
+    }
+
+    /// Periods of two seconds, and those that have to be steady.
+    fn patience(&self) -> u16 {
+        let periods = 2_000_000_u32
+            .checked_div(self.tick_us.into())
+            .unwrap_or(u32::MAX);
+        let all = periods.saturating_add(STEADY.into());
+        u16::try_from(all).unwrap_or(u16::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use SyncVerdict::{Good, Lost, Unsteady};
+
+    const TWICE: SyncHeard = SyncHeard {
+        count: 2,
+        ..SyncHeard::ONE
+    };
+    const GAP: SyncHeard = SyncHeard {
+        missed: 1,
+        ..SyncHeard::ONE
+    };
+    const OFF: SyncHeard = SyncHeard {
+        locked: false,
+        ..SyncHeard::ONE
+    };
+
+    fn of_bus() -> SyncWatch {
+        SyncWatch::new(SyncSource::Bus, 1000)
+    }
+
+    fn after(watch: &mut SyncWatch, heard: SyncHeard) -> SyncVerdict {
+        watch.hear(heard);
+        watch.tick(true)
+    }
+
+    fn following() -> SyncWatch {
+        let mut watch = of_bus();
+        for _ in 0..STEADY {
+            assert!(!watch.is_steady());
+            assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+        }
+        assert!(watch.is_steady());
+        watch
+    }
+
+    #[test]
+    fn a_board_with_a_beat_of_its_own_has_nothing_to_wait_for() {
+        let watch = SyncWatch::new(SyncSource::of(0), 1000);
+        assert!(watch.is_steady() && !watch.is_for_bus());
+        assert_eq!(SyncSource::of(1), SyncSource::Bus);
+    }
+
+    #[test]
+    fn a_hundred_good_periods_in_a_row_make_a_beat() {
+        for flaw in [SyncHeard::NONE, TWICE, GAP, OFF] {
+            let mut watch = of_bus();
+            for _ in 0..STEADY - 1 {
+                assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+            }
+            assert_eq!(after(&mut watch, flaw), Good);
+            for _ in 0..STEADY - 1 {
+                assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+                assert!(!watch.is_steady(), "{flaw:?}");
+            }
+            assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+            assert!(watch.is_steady(), "{flaw:?}");
+            assert_eq!(watch.late(), 0);
+        }
+        following();
+    }
+
+    #[test]
+    fn what_does_not_become_steady_is_told_with_its_figures_and_waited_for_again() {
+        // Nothing; half of it; twice as much.
+        let every_second = [SyncHeard::ONE, SyncHeard::NONE];
+        for (pattern, seen) in [
+            ([SyncHeard::NONE; 2], 0),
+            (every_second, 1050),
+            ([TWICE; 2], 4200),
+            ([OFF; 2], 2100),
+        ] {
+            let mut watch = of_bus();
+            for _ in 0..2 {
+                let mut beats = pattern.iter().cycle();
+                for _ in 0..2099 {
+                    assert_eq!(after(&mut watch, *beats.next().unwrap()), Good);
+                }
+                assert_eq!(after(&mut watch, *beats.next().unwrap()), Unsteady);
+                assert_eq!(watch.seen(), (seen, 2100));
+            }
+        }
+        // Time in which the drives are not to be brought up does not count.
+        let mut watch = of_bus();
+        for _ in 0..5000 {
+            assert_eq!(watch.tick(false), Good);
+        }
+        for _ in 0..2099 {
+            assert_eq!(watch.tick(true), Good);
+        }
+        assert_eq!(watch.tick(true), Unsteady);
+        // A long tick waits for its hundred periods as well.
+        let mut watch = SyncWatch::new(SyncSource::Bus, 10_000);
+        for _ in 0..299 {
+            assert_eq!(watch.tick(true), Good);
+        }
+        assert_eq!(watch.tick(true), Unsteady);
+    }
+
+    #[test]
+    fn each_flaw_is_counted_once() {
+        let mut watch = following();
+        let one = SyncHeard::ONE;
+        let gap = |missed| SyncHeard { missed, ..one };
+        for (heard, late) in [
+            (one, 0),
+            (SyncHeard::NONE, 1),
+            // The counters say what the empty period has said.
+            (gap(1), 1),
+            (one, 1),
+            (gap(1), 2),
+            (TWICE, 3),
+            (SyncHeard::NONE, 4),
+            (SyncHeard::NONE, 5),
+            (gap(2), 5),
+            (SyncHeard::NONE, 6),
+            (gap(2), 7),
+            (one, 7),
+        ] {
+            assert_eq!(after(&mut watch, heard), Good);
+            assert_eq!(watch.late(), late, "{heard:?}");
+            assert!(watch.is_steady() && !watch.has_ended());
+        }
+        watch.begin_anew(SyncSource::Bus, 2000);
+        assert_eq!((watch.late(), watch.is_steady()), (7, false));
+    }
+
+    #[test]
+    fn three_in_a_row_without_are_the_end_of_it() {
+        let mut watch = following();
+        assert_eq!(after(&mut watch, SyncHeard::NONE), Good);
+        // Not said is not heard.
+        assert_eq!(watch.tick(true), Good);
+        assert!(!watch.has_ended());
+        assert_eq!(after(&mut watch, SyncHeard::NONE), Lost);
+        assert_eq!((watch.late(), watch.gaps()), (3, 3));
+        assert!(watch.has_ended() && !watch.is_steady());
+        // Once, until it has been heard again.
+        assert_eq!(watch.tick(false), Good);
+        assert!(!watch.has_ended());
+        assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+        for ended in [false, false, true, false] {
+            assert_eq!(watch.tick(false), Good);
+            assert_eq!(watch.has_ended(), ended);
+        }
+        for _ in 0..STEADY {
+            assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+        }
+        assert!(watch.is_steady());
+        assert_eq!(watch.late(), 3, "what is not followed is not late");
+    }
+
+    #[test]
+    fn off_the_beat_is_lost_at_once_and_somebody_still_gives_it() {
+        let mut watch = following();
+        assert_eq!(after(&mut watch, OFF), Lost);
+        assert!(!watch.has_ended() && !watch.is_steady());
+        assert_eq!((watch.late(), watch.gaps()), (0, 0));
+    }
+}
