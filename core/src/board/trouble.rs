@@ -3,7 +3,8 @@
 use super::nodes::DriveNodes;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::{
-    BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, SyncSource, is_sync,
+    BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, SyncSource,
+    is_sync,
 };
 
 /// What is wrong with the bus. Each is a controlled stop with an alarm.

@@ -51,8 +51,7 @@ use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
 use crate::bus::{
     BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
-    NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
-    SyncSource,
+    NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service, SyncSource,
 };
 use crate::params::Params;
 use crate::program::Call;
@@ -329,7 +328,9 @@ impl Station {
     ) -> bool {
         // Ticks do not come to the end of 64 bits.
         self.shelf.tick = self.shelf.tick.wrapping_add(elapsed.get().into());
-        let more = snapshot.sync_late.wrapping_sub(self.shelf.snapshot.sync_late);
+        let more = snapshot
+            .sync_late
+            .wrapping_sub(self.shelf.snapshot.sync_late);
         self.shelf.late = self.shelf.late.wrapping_add(more.into());
         self.shelf.snapshot = snapshot;
         let error = self.shelf.sync_error;

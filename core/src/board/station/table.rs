@@ -289,7 +289,10 @@ const LINES: &[Line] = &[
     item(0x1003, 6, "error", U32, Read),
     item(0x1003, 7, "error", U32, Read),
     item(0x1003, 8, "error", U32, Read),
-    with(item(0x1005, 0, "COB-ID of SYNC", U32, Read), number(SENDS_SYNC)),
+    with(
+        item(0x1005, 0, "COB-ID of SYNC", U32, Read),
+        number(SENDS_SYNC),
+    ),
     item(0x1006, 0, "Communication cycle period", U32, Read),
     text(0x1008, "Device name", Value::DeviceName),
     text(0x100A, "Software version", Value::SoftwareVersion),

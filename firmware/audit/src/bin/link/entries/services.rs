@@ -6,7 +6,8 @@ use audit::any::{any, sink};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
     HeartbeatProducer, HeartbeatWatch, NmtSlave, Object, Objects, OrderGate, PdoCommunication,
-    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service, SyncConsumer,
+    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service, SyncConsumer, SyncSource,
+    SyncWatch,
 };
 
 /// All of this room.
@@ -112,6 +113,13 @@ fn network() {
         sink(consumer.receive(&any()));
         sink(consumer.elapse(any()));
         sink(sync.receive(&any()));
+    }
+    let source = SyncSource::of(any());
+    let mut watch = SyncWatch::new(source, any());
+    while any() {
+        watch.hear(any());
+        sink((watch.tick(any()), watch.seen(), watch.gaps()));
+        sink((watch.is_steady(), watch.has_ended(), watch.late()));
     }
     sink(HeartbeatWatch::from_raw(any()).map(HeartbeatWatch::raw));
 }
