@@ -32,6 +32,7 @@ mod sdo;
 pub mod slcan;
 mod spindle;
 mod sync;
+mod sync_lock;
 mod sync_watch;
 
 pub use board_pdo::{
@@ -59,4 +60,5 @@ pub use sdo::{
 };
 pub use spindle::{SpindleDemand, SpindleMaster};
 pub use sync::{SyncBeat, SyncConsumer, SyncHeard, SyncProducer, SyncSource, is_sync};
+pub use sync_lock::SyncLock;
 pub use sync_watch::{SyncVerdict, SyncWatch};

@@ -68,6 +68,11 @@ impl SyncConsumer {
         if counter.is_some_and(|counter| !(1..=SyncProducer::LAST).contains(&counter)) {
             return None;
         }
+        Some(self.count(counter))
+    }
+
+    /// Takes the counter of a SYNC, 1–240; `None` for one without.
+    pub fn count(&mut self, counter: Option<u8>) -> SyncBeat {
         let before = core::mem::replace(&mut self.last, counter);
         let missed = match (before, counter) {
             (Some(before), Some(counter)) if counter > before => {
@@ -79,7 +84,7 @@ impl SyncConsumer {
                 .saturating_sub(1),
             _ => 0,
         };
-        Some(SyncBeat { counter, missed })
+        SyncBeat { counter, missed }
     }
 }
 

@@ -18,6 +18,9 @@ use super::sync::{SyncHeard, SyncSource};
 /// Periods in a row that have to be as they should be.
 const STEADY: u8 = 100;
 
+/// Periods in which a timer that is led to the SYNCs has locked ([`SyncLock`](super::SyncLock)).
+const LOCK: u32 = 2000;
+
 /// Three periods in a row without SYNC.
 const GONE: u8 = 0b111;
 
@@ -168,11 +171,12 @@ impl SyncWatch {
         SyncVerdict::Unsteady
     }
 
-    /// Periods of two seconds, and those that have to be steady.
+    /// Periods of two seconds, but no fewer than the own timer may take to lock, and those that have to be steady.
     fn patience(&self) -> u16 {
         let periods = 2_000_000_u32
             .checked_div(self.tick_us.into())
-            .unwrap_or(u32::MAX);
+            .unwrap_or(u32::MAX)
+            .max(LOCK);
         let all = periods.saturating_add(STEADY.into());
         u16::try_from(all).unwrap_or(u16::MAX)
     }
@@ -270,9 +274,9 @@ mod tests {
             assert_eq!(watch.tick(true), Good);
         }
         assert_eq!(watch.tick(true), Unsteady);
-        // A long tick waits for its hundred periods as well.
+        // With a long tick for longer: a timer locks in periods.
         let mut watch = SyncWatch::new(SyncSource::Bus, 10_000);
-        for _ in 0..299 {
+        for _ in 0..2099 {
             assert_eq!(watch.tick(true), Good);
         }
         assert_eq!(watch.tick(true), Unsteady);

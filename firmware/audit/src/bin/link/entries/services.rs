@@ -6,8 +6,8 @@ use audit::any::{any, sink};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
     HeartbeatProducer, HeartbeatWatch, NmtSlave, Object, Objects, OrderGate, PdoCommunication,
-    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service, SyncConsumer, SyncSource,
-    SyncWatch,
+    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service, SyncConsumer, SyncLock,
+    SyncSource, SyncWatch,
 };
 
 /// All of this room.
@@ -113,6 +113,11 @@ fn network() {
         sink(consumer.receive(&any()));
         sink(consumer.elapse(any()));
         sink(sync.receive(&any()));
+    }
+    let mut lock = SyncLock::new(any());
+    while any() {
+        lock.hear(any(), any());
+        sink((lock.beat(), lock.next_steps(), lock.nominal_steps()));
     }
     let source = SyncSource::of(any());
     let mut watch = SyncWatch::new(source, any());

@@ -1,0 +1,546 @@
+//! The lock of a board's own timer to the SYNC of another one.
+//!
+//! A board that follows does not tick when SYNC comes: a frame on the wire is not stopped, SYNC waits for its end, and an
+//! encoder sampled with that jitter has its thread up to 13 µm out of place (135 µs, lead 2 mm, 3000 rpm). So its tick stays
+//! with its timer, and the timer is led to the *early edge* of the SYNCs, for a wire can only make them late.
+//!
+//! ```text
+//! SYNC as it is meant  │         │         │         │           the early edge, which nobody sees
+//! SYNC on the wire     █         │ █       █         │  █        later by what the wire was busy with
+//! own beats            ╵         ╵         ╵         ╵           the length of the next period but one is what is set
+//! ```
+//!
+//! How: of the SYNCs in a window of periods the one that came earliest, seen from the own beat next to it, is the error. Half of
+//! it is made good over the next window, and a part of it goes to the rate. Windows begin short (8 periods), to pull in,
+//! and end long (64), to rest. Lengths are whole steps of the timer; what makes no step yet is carried.
+//!
+//! What it guarantees, whatever comes in:
+//! - a period is within 1/64 and 1/2048 of its nominal length, to a step: there is no jump, not even while it pulls in;
+//! - while it is locked, the rate is within 1/2048 (488 ppm) of the nominal one, and a phase is made good by no more than
+//!   1/16 384 of a period (61 ppm) in each where SYNC is early, by a quarter of that where it is late; a SYNC that is more than a
+//!   quarter of a period away moves nothing, one that is late among others neither, and without any it goes on at its rate;
+//! - it is locked behind six long windows in a row that were at most 1/128 of a period off and had three quarters of their SYNCs,
+//!   and no more behind eight (512 periods) in which none came, or the earliest was off by more than 1/16.
+//!
+//! What it reaches at a period of 1 ms in steps of 1 µs, clocks up to 200 ppm apart, from any phase (tests below): locked after
+//! 0.5 to 1.5 s, and from then on its beats within 8 µs of the early edge with SYNC late by anything up to 135 µs, every tenth
+//! missing; that is 0.8 µm of a thread of 2 mm at 3000 rpm. Bursts in which every SYNC of 0.4 s is 135 µs late move it by 12 µs.
+//!
+//! Knows no timer and no frame; stamps go in, lengths come out. No division.
+
+use super::sync::{SyncConsumer, SyncHeard};
+
+/// Windows are of 2³ to 2⁶ periods.
+const SHORT: u8 = 3;
+const LONG: u8 = 6;
+/// So many long windows in a row that are right begin the lock, and so many that are far off end it.
+const PROOF: u8 = 6;
+const PATIENCE: u8 = 8;
+/// Bits of a fraction of a step.
+const FRACTION: u32 = 14;
+
+/// SYNCs of one beat.
+#[derive(Clone, Copy, Debug, Default)]
+struct Heard {
+    count: u8,
+    missed: u8,
+}
+
+/// Leads a timer to the SYNCs of somebody else.
+#[derive(Clone, Copy, Debug)]
+pub struct SyncLock {
+    /// Steps of a nominal period, of the one under way, and of the one behind it.
+    nominal: i32,
+    running: i32,
+    next: i32,
+    /// What is to be added to each period, in 1/16 384 of a step: for the rate, and for the phase; and what of both has not
+    /// made a step yet.
+    rate: i32,
+    slew: i32,
+    rest: i32,
+    /// The earliest SYNC of this window, in steps behind its beat.
+    earliest: Option<i32>,
+    /// Periods of this window so far, and SYNCs in it that were near their beat.
+    at: u8,
+    near: u8,
+    /// Periods of a window as a power of two.
+    width: u8,
+    /// Windows in a row that were far off, and long ones that were right.
+    far: u8,
+    right: u8,
+    locked: bool,
+    consumer: SyncConsumer,
+    /// For the last beat, and for the one to come.
+    now: Heard,
+    early: Heard,
+}
+
+impl SyncLock {
+    /// For nominal periods of so many steps of the timer; it runs freely at first.
+    #[must_use]
+    pub const fn new(nominal_steps: u16) -> Self {
+        let nominal = nominal_steps as i32;
+        Self {
+            nominal,
+            running: nominal,
+            next: nominal,
+            rate: 0,
+            slew: 0,
+            rest: 0,
+            earliest: None,
+            at: 0,
+            near: 0,
+            width: SHORT,
+            far: 0,
+            right: 0,
+            locked: false,
+            consumer: SyncConsumer::new(),
+            now: Heard {
+                count: 0,
+                missed: 0,
+            },
+            early: Heard {
+                count: 0,
+                missed: 0,
+            },
+        }
+    }
+
+    /// A SYNC began so many steps behind the last own beat, or before it. Before half a period it belongs to that beat, from
+    /// there on to the next.
+    pub fn hear(&mut self, since_steps: i32, counter: Option<u8>) {
+        let half = self.nominal >> 1;
+        let (heard, offset) = if since_steps < half {
+            (&mut self.now, since_steps)
+        } else {
+            (&mut self.early, since_steps.saturating_sub(self.running))
+        };
+        let missed = self.consumer.count(counter).missed;
+        heard.count = heard.count.saturating_add(1);
+        heard.missed = heard.missed.saturating_add(missed);
+        let gate = if self.locked { half >> 1 } else { half };
+        if offset.saturating_abs() <= gate {
+            self.near = self.near.saturating_add(1);
+            self.earliest = Some(match self.earliest {
+                Some(earliest) => earliest.min(offset),
+                None => offset,
+            });
+        }
+    }
+
+    /// The own beat: all SYNCs heard before it have been given. What the beat before it has brought.
+    pub fn beat(&mut self) -> SyncHeard {
+        let Heard { count, missed } = core::mem::replace(&mut self.now, self.early);
+        self.early = Heard::default();
+        self.at = self.at.wrapping_add(1);
+        if self.at.wrapping_shr(self.width.into()) > 0 {
+            self.judge();
+        }
+        self.running = self.next;
+        let rest = self.rest.wrapping_add(self.rate).wrapping_add(self.slew);
+        self.next = self.nominal.wrapping_add(rest >> FRACTION);
+        self.rest = rest & ((1 << FRACTION) - 1);
+        SyncHeard {
+            count,
+            missed,
+            locked: self.locked,
+        }
+    }
+
+    /// Steps of the nominal period.
+    #[must_use]
+    pub const fn nominal_steps(&self) -> u16 {
+        self.nominal as u16
+    }
+
+    /// Steps of the period behind the one that has begun with the last beat.
+    #[must_use]
+    pub const fn next_steps(&self) -> u32 {
+        self.next.cast_unsigned()
+    }
+
+    /// The end of a window.
+    #[cold]
+    fn judge(&mut self) {
+        let near = core::mem::take(&mut self.near);
+        let earliest = self.earliest.take();
+        let nominal = self.nominal << FRACTION;
+        let error = earliest.unwrap_or(0) << FRACTION;
+        let away = error.saturating_abs();
+        self.at = 0;
+
+        let is_far = earliest.is_none() || away > nominal >> 4;
+        self.far = match is_far {
+            true => self.far.saturating_add(1),
+            false => 0,
+        };
+        if is_far && !self.locked || self.far >= PATIENCE {
+            self.width = SHORT;
+            self.locked = false;
+        }
+        let width = u32::from(self.width);
+        // Late may be the wire, early is they.
+        let error = match self.locked {
+            true => within(error, nominal >> 7).min(nominal >> 9),
+            false => error,
+        };
+        self.slew = within((error >> 1).wrapping_shr(width), nominal >> 6);
+        if !is_far {
+            let part = if self.locked { 4 } else { 3 };
+            let more = (error >> part).wrapping_shr(width);
+            self.rate = within(self.rate.wrapping_add(more), nominal >> 11);
+        }
+        let enough = 3_u32.wrapping_shl(width);
+        let is_right = away <= nominal >> 7 && u32::from(near) << 2 >= enough;
+        match (is_right, self.width) {
+            (false, _) => self.right = 0,
+            (true, LONG) => self.right = self.right.saturating_add(1),
+            (true, _) => self.width = self.width.saturating_add(1),
+        }
+        self.locked |= self.right >= PROOF;
+    }
+}
+
+/// A value no further from zero than `most`, which is not negative.
+fn within(value: i32, most: i32) -> i32 {
+    value.min(most).max(most.wrapping_neg())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::arithmetic_side_effects)]
+
+    extern crate std;
+
+    use std::collections::VecDeque;
+
+    use super::*;
+
+    /// Picoseconds of a step.
+    const STEP: i64 = 1_000_000;
+    /// Steps from the beginning of a SYNC on the wire to where it can be read.
+    const FRAME: i64 = 60;
+    /// What a SYNC waits for at most: the longest frame at 1 Mbit/s.
+    const LONGEST: u64 = 135 * 1_000_000;
+
+    /// Random numbers (xorshift).
+    struct Random(u64);
+
+    impl Random {
+        fn of(seed: u64) -> Self {
+            Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+        }
+
+        fn below(&mut self, limit: u64) -> u64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            (self.0 >> 16) % limit
+        }
+    }
+
+    /// By how many picoseconds the wire makes a SYNC late.
+    type Jitter = fn(&mut Random, i64) -> u64;
+
+    fn none(_: &mut Random, _: i64) -> u64 {
+        0
+    }
+
+    fn half(random: &mut Random, _: i64) -> u64 {
+        let busy = random.below(2);
+        busy * random.below(LONGEST + 1)
+    }
+
+    fn uniform(random: &mut Random, _: i64) -> u64 {
+        random.below(LONGEST + 1)
+    }
+
+    /// In 0.4 s of every 5 all are as late as they can be.
+    fn bursts(random: &mut Random, sync: i64) -> u64 {
+        if sync % 5000 < 400 {
+            LONGEST
+        } else {
+            uniform(random, sync)
+        }
+    }
+
+    /// Somebody who gives the beat, the wire, and a timer that is led.
+    struct Wire {
+        random: Random,
+        jitter: Jitter,
+        /// Thousandths of all SYNCs that are lost, and that come twice.
+        lost: u64,
+        doubled: u64,
+        /// Theirs: the period, the instant of the next SYNC, and how many there were; in picoseconds of the own clock.
+        period: i64,
+        next: i64,
+        sent: i64,
+        /// On the wire: when it began, in steps, and its counter.
+        wire: VecDeque<(i64, u8)>,
+        lock: SyncLock,
+        /// The own beat, in steps, and the two lengths that are set already.
+        beat: i64,
+        lengths: [i64; 2],
+    }
+
+    /// A quotient rounded up.
+    fn up(a: i64, b: i64) -> i64 {
+        (a + b - 1) / b
+    }
+
+    /// What a beat was like.
+    struct Beat {
+        heard: SyncHeard,
+        /// Picoseconds behind the SYNC that was meant next to it.
+        error: i64,
+        /// The period set, against the nominal one.
+        longer: i64,
+    }
+
+    impl Wire {
+        /// Their clock is faster by `ppm`; their first SYNC comes `phase` steps behind an own beat.
+        fn new(nominal: u16, ppm: i64, phase: i64, jitter: Jitter, seed: u64) -> Self {
+            let steps = i64::from(nominal);
+            Self {
+                random: Random::of(seed),
+                jitter,
+                lost: 0,
+                doubled: 0,
+                period: steps * (STEP - ppm),
+                next: phase * STEP,
+                sent: 0,
+                wire: VecDeque::new(),
+                lock: SyncLock::new(nominal),
+                beat: 0,
+                lengths: [steps; 2],
+            }
+        }
+
+        fn period(&mut self) -> Beat {
+            let [now, next] = self.lengths;
+            let end = self.beat + now;
+            while self.next < end * STEP {
+                let late = (self.jitter)(&mut self.random, self.sent);
+                let began = (self.next + i64::try_from(late).unwrap()) / STEP;
+                let counter = u8::try_from(self.sent % 240 + 1).unwrap();
+                let lost = self.random.below(1000) < self.lost;
+                let doubled = self.random.below(1000) < self.doubled;
+                for _ in 0..u8::from(!lost) * (1 + u8::from(doubled)) {
+                    self.wire.push_back((began, counter));
+                }
+                self.sent += 1;
+                self.next += self.period;
+            }
+            while let Some((began, counter)) = self.wire.front().copied()
+                && began + FRAME <= end
+            {
+                self.wire.pop_front();
+                let since = i32::try_from(began - self.beat).unwrap();
+                self.lock.hear(since, Some(counter));
+            }
+            let heard = self.lock.beat();
+            self.beat = end;
+            self.lengths = [next, self.lock.next_steps().into()];
+            let behind = self.beat * STEP - self.next;
+            let error = (behind + self.period / 2).rem_euclid(self.period) - self.period / 2;
+            Beat {
+                heard,
+                error,
+                longer: self.lengths[1] - i64::from(self.lock.nominal_steps()),
+            }
+        }
+
+        /// Periods until it was locked.
+        fn pull_in(&mut self) -> u32 {
+            let most = up(33 * i64::from(self.lock.nominal_steps()), 2048);
+            (1..=2_500)
+                .find(|_| {
+                    let beat = self.period();
+                    assert!(beat.longer.abs() <= most);
+                    beat.heard.locked
+                })
+                .expect("it locks")
+        }
+
+        /// So many periods while it is locked: the least and the greatest error in nanoseconds.
+        fn follow(&mut self, periods: u32) -> (i64, i64) {
+            let bound = up(9 * i64::from(self.lock.nominal_steps()), 16_384);
+            let mut errors = (i64::MAX, i64::MIN);
+            for _ in 0..periods {
+                let beat = self.period();
+                assert!(beat.heard.locked);
+                assert!(beat.longer.abs() <= bound, "{}", beat.longer);
+                errors = (errors.0.min(beat.error), errors.1.max(beat.error));
+            }
+            (errors.0 / 1000, errors.1 / 1000)
+        }
+    }
+
+    /// Locks from everywhere, and follows for so many periods: the longest pull-in, the least and the greatest error.
+    fn everywhere(jitter: Jitter, periods: u32) -> (u32, i64, i64) {
+        let mut worst = (0, i64::MAX, i64::MIN);
+        for ppm in [-200, -100, 0, 100, 200] {
+            for phase in [0, 100, 300, 499, 500, 501, 700, 950] {
+                for lost in [0, 100] {
+                    let seed = 7 + u64::try_from(phase + 300 + ppm).unwrap();
+                    let mut wire = Wire::new(1000, ppm, phase, jitter, seed);
+                    wire.lost = lost;
+                    let pulled = wire.pull_in();
+                    let (least, most) = wire.follow(periods);
+                    worst = (worst.0.max(pulled), worst.1.min(least), worst.2.max(most));
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn from_any_phase_it_locks_and_keeps_to_the_early_edge() {
+        // The longest pull-in in periods, and the errors in nanoseconds; 80 runs each.
+        assert_eq!(everywhere(none, 15_000), (864, -2_200, 2_600));
+        assert_eq!(everywhere(half, 15_000), (880, -4_200, 3_500));
+        assert_eq!(everywhere(uniform, 15_000), (1_472, -2_400, 8_000));
+        assert_eq!(everywhere(bursts, 15_000), (1_688, -4_200, 12_200));
+    }
+
+    #[test]
+    fn a_million_periods() {
+        let mut wire = Wire::new(1000, 137, 611, uniform, 5);
+        (wire.lost, wire.doubled) = (20, 20);
+        wire.pull_in();
+        // Clocks that become warm: 1 ppm in 20 s, 25 one way and back.
+        let mut errors = (i64::MAX, i64::MIN);
+        for second in 0..1000_i64 {
+            wire.period = 1000 * STEP - 137_000 - (500 - (second - 500).abs()) * 50;
+            let (least, most) = wire.follow(1000);
+            errors = (errors.0.min(least), errors.1.max(most));
+        }
+        assert_eq!(errors, (-2_638, 6_826));
+    }
+
+    #[test]
+    fn at_other_periods() {
+        for (nominal, pulled, errors) in [
+            (500, 480, (-2_100, 100)),
+            (2_000, 608, (-2_000, 3_200)),
+            (4_000, 640, (-1_800, 5_000)),
+            (10_000, 872, (-1_000, 6_000)),
+        ] {
+            let mut wire = Wire::new(nominal, -200, i64::from(nominal) * 2 / 5, half, 3);
+            assert_eq!(wire.pull_in(), pulled, "{nominal}");
+            assert_eq!(wire.follow(50_000), errors, "{nominal}");
+        }
+    }
+
+    #[test]
+    fn every_sync_belongs_to_one_beat() {
+        for jitter in [none, half, uniform] {
+            let mut wire = Wire::new(1000, 60, 430, jitter, 11);
+            wire.pull_in();
+            for _ in 0..50_000 {
+                let heard = wire.period().heard;
+                assert_eq!((heard.count, heard.missed), (1, 0));
+            }
+        }
+        // One is lost: it is missing at its beat, and by the counter of the next.
+        let mut wire = Wire::new(1000, 60, 430, half, 11);
+        wire.pull_in();
+        wire.lost = 1000;
+        while wire.period().heard.count == 1 {}
+        wire.lost = 0;
+        let heard = [(); 3].map(|()| wire.period().heard);
+        assert_eq!(heard.map(|heard| heard.count), [0, 1, 1]);
+        assert_eq!(heard.map(|heard| heard.missed), [0, 2, 0]);
+        // One comes twice.
+        wire.doubled = 1000;
+        while wire.period().heard.count == 1 {}
+        wire.doubled = 0;
+        let heard = [(); 3].map(|()| wire.period().heard);
+        assert_eq!(heard.map(|heard| heard.count), [2, 1, 1]);
+        assert_eq!(heard.map(|heard| heard.missed), [239, 0, 0]);
+    }
+
+    #[test]
+    fn without_sync_it_goes_on_at_its_rate_and_gives_up() {
+        let mut wire = Wire::new(1000, 150, 0, half, 2);
+        wire.pull_in();
+        wire.follow(5_000);
+        wire.lost = 1000;
+        // Half a second.
+        assert_eq!(wire.follow(500), (-1_750, -50));
+        let rest = (1..)
+            .find(|_| !wire.period().heard.locked)
+            .expect("it gives up");
+        assert!((12..=76).contains(&rest), "{rest}");
+        // Back again.
+        wire.lost = 0;
+        assert_eq!(wire.pull_in(), 440);
+    }
+
+    #[test]
+    fn a_wrong_period_is_none_to_lock_to() {
+        // A per cent off.
+        for ppm in [-10_000, 10_000] {
+            let mut wire = Wire::new(1000, ppm, 0, none, 1);
+            for _ in 0..100_000 {
+                assert!(!wire.period().heard.locked);
+            }
+        }
+        // Every second one is missing, or one too many: that is for who counts them.
+        for (period, counts) in [(2000, [0, 1]), (500, [2, 2])] {
+            let mut wire = Wire::new(1000, 0, 0, none, 1);
+            wire.period = period * STEP;
+            for _ in 0..1_000 {
+                wire.period();
+            }
+            let mut heard = [(); 2].map(|()| wire.period().heard.count);
+            heard.sort_unstable();
+            assert_eq!(heard, counts);
+            assert!(!wire.period().heard.locked);
+        }
+    }
+
+    #[test]
+    fn a_phase_that_jumps_is_not_followed_but_given_up() {
+        for jump in [300, -300, 100, -100] {
+            let mut wire = Wire::new(1000, 40, 0, half, 4);
+            wire.pull_in();
+            wire.follow(2_000);
+            wire.next += jump * STEP;
+            let before = wire.period().error;
+            // No jump of its own: for eight windows it stays about where it was.
+            let mut periods = 0;
+            while wire.period().heard.locked {
+                periods += 1;
+            }
+            assert!((448..=640).contains(&periods), "{jump}: {periods}");
+            let moved = wire.period().error - before;
+            assert!(moved.abs() < 40 * STEP, "{jump}: {moved}");
+            assert!(wire.pull_in() < 1_100);
+        }
+    }
+
+    #[test]
+    fn whatever_comes_a_period_is_within_its_bounds() {
+        let mut random = Random::of(1);
+        for nominal in [0, 1, 2, 3, 63, 250, 1_000, 10_000, 65_535] {
+            let mut lock = SyncLock::new(nominal);
+            let steps = i64::from(nominal);
+            for _ in 0..50_000 {
+                for _ in 0..random.below(4) {
+                    let since = match random.below(4) {
+                        0 => i64::from(i32::MIN) + random.below(1 << 32) as i64,
+                        1 => random.below(65_536) as i64 - 32_768,
+                        2 => random.below(steps.unsigned_abs() + 1) as i64,
+                        _ => random.below(20) as i64 - 10,
+                    };
+                    let counter = random.below(300);
+                    lock.hear(since as i32, u8::try_from(counter).ok());
+                }
+                lock.beat();
+                let longer = i64::from(lock.next_steps()) - steps;
+                assert!(longer.abs() <= up(33 * steps, 2048), "{longer}");
+            }
+        }
+    }
+}
