@@ -481,7 +481,7 @@ fn a_drive_that_refuses_stops_all_of_it() {
     assert_eq!(
         told,
         "error: drive Z (node 17): writing object 607Fh:00h max_profile_velocity refused with abort code 06090032h (value is \
-         too low); what was written before it has its old value again, and nothing of the board's set has been changed\n"
+         too low): its manual has the range, correct `[drive.Z]`; what was written before it has its old value again, and nothing of the board's set has been changed\n"
     );
     let out = leadscrew(&["params", "diff", "--state", &state]);
     assert_eq!(out.status.code(), Some(0), "{}", text(&out.stdout));
@@ -489,7 +489,8 @@ fn a_drive_that_refuses_stops_all_of_it() {
     for (section, part) in [
         (
             "[drive.C]\nmax_torque = 5\n",
-            "drive C (node 18): reading object 6072h:00h max_torque refused with abort code 06020000h",
+            "drive C (node 18): reading object 6072h:00h max_torque refused with abort code 06020000h (object does not exist): this \
+             drive does not have it, leave it out of `[drive.C]`",
         ),
         (
             "[drive.C]\n6041.0 = { type = \"u8\", value = 1 }\n",

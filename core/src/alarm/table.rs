@@ -764,7 +764,7 @@ codes! {
     /// 5210 names a code with another meaning; {0} the code.
     TapCodeTaken = 4429, "M{0} cannot be the code of rigid tapping (5210): it means something else", "set 5210 to 0 (M29), or to a code that is free",
         "M{0} 不能作为刚性攻丝的 M 代码（5210）：它另有含义", "请将 5210 设为 0（M29）或未使用的代码";
-    // 4450–4457, drive sections of parameter files: the figures are texts.
+    // 4450–4458, drive sections of parameter files: the figures are texts.
     /// `[drive.NAME]` of a drive that no machine has; {0} the name.
     DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",
         "没有驱动器 `{0}`", "请写 `[drive.X]`，或 Z、C，主轴为 S1 至 S4";
@@ -795,6 +795,10 @@ codes! {
     /// A PDO with other contents than the board's; {0} the drive, {1} the mapping object, {2} its, {3} the board's.
     DriveMapping = 4457, "drive {0}: {1} would be {2}, and the board needs {3}", "write {3}, or leave the mapping out",
         "驱动器 {0}：{1} 的映射为 {2}，而控制板需要 {3}", "请写 {3}，或不写该映射";
+
+    /// A PDO under another identifier than the board's; {0} the drive, {1} the object, {2} its, {3} the board's.
+    DriveCobId = 4458, "drive {0}: {1} would be {2}, and the board uses {3}", "write {3}, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
+        "驱动器 {0}：{1} 为 {2}，而控制板使用 {3}", "请写 {3}，或不写（驱动器默认即为此值）；节点号由 9015 给出，1 号主轴为 9016";
 
     // -- 4900–4919 warnings: program/ --------------------------------------------------------------------------------
     /// P(r) of G78 above 4 [D7]; {0} the value.

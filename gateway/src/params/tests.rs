@@ -494,7 +494,36 @@ fn every_mistake_in_a_drive_section_has_its_place_its_cause_and_its_remedy() {
             "1.toml:2:9-20 4457 drive C: 1A00h would be 6041h/16, and the board needs 6041h/16 6064h/32 / write 6041h/16 \
              6064h/32, or leave the mapping out",
         ),
+        (
+            "[drive.X]\nrpdo1_cob_id = 0x211",
+            "1.toml:2:16-21 4458 drive X: 1400h:01h rpdo1_cob_id would be 00000211h, and the board uses 00000210h / write \
+             00000210h, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
+        ),
+        // Switched off.
+        (
+            "[drive.S2]\nrpdo2_cob_id = 0x80000321",
+            "1.toml:2:16-26 4458 drive S2: 1401h:01h rpdo2_cob_id would be 80000321h, and the board uses 00000321h / write \
+             00000321h, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1",
+        ),
     ] {
         assert_eq!(alone(file), expected);
     }
+}
+
+#[test]
+fn identifiers_of_a_drive_go_with_the_number_of_the_same_set() {
+    let told_of = |section: &str| {
+        let file = format!("\"9015.Z\" = 20\n[drive.Z]\n{section}");
+        told(&load_texts(&[&file], &[]))
+    };
+    let mut told = told_of("tpdo1_cob_id = 0x191");
+    assert_eq!(
+        told.pop().unwrap(),
+        "1.toml:3:16-21 4458 drive Z: 1800h:01h tpdo1_cob_id would be 00000191h, and the board uses 00000194h / write \
+         00000194h, or leave it out: a drive has it by itself; its number is 9015, or 9016 for spindle 1"
+    );
+    assert_eq!(told, [""; 0]);
+    // Without remote requests; the second one is not the board's.
+    let good = "rpdo1_cob_id = 0x214\nrpdo2_cob_id = 0x80000314\ntpdo1_cob_id = 0x40000194";
+    assert_eq!(told_of(good), [""; 0]);
 }

@@ -16,7 +16,10 @@ mod section;
 
 use std::ops::Range;
 
-use leadscrew_core::bus::{DriveCommand, DriveStatus, Mapped, Object, SpindleCommand};
+use leadscrew_core::board::DriveNodes;
+use leadscrew_core::bus::{
+    CobId, DriveCommand, DriveStatus, Mapped, Object, Service, SpindleCommand,
+};
 use leadscrew_core::params::Params;
 
 use crate::diagnostics::Place;
@@ -26,6 +29,9 @@ pub use objects::{
     object_text,
 };
 pub(super) use section::apply;
+
+/// Bit 30 of a COB-ID: no remote request.
+const NO_REMOTE: i64 = 1 << 30;
 
 /// The key of all sections.
 pub const KEY: &str = "drive";
@@ -137,6 +143,7 @@ pub struct Conflict {
 #[must_use]
 pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     use leadscrew_core::alarm::Code;
+    let nodes = DriveNodes::of(params);
     let mut found = Vec::new();
     for setting in settings {
         let drive = setting.drive;
@@ -195,10 +202,35 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                     );
                 }
             }
-            Wanted::Number { .. } => {}
+            Wanted::Number { object, value, .. } => {
+                if let Some((theirs, board)) = cob_id_conflict(drive, *object, *value, &nodes) {
+                    conflict(Code::DriveCobId, [object_text(*object), theirs, board]);
+                }
+            }
         }
     }
     found
+}
+
+/// Both identifiers in words, where a PDO that the board exchanges with the drive is switched off, or under another one.
+fn cob_id_conflict(
+    drive: DriveName,
+    object: Object,
+    value: i64,
+    nodes: &DriveNodes,
+) -> Option<(String, String)> {
+    let service = match (object.index, object.sub) {
+        (0x1400, 1) => Service::Rpdo1,
+        (0x1401, 1) if drive.is_spindle() => Service::Rpdo2,
+        (0x1800, 1) => Service::Tpdo1,
+        _ => return None,
+    };
+    let board = i64::from(CobId::of(service, drive.among(nodes).node).get());
+    // Whether it may be asked for by a remote request is the drive's own affair.
+    if value & !NO_REMOTE == board {
+        return None;
+    }
+    Some((format!("{value:08X}h"), format!("{board:08X}h")))
 }
 
 /// Both times in words, where a period is not the tick.

@@ -43,11 +43,13 @@ pub fn check_periods(link: &mut Link, settings: &[Setting], old: &Params, new: &
         if !named && old.tick_us() == new.tick_us() {
             continue;
         }
+        let at = drive.among(&nodes);
         let mut value_of = |object, kind| match wanted(object) {
             Some(value) => Ok(Some(value)),
             None => link
-                .ask(drive.among(&nodes).node, object)
-                .map(|bytes| bytes.and_then(|b| Kind::decode(kind, &b))),
+                .ask(at.node, object)
+                .map(|bytes| bytes.and_then(|b| Kind::decode(kind, &b)))
+                .map_err(|trouble| refused(at, &trouble)),
         };
         let value = value_of(PERIOD_VALUE, Kind::U8)?;
         let exponent = match value {

@@ -5,13 +5,13 @@ mod apply;
 mod tests;
 
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{Mapped, Object};
+use leadscrew_core::bus::{Abort, Mapped, Object, SdoError};
 
 use crate::failure::{Failure, Outcome};
 use crate::link::{Link, Trouble, reason};
 use crate::params::difference::DriveChange;
 use crate::params::drives::{Drive, Kind, Setting, Wanted, mapping_text, object_text};
-use crate::words::both;
+use crate::words::{Both, both};
 
 pub use apply::{apply, check_periods, only_drives, with_drives};
 
@@ -151,18 +151,71 @@ fn refused(drive: Drive, trouble: &Trouble) -> Failure {
         both!("reading", "读")
     };
     let (reason, node) = (reason(*error), drive.node.get());
+    let remedy = remedy(drive, *error);
     let words = both!(
-        "drive {drive} (node {node}): {doing_en} object {object} {en}",
-        "驱动器 {drive}（节点 {node}）：{doing_zh}对象 {object} {zh}",
+        "drive {drive} (node {node}): {doing_en} object {object} {en}: {remedy_en}",
+        "驱动器 {drive}（节点 {node}）：{doing_zh}对象 {object} {zh}：{remedy_zh}",
         object = object_text(*object),
         doing_en = doing.en,
         doing_zh = doing.zh,
         en = reason.en,
-        zh = reason.zh
+        zh = reason.zh,
+        remedy_en = remedy.en,
+        remedy_zh = remedy.zh
     );
     match trouble.refusal() {
         Some(_) => Failure::WrongBecause(words),
         None => Failure::Bus(words),
+    }
+}
+
+/// What to do about a drive that says no, or nothing.
+fn remedy(drive: Drive, error: SdoError) -> Both {
+    let node = drive.node.get();
+    match error.abort() {
+        Some(Abort::TimedOut) => both!(
+            "is it on, and is {node} its number (parameters 9015 and 9016)",
+            "它通电了吗？节点号是 {node} 吗（参数 9015 和 9016）"
+        ),
+        Some(Abort::NoObject | Abort::NoSubIndex) => both!(
+            "this drive does not have it, leave it out of `[drive.{drive}]`",
+            "该驱动器没有此对象，请从 `[drive.{drive}]` 中删除"
+        ),
+        Some(Abort::Access | Abort::ReadOnly | Abort::WriteOnly) => both!(
+            "this drive does not let it change, leave it out of `[drive.{drive}]`",
+            "该驱动器不允许更改，请从 `[drive.{drive}]` 中删除"
+        ),
+        Some(Abort::TooHigh | Abort::TooLow | Abort::Value | Abort::MaximumBelowMinimum) => both!(
+            "its manual has the range, correct `[drive.{drive}]`",
+            "范围见驱动器手册，请改正 `[drive.{drive}]`"
+        ),
+        Some(Abort::Length | Abort::TooLong | Abort::TooShort) => both!(
+            "its manual has the type, correct `[drive.{drive}]`",
+            "类型见驱动器手册，请改正 `[drive.{drive}]`"
+        ),
+        Some(Abort::NotMappable | Abort::PdoLength) => both!(
+            "its manual lists what it can map, correct `[drive.{drive}]`",
+            "可映射的对象见驱动器手册，请改正 `[drive.{drive}]`"
+        ),
+        Some(Abort::State | Abort::LocalControl) => both!(
+            "end what else operates it (its panel, its maker's program), then try again",
+            "请结束正在操作它的面板或厂家软件，然后重试"
+        ),
+        Some(
+            Abort::Toggle
+            | Abort::Specifier
+            | Abort::BlockSize
+            | Abort::Sequence
+            | Abort::Crc
+            | Abort::NoConnection,
+        ) => both!(
+            "end what else talks to it, look at the wiring, then try again",
+            "请结束与它通信的其它程序、检查接线，然后重试"
+        ),
+        _ => both!(
+            "look the code up in its manual",
+            "请在驱动器手册中查找该代码"
+        ),
     }
 }
 
