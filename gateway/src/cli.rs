@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use leadscrew_can::{Address, BitRate};
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::bus::NodeId;
 
 use crate::failure::{Failure, Outcome};
 use crate::values::{At, Percent, Ripple, SetSignal, Tolerance};
@@ -64,9 +65,9 @@ pub struct Global {
     /// `ip link set can0 type can bitrate …`.
     #[arg(long, global = true, value_name = "KBIT", value_parser = bit_rate)]
     pub bitrate: Option<BitRate>,
-    /// CANopen node of the board, 1 to 127
-    #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=127))]
-    pub node: u8,
+    /// CANopen node of the board, 1 to 126 [default: 1]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=126))]
+    pub node: Option<u8>,
     /// Parameter file of the machine (repeatable; later files win)
     #[arg(long, global = true, value_name = "FILE")]
     pub params: Vec<PathBuf>,
@@ -126,6 +127,12 @@ fn bit_rate(text: &str) -> Result<BitRate, String> {
 }
 
 impl Global {
+    /// The board's number.
+    #[must_use]
+    pub fn node(&self) -> NodeId {
+        self.node.and_then(NodeId::new).unwrap_or(NodeId::BOARD)
+    }
+
     /// The bit rate for an adapter.
     ///
     /// # Errors
@@ -203,6 +210,8 @@ pub enum Command {
         command: ParamsCommand,
     },
     /// One look at the board; with `sim`, at what the flash in `--state` remembers
+    ///
+    /// Without `--node` it names the other boards on the bus, too, which takes as long as they are silent at a time.
     Status,
     /// A live view of the board (needs a real bus)
     Monitor,

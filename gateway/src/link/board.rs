@@ -13,8 +13,7 @@ use leadscrew_core::signals::Signals;
 use super::{Link, LinkResult, Trouble};
 
 const SERIAL: Object = Object::new(0x1018, 4);
-const PRODUCT: Object = Object::new(0x1018, 2);
-const HEARTBEAT_WATCH: Object = Object::new(0x1016, 1);
+pub(super) const PRODUCT: Object = Object::new(0x1018, 2);
 pub(super) const PARAMETERS: Object = Object::new(0x1020, 1);
 const RECORD: Object = Object::new(0x5001, 1);
 pub(super) const IMAGE: Object = Object::new(0x5010, 1);
@@ -30,14 +29,12 @@ const SIGNALS: Object = Object::new(0x5060, 0);
 /// Readings of the event log before a gap in it is believed.
 const LOG_TRIES: u32 = 5;
 /// `LSCW`.
-const LEADSCREW: u32 = 0x4C53_4357;
+pub(super) const LEADSCREW: u32 = 0x4C53_4357;
 /// A status is due every 10 ms by default.
 const STATUS: Duration = Duration::from_millis(500);
 const FIRST_STATUS: Duration = Duration::from_millis(100);
 /// An order is sent again after this long.
 const REPEAT: Duration = Duration::from_millis(20);
-/// Heartbeats where the board does not say how often it wants them.
-const BEAT: Duration = Duration::from_millis(100);
 
 /// The parameter set of a board, and its identity.
 #[derive(Clone, Debug)]
@@ -88,20 +85,6 @@ impl Link {
                 ours: VERSION,
             });
         }
-        Ok(())
-    }
-
-    /// Says often enough that this side is alive.
-    ///
-    /// # Errors
-    /// The board does not answer.
-    pub fn attend(&mut self) -> LinkResult {
-        // Time in milliseconds in the low half.
-        let every = match self.read_number(HEARTBEAT_WATCH)? & 0xFFFF {
-            0 => BEAT,
-            ms => Duration::from_millis(ms) / 4,
-        };
-        self.keep_alive(every.min(BEAT));
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! trouble   what can go wrong, in words        board    orders, objects with a type
+//! presence  that this side lives, under a number of its own
 //! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
 //! params    a parameter set as a transaction   inside   a simulated board in this process, as a bus
 //! ```
@@ -15,6 +16,7 @@ mod board;
 mod feed;
 mod inside;
 mod params;
+mod presence;
 #[cfg(test)]
 mod tests;
 mod transfer;
@@ -33,8 +35,6 @@ pub use feed::Feed;
 pub use inside::Inside;
 pub use trouble::{LinkResult, Trouble, alarm_words, reason};
 
-/// The gateway's own node.
-pub const GATEWAY: u8 = 127;
 /// The board may be silent for so long before it counts as lost; a status comes every few milliseconds.
 const SILENCE: Duration = Duration::from_secs(2);
 /// Emergencies kept until somebody asks.
@@ -61,6 +61,8 @@ pub struct Seen {
     pub nodes: BTreeSet<u8>,
     /// When the board was heard last.
     pub last: Option<Instant>,
+    /// When somebody else was heard with this side's own number.
+    namesake: Option<Instant>,
     /// When another client's transfer with the board was heard. What this side asks it does not hear.
     other_client: Option<Instant>,
     /// Answers of the board's SDO server are for this side.
@@ -68,12 +70,15 @@ pub struct Seen {
 }
 
 impl Seen {
-    fn note(&mut self, frame: &Frame, board: NodeId) {
+    fn note(&mut self, frame: &Frame, board: NodeId, own: NodeId) {
         let Some((_, node)) = frame.id().service() else {
             return;
         };
         self.nodes.insert(node.get());
         if let Some((from, state)) = NmtState::decode(frame) {
+            if from == own {
+                self.namesake = Some(Instant::now());
+            }
             if from == board {
                 self.state = Some(state);
                 self.boots += u32::from(state == NmtState::BootUp);
@@ -118,11 +123,22 @@ struct Beat {
     next: Instant,
 }
 
+/// What a link hears: all that the board says and is told, and who else is there.
+fn heard(board: NodeId) -> [Filter; 3] {
+    [
+        Filter::node(board),
+        Filter::service(Service::Heartbeat),
+        Filter::service(Service::SdoReply),
+    ]
+}
+
 /// One end of a bus, and a board on it.
 pub struct Link {
     can: Box<dyn Can>,
     bus: String,
     node: NodeId,
+    /// This side's number.
+    own: NodeId,
     began: Instant,
     packets: Vec<Received>,
     health: Health,
@@ -155,12 +171,7 @@ impl Link {
     /// What is missing for it.
     pub fn open(address: &Address, node: NodeId, rate: BitRate) -> LinkResult<Self> {
         let mut can = leadscrew_can::open(address, rate).map_err(Trouble::Can)?;
-        can.listen_for(&[
-            Filter::node(node),
-            Filter::service(Service::Heartbeat),
-            Filter::service(Service::SdoReply),
-        ])
-        .map_err(Trouble::Can)?;
+        can.listen_for(&heard(node)).map_err(Trouble::Can)?;
         Ok(Self::on(can, node))
     }
 
@@ -172,6 +183,7 @@ impl Link {
             bus: can.name().to_owned(),
             can,
             node,
+            own: NodeId::GATEWAY,
             began: now,
             packets: Vec::new(),
             health: Health::default(),
@@ -212,6 +224,18 @@ impl Link {
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.can.dropped().unwrap_or(0)
+    }
+
+    /// Hears the statuses of other boards, too, from now on.
+    ///
+    /// # Errors
+    /// The bus does not take it.
+    pub fn hear_boards(&mut self) -> LinkResult {
+        let [own, beats, answers] = heard(self.node);
+        let statuses = Filter::service(Service::Tpdo1);
+        self.can
+            .listen_for(&[own, beats, answers, statuses])
+            .map_err(Trouble::Can)
     }
 
     /// Hears everything on the bus from now on.
@@ -265,9 +289,7 @@ impl Link {
                 && now >= beat.next
             {
                 beat.next = now + beat.every;
-                if let Some(gateway) = NodeId::new(GATEWAY) {
-                    self.send(&[NmtState::Operational.frame(gateway)])?;
-                }
+                self.send(&[NmtState::Operational.frame(self.own)])?;
             }
             let wake = self.beat.map_or(until, |beat| beat.next.min(until));
             let mut packets = std::mem::take(&mut self.packets);
@@ -279,7 +301,7 @@ impl Link {
             for received in &packets {
                 self.health.note(&received.packet);
                 if let Some(frame) = received.packet.frame() {
-                    self.seen.note(frame, self.node);
+                    self.seen.note(frame, self.node, self.own);
                     enough |= each(frame);
                 }
             }
@@ -330,7 +352,7 @@ impl Link {
     fn silent(&self) -> Trouble {
         let mut nodes = self.seen.nodes.clone();
         nodes.remove(&self.node.get());
-        nodes.remove(&GATEWAY);
+        nodes.remove(&NodeId::GATEWAY.get());
         Trouble::NoBoard {
             node: self.node.get(),
             bus: self.bus.clone(),

@@ -6,6 +6,7 @@ mod long_program;
 mod params;
 mod server;
 mod terminal;
+mod two;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -92,13 +93,21 @@ impl Run {
 /// Waits until a look at the board shows what is wanted.
 #[track_caller]
 fn wait_for(bus: &str, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+    wait_until(what, || {
+        let status = json(&leadscrew(&["status", "--json"], bus));
+        wanted(&status).then_some(status)
+    })
+}
+
+/// Waits until there is something.
+#[track_caller]
+fn wait_until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let end = Instant::now() + Duration::from_secs(60);
     loop {
-        let status = json(&leadscrew(&["status", "--json"], bus));
-        if wanted(&status) {
-            return status;
+        if let Some(seen) = look() {
+            return seen;
         }
-        assert!(Instant::now() < end, "{what}: {status}");
+        assert!(Instant::now() < end, "it did not come: {what}");
         std::thread::sleep(Duration::from_millis(20));
     }
 }

@@ -5,7 +5,7 @@ use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_can::Address;
 use leadscrew_core::params::Params;
 
-use super::{node, open};
+use super::open;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::link::{Inside, Link};
@@ -44,7 +44,7 @@ impl Greeted {
                 let state = StateFile::new(path);
                 let flash = state.load_or_new()?;
                 let inside = simulated(global, flash.clone())?;
-                let link = Link::on(Box::new(inside.clone()), node(global)?);
+                let link = Link::on(Box::new(inside.clone()), global.node());
                 (link, Some((inside, state, flash)))
             }
             _ => (open(global)?, None),
@@ -141,7 +141,7 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
     let mut sim = Sim::power_up(&Params::slant_bed(), &PlantOptions::default(), flash)
         .map(Box::new)
         .map_err(told)?;
-    sim.join(node(global)?)
+    sim.join(global.node())
         .map_err(|alarm| told(SimError::Board(alarm)))?;
     let tick_us = sim.tick_us();
     Ok(Inside::new(sim, tick_us))

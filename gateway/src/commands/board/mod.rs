@@ -7,13 +7,13 @@ mod run;
 mod status;
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::bus::{BoardState, NodeId};
+use leadscrew_core::bus::BoardState;
 
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 use crate::link::Link;
-use crate::words::{both, pick};
+use crate::words::pick;
 
 pub use machine::{Greeted, Machine, base};
 pub use monitor::monitor;
@@ -23,18 +23,7 @@ pub use status::status;
 
 /// The bus and the number of the options; nothing has been said yet.
 pub fn open(global: &Global) -> Outcome<Link> {
-    Ok(Link::open(&global.bus, node(global)?, global.bit_rate()?)?)
-}
-
-/// The board's number.
-fn node(global: &Global) -> Outcome<NodeId> {
-    NodeId::new(global.node).ok_or_else(|| {
-        Failure::Usage(both!(
-            "`--node {node}` is not within 1 to 127",
-            "`--node {node}` 不在 1 到 127 之内",
-            node = global.node
-        ))
-    })
+    Ok(Link::open(&global.bus, global.node(), global.bit_rate()?)?)
 }
 
 /// What the machine is doing, for people.

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::board::Event;
-use leadscrew_core::bus::{BoardCommand, BoardState, Order};
+use leadscrew_core::board::{DriveNodes, Event};
+use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{Certificate, Logged};
 
@@ -307,7 +307,9 @@ struct Runner<'a> {
 
 impl Runner<'_> {
     fn all(&mut self) -> Outcome {
-        self.link.attend()?;
+        let drives = DriveNodes::of(&self.setup.params);
+        let own = self.link.attend_alone(&drives)?;
+        self.tell_number(own);
         self.link.hear_status()?;
         self.prepare_board()?;
         let mut feeder = Feeder::new(self.setup, self.source)?;
@@ -332,6 +334,8 @@ impl Runner<'_> {
                 self.link.idle(LOOK)?;
             }
             self.link.check_alive()?;
+            let own = self.link.step_aside(&drives)?;
+            self.tell_number(own);
             if self.link.seen.boots != boots {
                 self.forgotten(&feeder)?;
             }
@@ -347,6 +351,19 @@ impl Runner<'_> {
             if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
                 return self.conclude(&feed);
             }
+        }
+    }
+
+    /// Says that this side has taken another number.
+    fn tell_number(&self, own: Option<NodeId>) {
+        if let Some(own) = own {
+            let told = both!(
+                "another gateway is on this bus; this one is node {own} meanwhile\n",
+                "此总线上另有网关；本网关暂用节点号 {own}\n",
+                own = own.get()
+            );
+            self.bar
+                .suspend(|| diagnostics::say(told.get(self.setup.lang)));
         }
     }
 

@@ -77,6 +77,17 @@ pub fn status(global: &Global) -> Outcome {
     if let Some(record) = record.filter(|record| record.in_hole) {
         text.push_str(&tapping::text(&record, lang));
     }
+    // Programs name the board they mean.
+    if global.node.is_none() {
+        for other in link.other_boards()? {
+            let told = both!(
+                "also on this bus: node {other} (`leadscrew status --node {other}`)\n",
+                "此总线上还有：节点 {other}（`leadscrew status --node {other}`）\n",
+                other = other.get()
+            );
+            text.push_str(told.get(lang));
+        }
+    }
     print(text.as_bytes())
 }
 

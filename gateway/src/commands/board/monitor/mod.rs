@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Event;
-use leadscrew_core::bus::{Frame, Object};
+use leadscrew_core::bus::{BoardSpindle, Frame, NodeId, Object};
 use leadscrew_core::link::Logged;
 use ratatui::crossterm::event::{self, Event as Input, KeyCode, KeyEventKind, KeyModifiers};
 
@@ -64,7 +64,8 @@ fn watch(
     kbit: u64,
     terminal: &mut ratatui::DefaultTerminal,
 ) -> Outcome {
-    let mut view = View::new(&global.bus.to_string(), global.node, global.lang());
+    let mut view = View::new(&global.bus.to_string(), link.node().get(), global.lang());
+    let node = link.node();
     let mut bits = 0_u64;
     let mut since = Instant::now();
     let (mut looked, mut read) = (None::<Instant>, None::<Instant>);
@@ -74,7 +75,7 @@ fn watch(
         let errors = &mut view.errors;
         link.listen(next, &mut |frame| {
             bits += worst_bits(frame);
-            note_error(errors, frame);
+            note_error(errors, frame, node);
             false
         })?;
         link.check_alive()?;
@@ -132,8 +133,9 @@ fn worst_bits(frame: &Frame) -> u64 {
     47 + data + (34 + data - 1) / 4
 }
 
-fn note_error(errors: &mut VecDeque<u64>, frame: &Frame) {
-    let spindle = leadscrew_core::bus::BoardSpindle::decode(frame);
+/// Keeps what this board says of its synchronism; another one's is not in its picture.
+fn note_error(errors: &mut VecDeque<u64>, frame: &Frame, board: NodeId) {
+    let spindle = BoardSpindle::decode(frame).filter(|(node, _)| *node == board);
     if let Some(error) = spindle.and_then(|(_, spindle)| spindle.sync_error) {
         if errors.len() == KEPT {
             errors.pop_front();
@@ -169,4 +171,25 @@ fn note_event(view: &mut View, entry: &Logged) {
         view.messages.pop_front();
     }
     view.messages.push_back(format!("{place}{text}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_core::units::Length;
+
+    use super::*;
+
+    #[test]
+    fn each_board_has_its_own_synchronism() {
+        let mut errors = VecDeque::new();
+        let second = NodeId::new(2).unwrap();
+        for (nm, node) in [(100, NodeId::BOARD), (700, second), (-300, NodeId::BOARD)] {
+            let spindle = BoardSpindle {
+                sync_error: Some(Length::from_nm(nm)),
+                ..BoardSpindle::default()
+            };
+            note_error(&mut errors, &spindle.frame(node), NodeId::BOARD);
+        }
+        assert_eq!(errors, [100, 300]);
+    }
 }

@@ -1,0 +1,91 @@
+//! Two boards on one bus, with a gateway each.
+
+use serde_json::Value;
+
+use crate::server::{Options, Server};
+use crate::{Run, bad, command, good, json, leadscrew, text, wait_until};
+
+fn two(set: Vec<(&'static str, i64)>, speed: u32) -> Server {
+    Server::start(&Options {
+        nodes: vec![1, 2],
+        set,
+        speed,
+        ..Options::default()
+    })
+}
+
+fn status(bus: &str, node: &str) -> Value {
+    json(&leadscrew(&["status", "--json", "--node", node], bus))
+}
+
+#[test]
+fn each_is_told_by_its_number_and_the_other_is_named() {
+    let server = two(vec![("9024", 0)], 20);
+    let bus = server.bus();
+    let told = good(&leadscrew(&["status"], &bus));
+    assert!(told.starts_with("node 1   idle\n"), "{told}");
+    assert!(
+        told.ends_with("also on this bus: node 2 (`leadscrew status --node 2`)\n"),
+        "{told}"
+    );
+    let told = good(&leadscrew(&["status", "--node", "2"], &bus));
+    assert!(told.starts_with("node 2   idle\n"), "{told}");
+    assert!(!told.contains("also"), "{told}");
+    // What is done to one is not done to the other.
+    good(&leadscrew(&["override", "feed", "50", "--node", "2"], &bus));
+    good(&leadscrew(&["stop", "--node", "2"], &bus));
+    let [first, second] = ["1", "2"].map(|node| status(&bus, node));
+    assert_eq!(first["override"]["feed"], 100);
+    assert_eq!(second["override"]["feed"], 50);
+    assert_eq!(
+        (&first["state"], &second["state"]),
+        (&"idle".into(), &"alarm".into())
+    );
+    let told = bad(&leadscrew(&["status", "--node", "3"], &bus), 3);
+    assert!(told.contains("no board answers as node 3"), "{told}");
+    assert!(told.contains("heard there: node 1, 2"), "{told}");
+}
+
+/// [D171]
+#[test]
+fn each_board_misses_its_own_gateway_and_no_other() {
+    let server = two(vec![("9024", 2000)], 4);
+    let bus = server.bus();
+    let start = |program, node| {
+        let child = command(&["run", program, "--json", "--node", node], &bus)
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn();
+        Run(child.unwrap())
+    };
+    let runs = |node| {
+        wait_until(&format!("board {node} runs"), || {
+            let status = status(&bus, node);
+            (status["program"] == true && status["line"].as_u64() > Some(3)).then_some(())
+        });
+    };
+    let mut first = start("examples/shaft.nc", "1");
+    runs("1");
+    let second = start("examples/o0013-g76-m68x6.nc", "2");
+    runs("2");
+    first.0.kill().unwrap();
+    first.0.wait().unwrap();
+    wait_until("the board that has lost its gateway holds", || {
+        (status(&bus, "1")["state"] == "hold").then_some(())
+    });
+    assert_eq!(status(&bus, "2")["program"], true, "the other goes on");
+    let output = second.end();
+    let ran = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{ran}");
+    let told = text(&output.stderr);
+    assert!(
+        told.contains("another gateway is on this bus; this one is node 124 meanwhile"),
+        "{told}"
+    );
+    let alone = command(&["run", "examples/o0013-g76-m68x6.nc", "--json"], "sim");
+    let alone = json(&{ alone }.output().unwrap());
+    assert_eq!(ran["setpoint_hash"], alone["setpoint_hash"]);
+    // The next gateway of the first board is the one that it watches again.
+    good(&leadscrew(&["reset"], &bus));
+    good(&leadscrew(&["run", "examples/g84-peck.nc"], &bus));
+}
