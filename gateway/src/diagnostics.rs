@@ -245,7 +245,7 @@ pub fn figure(arg: Arg, lang: Lang, inch: bool) -> String {
             Lang::En => format!("{} rpm", value.get()),
             Lang::Zh => format!("{} r/min", value.get()),
         },
-        Arg::Lead(value) => length(value.rounded().nm(), inch),
+        Arg::Lead(none) => match none {},
         Arg::Percent(value) => format!("{value} %"),
         Arg::Decimal(mantissa, decimals) => written(mantissa, decimals),
         Arg::Letter(letter) => char::from(letter).to_string(),

@@ -4,14 +4,16 @@
 //! and Chinese, with the figures put in) is made where a person reads it, from the templates in `table.rs`. Warnings have
 //! the same shape and numbers of their own.
 
+mod no_lead;
 mod table;
 
+pub use no_lead::NoLead;
 pub use table::{Code, Lang};
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Angle, Diameter, Feed, Lead, Length, Rpm};
+use crate::units::{Angle, Diameter, Feed, Length, Rpm};
 
 /// The value of a result, or out of the function with its alarm: what `?` does, but for the alarm staying in one piece. `?`
 /// takes it apart and puts it together again, which is 14 bytes more of the chip's image at every place.
@@ -76,8 +78,8 @@ pub enum Arg {
     Feed(Feed),
     /// A spindle speed.
     Rpm(Rpm),
-    /// A lead.
-    Lead(Lead),
+    /// No alarm tells a lead.
+    Lead(NoLead),
     /// A percentage.
     Percent(i32),
     /// A decimal `mantissa · 10^−decimals` as it was written.

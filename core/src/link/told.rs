@@ -93,10 +93,7 @@ impl Put for Arg {
             Self::Angle(angle) => one(writer, 4, &angle.udeg()),
             Self::Feed(feed) => one(writer, 5, &feed.nm_per_min()),
             Self::Rpm(rpm) => one(writer, 6, &i64::from(rpm.get())),
-            Self::Lead(lead) => {
-                one(writer, 7, &lead.numerator());
-                lead.denominator().put(writer);
-            }
+            Self::Lead(none) => match *none {},
             Self::Percent(percent) => one(writer, 8, &i64::from(*percent)),
             Self::Decimal(mantissa, decimals) => {
                 one(writer, 9, mantissa);
@@ -152,7 +149,7 @@ mod tests {
 
     use super::*;
     use crate::link::VERSION;
-    use crate::units::{Diameter, Feed, Lead};
+    use crate::units::{Diameter, Feed};
 
     /// Every length of a number, with both signs.
     fn numbers() -> impl Iterator<Item = i64> {
@@ -179,7 +176,7 @@ mod tests {
         assert_eq!(short[used - 1], 0x55);
     }
 
-    fn figures(number: i64) -> [Arg; 15] {
+    fn figures(number: i64) -> [Arg; 14] {
         [
             Arg::None,
             Arg::Int(number),
@@ -188,7 +185,6 @@ mod tests {
             Arg::Angle(Angle::from_udeg(number)),
             Arg::Feed(Feed::from_nm_per_min(number)),
             Arg::Rpm(Rpm::new(number as i32)),
-            Arg::Lead(Lead::new(number.saturating_abs().max(1), 7).unwrap()),
             Arg::Percent(number as i32),
             Arg::Decimal(number, number as u8),
             Arg::Letter(number as u8),

@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::alarm::{Alarm, Arg, Code, Span};
     use crate::link::{EventReader, Logged};
-    use crate::units::{Lead, Length};
+    use crate::units::Length;
 
     fn read(log: &Log, from: u32, room: usize) -> Vec<Logged> {
         let mut bytes = [0; 600];
@@ -137,7 +137,6 @@ mod tests {
 
     #[test]
     fn the_longest_event_fits() {
-        let far = Lead::new(i64::MAX - 1, i64::MAX).unwrap();
         let span = Span {
             line: u32::MAX,
             column: u16::MAX,
@@ -145,7 +144,7 @@ mod tests {
         };
         let alarm = Alarm::new(Code::FollowingError, span)
             .word(b'X')
-            .with([Arg::Lead(far); 4]);
+            .with([Arg::Decimal(i64::MIN, u8::MAX); 4]);
         let mut log = Log::new();
         for _ in 0..100 {
             log.push(u64::MAX, &Event::Alarm(alarm));
