@@ -132,6 +132,12 @@ impl SyncHeard {
         count: 1,
         ..Self::NONE
     };
+
+    /// One more has come in this period.
+    pub const fn note(&mut self, beat: SyncBeat) {
+        self.count = self.count.saturating_add(1);
+        self.missed = self.missed.saturating_add(beat.missed);
+    }
 }
 
 #[cfg(test)]

@@ -5,10 +5,10 @@ use std::sync::OnceLock;
 
 use leadscrew_board_sim::line::{Faults, Span};
 use leadscrew_board_sim::plant::{PlantOptions, Power};
-use leadscrew_board_sim::{Row, Sim};
+use leadscrew_board_sim::{Direction, Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::bus::Scale;
+use leadscrew_core::bus::{Frame, Scale};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Call, Position};
 use leadscrew_core::units::Axis;
@@ -67,6 +67,8 @@ pub struct Bench {
     pub ticks: u64,
     /// Where the drives of X and Z are, by tick, in nm.
     pub stood: Vec<[i64; 2]>,
+    /// What the board has sent in the last tick.
+    pub sent: Vec<Frame>,
     scales: [Scale; 2],
     /// Rows since the last reset, which may have found the drives elsewhere.
     judged: usize,
@@ -91,6 +93,7 @@ impl Bench {
             alarm: None,
             ticks: 0,
             stood: Vec::new(),
+            sent: Vec::new(),
             scales: [scale(Axis::X), scale(Axis::Z)],
             judged: 0,
         }
@@ -142,7 +145,14 @@ impl Bench {
         {
             self.waiting.pop_front();
         }
-        self.rows.extend(self.sim.step());
+        let sent = &mut self.sent;
+        sent.clear();
+        let row = self.sim.step_on(&mut |direction, frame| {
+            if direction == Direction::FromBoard {
+                sent.push(*frame);
+            }
+        });
+        self.rows.extend(row);
         self.ticks += 1;
         let drives = self.drives();
         self.stood.push(drives);

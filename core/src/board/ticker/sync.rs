@@ -16,6 +16,12 @@ impl Ticker {
         self.beat.hear(heard);
     }
 
+    /// The beat comes from the bus, and its owner has to say what was [heard](Self::follow) of it.
+    #[must_use]
+    pub const fn follows_bus(&self) -> bool {
+        self.beat.is_for_bus()
+    }
+
     /// Periods, since power-up, in which setpoints were late for the SYNC that the board follows; 65535 is followed by 0.
     #[must_use]
     pub const fn sync_late(&self) -> u16 {

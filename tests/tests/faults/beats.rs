@@ -1,0 +1,293 @@
+//! The SYNC that a board follows goes missing, comes twice, or with another period.
+
+use leadscrew_board_sim::plant::Power;
+use leadscrew_core::alarm::Arg;
+use leadscrew_core::board::{Command, State};
+use leadscrew_core::bus::{Frame, NmtCommand, NodeId, SyncProducer};
+use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
+
+use crate::bench::{Bench, TAP, WORK, calm, places, with};
+
+/// A machine whose board follows, and whoever gives the beat.
+pub struct Followed {
+    pub bench: Bench,
+    other: SyncProducer,
+}
+
+/// The built-in machine with a board that follows.
+fn followers() -> Params {
+    with(&[("9029", 1)])
+}
+
+impl Followed {
+    fn at_work(text: &str) -> Self {
+        let mut bench = Bench::new(&followers());
+        bench.load(text);
+        let other = SyncProducer::new();
+        let mut followed = Self { bench, other };
+        // Another counter than the one before: one gap.
+        followed.tick(1);
+        followed
+    }
+
+    /// Late setpoints, but for that one.
+    fn late(&self) -> u32 {
+        self.bench.gateway.status.late - 1
+    }
+
+    /// A tick in which so many SYNCs come.
+    fn tick(&mut self, count: usize) {
+        let syncs: Vec<Frame> = (0..count).map(|_| self.other.next()).collect();
+        self.bench.sim.beat(&syncs);
+        self.bench.tick();
+    }
+
+    fn ticks(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            self.tick(1);
+        }
+    }
+
+    fn until_tick(&mut self, tick: u64) {
+        while self.bench.ticks < tick {
+            self.tick(1);
+        }
+    }
+
+    /// To the end of the program.
+    fn to_the_end(&mut self, what: &str) {
+        while !self.bench.waiting.is_empty() || self.bench.sim.is_busy() {
+            self.tick(1);
+            assert!(self.bench.ticks < 60_000, "{what}");
+        }
+        self.ticks(5);
+    }
+
+    /// From now on another gives it, without a flaw.
+    fn reset_and_next(&mut self, what: &str) {
+        self.bench.sim.command(Command::Reset);
+        self.bench.alarm = None;
+        let drives = self.bench.drives();
+        self.tick(1);
+        let begun = self.bench.ticks;
+        while self.bench.state() != State::Idle {
+            self.tick(1);
+            assert!(
+                self.bench.ticks < begun + 400,
+                "{what}: {:?}",
+                self.bench.state()
+            );
+        }
+        assert_eq!(
+            self.bench.drives(),
+            drives,
+            "{what}: the reset moves a drive"
+        );
+        let (at, drives) = (self.bench.at(), self.bench.drives());
+        for (said, is) in [at.x.nm(), at.z.nm()].into_iter().zip(drives) {
+            assert!((said - is).abs() <= 1_000, "{what}: at {is}, says {said}");
+        }
+        self.bench.judge_from_here();
+        self.bench.load(WORK);
+        self.to_the_end(what);
+        assert_eq!(self.bench.alarm, None, "{what}");
+        self.bench.never_jumps(what, 0, 1);
+        assert_eq!(self.bench.drives(), [35_000_000, 8_000_000], "{what}");
+    }
+}
+
+/// The setpoints, from the first tick on.
+fn setpoints(bench: &Bench) -> Vec<(i64, i64, i64, u32)> {
+    let rows = bench.rows.iter();
+    rows.map(|row| {
+        let at = row.position;
+        (at.x.nm(), at.z.nm(), at.c.udeg(), row.line)
+    })
+    .collect()
+}
+
+#[test]
+fn a_board_that_follows_does_what_it_does_with_a_beat_of_its_own() {
+    for text in [WORK, TAP] {
+        let mut own = Bench::new(&Params::slant_bed());
+        own.load(text);
+        while !own.waiting.is_empty() || own.sim.is_busy() {
+            own.tick();
+        }
+        own.ticks(5);
+        assert!(own.sent.iter().any(leadscrew_core::bus::is_sync));
+        let mut followed = Followed::at_work(text);
+        followed.to_the_end(text);
+        let bench = &followed.bench;
+        assert!(!bench.sent.iter().any(leadscrew_core::bus::is_sync));
+        assert_eq!(bench.alarm, None);
+        assert!(setpoints(bench) == setpoints(&own));
+    }
+}
+
+#[test]
+fn one_or_two_that_do_not_come_are_setpoints_late_for_their_sync() {
+    for tick in places(&calm(&Params::slant_bed(), WORK)) {
+        for gone in [1, 2] {
+            let what = format!("{gone} missing at {tick}");
+            let mut followed = Followed::at_work(WORK);
+            followed.until_tick(tick);
+            for _ in 0..gone {
+                followed.tick(0);
+            }
+            followed.to_the_end(&what);
+            let bench = &followed.bench;
+            assert_eq!(bench.alarm, None, "{what}");
+            assert_eq!(followed.late(), gone, "{what}");
+            // Behind it a drive is where it would have been.
+            bench.never_jumps(&what, 0, i64::from(gone) + 1);
+            assert!(setpoints(bench) == setpoints(&calm_bench()), "{what}");
+        }
+    }
+}
+
+fn calm_bench() -> Bench {
+    let mut followed = Followed::at_work(WORK);
+    followed.to_the_end("calm");
+    followed.bench
+}
+
+#[test]
+fn one_that_comes_twice_and_one_that_was_not_heard_count_as_well() {
+    let tick = places(&calm(&Params::slant_bed(), WORK))[2];
+    let mut followed = Followed::at_work(WORK);
+    followed.until_tick(tick);
+    followed.tick(2);
+    followed.ticks(20);
+    assert_eq!(followed.late(), 1);
+    // By the counters alone: the period had one.
+    followed.other.next();
+    followed.ticks(20);
+    assert_eq!(followed.late(), 2);
+    followed.to_the_end("twice");
+    assert_eq!(followed.bench.alarm, None);
+    // More of it than 9027 says within a second.
+    let mut followed = Followed::at_work(WORK);
+    followed.until_tick(tick);
+    for count in [2, 1].into_iter().cycle().take(21) {
+        assert_eq!(followed.bench.alarm, None);
+        followed.tick(count);
+    }
+    followed.ticks(3);
+    let alarm = followed.bench.alarm.expect("too many");
+    assert_eq!(alarm.number(), 4372);
+    assert_eq!(alarm.args[..2], [Arg::Int(11), Arg::Int(10)]);
+}
+
+/// Nothing is latched any more while the board brakes on its path: nothing is pulled there when the beat is back.
+#[test]
+fn three_that_do_not_come_stop_the_machine_and_nothing_jumps_when_the_beat_is_back() {
+    for text in [WORK, TAP] {
+        let places = if text == WORK {
+            places(&calm(&Params::slant_bed(), text))
+        } else {
+            vec![450, 900, 1_100]
+        };
+        for tick in places {
+            for gone in [3, 4, 12, 300, 2_500] {
+                let what = format!("{gone} missing at {tick}");
+                let mut followed = Followed::at_work(text);
+                followed.until_tick(tick);
+                let from = followed.bench.stood.len() - 1;
+                followed.tick(0);
+                followed.tick(0);
+                assert_eq!(followed.bench.alarm, None, "{what}");
+                followed.tick(0);
+                let alarm = followed.bench.alarm.expect("an alarm");
+                assert_eq!(alarm.number(), 4379, "{what}");
+                assert_eq!(alarm.args[..2], [Arg::Int(3), Arg::Int(1000)], "{what}");
+                let stood = followed.bench.drives();
+                for _ in 3..gone {
+                    followed.tick(0);
+                }
+                followed.ticks(600);
+                let bench = &mut followed.bench;
+                assert_eq!(bench.drives(), stood, "{what}: a drive has moved");
+                bench.never_jumps(&what, from, 1);
+                for axis in Axis::ALL {
+                    assert_ne!(
+                        bench.power(axis),
+                        Power::Enabled,
+                        "{what}: {axis:?} has torque"
+                    );
+                }
+                assert!(matches!(bench.state(), State::Alarm(_)), "{what}");
+                if text == WORK {
+                    followed.reset_and_next(&what);
+                }
+            }
+        }
+    }
+}
+
+/// A board that has come off the beat has drives that still follow: they are braked on their path.
+#[test]
+fn a_board_that_comes_off_the_beat_brakes() {
+    for tick in places(&calm(&Params::slant_bed(), WORK)) {
+        let what = format!("off the beat at {tick}");
+        let mut followed = Followed::at_work(WORK);
+        followed.until_tick(tick);
+        followed.bench.sim.unlock();
+        followed.tick(1);
+        let alarm = followed.bench.alarm.expect("an alarm");
+        assert_eq!(alarm.number(), 4379, "{what}");
+        assert_eq!(alarm.args[..2], [Arg::Int(0), Arg::Int(1000)], "{what}");
+        followed.ticks(1_000);
+        let bench = &mut followed.bench;
+        assert!(matches!(bench.state(), State::Alarm(_)), "{what}");
+        assert_eq!(bench.power(Axis::X), Power::Enabled, "{what}");
+        let (at, drives) = (bench.at(), bench.drives());
+        for (said, is) in [at.x.nm(), at.z.nm()].into_iter().zip(drives) {
+            assert!((said - is).abs() <= 1_000, "{what}: at {is}, says {said}");
+        }
+        bench.never_jumps(&what, 0, 1);
+        followed.reset_and_next(&what);
+    }
+}
+
+/// Switched on before the one that gives the beat: it says what it waits for, and a reset waits again.
+#[test]
+fn drives_are_not_brought_up_before_the_beat_is_steady() {
+    for (what, pattern, heard) in [
+        ("nothing", [0, 0], 0),
+        ("half", [1, 0], 1_050),
+        ("double", [2, 2], 4_200),
+    ] {
+        let mut followed = Followed::at_work("");
+        let node = NodeId::BOARD;
+        followed
+            .bench
+            .sim
+            .receive(&NmtCommand::ResetNode.frame(Some(node)));
+        let mut beat = pattern.into_iter().cycle();
+        // To hear of the order takes a tick; what the board told its drives before is told then.
+        followed.tick(1);
+        followed.tick(1);
+        for again in [false, true] {
+            while followed.bench.alarm.is_none() {
+                followed.tick(beat.next().expect("a beat"));
+                assert_eq!(followed.bench.sent, [], "{what}");
+            }
+            let alarm = followed.bench.alarm.expect("an alarm");
+            assert_eq!(alarm.number(), 4380, "{what}, again: {again}");
+            let [Arg::Int(seen), periods, period, Arg::None] = alarm.args else {
+                panic!("{what}: {alarm:?}");
+            };
+            assert_eq!((periods, period), (Arg::Int(2_100), Arg::Int(1_000)));
+            assert!((seen - heard).abs() <= 2, "{what}: {seen}");
+            followed.tick(beat.next().expect("a beat"));
+            if !again {
+                followed.bench.sim.command(Command::Reset);
+                followed.bench.alarm = None;
+            }
+        }
+        followed.ticks(20);
+        followed.reset_and_next(what);
+    }
+}
