@@ -39,7 +39,7 @@ pub fn run(args: &Drives) -> Outcome {
     let mut answers = Vec::new();
     while !interrupt::requested() {
         // Whatever came at once is answered at once, SYNC by SYNC.
-        wire.listen(PATIENCE, |frame| {
+        wire.listen(PATIENCE, |_, frame| {
             for drive in &mut drives {
                 if is_sync(frame) {
                     drive.sync(None, |answer| answers.push(answer));

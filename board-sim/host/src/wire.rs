@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use leadscrew::failure::{Failure, Outcome};
 use leadscrew::words::Both;
-use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received};
+use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received, Stamp};
 use leadscrew_core::bus::{BusState, Controller, ErrorCounts, Frame};
 use leadscrew_core::params::Params;
 
@@ -58,8 +58,13 @@ impl Wire {
         self.can.send(frames).map_err(Failure::bus)
     }
 
-    /// Waits for something at most so long, and hands each CANopen frame on; how many these were.
-    pub fn listen(&mut self, patience: Duration, mut to: impl FnMut(&Frame)) -> Outcome<usize> {
+    /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came; how many these
+    /// were.
+    pub fn listen(
+        &mut self,
+        patience: Duration,
+        mut to: impl FnMut(Stamp, &Frame),
+    ) -> Outcome<usize> {
         self.heard.clear();
         self.can
             .receive(&mut self.heard, patience)
@@ -71,7 +76,7 @@ impl Wire {
             // Other kinds of frames are nothing that a node of CANopen hears.
             if let Some(frame) = heard.packet.frame() {
                 *received += 1;
-                to(frame);
+                to(heard.time, frame);
                 count += 1;
             }
         }
@@ -127,7 +132,7 @@ mod tests {
             let data = [0, state, 0, 0, 0, 0, sending, receiving];
             let error = ErrorFrame { class, data };
             other.inject(Packet::Error(error)).unwrap();
-            wire.listen(Duration::ZERO, |_| {}).unwrap();
+            wire.listen(Duration::ZERO, |_, _| {}).unwrap();
             let Controller { state, errors } = wire.controller();
             (state, errors.sending, errors.receiving)
         };

@@ -56,7 +56,7 @@ impl Followed {
     }
 
     /// To the end of the program.
-    fn to_the_end(&mut self, what: &str) {
+    fn run_out(&mut self, what: &str) {
         while !self.bench.waiting.is_empty() || self.bench.sim.is_busy() {
             self.tick(1);
             assert!(self.bench.ticks < 60_000, "{what}");
@@ -90,7 +90,7 @@ impl Followed {
         }
         self.bench.judge_from_here();
         self.bench.load(WORK);
-        self.to_the_end(what);
+        self.run_out(what);
         assert_eq!(self.bench.alarm, None, "{what}");
         self.bench.never_jumps(what, 0, 1);
         assert_eq!(self.bench.drives(), [35_000_000, 8_000_000], "{what}");
@@ -118,7 +118,7 @@ fn a_board_that_follows_does_what_it_does_with_a_beat_of_its_own() {
         own.ticks(5);
         assert!(own.sent.iter().any(leadscrew_core::bus::is_sync));
         let mut followed = Followed::at_work(text);
-        followed.to_the_end(text);
+        followed.run_out(text);
         let bench = &followed.bench;
         assert!(!bench.sent.iter().any(leadscrew_core::bus::is_sync));
         assert_eq!(bench.alarm, None);
@@ -136,7 +136,7 @@ fn one_or_two_that_do_not_come_are_setpoints_late_for_their_sync() {
             for _ in 0..gone {
                 followed.tick(0);
             }
-            followed.to_the_end(&what);
+            followed.run_out(&what);
             let bench = &followed.bench;
             assert_eq!(bench.alarm, None, "{what}");
             assert_eq!(followed.late(), gone, "{what}");
@@ -149,7 +149,7 @@ fn one_or_two_that_do_not_come_are_setpoints_late_for_their_sync() {
 
 fn calm_bench() -> Bench {
     let mut followed = Followed::at_work(WORK);
-    followed.to_the_end("calm");
+    followed.run_out("calm");
     followed.bench
 }
 
@@ -165,7 +165,7 @@ fn one_that_comes_twice_and_one_that_was_not_heard_count_as_well() {
     followed.other.next();
     followed.ticks(20);
     assert_eq!(followed.late(), 2);
-    followed.to_the_end("twice");
+    followed.run_out("twice");
     assert_eq!(followed.bench.alarm, None);
     // More of it than 9027 says within a second.
     let mut followed = Followed::at_work(WORK);

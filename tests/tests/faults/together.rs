@@ -62,8 +62,8 @@ impl Two {
     }
 
     fn is_busy(&self) -> bool {
-        let busy = |bench: &Box<Bench>| !bench.waiting.is_empty() || bench.sim.is_busy();
-        self.0.iter().any(busy)
+        let mut benches = self.0.iter();
+        benches.any(|bench| !bench.waiting.is_empty() || bench.sim.is_busy())
     }
 }
 
