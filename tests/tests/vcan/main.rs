@@ -16,3 +16,4 @@ mod python;
 mod record;
 mod run;
 mod socket;
+mod together;
