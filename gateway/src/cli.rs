@@ -374,6 +374,7 @@ const RECORD_EXAMPLES: &str = "\
 Examples:
   leadscrew record --bus can0 -o bus.log           what candump writes and canplayer, Wireshark and python-can read
   leadscrew record --bus can0 -o setpoints.csv     setpoints, actual positions and events
+  leadscrew record --bus can0 --params a.toml --further b.toml -o both.csv     of two boards
   leadscrew record --bus slcan:/dev/ttyACM0 -o bus.log --count 1000";
 
 /// `record`.
@@ -382,6 +383,9 @@ pub struct Record {
     /// Where to: `.log` a candump log, `.csv` a table of setpoints and events
     #[arg(short, long, value_name = "FILE.{log,csv}")]
     pub output: PathBuf,
+    /// Machine file of a further board on the bus (repeatable): in a table its drives have columns of their own, `b2_x_nm`…
+    #[arg(long, value_name = "FILE")]
+    pub further: Vec<PathBuf>,
     /// End after this many packets
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub count: Option<u64>,

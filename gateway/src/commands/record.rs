@@ -6,13 +6,17 @@ use std::time::Duration;
 
 use leadscrew_can::{CanError, Health, Received, Suspicion};
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::board::DriveNodes;
+use leadscrew_core::bus::NodeId;
+use leadscrew_core::params::Params;
 
 use crate::cli::Record;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::json::Json;
+use crate::params;
 use crate::recording::{Format, Recording};
-use crate::setup::Setup;
+use crate::setup::{Setup, told_good};
 use crate::words::both;
 
 /// How long to listen before the file is brought up to date.
@@ -28,13 +32,14 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
             path = path.display()
         ))
     })?;
+    let boards = boards(setup, args)?;
     interrupt::watch();
     let mut bus =
         leadscrew_can::open(&setup.global.bus, setup.global.bit_rate()?).map_err(Failure::bus)?;
     let unwritable = |error: &io::Error| Failure::file(Doing::Write, path.display(), error);
     let file = File::create(path).map_err(|error| unwritable(&error))?;
-    let mut recording = Recording::new(format, file, bus.name(), &setup.params)
-        .map_err(|error| unwritable(&error))?;
+    let mut recording =
+        Recording::new(format, file, bus.name(), &boards).map_err(|error| unwritable(&error))?;
 
     let mut watch = Watch::default();
     let mut heard: Vec<Received> = Vec::new();
@@ -65,6 +70,34 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
     let dropped = bus.dropped().unwrap_or(0);
     watch.conclude(setup, &path.display().to_string(), dropped)?;
     end.map_err(|error: CanError| Failure::bus(error))
+}
+
+/// The sets of all boards: the one of the options, and the further ones. No two of their drives have one number.
+fn boards(setup: &Setup, args: &Record) -> Outcome<Vec<Params>> {
+    let mut boards = vec![setup.params.clone()];
+    for path in &args.further {
+        let loaded = params::load(std::slice::from_ref(path), &[], setup.lang)?;
+        boards.push(told_good(setup.global, loaded)?.params);
+    }
+    let drives: Vec<DriveNodes> = boards.iter().map(DriveNodes::of).collect();
+    for (place, path) in args.further.iter().enumerate() {
+        let Some((own, before)) = drives.get(..place + 2).and_then(<[_]>::split_last) else {
+            break;
+        };
+        let shared = |node: &NodeId| before.iter().any(|drives| drives.letter(*node).is_some());
+        let nodes = (1..=127).filter_map(NodeId::new);
+        let mut nodes = nodes.filter(|node| own.letter(*node).is_some());
+        if let Some(node) = nodes.find(shared) {
+            return Err(Failure::WrongBecause(both!(
+                "`{path}`: node {node} is a drive of another board, too: two boards on one bus have drives of their own \
+                 (parameters 9015 and 9016)",
+                "`{path}`：节点 {node} 也是另一块控制板的驱动器：同一总线上的两块控制板各有自己的驱动器（参数 9015 和 9016）",
+                path = path.display(),
+                node = node.get()
+            )));
+        }
+    }
+    Ok(boards)
 }
 
 /// What was heard so far, and what of it has been told.

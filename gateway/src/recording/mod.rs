@@ -42,15 +42,15 @@ pub enum Recording {
 }
 
 impl Recording {
-    /// Begins a recording of the bus with this name.
+    /// Begins a recording of the bus with this name, and these boards on it.
     ///
     /// # Errors
     /// The file does not take it.
-    pub fn new(format: Format, file: File, bus: &str, params: &Params) -> io::Result<Self> {
+    pub fn new(format: Format, file: File, bus: &str, boards: &[Params]) -> io::Result<Self> {
         let file = BufWriter::with_capacity(1 << 16, file);
         Ok(match format {
             Format::Log => Self::Log(LogWriter::new(file, bus)),
-            Format::Csv => Self::Csv(Box::new(Table::new(file, params)?)),
+            Format::Csv => Self::Csv(Box::new(Table::new(file, boards)?)),
         })
     }
 

@@ -10,6 +10,7 @@
 //! | `s1_rpm` | the speed that it is to have, in speed mode |
 //! | `x_actual_nm z_actual_nm c_actual_udeg s1_actual_urev` | what each drive told last |
 //! | `s2_urev s2_rpm s2_actual_urev`, the same of `s3` and `s4` | as of spindle 1; empty where there is no such spindle |
+//! | `b2_x_nm` and so on | the same of a further board's drives, where its set is known; then `b3_…` |
 //! | `event` | what happened, in words |
 //!
 //! A value that no frame has told yet is empty.
@@ -29,14 +30,27 @@ use leadscrew_core::units::Axis;
 use crate::number;
 use crate::params::drives::DriveName;
 
-/// The first line.
-pub const HEADER: &str = "t_us,sync,x_nm,z_nm,c_udeg,s1_urev,s1_rpm,\
-                          x_actual_nm,z_actual_nm,c_actual_udeg,s1_actual_urev,\
-                          s2_urev,s2_rpm,s2_actual_urev,s3_urev,s3_rpm,s3_actual_urev,\
-                          s4_urev,s4_rpm,s4_actual_urev,event";
-
-/// Columns between the time and the event.
-const BETWEEN: usize = 19;
+/// The columns of one board's drives.
+const COLUMNS: [&str; 18] = [
+    "x_nm",
+    "z_nm",
+    "c_udeg",
+    "s1_urev",
+    "s1_rpm",
+    "x_actual_nm",
+    "z_actual_nm",
+    "c_actual_udeg",
+    "s1_actual_urev",
+    "s2_urev",
+    "s2_rpm",
+    "s2_actual_urev",
+    "s3_urev",
+    "s3_rpm",
+    "s3_actual_urev",
+    "s4_urev",
+    "s4_rpm",
+    "s4_actual_urev",
+];
 
 /// What is known of a drive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,34 +79,25 @@ impl Drive {
     }
 }
 
-/// A table being written.
+/// The drives of one board.
 #[derive(Debug)]
-pub struct Table<W: Write> {
-    pub(super) to: W,
+struct Machine {
     /// In the order of the columns, as their nodes are.
     drives: [Drive; 7],
     nodes: [NodeId; 7],
     /// Increments of a spindle's drive to a turn.
     per_turn: i64,
-    first: Option<Stamp>,
-    line: Vec<u8>,
 }
 
-impl<W: Write> Table<W> {
-    /// A table with its header.
-    ///
-    /// # Errors
-    /// What it is written to does not take it.
-    pub fn new(mut to: W, params: &Params) -> io::Result<Self> {
-        writeln!(to, "{HEADER}")?;
+impl Machine {
+    fn new(params: &Params) -> Self {
         let axis = |axis| Drive {
             scale: Scale::new(params.drive_numerator(axis), params.drive_denominator(axis)),
             ..Drive::default()
         };
-        let drives = DriveNodes::of(params);
-        Ok(Self {
-            to,
-            nodes: DriveName::ALL.map(|name| name.among(&drives).node),
+        let nodes = DriveNodes::of(params);
+        Self {
+            nodes: DriveName::ALL.map(|name| name.among(&nodes).node),
             drives: [
                 axis(Axis::X),
                 axis(Axis::Z),
@@ -103,6 +108,66 @@ impl<W: Write> Table<W> {
                 Drive::default(),
             ],
             per_turn: i64::from(params.spindle_increments().max(1)),
+        }
+    }
+
+    fn drive(&mut self, node: NodeId) -> Option<&mut Drive> {
+        let place = self.nodes.iter().position(|drive| *drive == node)?;
+        self.drives.get_mut(place)
+    }
+
+    /// Its part of a row.
+    fn row(&self, line: &mut Vec<u8>) {
+        let [x, z, c, first, further @ ..] = self.drives;
+        let per_turn = i128::from(self.per_turn);
+        let position = |drive: Drive, at: Option<Increments>| Some(drive.scale?.position(at?));
+        let turns = |at: Option<Increments>| {
+            i64::try_from(i128::from(at?.get()) * 1_000_000 / per_turn).ok()
+        };
+        for drive in [x, z, c] {
+            field(line, position(drive, drive.target));
+        }
+        commanded(line, turns(first.angle()), first.speed());
+        for drive in [x, z, c] {
+            field(line, position(drive, drive.actual));
+        }
+        field(line, turns(first.actual));
+        for spindle in further {
+            commanded(line, turns(spindle.angle()), spindle.speed());
+            field(line, turns(spindle.actual));
+        }
+    }
+}
+
+/// A table being written.
+#[derive(Debug)]
+pub struct Table<W: Write> {
+    pub(super) to: W,
+    /// In the order of the columns.
+    machines: Vec<Machine>,
+    first: Option<Stamp>,
+    line: Vec<u8>,
+}
+
+impl<W: Write> Table<W> {
+    /// A table with its header, of the drives of these boards.
+    ///
+    /// # Errors
+    /// What it is written to does not take it.
+    pub fn new(mut to: W, boards: &[Params]) -> io::Result<Self> {
+        write!(to, "t_us,sync")?;
+        for number in 1..=boards.len() {
+            for column in COLUMNS {
+                match number {
+                    1 => write!(to, ",{column}")?,
+                    _ => write!(to, ",b{number}_{column}")?,
+                }
+            }
+        }
+        writeln!(to, ",event")?;
+        Ok(Self {
+            to,
+            machines: boards.iter().map(Machine::new).collect(),
             first: None,
             line: Vec::new(),
         })
@@ -181,43 +246,28 @@ impl<W: Write> Table<W> {
     }
 
     fn drive(&mut self, node: NodeId) -> Option<&mut Drive> {
-        let place = self.nodes.iter().position(|drive| *drive == node)?;
-        self.drives.get_mut(place)
+        self.machines
+            .iter_mut()
+            .find_map(|machine| machine.drive(node))
     }
 
     /// A row with nothing but an event in it.
     fn event(&mut self, us: u64, text: &str) -> io::Result<()> {
         // A comma or a quotation mark would end the field.
         let text = text.replace('"', "'").replace(',', ";");
-        let none = ",".repeat(BETWEEN);
+        let none = ",".repeat(1 + self.machines.len() * COLUMNS.len());
         writeln!(self.to, "{us},{none}{text}")
     }
 
     /// A row of a SYNC with this counter, which it need not have.
     fn row(&mut self, us: u64, counter: Option<u8>) -> io::Result<()> {
-        let [x, z, c, first, further @ ..] = self.drives;
-        let per_turn = i128::from(self.per_turn);
-        let position = |drive: Drive, at: Option<Increments>| Some(drive.scale?.position(at?));
-        let turns = |at: Option<Increments>| {
-            i64::try_from(i128::from(at?.get()) * 1_000_000 / per_turn).ok()
-        };
-
         let line = &mut self.line;
         line.clear();
         number::integer(line, us);
         line.push(b',');
         number::integer(line, u64::from(counter.unwrap_or(0)));
-        for drive in [x, z, c] {
-            field(line, position(drive, drive.target));
-        }
-        commanded(line, turns(first.angle()), first.speed());
-        for drive in [x, z, c] {
-            field(line, position(drive, drive.actual));
-        }
-        field(line, turns(first.actual));
-        for spindle in further {
-            commanded(line, turns(spindle.angle()), spindle.speed());
-            field(line, turns(spindle.actual));
+        for machine in &self.machines {
+            machine.row(line);
         }
         line.extend_from_slice(b",\n");
         self.to.write_all(line)
@@ -248,6 +298,77 @@ mod tests {
 
     use super::*;
 
+    const HEADER: &str = "t_us,sync,x_nm,z_nm,c_udeg,s1_urev,s1_rpm,\
+                          x_actual_nm,z_actual_nm,c_actual_udeg,s1_actual_urev,\
+                          s2_urev,s2_rpm,s2_actual_urev,s3_urev,s3_rpm,s3_actual_urev,\
+                          s4_urev,s4_rpm,s4_actual_urev,event";
+
+    #[test]
+    fn the_drives_of_two_boards_stand_side_by_side() {
+        let mut second = Params::slant_bed();
+        for (key, raw) in [
+            ("9015.X", 48),
+            ("9015.Z", 49),
+            ("9015.C", 50),
+            ("9016", 64),
+            // Two increments to a micrometre.
+            ("9001.X", 1),
+            ("9002.X", 500),
+        ] {
+            second.set(Entry::find_text(key).unwrap(), raw).unwrap();
+        }
+        let mut table = Table::new(Vec::new(), &[Params::slant_bed(), second]).unwrap();
+        let mut sync = SyncProducer::new();
+        let target = |target, node| {
+            let command = DriveCommand {
+                control: Controlword::ENABLE_OPERATION,
+                target: Increments::new(target),
+            };
+            command.frame(NodeId::new(node).unwrap())
+        };
+        let speed = SpindleCommand {
+            mode: Mode::Velocity,
+            velocity: MilliRpm::new(500_000),
+        };
+        for frame in [
+            target(10, 16),
+            target(20, 48),
+            speed.frame(NodeId::new(65).unwrap()),
+            sync.next(),
+            NmtState::BootUp.frame(NodeId::new(49).unwrap()),
+        ] {
+            let at = Stamp::from_micros(0);
+            table.push(at, &Packet::Frame(frame)).unwrap();
+        }
+        let text = String::from_utf8(table.to).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        let [header, row, event] = lines[..] else {
+            panic!("{text}");
+        };
+        let fields = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+        let header = fields(header);
+        assert_eq!(header.len(), 39);
+        assert_eq!(header[..20], fields(HEADER)[..20]);
+        assert_eq!(header[20], "b2_x_nm");
+        assert_eq!(header[37..], ["b2_s4_actual_urev", "event"]);
+        let told: Vec<(String, String)> = header
+            .into_iter()
+            .zip(fields(row))
+            .filter(|(_, value)| !value.is_empty())
+            .collect();
+        let expected = [
+            ("t_us", "0"),
+            ("sync", "1"),
+            ("x_nm", "1000"),
+            ("b2_x_nm", "10000"),
+            ("b2_s2_rpm", "500"),
+        ];
+        let expected = expected.map(|(column, value)| (column.to_owned(), value.to_owned()));
+        assert_eq!(told, expected);
+        assert_eq!(fields(event).len(), 39);
+        assert!(event.ends_with(",node 49: BootUp"), "{event}");
+    }
+
     #[test]
     fn columns_are_those_of_the_drives_wherever_they_are() {
         let mut params = Params::slant_bed();
@@ -256,7 +377,7 @@ mod tests {
             let entry = Entry::find_text(key).unwrap();
             params.set(entry, node).unwrap();
         }
-        let mut table = Table::new(Vec::new(), &params).unwrap();
+        let mut table = Table::new(Vec::new(), &[params]).unwrap();
         let target = |target, node| {
             let command = DriveCommand {
                 control: Controlword::ENABLE_OPERATION,
@@ -277,7 +398,7 @@ mod tests {
     #[test]
     fn setpoints_stand_at_the_sync_that_latches_them_and_events_where_they_happen() {
         let params = Params::slant_bed();
-        let mut table = Table::new(Vec::new(), &params).unwrap();
+        let mut table = Table::new(Vec::new(), &[params]).unwrap();
         let mut sync = SyncProducer::new();
         let mut us = 5_000_000;
         let mut push = |packet: Packet| {

@@ -89,3 +89,39 @@ fn each_board_misses_its_own_gateway_and_no_other() {
     good(&leadscrew(&["reset"], &bus));
     good(&leadscrew(&["run", "examples/g84-peck.nc"], &bus));
 }
+
+#[test]
+fn a_table_of_two_boards_needs_drives_with_numbers_of_their_own() {
+    let tmp = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let put = |name: &str, text: &str| {
+        let path = tmp.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let table = put("two.csv", "");
+    // Its spindles begin where X of the first board is.
+    let shared = put(
+        "shared.toml",
+        "9015.X = 48\n9015.Z = 49\n9015.C = 50\n9016 = 16\n",
+    );
+    let server = two(vec![("9024", 0)], 1);
+    let record = |further| {
+        let args = ["record", "-o", &table, "--further", further, "--count", "3"];
+        leadscrew(&args, &server.bus())
+    };
+    let told = bad(&record(&shared), 1);
+    assert!(
+        told.contains("node 16 is a drive of another board"),
+        "{told}"
+    );
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), "", "not begun");
+    let told = bad(&record("no-such.toml"), 2);
+    assert!(told.contains("cannot read `no-such.toml`"), "{told}");
+    let apart = put(
+        "apart.toml",
+        "9015.X = 48\n9015.Z = 49\n9015.C = 50\n9016 = 64\n",
+    );
+    good(&record(&apart));
+    let text = std::fs::read_to_string(&table).unwrap();
+    assert!(text.contains(",s4_actual_urev,b2_x_nm,"), "{text}");
+}
