@@ -610,6 +610,9 @@ impl Sim {
         self.keep();
         if self.board.station().has_joined() {
             self.serve(Periods::new(1));
+        } else {
+            // Nobody asks for anything: it keeps its book.
+            self.board.serve(Periods::new(1), &self.setpoint);
         }
         // Released above as soon as it is due: there is always room.
         let _ = self.pending.push_back(Pending { row, law, ahead });

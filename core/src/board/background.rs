@@ -21,7 +21,7 @@ use super::ticker::Notice;
 use crate::alarm::{Alarm, Code, Span, heed};
 use crate::cycle::{Move, MoveKind, Moves, Stage};
 use crate::journal::TapRecord;
-use crate::motion::{Action, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
+use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
 use crate::params::Params;
 use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::signals::Signals;
@@ -56,6 +56,8 @@ struct Collecting {
 pub struct Background {
     moves: Option<Moves>,
     epoch: Epoch,
+    /// The thread or hole being expanded, or the last one.
+    cut: Cut,
     /// The spindle override with which the call under expansion is planned.
     percent: u8,
     /// The inputs when the last hole began: one that goes on after K198 keeps them.
@@ -104,6 +106,7 @@ impl Background {
         Self {
             moves: None,
             epoch,
+            cut: Cut::NONE,
             percent: 100,
             hole_signals: Signals::POWER_UP,
             ending: None,
@@ -276,6 +279,7 @@ impl Background {
             number,
             span,
             epoch: self.epoch,
+            cut: self.cut,
             stops,
             action,
         };

@@ -16,6 +16,7 @@ use super::event::{Command, Event};
 use super::kept::{Held, PowerUp};
 use super::operator::Operator;
 use super::queue::{Calls, DetourIn, SegmentIn};
+use super::reference::Measured;
 use super::snapshot::Snapshot;
 use super::station::Station;
 use super::store::{Content, Region, StoreError, StoreRequest};
@@ -27,7 +28,6 @@ use crate::motion::{Epoch, Limits};
 use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
-use crate::units::Length;
 
 /// What the background asks of the tick side. Everything acts in the next tick, in the order in which it was asked for.
 pub trait TickPort {
@@ -174,17 +174,17 @@ impl Desk {
         !self.station.receive(frame, &self.params)
     }
 
-    /// Lets the station go on: `elapsed` periods after the last call; `error` as the [`Reference`](super::Reference) says of
+    /// Lets the station go on: `elapsed` periods after the last call; `measured` as the [`Reference`](super::Reference) says of
     /// the last of them. True where a call went to the planner. What it asks for waits for [`carry_out`](Self::carry_out).
     pub fn serve(
         &mut self,
         elapsed: Periods,
         snapshot: Snapshot,
-        error: Option<Length>,
+        measured: Option<Measured>,
         port: &mut impl TickPort,
     ) -> bool {
         if elapsed != Periods::new(0) {
-            self.station.set_sync_error(error);
+            self.station.set_measured(measured);
         }
         let (calls, epoch) = (&mut self.calls, self.background.epoch());
         let mut offer = |call: &_| offer(port, calls, epoch, call);
@@ -304,10 +304,11 @@ impl Desk {
         self.station.is_transferring()
     }
 
-    /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
+    /// True where a program runs whose next call has not come, and there would be room for it, or whose gateway has to read
+    /// what would be overwritten. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
-        self.station.awaits_program() && !self.calls.is_full()
+        self.station.awaits_program() && !self.calls.is_full() || self.station.awaits_reader()
     }
 
     /// Says how many setpoints have come late for their SYNC since power-up.

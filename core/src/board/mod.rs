@@ -45,7 +45,7 @@ pub use guard::Guard;
 pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use nodes::DriveNodes;
 pub use operator::Operator;
-pub use reference::Reference;
+pub use reference::{Measured, Reference};
 pub use snapshot::{Contacts, Snapshot};
 pub use station::Station;
 pub use store::{Region, StoreError, StoreRequest};

@@ -46,13 +46,15 @@ impl Board {
         self.heed();
         let snapshot = Snapshot::new(&self.ticker, setpoint, Contacts::default());
         let (ticker, head) = (&self.ticker, self.segments.peek());
-        let error = if elapsed == Periods::new(1) {
+        let measured = if elapsed == Periods::new(1) {
             self.reference.error(ticker, head, setpoint)
         } else {
             self.reference.renew(ticker, head, setpoint);
             None
         };
-        let worked = self.desk.serve(elapsed, snapshot, error, &mut self.ticker);
+        let worked = self
+            .desk
+            .serve(elapsed, snapshot, measured, &mut self.ticker);
         self.carry_out();
         worked
     }

@@ -2,7 +2,8 @@
 //! been measured since.
 
 use super::ticker::Ticker;
-use crate::motion::{Law, Setpoint, Task};
+use crate::link::ThreadKind;
+use crate::motion::{Cut, Law, Setpoint, Task};
 use crate::program::{Position, TapAxis};
 use crate::units::Length;
 
@@ -10,11 +11,26 @@ use crate::units::Length;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reference(Option<Held>);
 
-/// The law an axis follows, and where it was told to be.
+/// How far an axis that is held to the spindle was from where it should have been, and what it was cutting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measured {
+    /// Where it was, less where it should have been.
+    pub error: Length,
+    /// Source line.
+    pub line: u32,
+    /// By what it was held.
+    pub kind: ThreadKind,
+    /// In which thread or hole.
+    pub cut: Cut,
+}
+
+/// The law an axis follows, where it was told to be, and for what.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     law: Law,
     position: Position,
+    line: u32,
+    cut: Cut,
 }
 
 impl Held {
@@ -35,6 +51,19 @@ impl Held {
             }
         }
     }
+
+    fn measured(&self, ticker: &Ticker) -> Measured {
+        Measured {
+            error: self.error(ticker),
+            line: self.line,
+            kind: match &self.law {
+                Law::Thread(_) => ThreadKind::Thread,
+                Law::Tap(_) => ThreadKind::RigidTap,
+                Law::Float(_) => ThreadKind::FloatingTap,
+            },
+            cut: self.cut,
+        }
+    }
 }
 
 impl Reference {
@@ -45,21 +74,24 @@ impl Reference {
         ticker: &Ticker,
         head: Option<Task<'_>>,
         setpoint: &Setpoint,
-    ) -> Option<Length> {
-        let error = self.0.as_ref().map(|held| held.error(ticker));
+    ) -> Option<Measured> {
+        let measured = self.0.as_ref().map(|held| held.measured(ticker));
         self.renew(ticker, head, setpoint);
-        error
+        measured
     }
 
     /// The same where ticks were missed, or none was taken: nothing is judged.
     pub fn renew(&mut self, ticker: &Ticker, head: Option<Task<'_>>, setpoint: &Setpoint) {
         self.0 = None;
         if setpoint.locked
+            && let Some(task) = head
             && let Some(law) = ticker.law(head)
         {
             self.0 = Some(Held {
                 law,
                 position: setpoint.position,
+                line: setpoint.line,
+                cut: task.segment.cut,
             });
         }
     }

@@ -207,6 +207,12 @@ impl ThreadMoves {
         }
     }
 
+    /// True from the last pass of the last start on.
+    #[must_use]
+    pub const fn is_at_last_pass(&self) -> bool {
+        self.start == self.starts && self.passes.finish_left == 0
+    }
+
     /// Leaves out the first `passes` depths; to be asked before the first move.
     pub(crate) fn leave_out(&mut self, passes: u32) {
         for _ in 0..passes {

@@ -1,4 +1,4 @@
-//! What a run was like, told by the board itself: object 5041h.
+//! What a run was like, and each thread that was cut, told by the board itself: object 5041h.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -103,6 +103,157 @@ impl Certificate {
         postcard::from_bytes(bytes)
             .map(Ok)
             .map_err(|_| LinkError::Malformed)
+    }
+}
+
+/// By what an axis was held to the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+#[repr(u8)]
+pub enum ThreadKind {
+    /// To the helix of a thread: a threading cycle.
+    Thread,
+    /// To the line of a hole, the spindle in position mode.
+    RigidTap,
+    /// To the same, by the measured spindle.
+    FloatingTap,
+}
+
+/// What became of a thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+#[repr(u8)]
+pub enum ThreadState {
+    /// It is being cut.
+    UnderWay,
+    /// All of it was cut.
+    Finished,
+    /// An alarm, a stop or a reset came before its end.
+    CutShort,
+}
+
+/// How true something was that was cut in synchronism.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Tally {
+    /// Strokes begun along the helix of a thread, each start and each that was done again counted, and holes; 65 535 stands
+    /// for more.
+    pub passes: u16,
+    /// Setpoints that came late for their SYNC meanwhile; 65 535 stands for more.
+    pub late: u16,
+    /// Ticks in which the error was measured; 4 294 967 295 stands for more.
+    pub measured: u32,
+    /// The largest of these errors.
+    pub largest: Length,
+    /// Sum of their squares in nm².
+    pub squares: u64,
+}
+
+impl Tally {
+    /// Of nothing.
+    pub const NONE: Self = Self {
+        passes: 0,
+        late: 0,
+        measured: 0,
+        largest: Length::ZERO,
+        squares: 0,
+    };
+
+    /// Takes an error that was measured.
+    // For the run and for the thread.
+    #[inline(never)]
+    pub(crate) fn take(&mut self, error: Length) {
+        // Beyond four metres an error is no larger.
+        let nm = u32::try_from(error.abs().nm()).unwrap_or(u32::MAX);
+        let square = u64::from(nm).wrapping_mul(nm.into());
+        self.measured = self.measured.saturating_add(1);
+        self.largest = self.largest.max(Length::from_nm(nm.into()));
+        self.squares = self.squares.saturating_add(square);
+    }
+}
+
+/// What there is to tell of a thread, or of a tapped hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct ThreadRecord {
+    /// Source line.
+    pub line: u32,
+    /// What it was.
+    pub kind: ThreadKind,
+    /// What became of it.
+    pub state: ThreadState,
+    /// How true it was.
+    pub tally: Tally,
+}
+
+/// The certificate of a thread or a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct ThreadCertificate {
+    /// Counted from 1 since power-up, without gaps; a gap means that older ones had to go.
+    pub number: u32,
+    /// What there is to tell.
+    pub record: ThreadRecord,
+}
+
+impl ThreadCertificate {
+    /// The most bytes one takes.
+    pub const BYTES: usize = 43;
+}
+
+/// Puts the certificate of a run, and behind it those of threads, to the front of `bytes`; how many they take comes back.
+/// `newest`: the number of the first of the `records`, those behind it have one less each.
+///
+/// # Errors
+/// [`LinkError::TooLong`]; not with [`Certificate::BYTES`] of room and [`ThreadCertificate::BYTES`] for each record.
+pub fn encode_certificates(
+    run: &Certificate,
+    newest: u32,
+    records: &[ThreadRecord],
+    bytes: &mut [u8],
+) -> Result<usize, LinkError> {
+    let mut writer = Writer::new(bytes);
+    run.put(&mut writer);
+    let mut number = newest;
+    for record in records {
+        number.put(&mut writer);
+        record.put(&mut writer);
+        number = number.wrapping_sub(1);
+    }
+    writer.finish()
+}
+
+/// The certificates of threads behind that of a run, the newest first.
+#[derive(Clone, Copy, Debug)]
+pub struct ThreadReader<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> ThreadReader<'a> {
+    /// Reads `bytes` of object 5041h, behind the certificate of the run, which is of this [`VERSION`].
+    ///
+    /// # Errors
+    /// [`LinkError::Malformed`].
+    pub fn new(bytes: &'a [u8]) -> Result<Self, LinkError> {
+        match postcard::take_from_bytes::<Certificate>(bytes) {
+            Ok((_, rest)) => Ok(Self { rest }),
+            Err(_) => Err(LinkError::Malformed),
+        }
+    }
+}
+
+impl Iterator for ThreadReader<'_> {
+    type Item = Result<ThreadCertificate, LinkError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        match postcard::take_from_bytes(self.rest) {
+            Ok((thread, rest)) => {
+                self.rest = rest;
+                Some(Ok(thread))
+            }
+            Err(_) => {
+                self.rest = &[];
+                Some(Err(LinkError::Malformed))
+            }
+        }
     }
 }
 
@@ -232,5 +383,71 @@ mod tests {
         let mut bytes = [0; Certificate::BYTES];
         let used = certificate.encode(&mut bytes).unwrap();
         assert_eq!(Certificate::decode(&bytes[..used]), Ok(Ok(certificate)));
+    }
+
+    #[test]
+    fn the_longest_certificates_have_the_room_that_is_said() {
+        let record = ThreadRecord {
+            line: u32::MAX,
+            kind: ThreadKind::FloatingTap,
+            state: ThreadState::CutShort,
+            tally: Tally {
+                passes: u16::MAX,
+                late: u16::MAX,
+                measured: u32::MAX,
+                largest: Length::from_nm(i64::MIN),
+                squares: u64::MAX,
+            },
+        };
+        let run = Certificate {
+            version: VERSION,
+            program: u32::MAX,
+            ticks: u64::MAX,
+            setpoint_hash: Some(u64::MAX),
+            measured: u64::MAX,
+            largest: Length::from_nm(i64::MIN),
+            squares: u64::MAX,
+            late: u32::MAX,
+        };
+        let mut bytes = [0; Certificate::BYTES + 2 * ThreadCertificate::BYTES];
+        let records = [record, record];
+        let used = encode_certificates(&run, u32::MAX, &records, &mut bytes).unwrap();
+        let alone = run.encode(&mut [0; Certificate::BYTES]).unwrap();
+        assert_eq!(used, alone + 2 * ThreadCertificate::BYTES);
+        // Whoever reads no more than that of the run reads what it always was.
+        assert_eq!(Certificate::decode(&bytes[..used]), Ok(Ok(run)));
+        let mut read = ThreadReader::new(&bytes[..used]).unwrap();
+        for number in [u32::MAX, u32::MAX - 1] {
+            assert_eq!(read.next(), Some(Ok(ThreadCertificate { number, record })));
+        }
+        assert_eq!(read.next(), None);
+        let mut read = ThreadReader::new(&bytes[..used - 1]).unwrap();
+        assert!(read.next().unwrap().is_ok());
+        assert_eq!(read.next(), Some(Err(LinkError::Malformed)));
+        assert_eq!(read.next(), None);
+    }
+
+    #[test]
+    fn a_tally_counts_both_signs_and_holds_at_the_end() {
+        let mut tally = Tally::NONE;
+        for nm in [3, -4, 0] {
+            tally.take(Length::from_nm(nm));
+        }
+        let expected = Tally {
+            measured: 3,
+            largest: Length::from_nm(4),
+            squares: 25,
+            ..Tally::NONE
+        };
+        assert_eq!(tally, expected);
+        tally.measured = u32::MAX;
+        tally.take(Length::from_nm(i64::MIN));
+        assert_eq!(
+            (tally.measured, tally.squares),
+            (u32::MAX, u64::from(u32::MAX).pow(2) + 25)
+        );
+        tally.take(Length::from_nm(i64::MAX));
+        assert_eq!(tally.squares, u64::MAX);
+        assert_eq!(tally.largest, Length::from_nm(u32::MAX.into()));
     }
 }

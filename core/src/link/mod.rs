@@ -4,6 +4,7 @@
 //! ```text
 //! gateway ── calls ──────────────► 5020  (batches; the board says how many bytes it has room for)
 //!         ◄─ status, events ────── 5001, 5040
+//!         ◄─ certificates ──────── 5041
 //!         ◄─ parameter set ──────► 5010
 //! ```
 //!
@@ -28,7 +29,10 @@ mod writer;
 pub use batch::{
     BATCH_BYTES, Batch, BatchError, BatchWriter, CALL_BYTES, CallBytes, decode_call, encode_call,
 };
-pub use certificate::{Certificate, SetpointHash};
+pub use certificate::{
+    Certificate, SetpointHash, Tally, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord,
+    ThreadState, encode_certificates,
+};
 pub use change::{decode_changes, encode_changes};
 pub use event::{EventReader, Logged, decode_alarm, encode_alarm, encode_event};
 pub use image::{ImageError, ImageReader, ImageWriter, identity};

@@ -2,7 +2,7 @@
 //! hold it to the derived one, byte for byte.
 
 use super::writer::{Put, Writer};
-use super::{Certificate, Status, Version};
+use super::{Certificate, Status, Tally, ThreadKind, ThreadRecord, ThreadState, Version};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::board::Event;
 use crate::bus::BoardState;
@@ -51,20 +51,28 @@ records! {
         parameters
     }
     Certificate { version, program, ticks, setpoint_hash, measured, largest, squares, late }
+    ThreadRecord { line, kind, state, tally }
+    Tally { passes, late, measured, largest, squares }
 }
+
+/// By number; those up to 127 take a byte.
+macro_rules! by_number {
+    ($($type:ident)*) => {$(
+        impl Put for $type {
+            fn put(&self, writer: &mut Writer<'_>) {
+                writer.byte(*self as u8);
+            }
+        }
+    )*};
+}
+
+by_number! { BoardState ThreadKind ThreadState }
 
 /// The number as a varint, the key as four bytes, the lowest first.
 impl Put for Version {
     fn put(&self, writer: &mut Writer<'_>) {
         self.number.put(writer);
         writer.bytes(&self.key.to_le_bytes());
-    }
-}
-
-/// By number; those up to 127 take a byte.
-impl Put for BoardState {
-    fn put(&self, writer: &mut Writer<'_>) {
-        writer.byte(*self as u8);
     }
 }
 
@@ -283,6 +291,28 @@ mod tests {
                 largest: Length::from_nm(number),
                 squares: !number as u64,
                 late: word >> 5,
+            });
+            let kinds = [
+                ThreadKind::Thread,
+                ThreadKind::RigidTap,
+                ThreadKind::FloatingTap,
+            ];
+            let states = [
+                ThreadState::UnderWay,
+                ThreadState::Finished,
+                ThreadState::CutShort,
+            ];
+            same(&ThreadRecord {
+                line: !word,
+                kind: kinds[place % 3],
+                state: states[place / 3 % 3],
+                tally: Tally {
+                    passes: half,
+                    late: !half,
+                    measured: word >> 3,
+                    largest: Length::from_nm(number),
+                    squares: number as u64,
+                },
             });
         }
     }

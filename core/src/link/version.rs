@@ -6,7 +6,7 @@ use postcard_schema::Schema;
 use postcard_schema::key::Key;
 use serde::{Deserialize, Serialize};
 
-use super::{Certificate, Logged, Status};
+use super::{Certificate, Logged, Status, ThreadCertificate};
 use crate::alarm::Code;
 use crate::program::Call;
 use crate::signals::Signals;
@@ -52,7 +52,7 @@ impl fmt::Display for Version {
 }
 
 const fn key() -> u32 {
-    let key = Key::for_path::<(Call, Status, Logged, Certificate)>("leadscrew");
+    let key = Key::for_path::<(Call, Status, Logged, Certificate, ThreadCertificate)>("leadscrew");
     let mut hash = u64::from_le_bytes(key.to_bytes());
     // Bits have a meaning that no type shows: a side that knows fewer of them would give the others back as it likes. FNV-1a,
     // as above.

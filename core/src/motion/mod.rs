@@ -34,7 +34,7 @@ pub use plan::Timed;
 pub use profile::{CAPACITY, Profile, Progress, Ramp};
 pub use rate::{PathRate, Rate, Travel};
 pub use run::{Run, Step};
-pub use segment::{Action, Epoch, Pass, Plan, Segment, Stops, Task, WaysOut};
+pub use segment::{Action, Cut, Epoch, Pass, Plan, Segment, Stops, Task, WaysOut};
 pub use tap::{FloatPlan, FloatPoint, FloatRun, FloatTick, float_ticks};
 pub use tap::{Gear, Stroke, TAP_STEPS, Tap, TapLine, TapPart, TapStep, dwell_ticks, stroke};
 pub use thread::{Helix, Phase, Retract, ThreadPlan, ThreadPoint, ThreadRun};

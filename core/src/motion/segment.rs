@@ -20,6 +20,33 @@ impl Epoch {
     }
 }
 
+/// Which thread or hole of a program a segment belongs to: those cut by one call of a threading cycle, or on the way
+/// through one hole, have the same number. Counted from one to the next, and round: what is apart is told by it, and no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut {
+    /// Its number.
+    pub number: u8,
+    /// Of a stroke: it is the last one of the thread, or out of the hole.
+    pub last: bool,
+}
+
+impl Cut {
+    /// Nothing has been cut yet.
+    pub const NONE: Self = Self {
+        number: 0,
+        last: true,
+    };
+
+    /// The next one, at its beginning.
+    #[must_use]
+    pub const fn next(self) -> Self {
+        Self {
+            number: self.number.wrapping_add(1),
+            last: false,
+        }
+    }
+}
+
 /// One planned piece of work with its place in the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
@@ -29,6 +56,8 @@ pub struct Segment {
     pub span: Span,
     /// When it was planned.
     pub epoch: Epoch,
+    /// The thread or hole it belongs to, or the last one before it.
+    pub cut: Cut,
     /// What feed hold and single block may do here.
     pub stops: Stops,
     /// The work.

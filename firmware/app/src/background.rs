@@ -255,9 +255,9 @@ impl BackgroundSide {
 
     #[inline(never)]
     fn serve(&mut self, report: Option<Report>) -> bool {
-        let (mut elapsed, mut error) = (0, None);
+        let (mut elapsed, mut measured) = (0, None);
         if let Some(report) = report {
-            (elapsed, error) = (report.elapsed, report.error);
+            (elapsed, measured) = (report.elapsed, report.measured);
             self.desk.set_late(report.late);
             if !self.renewing {
                 self.snapshot = report.snapshot;
@@ -273,7 +273,7 @@ impl BackgroundSide {
         };
         let worked = self
             .desk
-            .serve(Periods::new(elapsed), snapshot, error, &mut port);
+            .serve(Periods::new(elapsed), snapshot, measured, &mut port);
         self.carry_out();
         worked
     }

@@ -1,9 +1,8 @@
 //! What the two sides say to each other.
 
-use leadscrew_core::board::{Command, Snapshot, StoreError};
+use leadscrew_core::board::{Command, Measured, Snapshot, StoreError};
 use leadscrew_core::motion::Epoch;
 use leadscrew_core::signals::Signals;
-use leadscrew_core::units::Length;
 
 /// What the background asks of the tick. It acts in the next tick, in the order in which it was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +33,7 @@ pub struct Report {
     /// The oldest segment is under way.
     pub begun: bool,
     /// How far the axis that is held to the spindle was from where it should have been; `None`: none is held.
-    pub error: Option<Length>,
+    pub measured: Option<Measured>,
     /// Setpoints that have come late for their SYNC, since power-up.
     pub late: u32,
 }

@@ -246,7 +246,7 @@ impl TickSide {
         }
         let head = self.ends.segments.peek();
         let setpoint = &self.output.setpoint;
-        let error = self.reference.error(ticker, head, setpoint);
+        let measured = self.reference.error(ticker, head, setpoint);
         let contacts = Contacts {
             hold: self.inputs.hold,
             stop: self.inputs.stop,
@@ -255,7 +255,7 @@ impl TickSide {
             elapsed: self.elapsed,
             snapshot: Snapshot::new(ticker, setpoint, contacts),
             begun: ticker.has_begun(),
-            error,
+            measured,
             late: self.late,
         };
         if put(&mut self.ends.reports, report).is_ok() {

@@ -4,7 +4,7 @@ use super::{Background, Collecting, Settings};
 use crate::alarm::{Alarm, Code};
 use crate::cycle::{Cycle, Move, MoveKind, Moves, Tag, TapMove};
 use crate::journal::TapHole;
-use crate::motion::{Action, Gear, Plan, Stops, Tap, TapStep, stroke};
+use crate::motion::{Action, Cut, Gear, Plan, Stops, Tap, TapStep, stroke};
 use crate::params::Params;
 use crate::program::TapMode;
 
@@ -21,6 +21,10 @@ impl Background {
         self.position = next.to;
         if closes {
             self.float_number = None;
+            self.cut = Cut {
+                last: true,
+                ..self.cut.next()
+            };
             let stops = Stops {
                 hold_not_inside: !settings.params.tap_hold_allowed(),
                 ..self.tap_stops(settings.params)
@@ -46,6 +50,10 @@ impl Background {
             Err(alarm) => return Err(*alarm),
         };
         if self.tap.is_none() {
+            // What is left of a hole, behind its pecks or in another block, is part of it.
+            if self.cut.last {
+                self.cut = self.cut.next();
+            }
             let inward = (tap.bottom - tap.level).signum();
             let gear = Gear::new(tap.axis, tap.level, inward, tap.lead, tap.hand);
             let Some(gear) = &gear else {
@@ -79,6 +87,7 @@ impl Background {
             collected.part.returns |= is_return(next);
         }
         self.position = next.to;
+        self.cut.last = tap.closes;
         if tap.axis.of(next.to) == tap.level {
             self.close_tap(settings);
             self.complete = true;

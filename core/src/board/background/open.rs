@@ -24,7 +24,10 @@ impl Background {
         let signals = self.latch(call, settings.signals);
         self.plan = None;
         match &call.kind {
-            CallKind::Thread(thread) => heed!(can_cut(thread, call.span, settings)),
+            CallKind::Thread(thread) => {
+                heed!(can_cut(thread, call.span, settings));
+                self.cut = self.cut.next();
+            }
             CallKind::Tap(tap) => {
                 heed!(self.prepare_tap(tap, signals, call.span, settings, warning));
             }

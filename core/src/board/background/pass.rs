@@ -2,7 +2,7 @@
 
 use super::{Background, Settings, overridden};
 use crate::alarm::{Alarm, heed};
-use crate::cycle::{Move, MoveKind};
+use crate::cycle::{Move, MoveKind, Moves};
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
 use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate};
@@ -40,6 +40,8 @@ impl Background {
             settings.params.thread_clearance(),
         );
         let end = plan.end();
+        self.cut.last =
+            matches!(&self.moves, Some(Moves::Thread(moves)) if moves.is_at_last_pass());
         self.plan = Some(Plan::Thread(Pass {
             plan: *plan,
             ways,

@@ -4,7 +4,7 @@ use crate::alarm::Span;
 use crate::board::detour::Route;
 use crate::board::queue::{DetourIn, put};
 use crate::cycle::{Move, MoveKind};
-use crate::motion::{Action, Limits, Segment, Stops, plan};
+use crate::motion::{Action, Cut, Limits, Segment, Stops, plan};
 
 /// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
 pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut DetourIn<'_>) {
@@ -19,6 +19,7 @@ pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut DetourIn<'_
             number: 0,
             span: Span::default(),
             epoch: route.epoch,
+            cut: Cut::NONE,
             stops,
             action,
         };

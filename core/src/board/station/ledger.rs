@@ -1,36 +1,56 @@
 //! The book of a run: every setpoint, and how well the synchronised ones were met.
 
+use super::threads::Threads;
+use crate::board::event::Event;
+use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::bus::{BoardState, Periods};
-use crate::link::{Certificate, SetpointHash, VERSION};
-use crate::units::Length;
+use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
 
-/// What has been written down since the program was started.
+/// What has been written down: since the program was started, and of its threads.
+// What is large last, as everywhere on this way.
+#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Ledger {
     program: u32,
-    hash: SetpointHash,
     /// A tick of the run was not seen.
     gap: bool,
-    measured: u64,
-    largest: Length,
-    squares: u64,
+    hash: SetpointHash,
+    tally: Tally,
+    /// Since power-up: what a program has cut is not forgotten with the next.
+    pub threads: Threads,
 }
 
 impl Ledger {
-    pub const fn new(program: u32) -> Self {
+    // [D146]
+    #[inline(always)]
+    pub const fn new() -> Self {
         Self {
-            program,
-            hash: SetpointHash::new(),
+            program: 0,
             gap: false,
-            measured: 0,
-            largest: Length::ZERO,
-            squares: 0,
+            hash: SetpointHash::new(),
+            tally: Tally::NONE,
+            threads: Threads::new(),
         }
     }
 
-    /// Takes what is known after a poll: the last setpoint, and the error of the one before.
-    pub fn take(&mut self, elapsed: Periods, snapshot: &Snapshot, error: Option<Length>) {
+    /// A program is started.
+    pub const fn begin(&mut self, program: u32) {
+        self.program = program;
+        self.gap = false;
+        self.hash = SetpointHash::new();
+        self.tally = Tally::NONE;
+    }
+
+    /// Takes what is known after a poll: the last setpoint, and the error of the one before. `late`: setpoints that have come
+    /// late since power-up.
+    pub fn take(
+        &mut self,
+        elapsed: Periods,
+        snapshot: &Snapshot,
+        measured: Option<&Measured>,
+        late: u32,
+    ) {
         match elapsed.get() {
             0 => return,
             1 => {}
@@ -42,16 +62,18 @@ impl Ledger {
             .map(|angle| (snapshot.spindle_in_use, angle));
         let runs = snapshot.board_state() == BoardState::Run;
         self.hash.push(setpoint.position, spindle, runs);
-        if let Some(error) = error {
-            // Ticks do not come to the end of 64 bits.
-            self.measured = self.measured.wrapping_add(1);
-            self.largest = self.largest.max(error.abs());
-            let square = match u32::try_from(error.nm().unsigned_abs()) {
-                Ok(nm) => u64::from(nm).wrapping_mul(nm.into()),
-                Err(_) => u64::MAX,
-            };
-            self.squares = self.squares.saturating_add(square);
+        if let Some(measured) = measured {
+            self.tally.take(measured.error);
+            self.threads.measure(measured, late);
+        } else {
+            self.threads.leave_stroke();
         }
+        self.threads.go_on(snapshot);
+    }
+
+    /// Takes what has happened.
+    pub fn note(&mut self, event: &Event) {
+        self.threads.note(event);
     }
 
     pub fn certificate(&self, late: u32) -> Certificate {
@@ -60,10 +82,16 @@ impl Ledger {
             program: self.program,
             ticks: self.hash.ticks(),
             setpoint_hash: (!self.gap).then_some(self.hash.value()),
-            measured: self.measured,
-            largest: self.largest,
-            squares: self.squares,
+            measured: self.tally.measured.into(),
+            largest: self.tally.largest,
+            squares: self.tally.squares,
             late,
         }
+    }
+
+    /// Puts what 5041h holds into `bytes`; how many that are comes back.
+    pub fn read(&mut self, late: u32, bytes: &mut [u8]) -> Result<usize, LinkError> {
+        self.threads.are_read();
+        self.threads.encode(&self.certificate(late), bytes)
     }
 }

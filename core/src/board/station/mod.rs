@@ -33,6 +33,7 @@ mod ring;
 mod served;
 mod shelf;
 mod table;
+mod threads;
 
 pub use inbox::PROGRAM_BYTES;
 pub use keeper::CommitState;
@@ -45,18 +46,20 @@ use self::shelf::{Shelf, Told};
 use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::nodes::DriveNodes;
+use super::reference::Measured;
 use super::snapshot::Snapshot;
 use super::store::{Region, StoreError, StoreRequest};
 use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
 use crate::bus::{
     BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
-    NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service, SyncSource,
+    HeartbeatWatch, NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
+    SyncSource,
 };
+use crate::link::ThreadCertificate;
 use crate::params::Params;
 use crate::program::Call;
 use crate::signals::Signals;
-use crate::units::Length;
 
 /// Frames that wait to be sent: statuses, heartbeats, emergencies.
 const URGENT: usize = 12;
@@ -300,14 +303,15 @@ impl Station {
     /// Takes what has happened in the tick: every event, in order.
     pub fn note(&mut self, event: &Event) {
         self.shelf.log.push(self.shelf.tick, event);
+        self.shelf.ledger.note(event);
         if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
             self.shelf.inbox.close();
         }
     }
 
     /// Says how far the axis that is held to the spindle was from where it should have been; `None`: none is held.
-    pub const fn set_sync_error(&mut self, error: Option<Length>) {
-        self.shelf.sync_error = error;
+    pub const fn set_measured(&mut self, measured: Option<Measured>) {
+        self.shelf.measured = measured;
     }
 
     /// Says how many setpoints have come late for their SYNC since power-up. What the tick side has counted of a beat that it
@@ -333,8 +337,8 @@ impl Station {
             .wrapping_sub(self.shelf.snapshot.sync_late);
         self.shelf.late = self.shelf.late.wrapping_add(more.into());
         self.shelf.snapshot = snapshot;
-        let error = self.shelf.sync_error;
-        self.shelf.ledger.take(elapsed, &snapshot, error);
+        let (measured, late) = (self.shelf.measured.as_ref(), self.shelf.late);
+        self.shelf.ledger.take(elapsed, &snapshot, measured, late);
         if !snapshot.takes_calls() {
             self.shelf.inbox.close();
         }
@@ -359,6 +363,21 @@ impl Station {
     #[must_use]
     pub const fn awaits_program(&self) -> bool {
         self.shelf.inbox.awaits_more()
+    }
+
+    /// True where a gateway that reads the certificates of threads, and is there, would miss one if time went on: in
+    /// lock-step, time waits.
+    #[must_use]
+    pub fn awaits_reader(&self) -> bool {
+        let watch = &self.shelf.watch;
+        let is_there = |gateway: HeartbeatWatch| watch.state(gateway.node).is_some();
+        let reads = self.shelf.snapshot.in_program && self.shelf.ledger.threads.is_unread();
+        reads && watch.get(0).is_some_and(is_there)
+    }
+
+    /// The certificates of the last threads, the newest first.
+    pub fn threads(&self) -> impl Iterator<Item = ThreadCertificate> {
+        self.shelf.ledger.threads.certificates()
     }
 
     /// True while a transfer is under way: in virtual time, its client can only be as fast as it is.

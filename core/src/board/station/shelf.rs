@@ -14,6 +14,7 @@ use super::log::Log;
 use super::table::{DROP, HISTORY, SENDS_SYNC};
 use crate::alarm::{Alarm, Code};
 use crate::board::event::{Command, Event};
+use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::board::store::copy;
 use crate::bus::{
@@ -63,7 +64,8 @@ pub struct Shelf {
     pub(super) length: usize,
     /// Ticks since power-up.
     pub tick: u64,
-    pub sync_error: Option<Length>,
+    /// Of the axis that is held to the spindle, while one is.
+    pub measured: Option<Measured>,
     /// 1017h.
     pub heartbeat: HeartbeatProducer,
     pub door: Door,
@@ -158,12 +160,12 @@ impl Shelf {
             node,
             inbox: Inbox::new(),
             log: Log::new(),
-            ledger: Ledger::new(0),
+            ledger: Ledger::new(),
             snapshot,
             tick: 0,
             late: 0,
             owners_late: 0,
-            sync_error: None,
+            measured: None,
             count: 0,
             dry_run: false,
             pdos: Pdos::new(node, ms(params.status_period_ms())),
@@ -208,7 +210,7 @@ impl Shelf {
                 // A program is forgotten with the parameters that it was sent for.
                 let waited = !self.is_changing() && self.inbox.run();
                 if waited {
-                    self.ledger = Ledger::new(self.inbox.program());
+                    self.ledger.begin(self.inbox.program());
                 } else {
                     self.warn(Code::NothingToRun);
                 }
@@ -271,11 +273,15 @@ impl Shelf {
         }
     }
 
+    fn sync_error(&self) -> Option<Length> {
+        self.measured.as_ref().map(|measured| measured.error)
+    }
+
     fn spindle(&self) -> BoardSpindle {
         BoardSpindle {
             angle: self.snapshot.spindle,
             speed: milli_rpm(self.snapshot.speed),
-            sync_error: self.sync_error,
+            sync_error: self.sync_error(),
         }
     }
 
@@ -309,7 +315,7 @@ impl Shelf {
             feed_percent: operator.feed_percent(),
             rapid_percent: operator.rapid_percent(),
             spindle_percent: operator.spindle_percent(),
-            sync_error: self.sync_error,
+            sync_error: self.sync_error(),
             late: self.late,
             program: self.inbox.program(),
             next_call: self.inbox.next_call(),
@@ -337,7 +343,7 @@ impl Shelf {
                 Ok(copy(&record.encode(), into))
             }
             (0x5040, _) => Ok(self.log.read(self.log_from, into)),
-            (0x5041, _) => self.ledger.certificate(self.late).encode(into),
+            (0x5041, _) => self.ledger.read(self.late, into),
             _ => return Err(Abort::NoData),
         };
         encoded.map_err(|_| Abort::Internal)

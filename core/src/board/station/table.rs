@@ -393,7 +393,13 @@ const LINES: &[Line] = &[
     item(0x5040, 1, "newest", U32, Read),
     item(0x5040, 2, "read from", U32, Both),
     item(0x5040, 3, "entries", Domain, Read),
-    item(0x5041, 0, "Certificate of the run", Domain, Read),
+    item(
+        0x5041,
+        0,
+        "Certificates of the run and of its threads",
+        Domain,
+        Read,
+    ),
     within(
         item(0x5060, 0, "Signals", U16, Both),
         0,
