@@ -7,3 +7,4 @@ mod parameters;
 mod position;
 mod programs;
 mod protection;
+mod threads;

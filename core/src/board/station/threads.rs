@@ -206,11 +206,11 @@ mod tests {
 
     /// A stroke of three ticks in move `number`, and the tick behind it.
     fn stroke(threads: &mut Threads, now: &mut Snapshot, cut: (u8, bool), number: u32) {
-        for tick in 0..4 {
+        for tick in 0..4_i64 {
             now.setpoint.number = number;
             now.setpoint.locked = tick < 3;
             if tick > 0 {
-                threads.measure(&measured(cut.0, cut.1, -tick), 0);
+                threads.measure(&measured(cut.0, cut.1, tick.saturating_neg()), 0);
             } else {
                 threads.leave_stroke();
             }

@@ -1,0 +1,463 @@
+//! A certificate for each thread and each hole [D169]: what counts as one, how many passes and ticks, what became of it.
+
+use std::collections::BTreeMap;
+
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::{PlantOptions, Ripple};
+use leadscrew_core::board::{Command, Event, State};
+use leadscrew_core::bus::{Object, SdoProtocol};
+use leadscrew_core::cycle::ThreadMoves;
+use leadscrew_core::link::ThreadKind::{self, FloatingTap, RigidTap, Thread};
+use leadscrew_core::link::ThreadState::{self, CutShort, Finished, UnderWay};
+use leadscrew_core::link::{Certificate, ThreadReader, ThreadRecord};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{Call, CallKind};
+use leadscrew_core::units::Length;
+use leadscrew_tests::gateway::Gateway;
+use leadscrew_tests::machine::{STANDING_TICKS, calls, machine};
+use leadscrew_tests::random::Random;
+
+/// Two rough passes and a finishing one.
+const THREAD: &str = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X100 Z50\nM30\n";
+
+fn with(number: &str, value: i64) -> Params {
+    let mut params = Params::slant_bed();
+    let entry = Entry::find_text(number).expect("a parameter");
+    params.set(entry, value).expect("in its range");
+    params
+}
+
+/// What running a program gave.
+#[derive(Default)]
+struct Cut {
+    /// Every thread there was, by number.
+    threads: BTreeMap<u32, ThreadRecord>,
+    /// Locked ticks, by line.
+    locked: BTreeMap<u32, u64>,
+    run: Option<Certificate>,
+}
+
+impl Cut {
+    /// Line, kind, state and passes of each.
+    fn told(&self) -> Vec<(u32, ThreadKind, ThreadState, u16)> {
+        let numbers: Vec<u32> = self.threads.keys().copied().collect();
+        assert_eq!(numbers, (1..=numbers.len() as u32).collect::<Vec<_>>());
+        self.threads
+            .values()
+            .map(|record| (record.line, record.kind, record.state, record.tally.passes))
+            .collect()
+    }
+
+    /// All of them together are the run.
+    fn sums_agree(&self) {
+        let run = self.run.expect("the certificate of the run");
+        let tallies = || self.threads.values().map(|record| record.tally);
+        let measured: u64 = tallies().map(|tally| u64::from(tally.measured)).sum();
+        let squares: u64 = tallies().map(|tally| tally.squares).sum();
+        let largest = tallies().map(|tally| tally.largest).max();
+        assert_eq!(
+            (measured, squares, largest.unwrap_or(Length::ZERO)),
+            (run.measured, run.squares, run.largest)
+        );
+    }
+}
+
+fn look(sim: &Sim, cut: &mut Cut) {
+    for thread in sim.board().station().threads() {
+        cut.threads.insert(thread.number, thread.record);
+    }
+}
+
+/// Cuts it on a board on the bus, and reads at its end what the board tells.
+fn cut_calls(
+    calls: Vec<Call>,
+    params: &Params,
+    options: &PlantOptions,
+    mut operate: impl FnMut(&mut Sim, u64),
+) -> Cut {
+    let mut sim = machine(params, options);
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut waiting = calls.into_iter().peekable();
+    let mut cut = Cut::default();
+    let mut ticks = 0;
+    let mut standing = 0;
+    while standing < STANDING_TICKS {
+        while waiting.peek().is_some_and(|call| sim.offer(call)) {
+            waiting.next();
+        }
+        operate(&mut sim, ticks);
+        if let Some(row) = sim.step()
+            && row.error.is_some()
+        {
+            *cut.locked.entry(row.line).or_default() += 1;
+        }
+        gateway.listen(&mut sim);
+        gateway.heard.clear();
+        ticks += 1;
+        assert!(ticks < 1_000_000, "the machine does not come to an end");
+        let mut stopped = false;
+        while let Some(event) = sim.event() {
+            stopped |= matches!(event, Event::Alarm(_) | Event::Reset);
+        }
+        if stopped {
+            waiting = Vec::new().into_iter().peekable();
+        }
+        if ticks % 50 == 0 {
+            look(&sim, &mut cut);
+        }
+        let over = waiting.peek().is_none() && !sim.is_busy();
+        standing = if over { standing + 1 } else { 0 };
+    }
+    look(&sim, &mut cut);
+    let bytes = gateway
+        .read(&mut sim, Object::new(0x5041, 0), SdoProtocol::Block)
+        .expect("the certificates");
+    cut.run = Some(Certificate::decode(&bytes).unwrap().unwrap());
+    let told: Vec<_> = ThreadReader::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    let last = cut.threads.iter().rev().take(8);
+    assert!(last.eq(told.iter().map(|thread| (&thread.number, &thread.record))));
+    let segmented = gateway.read(&mut sim, Object::new(0x5041, 0), SdoProtocol::Segmented);
+    assert_eq!(segmented, Ok(bytes));
+    cut.sums_agree();
+    cut
+}
+
+fn cut(text: &str) -> Cut {
+    let params = Params::slant_bed();
+    let nothing = |_: &mut Sim, _: u64| {};
+    cut_calls(
+        calls(text, &params),
+        &params,
+        &PlantOptions::default(),
+        nothing,
+    )
+}
+
+fn example(name: &str) -> Cut {
+    let path = format!("{}/../examples/{name}", env!("CARGO_MANIFEST_DIR"));
+    cut(&std::fs::read_to_string(path).expect("the example"))
+}
+
+#[test]
+fn a_cycle_with_all_its_passes_is_one_thread() {
+    let cut = example("o0013-g76-m68x6.nc");
+    assert_eq!(cut.told(), [(6, Thread, Finished, 6)]);
+    let tally = cut.threads[&1].tally;
+    // Every tick in which the axis is on the helix.
+    assert_eq!(u64::from(tally.measured), cut.locked[&6]);
+    assert_eq!(tally.late, 0);
+    assert!(tally.largest < Length::from_nm(1000), "{tally:?}");
+}
+
+#[test]
+fn each_start_is_a_pass() {
+    let cut = example("g78-two-start.nc");
+    let [(6, Thread, Finished, passes)] = cut.told()[..] else {
+        panic!("{:?}", cut.told());
+    };
+    assert_eq!(passes % 2, 0);
+    let depths = {
+        let text = std::fs::read_to_string(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../examples/g78-two-start.nc"
+        ))
+        .expect("the example");
+        let params = Params::slant_bed();
+        calls(&text, &params)
+            .iter()
+            .filter_map(|call| match &call.kind {
+                CallKind::Thread(thread) => ThreadMoves::new(thread, call.span).ok(),
+                _ => None,
+            })
+            .map(|moves| moves.summary().passes)
+            .sum::<u32>()
+    };
+    assert_eq!(u32::from(passes), 2 * depths);
+}
+
+#[test]
+fn each_hole_is_one_however_it_is_pecked() {
+    assert_eq!(
+        example("g84-bolt-circle.nc").told(),
+        [
+            (5, RigidTap, Finished, 1),
+            (6, RigidTap, Finished, 1),
+            (7, RigidTap, Finished, 1),
+            (8, RigidTap, Finished, 1),
+        ]
+    );
+    assert_eq!(
+        example("g84-floating.nc").told(),
+        [(5, FloatingTap, Finished, 1)]
+    );
+    let text = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-50 Q4.0 P30 F2000\nG80\nM30\n";
+    for deep in [0, 1] {
+        let params = with("5200.5", deep);
+        let cut = cut_calls(
+            calls(text, &params),
+            &params,
+            &PlantOptions::default(),
+            |_, _| {},
+        );
+        assert_eq!(cut.told(), [(4, RigidTap, Finished, 1)], "{deep}");
+    }
+    // K makes several of one block.
+    let holes = cut("G98\nG0 X0 Z5\nM29 S600\nG84 Z-12 R-3 F600 K3\nG80\nM30\n");
+    assert_eq!(holes.told(), [(4, RigidTap, Finished, 1); 3]);
+}
+
+#[test]
+fn the_same_block_twice_is_two_threads() {
+    let params = Params::slant_bed();
+    let mut twice = calls(THREAD, &params);
+    let place = twice
+        .iter()
+        .position(|call| matches!(call.kind, CallKind::Thread(_)))
+        .expect("a thread");
+    twice.insert(place, twice[place]);
+    let cut = cut_calls(twice, &params, &PlantOptions::default(), |_, _| {});
+    assert_eq!(cut.told(), [(5, Thread, Finished, 3); 2]);
+}
+
+#[test]
+fn a_program_behind_another_counts_on() {
+    let params = Params::slant_bed();
+    let mut two = calls(THREAD, &params);
+    two.extend(calls(THREAD, &params));
+    let cut = cut_calls(two, &params, &PlantOptions::default(), |_, _| {});
+    assert_eq!(cut.told(), [(5, Thread, Finished, 3); 2]);
+}
+
+/// Waits for the middle of a stroke: 400 ticks in.
+struct Stroke {
+    pass: u16,
+    ticks: u32,
+}
+
+impl Stroke {
+    /// Of pass number `pass`, from 1.
+    const fn of(pass: u16) -> Self {
+        Self { pass, ticks: 0 }
+    }
+
+    /// True once.
+    fn is_half(&mut self, sim: &Sim) -> bool {
+        let newest = sim.board().station().threads().next();
+        let cuts = |record: ThreadRecord| record.tally.passes == self.pass;
+        if sim.board().helix().is_some() && newest.is_some_and(|thread| cuts(thread.record)) {
+            self.ticks += 1;
+        }
+        self.ticks == 400 && {
+            self.ticks += 1;
+            true
+        }
+    }
+}
+
+#[test]
+fn a_stroke_that_is_left_by_a_hold_is_done_again_and_counts_again() {
+    for (retracts, passes) in [(0, 3), (1, 4)] {
+        let params = with("9008.0", retracts);
+        // In the last pass: all of it has been begun, and not all is cut.
+        let mut stroke = Stroke::of(3);
+        let mut held = 0;
+        let cut = cut_calls(
+            calls(THREAD, &params),
+            &params,
+            &PlantOptions::default(),
+            |sim, _| {
+                if stroke.is_half(sim) {
+                    sim.command(Command::Hold);
+                }
+                held += u64::from(sim.board().ticker().state() == State::Held);
+                if held == 300 {
+                    sim.command(Command::Resume);
+                    held += 1;
+                }
+            },
+        );
+        assert!(held > 300);
+        assert_eq!(cut.told(), [(5, Thread, Finished, passes)], "{retracts}");
+    }
+}
+
+#[test]
+fn a_thread_is_cut_short_by_a_reset_and_by_an_alarm() {
+    let params = Params::slant_bed();
+    for (pass, command) in [
+        (1, Command::Reset),
+        (3, Command::Reset),
+        (2, Command::Stop),
+        (3, Command::Stop),
+    ] {
+        let mut stroke = Stroke::of(pass);
+        let cut = cut_calls(
+            calls(THREAD, &params),
+            &params,
+            &PlantOptions::default(),
+            |sim, _| {
+                if stroke.is_half(sim) {
+                    sim.command(command);
+                }
+            },
+        );
+        assert_eq!(
+            cut.told(),
+            [(5, Thread, CutShort, pass)],
+            "{command:?} in pass {pass}"
+        );
+    }
+    // Held in the last pass by a retract, and then given up.
+    let params = with("9008.0", 1);
+    let (mut stroke, mut held) = (Stroke::of(3), 0);
+    let cut = cut_calls(
+        calls(THREAD, &params),
+        &params,
+        &PlantOptions::default(),
+        |sim, _| {
+            if stroke.is_half(sim) {
+                sim.command(Command::Hold);
+            }
+            held += u32::from(sim.board().ticker().state() == State::Held);
+            if held == 100 {
+                sim.command(Command::Reset);
+            }
+        },
+    );
+    assert_eq!(cut.told(), [(5, Thread, CutShort, 3)]);
+}
+
+/// Behind the last pass nothing is missing, whatever becomes of the program; what is cut behind a reset is another thread.
+#[test]
+fn a_thread_that_is_done_stays_done() {
+    let params = Params::slant_bed();
+    let mut sim = machine(&params, &PlantOptions::default());
+    let feed = |sim: &mut Sim, stop_on: Option<u32>| {
+        let mut waiting = calls(THREAD, &params).into_iter().peekable();
+        loop {
+            while waiting.peek().is_some_and(|call| sim.offer(call)) {
+                waiting.next();
+            }
+            sim.step();
+            let mut over = waiting.peek().is_none() && !sim.is_busy();
+            while let Some(event) = sim.event() {
+                if let (Event::Started { line, .. }, Some(stop)) = (event, stop_on)
+                    && line == stop
+                {
+                    sim.command(Command::Reset);
+                    waiting = Vec::new().into_iter().peekable();
+                }
+                over |= event == Event::Reset;
+            }
+            if over {
+                break;
+            }
+        }
+    };
+    // In the rapid behind it.
+    feed(&mut sim, Some(6));
+    feed(&mut sim, None);
+    let told: Vec<_> = sim
+        .board()
+        .station()
+        .threads()
+        .map(|thread| (thread.number, thread.record.line, thread.record.state))
+        .collect();
+    assert_eq!(told, [(2, 5, Finished), (1, 5, Finished)]);
+}
+
+#[test]
+fn an_error_shows_in_the_thread_in_which_it_was() {
+    let text = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X80 Z10\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X80 Z10\nG76 X76 Z-30 P20000 Q15000 F3\nM30\n";
+    let params = Params::slant_bed();
+    let options = PlantOptions::default();
+    let quiet = cut_calls(calls(text, &params), &params, &options, |_, _| {});
+    let mut share = 100;
+    let disturbed = cut_calls(calls(text, &params), &params, &options, |sim, tick| {
+        let second = sim
+            .board()
+            .station()
+            .threads()
+            .next()
+            .is_some_and(|thread| thread.number == 2 && thread.record.state == UnderWay);
+        // A load that comes and goes takes a fifth of its speed.
+        let now = if second && tick % 100 < 50 { 80 } else { 100 };
+        if now != share {
+            share = now;
+            sim.plant().spindle().disturb(share);
+        }
+    });
+    let expected = [
+        (5, Thread, Finished, 3),
+        (7, Thread, Finished, 3),
+        (9, Thread, Finished, 3),
+    ];
+    assert_eq!(quiet.told(), expected);
+    assert_eq!(disturbed.told(), expected);
+    let largest = |cut: &Cut| [1, 2, 3].map(|number| cut.threads[&number].tally.largest.nm());
+    assert_eq!(largest(&quiet), [0, 0, 0]);
+    let [first, second, third] = largest(&disturbed);
+    assert_eq!((first, third), (0, 0));
+    assert!((300..1000).contains(&second), "{second}");
+}
+
+/// Threads and holes in any order: each its own, together the run.
+#[test]
+fn random_programs_add_up() {
+    let mut r = Random(0x5041);
+    let params = Params::slant_bed();
+    for program in 0..if cfg!(debug_assertions) { 4 } else { 40 } {
+        let mut text = String::from("G98\nG0 X80 Z10\n");
+        let mut expected = Vec::new();
+        let mut line = 2;
+        for _ in 0..r.within(3, 10) {
+            if r.chance(50) {
+                let (depth, first) = (r.within(3, 20), r.within(2, 9));
+                text.push_str(&format!(
+                    "M3 S{}\nG0 X80 Z10\nG76 P010060 Q200 R0.05\nG76 X{} Z-{} P{}000 Q{}000 F{}\nM5\n",
+                    r.within(200, 900),
+                    80.0 - depth as f64 / 5.0,
+                    r.within(5, 30),
+                    depth,
+                    first.min(depth),
+                    r.of(&["1", "1.5", "3"]),
+                ));
+                expected.push((line + 4, Thread));
+                line += 5;
+            } else {
+                let holes = r.within(1, 3);
+                let rigid = r.chance(60);
+                let begin = if rigid { "M29" } else { "M3" };
+                text.push_str(&format!(
+                    "G0 X0 Z5\n{begin} S{}\nG84 Z-{} R-3 F{} K{holes}\nG80\n",
+                    r.within(200, 600),
+                    r.within(4, 15),
+                    r.within(200, 500),
+                ));
+                let kind = if rigid { RigidTap } else { FloatingTap };
+                expected.extend(std::iter::repeat_n((line + 3, kind), holes as usize));
+                line += 4;
+                if !rigid {
+                    text.push_str("M5\n");
+                    line += 1;
+                }
+            }
+        }
+        text.push_str("M30\n");
+        let options = PlantOptions {
+            ripple: r.chance(50).then(|| Ripple::new(2_000, 5_000)).flatten(),
+            ..PlantOptions::default()
+        };
+        let cut = cut_calls(calls(&text, &params), &params, &options, |_, _| {});
+        let told: Vec<_> = cut.told().iter().map(|told| (told.0, told.1)).collect();
+        assert_eq!(told, expected, "program {program}\n{text}");
+        assert!(
+            cut.told().iter().all(|told| told.2 == Finished),
+            "{:?}",
+            cut.told()
+        );
+    }
+}
