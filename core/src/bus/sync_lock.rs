@@ -31,22 +31,16 @@
 use super::sync::{SyncConsumer, SyncHeard};
 
 /// Windows are of 2³ to 2⁶ periods.
-const SHORT: u8 = 3;
-const LONG: u8 = 6;
+const SHORT: u32 = 3;
+const LONGER: u32 = 3;
 /// So many long windows in a row that are right begin the lock, and so many that are far off end it.
-const PROOF: u8 = 6;
-const PATIENCE: u8 = 8;
+const PROOF: i32 = 6;
+const PATIENCE: i32 = -8;
 /// Bits of a fraction of a step.
 const FRACTION: u32 = 14;
 
-/// SYNCs of one beat.
-#[derive(Clone, Copy, Debug, Default)]
-struct Heard {
-    count: u8,
-    missed: u8,
-}
-
 /// Leads a timer to the SYNCs of somebody else.
+// All zero where nothing has come: of one in a static there is nothing in the flash of a chip.
 #[derive(Clone, Copy, Debug)]
 pub struct SyncLock {
     /// Steps of a nominal period, of the one under way, and of the one behind it.
@@ -58,21 +52,20 @@ pub struct SyncLock {
     rate: i32,
     slew: i32,
     rest: i32,
-    /// The earliest SYNC of this window, in steps behind its beat.
-    earliest: Option<i32>,
-    /// Periods of this window so far, and SYNCs in it that were near their beat.
-    at: u8,
-    near: u8,
-    /// Periods of a window as a power of two.
-    width: u8,
-    /// Windows in a row that were far off, and long ones that were right.
-    far: u8,
-    right: u8,
+    /// Of those near their beat in this window the SYNC that came earliest, in steps behind it, and how many there were.
+    earliest: i32,
+    near: u32,
+    /// Periods of this window so far.
+    at: u32,
+    /// How much longer than short a window is, as a power of two.
+    longer: u32,
+    /// Long windows in a row that were right; below zero, windows that were far off.
+    right: i32,
     locked: bool,
     consumer: SyncConsumer,
-    /// For the last beat, and for the one to come.
-    now: Heard,
-    early: Heard,
+    /// SYNCs of the last beat, and of the one to come, and what was missing before them.
+    now: [u8; 2],
+    early: [u8; 2],
 }
 
 impl SyncLock {
@@ -87,22 +80,15 @@ impl SyncLock {
             rate: 0,
             slew: 0,
             rest: 0,
-            earliest: None,
-            at: 0,
+            earliest: 0,
             near: 0,
-            width: SHORT,
-            far: 0,
+            at: 0,
+            longer: 0,
             right: 0,
             locked: false,
             consumer: SyncConsumer::new(),
-            now: Heard {
-                count: 0,
-                missed: 0,
-            },
-            early: Heard {
-                count: 0,
-                missed: 0,
-            },
+            now: [0; 2],
+            early: [0; 2],
         }
     }
 
@@ -110,30 +96,28 @@ impl SyncLock {
     /// there on to the next.
     pub fn hear(&mut self, since_steps: i32, counter: Option<u8>) {
         let half = self.nominal >> 1;
-        let (heard, offset) = if since_steps < half {
-            (&mut self.now, since_steps)
-        } else {
-            (&mut self.early, since_steps.saturating_sub(self.running))
+        let (heard, offset) = match since_steps < half {
+            true => (&mut self.now, since_steps),
+            false => (&mut self.early, since_steps.saturating_sub(self.running)),
         };
-        let missed = self.consumer.count(counter).missed;
-        heard.count = heard.count.saturating_add(1);
-        heard.missed = heard.missed.saturating_add(missed);
+        let [count, missed] = heard;
+        *count = count.saturating_add(1);
+        *missed = missed.saturating_add(self.consumer.count(counter).missed);
         let gate = if self.locked { half >> 1 } else { half };
         if offset.saturating_abs() <= gate {
-            self.near = self.near.saturating_add(1);
-            self.earliest = Some(match self.earliest {
-                Some(earliest) => earliest.min(offset),
-                None => offset,
-            });
+            if self.near == 0 || offset < self.earliest {
+                self.earliest = offset;
+            }
+            self.near = self.near.wrapping_add(1);
         }
     }
 
     /// The own beat: all SYNCs heard before it have been given. What the beat before it has brought.
     pub fn beat(&mut self) -> SyncHeard {
-        let Heard { count, missed } = core::mem::replace(&mut self.now, self.early);
-        self.early = Heard::default();
+        let [count, missed] = core::mem::replace(&mut self.now, self.early);
+        self.early = [0; 2];
         self.at = self.at.wrapping_add(1);
-        if self.at.wrapping_shr(self.width.into()) > 0 {
+        if self.at.wrapping_shr(self.width()) > 0 {
             self.judge();
         }
         self.running = self.next;
@@ -145,6 +129,13 @@ impl SyncLock {
             missed,
             locked: self.locked,
         }
+    }
+
+    /// The SYNC of the beat that has begun has come before it.
+    #[must_use]
+    pub const fn is_early(&self) -> bool {
+        let [count, _] = self.now;
+        count > 0
     }
 
     /// Steps of the nominal period.
@@ -159,45 +150,53 @@ impl SyncLock {
         self.next.cast_unsigned()
     }
 
+    /// Periods of a window as a power of two.
+    const fn width(&self) -> u32 {
+        self.longer.wrapping_add(SHORT)
+    }
+
     /// The end of a window.
     #[cold]
+    #[inline(never)]
     fn judge(&mut self) {
-        let near = core::mem::take(&mut self.near);
-        let earliest = self.earliest.take();
-        let nominal = self.nominal << FRACTION;
-        let error = earliest.unwrap_or(0) << FRACTION;
-        let away = error.saturating_abs();
         self.at = 0;
-
-        let is_far = earliest.is_none() || away > nominal >> 4;
-        self.far = match is_far {
-            true => self.far.saturating_add(1),
-            false => 0,
-        };
-        if is_far && !self.locked || self.far >= PATIENCE {
-            self.width = SHORT;
-            self.locked = false;
+        let near = core::mem::take(&mut self.near);
+        let nominal = self.nominal << FRACTION;
+        let mut error = core::mem::take(&mut self.earliest) << FRACTION;
+        let away = error.wrapping_abs();
+        let is_near = near > 0 && away <= nominal >> 4;
+        if !is_near {
+            self.right = self.right.min(0).wrapping_sub(1);
+            if !self.locked || self.right <= PATIENCE {
+                self.longer = 0;
+                self.right = 0;
+                self.locked = false;
+            }
         }
-        let width = u32::from(self.width);
-        // Late may be the wire, early is they.
-        let error = match self.locked {
-            true => within(error, nominal >> 7).min(nominal >> 9),
-            false => error,
+        let (most, part) = match self.locked {
+            true => (nominal >> 7, 4),
+            false => (nominal >> 2, 3),
         };
-        self.slew = within((error >> 1).wrapping_shr(width), nominal >> 6);
-        if !is_far {
-            let part = if self.locked { 4 } else { 3 };
-            let more = (error >> part).wrapping_shr(width);
+        error = within(error, most);
+        if self.locked {
+            // Late may be the wire, early is they.
+            error = error.min(nominal >> 9);
+        }
+        let width = self.width();
+        self.slew = (error >> 1).wrapping_shr(width);
+        if is_near {
+            let more = error.wrapping_shr(width.wrapping_add(part));
             self.rate = within(self.rate.wrapping_add(more), nominal >> 11);
+            let enough = 3_u32.wrapping_shl(width);
+            if away > nominal >> 7 || near << 2 < enough {
+                self.right = 0;
+            } else if self.longer < LONGER {
+                self.longer = self.longer.wrapping_add(1);
+            } else {
+                self.right = self.right.max(0).wrapping_add(1).min(PROOF);
+                self.locked |= self.right == PROOF;
+            }
         }
-        let enough = 3_u32.wrapping_shl(width);
-        let is_right = away <= nominal >> 7 && u32::from(near) << 2 >= enough;
-        match (is_right, self.width) {
-            (false, _) => self.right = 0,
-            (true, LONG) => self.right = self.right.saturating_add(1),
-            (true, _) => self.width = self.width.saturating_add(1),
-        }
-        self.locked |= self.right >= PROOF;
     }
 }
 

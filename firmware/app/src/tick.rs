@@ -8,7 +8,7 @@ use leadscrew_core::board::{
     Command, Contacts, DetourOut, DriveNodes, Ends as TickerEnds, Event, Notice, Output, Reference,
     SegmentOut, Snapshot, Ticker,
 };
-use leadscrew_core::bus::{Frame, Service};
+use leadscrew_core::bus::{Frame, Service, SyncHeard};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -39,6 +39,11 @@ pub struct Inputs {
 pub trait TickMachine {
     /// What the spindle's encoder shows at this SYNC. The first call of a tick.
     fn sample(&mut self) -> EncoderSample;
+    /// What the period that has ended has brought of the SYNC that somebody else sends, where this board's timer is led to it; its
+    /// parameters say that it is (9029). The second call of a tick, in every one. `None`: nothing to be told.
+    fn heard(&mut self) -> Option<SyncHeard> {
+        None
+    }
     /// What the pins say.
     fn inputs(&mut self) -> Inputs;
     /// The oldest frame from the bus not yet read. Those of drives have to come this way; whatever else comes goes to the
@@ -104,6 +109,7 @@ impl TickSide {
     /// its drives are brought up again.
     pub fn tick(&mut self, machine: &mut impl TickMachine) {
         let sample = machine.sample();
+        let heard = machine.heard();
         self.elapsed = self.elapsed.saturating_add(1);
         self.silence = self.silence.saturating_add(1);
         if let Some(ticker) = take(&mut self.ends.returned) {
@@ -126,6 +132,9 @@ impl TickSide {
             detours: &mut self.ends.detours,
             events: &mut self.ends.events,
         };
+        if let Some(heard) = heard {
+            ticker.follow(heard);
+        }
         ticker.tick(sample, &received, &mut ends, &mut self.output);
         if !machine.send(&self.output.frames) {
             self.late = self.late.saturating_add(1);

@@ -13,7 +13,7 @@ use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{self, Event, Held, Region, State, StoreError, StoreRequest};
 use leadscrew_core::bus::{
     BoardCommand, BoardState, BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId,
-    Order, Service,
+    Order, Service, SyncHeard, SyncProducer,
 };
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::{Entry, Params};
@@ -28,6 +28,8 @@ struct Bench {
     others: VecDeque<Frame>,
     sent: Vec<Frame>,
     syncs: u32,
+    /// Somebody else who gives the beat, and what the board's timer says of it.
+    beat: Option<(SyncProducer, SyncHeard)>,
     inputs: Inputs,
     events: Vec<Event>,
     fed: u32,
@@ -41,6 +43,10 @@ struct Bench {
 impl TickMachine for Bench {
     fn sample(&mut self) -> EncoderSample {
         self.plant.advance()
+    }
+
+    fn heard(&mut self) -> Option<SyncHeard> {
+        self.beat.map(|(_, heard)| heard)
     }
 
     fn inputs(&mut self) -> Inputs {
@@ -57,8 +63,11 @@ impl TickMachine for Bench {
             .filter(|frame| frame.id() == CobId::SYNC)
             .count() as u32;
         let answers = &mut self.answers;
-        self.plant
-            .exchange(frames, |answer| answers.push_back(answer));
+        let mut answer = |answer| answers.push_back(answer);
+        if let Some((sync, SyncHeard { count: 1, .. })) = &mut self.beat {
+            self.plant.exchange(&[sync.next()], &mut answer);
+        }
+        self.plant.exchange(frames, &mut answer);
         true
     }
 
@@ -205,6 +214,7 @@ impl Apart {
                 others: VecDeque::new(),
                 sent: Vec::new(),
                 syncs: 0,
+                beat: None,
                 inputs: Inputs::default(),
                 events: Vec::new(),
                 fed: 0,
@@ -342,6 +352,49 @@ fn programs_give_the_same_setpoints_wherever_the_drives_are() {
         });
         assert_eq!(hashes[0], hashes[1], "{name}");
     }
+}
+
+/// A board that follows, and one that gives the beat.
+fn follower() -> Apart {
+    let mut params = Params::slant_bed();
+    let entry = Entry::find_text("9029").expect("a parameter");
+    params.set(entry, 1).expect("in its range");
+    Apart::off(&params)
+}
+
+#[test]
+fn a_board_whose_timer_is_led_gives_the_same_setpoints_and_no_sync() {
+    let params = Params::slant_bed();
+    for name in ["shaft", "g84-tap"] {
+        let (mut apart, mut sim) = (follower(), sim(&params));
+        apart.bench.beat = Some((SyncProducer::new(), SyncHeard::ONE));
+        while !apart.bench.events.contains(&Event::Ready) {
+            apart.step();
+        }
+        apart.step();
+        let path = format!("{}/../../examples/{name}.nc", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let hash = apart.run(&text, &params);
+        assert_eq!(hash, whole(&mut sim, &text, &params), "{name}");
+        assert_eq!(apart.bench.syncs, 0);
+    }
+}
+
+#[test]
+fn a_board_whose_timer_nobody_leads_says_that_it_hears_no_sync() {
+    let mut apart = follower();
+    let mut ticks = 0;
+    while !matches!(apart.background.snapshot().state, State::Alarm(_)) {
+        apart.step();
+        ticks += 1;
+        assert!(ticks < 10_000);
+    }
+    let State::Alarm(alarm) = apart.background.snapshot().state else {
+        unreachable!("it stands on one");
+    };
+    assert_eq!(alarm.code, Code::SyncUnsteady);
+    let figures = [Arg::Int(0), Arg::Int(2100), Arg::Int(1000)];
+    assert_eq!(alarm.args[..3], figures);
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
 //! have missed setpoints must not get new ones out of nowhere. What is told is its state.
 
-use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
+use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
 use embassy_stm32::pac::{FDCAN1, FDCANRAM1, interrupt};
 use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
 use leadscrew_parts::BitTiming;
@@ -61,6 +61,8 @@ pub fn start(timing: BitTiming) {
         w.set_rrfs(true);
         w.set_rrfe(true);
     });
+    // The time of what is heard is that of TIM3 where it began.
+    FDCAN1.tscc().write(|w| w.set_tss(Tss::EXTERNAL));
     FDCAN1.txbc().write(|w| w.set_tfqm(Tfqm::QUEUE));
     // A place that becomes free, by being sent or called back, is told.
     FDCAN1.txbtie().write(|w| w.0 = 0b111);
@@ -116,8 +118,8 @@ pub fn put(frame: &Frame) -> Option<Places> {
     Some(place)
 }
 
-/// A frame that has been received.
-pub fn take() -> Option<Frame> {
+/// A frame that has been received, and what TIM3 showed when it began.
+pub fn take() -> Option<(Frame, u16)> {
     let state = FDCAN1.rxfs(0).read();
     if state.ffl() == 0 {
         return None;
@@ -131,9 +133,9 @@ pub fn take() -> Option<Frame> {
     let [a, b, c, d] = low.to_le_bytes();
     let [e, f, g, h] = high.to_le_bytes();
     let bytes = [a, b, c, d, e, f, g, h];
-    let length = ((length >> 16) & 0xF).min(8) as usize;
+    let (stamp, length) = (length as u16, ((length >> 16) & 0xF).min(8) as usize);
     let id = CobId::new(((head >> 18) & 0x7FF) as u16)?;
-    Frame::new(id, bytes.get(..length)?)
+    Some((Frame::new(id, bytes.get(..length)?)?, stamp))
 }
 
 /// Takes note of the interrupts. True where a frame was received while there was no place for it.

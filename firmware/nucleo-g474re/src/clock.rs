@@ -58,6 +58,7 @@ pub fn start() {
     pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV1));
     pac::RCC.apb1enr1().modify(|w| {
         w.set_tim2en(true);
+        w.set_tim3en(true);
         w.set_tim5en(true);
         w.set_tim6en(true);
         w.set_fdcanen(true);

@@ -14,6 +14,8 @@
 //! |---|---|---|
 //! | rings of frames ([`wire`]) | one side each | one side each |
 //! | the tick whose frames count, and the places of the controller they are in ([`wire`]) | tick; interrupt, keeping the tick out | both |
+//! | whose SYNC gives the beat ([`wire`]) | background | tick, interrupt |
+//! | that the frames of a tick may go ([`wire`]) | tick, interrupt; background while there is no tick | both |
 //! | that the clamp is told to hold ([`CLAMPS`]) | background | tick |
 //! | the queues of `leadscrew-app` | one side each | one side each |
 //!
@@ -44,7 +46,7 @@ use leadscrew_app::{
 };
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
-use leadscrew_core::bus::{Controller, Frame, NodeId};
+use leadscrew_core::bus::{Controller, Frame, NodeId, SyncHeard};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
@@ -93,6 +95,10 @@ struct TickParts {
 impl TickMachine for TickParts {
     fn sample(&mut self) -> EncoderSample {
         self.encoder.sample()
+    }
+
+    fn heard(&mut self) -> Option<SyncHeard> {
+        self.wire.follow()
     }
 
     fn inputs(&mut self) -> Inputs {
@@ -187,6 +193,7 @@ impl Machine for BackgroundParts {
     }
 
     fn begin_anew(&mut self, params: &Params) {
+        wire::begin_anew(params);
         beat::set(params.tick_us());
     }
 }
@@ -243,6 +250,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         panic!("a set that has passed its checks works");
     };
     let (tick_end, background_end) = wire::start(kbit);
+    wire::begin_anew(&set.params);
     let encoder = Encoder::start();
     let patience = (CLAMP_MS * 1000).checked_div(tick_us).unwrap_or(0);
     let contacts = pins::contacts(patience);

@@ -10,15 +10,19 @@
 //! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in by
 //! the tick itself, so that it leaves at once. For the few instructions in which the interrupt puts a frame in, it keeps the
 //! tick out: less than half a microsecond.
+//!
+//! A board that follows sends no SYNC. Those it hears go to the tick with their time, and nobody else; until that of a tick has
+//! come, nothing is put in ([`Follower`]).
 
-use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::pac::interrupt;
 use heapless::spsc::{Consumer, Producer, Queue};
 use leadscrew_core::board::FRAMES;
-use leadscrew_core::bus::{Frame, Service};
-use leadscrew_parts::{Gate, Turn};
+use leadscrew_core::bus::{Frame, Service, SyncHeard, SyncSource, is_sync};
+use leadscrew_core::params::Params;
+use leadscrew_parts::{Follower, Gate, Turn};
 
 use crate::beat;
 use crate::can::{self, Places};
@@ -29,6 +33,8 @@ const HEARD: usize = 33;
 // While a page of the flash is erased nobody reads them: a transfer that is faster begins its block again.
 const REQUESTS: usize = 33;
 const OTHERS: usize = 9;
+// More than one in a period is wrong, however many there are.
+const SYNCS: usize = 3;
 
 /// The second of sixteen priorities, which are the upper bits.
 const BELOW_TICK: u8 = 1 << 4;
@@ -40,8 +46,13 @@ struct Setpoint {
     frame: Frame,
 }
 
+/// A SYNC of somebody else: what TIM3 showed when it began, and its counter.
+type Sync = (u16, Option<u8>);
+
 struct Rings {
     heard: Queue<Frame, HEARD>,
+    syncs: Queue<Sync, SYNCS>,
+    follower: Follower,
     requests: Queue<Frame, REQUESTS>,
     // Those of a tick that has been given up, until the interrupt has thrown them away, and those of the next.
     setpoints: Queue<Setpoint, { 2 * FRAMES + 1 }>,
@@ -50,6 +61,8 @@ struct Rings {
 
 static RINGS: Once<Rings> = Once::new(Rings {
     heard: Queue::new(),
+    syncs: Queue::new(),
+    follower: Follower::new(0),
     requests: Queue::new(),
     setpoints: Queue::new(),
     others: Queue::new(),
@@ -60,15 +73,23 @@ static TICK: AtomicU8 = AtomicU8::new(0);
 /// The places of the controller that were filled for the tick last. Changed by the tick, and by the interrupt while it keeps
 /// the tick out.
 static TICK_PLACES: AtomicU32 = AtomicU32::new(0);
+/// Microseconds of the nominal period of the SYNC that the board follows; 0 where it gives the beat.
+static FOLLOWS: AtomicU16 = AtomicU16::new(0);
+/// Frames may be put in: the SYNC of this tick has come, or is the board's own.
+static GOES: AtomicBool = AtomicBool::new(true);
 /// Frames have come for which there was no room.
 #[cfg(feature = "defmt")]
-static LOST: core::sync::atomic::AtomicBool = core::sync::atomic::AtomicBool::new(false);
+static LOST: AtomicBool = AtomicBool::new(false);
 
 static INTERRUPT: Owned<Bus> = Owned::empty();
 
 /// The tick's end.
 pub struct TickEnd {
     heard: Consumer<'static, Frame>,
+    syncs: Consumer<'static, Sync>,
+    follower: &'static mut Follower,
+    /// The frames of the tick before had no SYNC to go behind.
+    withheld: bool,
     setpoints: Producer<'static, Setpoint>,
 }
 
@@ -81,6 +102,7 @@ pub struct BackgroundEnd {
 /// The interrupt's end.
 struct Bus {
     heard: Producer<'static, Frame>,
+    syncs: Producer<'static, Sync>,
     requests: Producer<'static, Frame>,
     setpoints: Consumer<'static, Setpoint>,
     others: Consumer<'static, Frame>,
@@ -96,11 +118,13 @@ struct Bus {
 pub fn start(kbit: u32) -> (TickEnd, BackgroundEnd) {
     let rings = RINGS.take();
     let (heard_in, heard_out) = rings.heard.split();
+    let (syncs_in, syncs_out) = rings.syncs.split();
     let (requests_in, requests_out) = rings.requests.split();
     let (setpoints_in, setpoints_out) = rings.setpoints.split();
     let (others_in, others_out) = rings.others.split();
     let bus = Bus {
         heard: heard_in,
+        syncs: syncs_in,
         requests: requests_in,
         setpoints: setpoints_out,
         others: others_out,
@@ -118,6 +142,9 @@ pub fn start(kbit: u32) -> (TickEnd, BackgroundEnd) {
     }
     let tick = TickEnd {
         heard: heard_out,
+        syncs: syncs_out,
+        follower: &mut rings.follower,
+        withheld: false,
         setpoints: setpoints_in,
     };
     let background = BackgroundEnd {
@@ -127,13 +154,47 @@ pub fn start(kbit: u32) -> (TickEnd, BackgroundEnd) {
     (tick, background)
 }
 
+/// Gives the beat from now on, or follows that of the bus, as the parameters say.
+pub fn begin_anew(params: &Params) {
+    let follows = match SyncSource::of(params.sync_source()) {
+        SyncSource::Own => 0,
+        // A tick is no longer than 10 ms.
+        SyncSource::Bus => params.tick_us() as u16,
+    };
+    FOLLOWS.store(follows, Ordering::Relaxed);
+    GOES.store(true, Ordering::Relaxed);
+}
+
 impl TickEnd {
+    /// Leads the timer to the SYNC of somebody else, where the board follows; what that was like. Once in a tick, at its
+    /// beginning.
+    #[inline(never)]
+    pub fn follow(&mut self) -> Option<SyncHeard> {
+        let follows = FOLLOWS.load(Ordering::Relaxed);
+        if follows == 0 {
+            return None;
+        }
+        if follows != self.follower.nominal_steps() {
+            *self.follower = Follower::new(follows);
+        }
+        while let Some((stamp, counter)) = self.syncs.dequeue() {
+            self.follower.hear(stamp, counter);
+        }
+        let beat = self.follower.beat(beat::stamp());
+        beat::set(beat.next_steps);
+        // The interrupt waits.
+        self.withheld = !GOES.load(Ordering::Relaxed);
+        GOES.store(beat.goes, Ordering::Relaxed);
+        Some(beat.heard)
+    }
+
     /// The oldest frame not yet read.
     pub fn receive(&mut self) -> Option<Frame> {
         self.heard.dequeue()
     }
 
-    /// Sends the frames of a tick, SYNC first. False where some of the tick before have not left: they are called back.
+    /// Sends the frames of a tick, SYNC first. False where some of the tick before have not left: they are called back. Those
+    /// that had no SYNC to go behind do not count: that it was missing is told already.
     pub fn send(&mut self, frames: &[Frame]) -> bool {
         let mine = TICK_PLACES.load(Ordering::Relaxed);
         let left = Places(can::pending().0 & mine);
@@ -145,7 +206,8 @@ impl TickEnd {
             can::call_back(left);
         }
         let mut frames = frames.iter();
-        if let Some(sync) = frames.as_slice().first()
+        if GOES.load(Ordering::Relaxed)
+            && let Some(sync) = frames.as_slice().first()
             && let Some(place) = can::put(sync)
         {
             TICK_PLACES.store(mine | place.0, Ordering::Relaxed);
@@ -160,7 +222,7 @@ impl TickEnd {
             let _ = self.setpoints.enqueue(setpoint);
         }
         can::poke();
-        in_time
+        in_time || core::mem::take(&mut self.withheld)
     }
 }
 
@@ -185,7 +247,15 @@ impl BackgroundEnd {
 impl Bus {
     fn serve(&mut self) {
         let mut lost = can::acknowledge();
-        while let Some(frame) = can::take() {
+        while let Some((frame, stamp)) = can::take() {
+            if is_sync(&frame) && FOLLOWS.load(Ordering::Relaxed) > 0 {
+                // Where there is no room, there are too many already.
+                let _ = self
+                    .syncs
+                    .enqueue((stamp, frame.payload().first().copied()));
+                GOES.store(true, Ordering::Relaxed);
+                continue;
+            }
             let ring = if is_request(&frame) {
                 &mut self.requests
             } else {
@@ -207,6 +277,9 @@ impl Bus {
         let now = TICK.load(Ordering::Acquire);
         while self.setpoints.peek().is_some_and(|next| next.tick != now) {
             self.setpoints.dequeue();
+        }
+        if !GOES.load(Ordering::Relaxed) {
+            return false;
         }
         let pending = can::pending();
         let free = Places::ALL.count() - pending.count();

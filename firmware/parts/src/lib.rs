@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`BitTiming`] | segments of a CAN bit from the controller's clock |
 //! | [`Gate`] | which frame may go into the CAN controller next |
+//! | [`Follower`] | stamps of somebody else's SYNC to the length of the own periods |
 //! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
 //! | [`WordFlash`] | flash of words with error correction to the traits of storage |
 //! | [`Contacts`], [`Switches`] | emergency stop, feed hold and clamp, behind the traits of pins |
@@ -14,12 +15,14 @@
 
 mod edges;
 mod flash;
+mod follower;
 mod gate;
 mod panel;
 mod timing;
 
 pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
+pub use follower::{Beat, Follower};
 pub use gate::{Gate, Turn};
 pub use panel::{Contacts, Said, Switches};
 pub use timing::BitTiming;
