@@ -84,12 +84,26 @@ pub fn generate(tables: &Tables) -> String {
         format_args!("static MEANINGS: [Meaning; {count}] = [\n{meanings}];"),
     );
     assert!(ranges.len() <= 64, "a place in the ranges has six bits");
+    let mut bounds = Vec::new();
+    let mut place = |bound: i64| {
+        let known = bounds.iter().position(|other| *other == bound);
+        known.unwrap_or_else(|| {
+            bounds.push(bound);
+            bounds.len() - 1
+        })
+    };
+    let places: Vec<(usize, usize)> = ranges
+        .iter()
+        .map(|(low, high)| (place(*low), place(*high)))
+        .collect();
+    assert!(bounds.len() <= 256, "a place in the bounds has eight bits");
     write_line(
         &mut out,
-        format_args!(
-            "static RANGES: [(i64, i64); {}] = {ranges:?};",
-            ranges.len()
-        ),
+        format_args!("static RANGES: [(u8, u8); {}] = {places:?};", places.len()),
+    );
+    write_line(
+        &mut out,
+        format_args!("static BOUNDS: [i64; {}] = {bounds:?};", bounds.len()),
     );
     write_line(
         &mut out,

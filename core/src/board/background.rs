@@ -129,6 +129,12 @@ impl Background {
         }
     }
 
+    /// Forgets everything; the machine stands at `position`, and what is planned from now on is marked with `epoch`.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub fn begin_anew(&mut self, position: Position, epoch: Epoch) {
+        *self = Self::starting(position, epoch);
+    }
+
     /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
     /// `tap`: the newest entry of the tap journal, that of the same tick included.
     pub fn heed(
@@ -144,7 +150,7 @@ impl Background {
                 while calls.ready() {
                     drop_oldest(calls);
                 }
-                *self = Self::starting(*position, *epoch);
+                self.begin_anew(*position, *epoch);
                 self.guard = Guard::of(tap);
             }
             Notice::Route(route) => plan_route(route, limits, detours),

@@ -221,7 +221,8 @@ impl Desk {
     /// The tick side has begun anew: from `position`, as far as that is known.
     pub fn begin_anew(&mut self, position: Option<Position>) {
         self.calls = Calls::new();
-        self.background = Background::new(position.unwrap_or_default());
+        self.background
+            .begin_anew(position.unwrap_or_default(), Epoch::default());
     }
 
     /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{ALIASES, ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
+use super::{ALIASES, BOUNDS, ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
 use crate::units::Axis;
 
 /// Which value of a number.
@@ -120,17 +120,16 @@ impl Entry {
         }
     }
 
-    /// The key of the table is made of it before the program runs: hence step by step.
     const fn range(&self) -> (i64, i64) {
-        let (mut ranges, mut place): (&[_], _) = (&RANGES, self.limits & PLACE);
-        while let [first, rest @ ..] = ranges {
-            if place == 0 {
-                return *first;
-            }
-            (ranges, place) = (rest, place.saturating_sub(1));
+        // Not reached without: a table whose places are not there is not written. Nothing would be allowed.
+        let nothing = (0, -1);
+        let Some((low, high)) = at(&RANGES, self.limits & PLACE) else {
+            return nothing;
+        };
+        match (at(&BOUNDS, low), at(&BOUNDS, high)) {
+            (Some(low), Some(high)) => (low, high),
+            _ => nothing,
         }
-        // Not reached: a table whose places are not there is not written. Nothing would be allowed.
-        (0, -1)
     }
 
     /// What it means to a person; no two entries have all the same.
@@ -198,6 +197,17 @@ impl Entry {
             None => Err(FindError::PartMissing(first)),
         }
     }
+}
+
+/// What stands at a place. The key of the table is made with it before the program runs: hence step by step.
+const fn at<T: Copy>(mut list: &[T], mut place: u8) -> Option<T> {
+    while let [first, rest @ ..] = list {
+        if place == 0 {
+            return Some(*first);
+        }
+        (list, place) = (rest, place.saturating_sub(1));
+    }
+    None
 }
 
 /// Prints the number as users write it: `019`, `182.7`, `1420.X`.
