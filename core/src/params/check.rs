@@ -27,7 +27,13 @@ const HALF_TURN: u32 = 30_000_000;
 impl Params {
     /// Reports everything that makes the set impossible (alarms) or doubtful (warnings).
     pub fn check(&self, report: impl FnMut(Alarm)) {
-        let mut reasons = Reasons(report);
+        self.look::<true>(report);
+    }
+
+    /// `ALL`: for the warnings too. Known beforehand, for a board asks for the reasons against a set alone, and has no code for
+    /// the rest.
+    fn look<const ALL: bool>(&self, report: impl FnMut(Alarm)) {
+        let mut reasons = Reasons::<_, ALL>(report);
         for axis in Axis::ALL {
             self.check_axis(axis, &mut reasons);
         }
@@ -43,15 +49,19 @@ impl Params {
     /// That reason; warnings are none.
     pub fn validate(&self) -> Result<(), Alarm> {
         let mut first = Ok(());
-        self.check(|alarm| {
-            if first.is_ok() && !alarm.code.is_warning() {
+        self.look::<false>(|alarm| {
+            if first.is_ok() {
                 first = Err(alarm);
             }
         });
         first
     }
 
-    fn check_axis(&self, axis: Axis, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+    fn check_axis<const ALL: bool>(
+        &self,
+        axis: Axis,
+        reasons: &mut Reasons<impl FnMut(Alarm), ALL>,
+    ) {
         let (plus, minus) = (self.soft_limit_plus(axis), self.soft_limit_minus(axis));
         let mut blame = |bad: bool, code| {
             if bad {
@@ -86,7 +96,7 @@ impl Params {
 
     /// On a slanted path one axis may set the speed, another the acceleration, a third the jerk; the path's ramps are
     /// never longer than the longest of any axis, so those are what must fit.
-    fn check_ramps(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+    fn check_ramps<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         let none = (Axis::X, 0);
         let (mut to_speed, mut to_acceleration) = (none, none);
         for axis in Axis::ALL {
@@ -128,18 +138,18 @@ impl Params {
         (to_speed, to_acceleration)
     }
 
-    fn check_spindle(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+    fn check_spindle<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         let tick = self.tick_us();
         let bandwidth = self.observer_bandwidth_hz();
         let product = bandwidth.saturating_mul(tick);
-        let too_fast = match product {
-            OBSERVER_LIMIT.. => Some((Code::ObserverTooFast, OBSERVER_LIMIT)),
-            _ if product > OBSERVER_SMOOTH => Some((Code::ObserverNoisy, OBSERVER_SMOOTH)),
-            _ => None,
-        };
-        if let Some((code, limit)) = too_fast {
+        let figures = |limit: u32| {
             let most = limit.checked_div(tick).unwrap_or(0);
-            reasons.add(code, &[count(bandwidth), count(tick), count(most)]);
+            [count(bandwidth), count(tick), count(most)]
+        };
+        if product >= OBSERVER_LIMIT {
+            reasons.add(Code::ObserverTooFast, &figures(OBSERVER_LIMIT));
+        } else if product > OBSERVER_SMOOTH {
+            reasons.add(Code::ObserverNoisy, &figures(OBSERVER_SMOOTH));
         }
         let rpm = self.spindle_max_rpm();
         if rpm.saturating_mul(tick) >= HALF_TURN {
@@ -158,7 +168,7 @@ impl Params {
         }
     }
 
-    fn check_tapping(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+    fn check_tapping<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         let (tap, spindle) = (self.tap_max_rpm(), self.spindle_max_rpm());
         if tap > spindle {
             reasons.add(Code::TapSpeedAboveSpindle, &[speed(tap), speed(spindle)]);
@@ -177,7 +187,7 @@ impl Params {
     }
 
     /// Each drive has a number of its own; that none is the gateway's is said by their ranges.
-    fn check_nodes(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+    fn check_nodes<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         const PAIRS: [(Axis, Option<Axis>); 6] = [
             (Axis::X, Some(Axis::Z)),
             (Axis::X, Some(Axis::C)),
@@ -202,12 +212,20 @@ impl Params {
     }
 }
 
-/// Where the reasons go.
-struct Reasons<Report>(Report);
+/// Where the reasons go; all of them, or those that are no warnings.
+struct Reasons<Report, const ALL: bool>(Report);
 
-impl<Report: FnMut(Alarm)> Reasons<Report> {
-    #[cfg_attr(feature = "small", inline(never))]
+impl<Report: FnMut(Alarm), const ALL: bool> Reasons<Report, ALL> {
+    // In place, where the code is known: so nothing is left of what nobody asks for.
+    #[inline(always)]
     fn add(&mut self, code: Code, figures: &[Arg]) {
+        if ALL || !code.is_warning() {
+            self.put(code, figures);
+        }
+    }
+
+    #[cfg_attr(feature = "small", inline(never))]
+    fn put(&mut self, code: Code, figures: &[Arg]) {
         (self.0)(Alarm::of(code, figures));
     }
 }
