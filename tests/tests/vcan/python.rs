@@ -14,7 +14,7 @@ pub fn given(name: &str) -> String {
 #[test]
 fn the_python_package_canopen_operates_a_board() {
     let output = Command::new("timeout")
-        .arg("150")
+        .arg("300")
         .arg(given("CANOPEN_PYTHON"))
         .args(["-B", "-m", "unittest", "on_a_bus"])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/python"))
@@ -24,5 +24,5 @@ fn the_python_package_canopen_operates_a_board() {
         .unwrap();
     let report = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{report}");
-    assert!(report.contains("Ran 3 tests"), "{report}");
+    assert!(report.contains("Ran 5 tests"), "{report}");
 }
