@@ -669,11 +669,11 @@ codes! {
         "give the drive another number (9015 for an axis, 9016 for the spindles), or start the board with another one",
         "驱动器 {0} 的节点号 {1} 与控制板自身相同", "请更改驱动器的节点号（各轴用 9015，主轴用 9016），或以其他节点号启动控制板";
 
-    /// The SYNC that the board follows has stopped, or the board has come off it; of the last eight periods so many were without,
-    /// and a period in µs.
-    SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last 8 periods of {1} µs were without it, or the board's own beat has come off it",
+    /// The SYNC that the board follows has stopped, or the board has come off it; so many were without, of so many periods of so
+    /// many µs.
+    SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last {1} periods of {2} µs were without it, or the board's own beat has come off it",
         "look at the board that gives the beat, and at the wire between the two; then reset",
-        "本控制板所跟随的 SYNC 已丢失：最近 8 个周期（每周期 {1} µs）中有 {0} 个未收到，或本板节拍已与其失步", "请检查发出节拍的控制板及两者之间的接线；然后复位";
+        "本控制板所跟随的 SYNC 已丢失：最近 {1} 个周期（每周期 {2} µs）中有 {0} 个未收到，或本板节拍已与其失步", "请检查发出节拍的控制板及两者之间的接线；然后复位";
     /// No SYNC that can be followed; so many heard, in so many periods of so many µs.
     SyncUnsteady = 4380, "there is no steady SYNC to follow: {0} heard in {1} periods of {2} µs",
         "switch on the board that gives the beat (9029 = 0 there and only there), and give both boards the same tick (9000); then reset",

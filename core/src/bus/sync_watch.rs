@@ -49,17 +49,25 @@ pub struct SyncWatch {
     steady: u8,
     /// Periods that were not, while it followed.
     late: u16,
-    /// Periods that it has waited, and SYNCs heard in them.
-    waited: u16,
-    seen: u16,
     /// Time of a period in microseconds.
-    tick_us: u16,
+    tick_us: u32,
+    /// Periods in which it has to become steady: those of two seconds, but no fewer than the own timer may take to lock, and
+    /// those that have to be steady.
+    patience: u32,
+    /// Periods that it has waited, and SYNCs heard in them. Where it is lost: how many periods it is told of, and how many of
+    /// them were without SYNC.
+    waited: u32,
+    seen: u32,
 }
 
 impl SyncWatch {
     /// For a board with this period in microseconds.
     #[must_use]
     pub const fn new(source: SyncSource, tick_us: u32) -> Self {
+        let periods = match 2_000_000_u32.checked_div(tick_us) {
+            Some(two_seconds @ LOCK..) => two_seconds,
+            _ => LOCK,
+        };
         Self {
             source,
             follows: matches!(source, SyncSource::Own),
@@ -67,10 +75,10 @@ impl SyncWatch {
             gaps: 0,
             steady: 0,
             late: 0,
+            tick_us,
+            patience: periods.saturating_add(STEADY as u32),
             waited: 0,
             seen: 0,
-            // A tick is no longer than 10 ms.
-            tick_us: tick_us as u16,
         }
     }
 
@@ -111,22 +119,11 @@ impl SyncWatch {
         self.late
     }
 
-    /// For [`SyncVerdict::Lost`]: how many of the last eight periods were without SYNC.
+    /// What is to be told with a verdict that is not good. Unsteady: SYNCs heard, in how many periods. Lost: periods without
+    /// one, of how many. Then the time of a period in microseconds.
     #[must_use]
-    pub const fn gaps(&self) -> u32 {
-        self.gaps.count_ones()
-    }
-
-    /// For [`SyncVerdict::Unsteady`]: how many SYNCs were heard, in how many periods.
-    #[must_use]
-    pub const fn seen(&self) -> (u16, u16) {
-        (self.seen, self.waited)
-    }
-
-    /// Time of a period in microseconds.
-    #[must_use]
-    pub const fn tick_us(&self) -> u16 {
-        self.tick_us
+    pub const fn figures(&self) -> [u32; 3] {
+        [self.seen, self.waited, self.tick_us]
     }
 
     /// A period is over. `waits`: the drives are to be brought up.
@@ -136,49 +133,34 @@ impl SyncWatch {
         let before = self.gaps;
         self.gaps = before << 1 | u8::from(heard.count == 0);
         let good = heard == SyncHeard::ONE;
-        if self.follows {
-            if good {
+        if !self.follows {
+            self.steady = if good { self.steady.wrapping_add(1) } else { 0 };
+            self.follows = self.steady >= STEADY;
+            if waits {
+                self.waited = self.waited.wrapping_add(1);
+                self.seen = self.seen.wrapping_add(heard.count.into());
+            } else {
+                (self.waited, self.seen) = (0, 0);
+            }
+            if self.follows || self.waited < self.patience {
                 return SyncVerdict::Good;
             }
-            // What a gap in the counters says of periods that were empty has been counted with them.
-            if heard.count != 1 || u32::from(heard.missed) > before.trailing_ones() {
-                self.late = self.late.wrapping_add(1);
-            }
-            if heard.locked && self.gaps & GONE != GONE {
-                return SyncVerdict::Good;
-            }
-            self.follows = false;
-            self.steady = 0;
-            return SyncVerdict::Lost;
+            return SyncVerdict::Unsteady;
         }
-        self.steady = if good {
-            self.steady.saturating_add(1)
-        } else {
-            0
-        };
-        self.follows = self.steady >= STEADY;
-        if !waits || self.waited >= self.patience() {
-            (self.waited, self.seen) = (0, 0);
-        }
-        if self.follows || !waits {
+        if good {
             return SyncVerdict::Good;
         }
-        self.waited = self.waited.saturating_add(1);
-        self.seen = self.seen.saturating_add(heard.count.into());
-        if self.waited < self.patience() {
+        // What a gap in the counters says of periods that were empty has been counted with them.
+        if heard.count != 1 || u32::from(heard.missed) > before.trailing_ones() {
+            self.late = self.late.wrapping_add(1);
+        }
+        if heard.locked && self.gaps & GONE != GONE {
             return SyncVerdict::Good;
         }
-        SyncVerdict::Unsteady
-    }
-
-    /// Periods of two seconds, but no fewer than the own timer may take to lock, and those that have to be steady.
-    fn patience(&self) -> u16 {
-        let periods = 2_000_000_u32
-            .checked_div(self.tick_us.into())
-            .unwrap_or(u32::MAX)
-            .max(LOCK);
-        let all = periods.saturating_add(STEADY.into());
-        u16::try_from(all).unwrap_or(u16::MAX)
+        self.follows = false;
+        self.steady = 0;
+        (self.waited, self.seen) = (u8::BITS, self.gaps.count_ones());
+        SyncVerdict::Lost
     }
 }
 
@@ -262,7 +244,11 @@ mod tests {
                     assert_eq!(after(&mut watch, *beats.next().unwrap()), Good);
                 }
                 assert_eq!(after(&mut watch, *beats.next().unwrap()), Unsteady);
-                assert_eq!(watch.seen(), (seen, 2100));
+                assert_eq!(watch.figures(), [seen, 2100, 1000]);
+                // It stands on its alarm for a while.
+                for _ in 0..10 {
+                    assert_eq!(watch.tick(false), Good);
+                }
             }
         }
         // Time in which the drives are not to be brought up does not count.
@@ -318,7 +304,7 @@ mod tests {
         assert_eq!(watch.tick(true), Good);
         assert!(!watch.has_ended());
         assert_eq!(after(&mut watch, SyncHeard::NONE), Lost);
-        assert_eq!((watch.late(), watch.gaps()), (3, 3));
+        assert_eq!((watch.late(), watch.figures()), (3, [3, 8, 1000]));
         assert!(watch.has_ended() && !watch.is_steady());
         // Once, until it has been heard again.
         assert_eq!(watch.tick(false), Good);
@@ -340,6 +326,6 @@ mod tests {
         let mut watch = following();
         assert_eq!(after(&mut watch, OFF), Lost);
         assert!(!watch.has_ended() && !watch.is_steady());
-        assert_eq!((watch.late(), watch.gaps()), (0, 0));
+        assert_eq!((watch.late(), watch.figures()), (0, [0, 8, 1000]));
     }
 }

@@ -123,7 +123,7 @@ fn a_board_without_power_takes_the_beat_from_the_other_and_nothing_jumps() {
         }
         let alarm = follower.alarm.expect("an alarm");
         assert_eq!(alarm.number(), 4379);
-        assert_eq!(alarm.args[..2], [Arg::Int(3), Arg::Int(2_000)]);
+        assert_eq!(alarm.args[..3], [3, 8, 2_000].map(Arg::Int));
         let stood = follower.drives();
         giver
             .sim

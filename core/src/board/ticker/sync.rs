@@ -35,17 +35,12 @@ impl Ticker {
         if self.beat.has_ended() {
             self.drives.cut_off();
         }
-        let number = |figure: u32| Arg::Int(figure.into());
-        let period = number(self.beat.tick_us().into());
-        let alarm = match verdict {
+        let code = match verdict {
             SyncVerdict::Good => return,
-            SyncVerdict::Lost => Alarm::of(Code::SyncLost, &[number(self.beat.gaps()), period]),
-            SyncVerdict::Unsteady => {
-                let (seen, waited) = self.beat.seen();
-                let figures = [number(seen.into()), number(waited.into()), period];
-                Alarm::of(Code::SyncUnsteady, &figures)
-            }
+            SyncVerdict::Lost => Code::SyncLost,
+            SyncVerdict::Unsteady => Code::SyncUnsteady,
         };
-        self.raise(&alarm, ends);
+        let figures = self.beat.figures().map(|figure| Arg::Int(figure.into()));
+        self.raise(&Alarm::of(code, &figures), ends);
     }
 }

@@ -124,7 +124,7 @@ fn network() {
     let mut watch = SyncWatch::new(source, any());
     while any() {
         watch.hear(any());
-        sink((watch.tick(any()), watch.seen(), watch.gaps()));
+        sink((watch.tick(any()), watch.figures()));
         sink((watch.is_steady(), watch.has_ended(), watch.late()));
     }
     sink(HeartbeatWatch::from_raw(any()).map(HeartbeatWatch::raw));
