@@ -356,6 +356,7 @@ impl Link {
         Trouble::NoBoard {
             node: self.node.get(),
             bus: self.bus.clone(),
+            stopped: self.seen.state == Some(NmtState::Stopped),
             others: nodes.into_iter().collect(),
             suspicion: self.health.suspicion(),
         }

@@ -26,6 +26,8 @@ pub enum Trouble {
         node: u8,
         /// The bus.
         bus: String,
+        /// It says by its heartbeats that it has been stopped.
+        stopped: bool,
         /// Nodes that have been heard meanwhile.
         others: Vec<u8>,
         /// What the error frames point to.
@@ -278,6 +280,18 @@ impl Trouble {
             Self::NoBoard {
                 node,
                 bus,
+                stopped: true,
+                ..
+            } => both!(
+                "node {node} on `{bus}` has been stopped by NMT, and a node that is stopped answers nothing: whoever has stopped \
+                 it has to start it (`cansend IFACE 000#01{node:02X}`)",
+                "`{bus}` 上的节点 {node} 已被 NMT 停止，停止状态的节点不作应答：须由停止它的一方重新启动（`cansend IFACE \
+                 000#01{node:02X}`）"
+            ),
+            Self::NoBoard {
+                node,
+                bus,
+                stopped: false,
                 others,
                 suspicion,
             } => {

@@ -15,6 +15,7 @@
 //!
 //! A value that no frame has told yet is empty.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -60,7 +61,6 @@ struct Drive {
     target: Option<Increments>,
     actual: Option<Increments>,
     state: Option<State>,
-    nmt: Option<NmtState>,
     /// What a spindle is to do; an axis has none.
     spindle: Option<SpindleCommand>,
 }
@@ -145,6 +145,8 @@ pub struct Table<W: Write> {
     pub(super) to: W,
     /// In the order of the columns.
     machines: Vec<Machine>,
+    /// What every node's last heartbeat said.
+    states: BTreeMap<NodeId, NmtState>,
     first: Option<Stamp>,
     line: Vec<u8>,
 }
@@ -168,6 +170,7 @@ impl<W: Write> Table<W> {
         Ok(Self {
             to,
             machines: boards.iter().map(Machine::new).collect(),
+            states: BTreeMap::new(),
             first: None,
             line: Vec::new(),
         })
@@ -236,9 +239,8 @@ impl<W: Write> Table<W> {
                 ),
             );
         } else if let Some((node, state)) = NmtState::decode(frame) {
-            let known = self.drive(node).map(|drive| drive.nmt.replace(state));
             // A heartbeat that says what the last one said is no event.
-            if known != Some(Some(state)) {
+            if self.states.insert(node, state) != Some(state) {
                 return self.event(us, &format!("node {}: {state:?}", node.get()));
             }
         }
@@ -336,13 +338,15 @@ mod tests {
             speed.frame(NodeId::new(65).unwrap()),
             sync.next(),
             NmtState::BootUp.frame(NodeId::new(49).unwrap()),
+            NmtState::Operational.frame(NodeId::GATEWAY),
+            NmtState::Operational.frame(NodeId::GATEWAY),
         ] {
             let at = Stamp::from_micros(0);
             table.push(at, &Packet::Frame(frame)).unwrap();
         }
         let text = String::from_utf8(table.to).unwrap();
         let lines: Vec<&str> = text.lines().collect();
-        let [header, row, event] = lines[..] else {
+        let [header, row, event, gateway] = lines[..] else {
             panic!("{text}");
         };
         let fields = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
@@ -367,6 +371,7 @@ mod tests {
         assert_eq!(told, expected);
         assert_eq!(fields(event).len(), 39);
         assert!(event.ends_with(",node 49: BootUp"), "{event}");
+        assert!(gateway.ends_with(",node 127: Operational"), "{gateway}");
     }
 
     #[test]

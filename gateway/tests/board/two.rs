@@ -1,5 +1,8 @@
 //! Two boards on one bus, with a gateway each.
 
+use leadscrew::link::Link;
+use leadscrew_can::BitRate;
+use leadscrew_core::bus::{NmtCommand, NodeId};
 use serde_json::Value;
 
 use crate::server::{Options, Server};
@@ -41,6 +44,13 @@ fn each_is_told_by_its_number_and_the_other_is_named() {
         (&first["state"], &second["state"]),
         (&"idle".into(), &"alarm".into())
     );
+    let address = bus.parse().unwrap();
+    let mut link = Link::open(&address, NodeId::new(2).unwrap(), BitRate::M1).unwrap();
+    let stop = NmtCommand::Stop.frame(Some(link.node()));
+    link.send(&[stop]).unwrap();
+    let told = bad(&leadscrew(&["status", "--node", "2"], &bus), 3);
+    assert!(told.contains("has been stopped by NMT"), "{told}");
+    assert!(told.contains("000#0102"), "{told}");
     let told = bad(&leadscrew(&["status", "--node", "3"], &bus), 3);
     assert!(told.contains("no board answers as node 3"), "{told}");
     assert!(told.contains("heard there: node 1, 2"), "{told}");
