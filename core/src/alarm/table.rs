@@ -649,8 +649,8 @@ codes! {
         "take load off the bus and off the computer that is the board, or make the tick (9000) longer, then reset",
         "1 秒内有 {0} 个位置指令晚于其 SYNC，极限 {1}（参数 9027）", "请降低总线负载及控制板计算机的负载，或加长周期（9000），然后复位";
     /// Somebody else sends SYNC.
-    SecondSync = 4373, "another node on the bus sends SYNC", "switch off its SYNC (1005h bit 30): the board alone gives the beat; then reset",
-        "总线上另有节点发送 SYNC", "请关闭该节点的 SYNC（1005h 第 30 位）：节拍只能由控制板给出；然后复位";
+    SecondSync = 4373, "another node on the bus sends SYNC", "one alone gives the beat: switch off its SYNC (1005h bit 30), or let this board follow it (9029 = 1); then reset",
+        "总线上另有节点发送 SYNC", "节拍只能由一方给出：请关闭该节点的 SYNC（1005h 第 30 位），或让本控制板跟随它（9029 = 1）；然后复位";
     /// Somebody else sends setpoints; the drive's letter and node.
     SecondSetpoints = 4374, "another node sends setpoints to drive {0} (node {1})", "take the second master off the bus, then reset",
         "另有节点向驱动器 {0}（节点 {1}）发送位置指令", "请将第二主站从总线上移除，然后复位";
