@@ -200,6 +200,7 @@ impl Iterator for GrooveMoves {
 impl core::iter::FusedIterator for GrooveMoves {}
 
 /// `value`, or `bound` where going in `direction` (not zero, or `value` is the bound) has passed it.
+#[cfg_attr(feature = "small", inline(never))]
 fn clip(value: Length, bound: Length, direction: Length) -> Length {
     if direction < Length::ZERO {
         value.max(bound)

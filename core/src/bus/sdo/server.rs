@@ -320,6 +320,7 @@ impl SdoServer {
     }
 
     /// Ends what is going on; a write that was begun is abandoned.
+    #[cfg_attr(feature = "small", inline(never))]
     fn close<O: Objects + ?Sized>(&mut self, objects: &mut O) {
         if self.state.is_write() {
             objects.abandon(self.object);
