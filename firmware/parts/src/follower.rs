@@ -65,7 +65,7 @@ impl Follower {
         Beat {
             heard,
             next_steps: self.lock.next_steps(),
-            goes: self.waits == 0 || self.lock.is_early(),
+            goes: self.waits == 0,
         }
     }
 }
