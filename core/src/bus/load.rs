@@ -145,6 +145,21 @@ mod tests {
             ..cycle(2, 4)
         };
         assert_eq!(two.load(), 393 + 330);
+        // Two whole boards, with what the other takes rounded up: at 1 ms, at 2 ms, at 2 ms with four spindles.
+        for (tick_us, further, others, load) in [
+            (1000, 0, 62, 681 + 620),
+            (2000, 0, 33, 360 + 330),
+            (2000, 3, 42, 447 + 420),
+        ] {
+            let one = Cycle {
+                tick_us,
+                further,
+                others,
+                ..cycle(4, 4)
+            };
+            assert_eq!(one.load(), load);
+            assert_eq!(one.check().is_ok(), tick_us == 2000);
+        }
     }
 
     #[test]
