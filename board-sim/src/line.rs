@@ -15,8 +15,8 @@
 
 use heapless::Vec;
 use leadscrew_core::bus::{
-    BusState, CobId, Controller, Controlword, DriveCommand, ErrorCounts, Frame, Increments,
-    NmtCommand, NodeId, is_sync,
+    BusState, CobId, Controller, Controlword, DriveCommand, ErrorCounts, FdFrame, Frame,
+    Increments, NmtCommand, NodeId, is_sync,
 };
 
 /// Setpoints of a period at most.
@@ -169,6 +169,8 @@ pub struct Line {
     held: [Option<Frame>; 4],
     /// Behind the next SYNC.
     waiting: Vec<Frame, SETPOINTS>,
+    /// The frame with all setpoints, likewise.
+    together: Option<FdFrame>,
     harm: Harm,
 }
 
@@ -198,6 +200,7 @@ impl Line {
             },
             held: [None; 4],
             waiting: Vec::new(),
+            together: None,
             harm: Harm {
                 lost: 0,
                 doubled: 0,
@@ -250,7 +253,9 @@ impl Line {
         if self.late {
             self.harm.late = self.harm.late.saturating_add(1);
         }
-        let calm = self.faults.noise == Faults::NONE.noise && self.held == [None; 4];
+        let calm = self.faults.noise == Faults::NONE.noise
+            && self.held == [None; 4]
+            && self.together.is_none();
         self.quiet = calm && !self.dead && !self.late && self.waiting.is_empty();
         let (intruder, span) = self.faults.intruder?;
         let first = span.from == tick;
@@ -306,6 +311,30 @@ impl Line {
         }
         if let Some(before) = before {
             to(before);
+        }
+    }
+
+    /// The frame with all setpoints goes on its way. It is lost or late as others are; to come twice means nothing to it, and
+    /// there is none of its kind in the same period that it could come behind.
+    pub fn pass_together(&mut self, way: Way, frame: &FdFrame, mut to: impl FnMut(&FdFrame)) {
+        if self.quiet {
+            to(frame);
+            return;
+        }
+        let to_drives = way == Way::Setpoints;
+        let before = self.together.take_if(|_| to_drives);
+        let noise = *self.faults.noise_mut(way);
+        if self.dead || self.happens(noise.lose) {
+            self.harm.lost = self.harm.lost.saturating_add(1);
+            return;
+        }
+        if let Some(before) = before {
+            to(&before);
+        }
+        if to_drives && self.late {
+            self.together = Some(*frame);
+        } else {
+            to(frame);
         }
     }
 
@@ -477,6 +506,46 @@ mod tests {
         }
         assert_eq!(came, [1, 100, 2, 3, 101, 102, 4, 103]);
         assert_eq!(line.harm().late, 1);
+    }
+
+    #[test]
+    fn the_frame_for_all_drives_is_lost_and_late_as_others_are() {
+        let mut faults = Faults {
+            late: Some(Span { from: 3, to: 5 }),
+            cable_out: Some(Span { from: 7, to: 8 }),
+            ..Faults::NONE
+        };
+        let came = |line: &mut Line, way| {
+            let mut came = std::vec::Vec::new();
+            for tick in 0..10_u8 {
+                line.tick(tick.into(), true);
+                let frame = FdFrame::new(CobId::new(0x481).unwrap(), &[tick], true).unwrap();
+                line.pass_together(way, &frame, |frame| came.push((tick, frame.payload()[0])));
+            }
+            came
+        };
+        let expected = [
+            (0, 0),
+            (1, 1),
+            (2, 2),
+            (4, 3),
+            (5, 4),
+            (5, 5),
+            (6, 6),
+            (8, 8),
+            (9, 9),
+        ];
+        let mut line = Line::new(faults);
+        assert_eq!(came(&mut line, Way::Setpoints), expected);
+        assert_eq!((line.harm().lost, line.harm().late), (1, 2));
+        // On the wire it is when it was sent.
+        let all: std::vec::Vec<_> = (0..10)
+            .filter(|tick| *tick != 7)
+            .map(|tick| (tick, tick))
+            .collect();
+        assert_eq!(came(&mut Line::new(faults), Way::Out), all);
+        faults.noise_mut(Way::Setpoints).lose = 1000;
+        assert_eq!(came(&mut Line::new(faults), Way::Setpoints), []);
     }
 
     #[test]

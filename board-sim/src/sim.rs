@@ -394,6 +394,7 @@ impl Sim {
             self.give_beat();
             self.board.tick(self.sample, &self.answers, &mut output);
             self.exchange(&output.frames, &mut |_, _| {});
+            self.tell_together(&output);
             self.keep();
             while let Some(event) = self.board.event() {
                 match event {
@@ -466,6 +467,15 @@ impl Sim {
         }
         let heard = core::mem::replace(&mut self.beat.heard, SyncHeard::NONE);
         self.board.follow(heard);
+    }
+
+    /// The frame with all setpoints, where the drives get them so.
+    fn tell_together(&mut self, output: &Output) {
+        let node = self.board.station().node();
+        if let Some(frame) = output.together.and_then(|together| together.frame(node)) {
+            let (wire, plant) = (&mut self.wire, &mut self.plant);
+            wire.pass_together(Way::Setpoints, &frame, |frame| plant.tell_together(frame));
+        }
     }
 
     /// Carries out the writes that the board asks for. They are done before the next tick, so that nothing depends on how
@@ -607,6 +617,7 @@ impl Sim {
         row.set_angle(self.board.ticker().tap_spindle(), setpoint.spindle);
         self.ticks = self.ticks.wrapping_add(1);
         self.exchange(&output.frames, wire);
+        self.tell_together(&output);
         self.keep();
         if self.board.station().has_joined() {
             self.serve(Periods::new(1));

@@ -181,6 +181,19 @@ pub struct Drives {
     /// Which axes
     #[arg(long, value_name = "AXES", default_value = "X,Z,C")]
     pub axes: Here,
+    /// Number of the board that is their master: where setpoints come in one frame (9031), that is the board's
+    #[arg(long, value_name = "NODE", default_value = "1", value_parser = board_node)]
+    pub board: NodeId,
+}
+
+impl Drives {
+    /// The plant, of which they are a part.
+    pub fn plant(&self) -> PlantOptions {
+        PlantOptions {
+            board: Some(self.board),
+            ..self.common.plant()
+        }
+    }
 }
 
 /// The axes whose drives are here, in the order of [`Axis::ALL`].
@@ -263,6 +276,7 @@ impl Board {
         Some(PlantOptions {
             ripple,
             away: here.map(|here| !here),
+            board: Some(self.node),
             ..self.common.plant()
         })
     }

@@ -11,7 +11,7 @@ use leadscrew_core::units::Axis;
 
 use crate::cli::{Drives, Here};
 use crate::machine::say;
-use crate::wire::Wire;
+use crate::wire::{Heard, Wire};
 
 /// How long to listen before a look at whether the user wants to end.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -24,7 +24,7 @@ pub fn run(args: &Drives) -> Outcome {
         .into_iter()
         .zip(here)
         .filter(|(_, here)| *here)
-        .map(|(axis, _)| axis_drive(&params, &args.common.plant(), axis))
+        .map(|(axis, _)| axis_drive(&params, &args.plant(), axis))
         .collect::<Result<Vec<Drive>, _>>()
         .map_err(|error| {
             let reason = format!("the parameters make no drive: {error:?}");
@@ -39,13 +39,17 @@ pub fn run(args: &Drives) -> Outcome {
     let mut answers = Vec::new();
     while !interrupt::requested() {
         // Whatever came at once is answered at once, SYNC by SYNC.
-        wire.listen(PATIENCE, |_, frame| {
+        wire.listen_to_all(PATIENCE, |_, heard| {
             for drive in &mut drives {
-                if is_sync(frame) {
-                    drive.sync(None, |answer| answers.push(answer));
-                } else {
-                    drive.receive(frame);
-                    drive.serve(frame, |answer| answers.push(answer));
+                match heard {
+                    Heard::Frame(frame) if is_sync(frame) => {
+                        drive.sync(None, |answer| answers.push(answer));
+                    }
+                    Heard::Frame(frame) => {
+                        drive.receive(frame);
+                        drive.serve(frame, |answer| answers.push(answer));
+                    }
+                    Heard::Fd(frame) => drive.receive_fd(frame),
                 }
             }
         })?;

@@ -455,10 +455,24 @@ impl Machine {
         self.out.extend_from_slice(&self.output.frames);
         self.exchange(&syncs);
         self.send()?;
+        self.tell_together()?;
         while let Some(event) = self.board.event() {
             self.tell(&event);
         }
         self.serve(1)
+    }
+
+    /// The frame with all setpoints, where the drives get them so: to those that are here, and on the wire.
+    fn tell_together(&mut self) -> Outcome {
+        let together = self.output.together.as_ref();
+        let Some(frame) = together.and_then(|together| together.frame(self.node)) else {
+            return Ok(());
+        };
+        let (line, plant, wire) = (&mut self.line, &mut self.plant, &mut self.wire);
+        line.pass_together(Way::Setpoints, &frame, |frame| plant.tell_together(frame));
+        let mut sent = Ok(());
+        line.pass_together(Way::Out, &frame, |frame| sent = wire.send_fd(frame));
+        sent
     }
 
     /// The SYNCs of another board, and what the board sends, reach the drives that are here, and they answer; what is of this

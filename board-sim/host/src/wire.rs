@@ -5,8 +5,17 @@ use std::time::Duration;
 use leadscrew::failure::{Failure, Outcome};
 use leadscrew::words::Both;
 use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received, Stamp};
-use leadscrew_core::bus::{BusState, Controller, ErrorCounts, Frame};
+use leadscrew_core::bus::{BusState, Controller, ErrorCounts, FdFrame, Frame};
 use leadscrew_core::params::Params;
+
+/// What a node of CANopen hears.
+#[derive(Clone, Copy, Debug)]
+pub enum Heard<'a> {
+    /// A classical frame.
+    Frame(&'a Frame),
+    /// One of CAN FD.
+    Fd(&'a FdFrame),
+}
 
 /// A bus.
 pub struct Wire {
@@ -18,15 +27,18 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Opens the bus; an adapter at the bit rate of the parameters (9020).
+    /// Opens the bus; an adapter at the bit rate of the parameters (9020). Where they ask for a frame of CAN FD (9031), it has to
+    /// carry such.
     pub fn open(address: &Address, params: &Params) -> Outcome<Self> {
         let kbit = params.bus_kbit();
         let rate = BitRate::of_kbit(kbit).ok_or_else(|| {
             Failure::WrongBecause(Both::same(format!("no adapter has {kbit} kbit/s (9020)")))
         })?;
-        leadscrew_can::open(address, rate)
-            .map(Self::on)
-            .map_err(Failure::bus)
+        let mut can = leadscrew_can::open(address, rate).map_err(Failure::bus)?;
+        if params.setpoint_frame() == 1 {
+            can.use_fd(params.fd_kbit()).map_err(Failure::bus)?;
+        }
+        Ok(Self::on(can))
     }
 
     fn on(can: Box<dyn Can>) -> Self {
@@ -58,12 +70,32 @@ impl Wire {
         self.can.send(frames).map_err(Failure::bus)
     }
 
+    /// Sends a frame of CAN FD behind what was sent before.
+    pub fn send_fd(&mut self, frame: &FdFrame) -> Outcome {
+        let [sent, _] = &mut self.counts;
+        *sent += 1;
+        self.can.send_fd(&[*frame]).map_err(Failure::bus)
+    }
+
     /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came; how many these
-    /// were.
+    /// were. Frames of CAN FD are for drives alone.
     pub fn listen(
         &mut self,
         patience: Duration,
         mut to: impl FnMut(Stamp, &Frame),
+    ) -> Outcome<usize> {
+        self.listen_to_all(patience, |time, heard| {
+            if let Heard::Frame(frame) = heard {
+                to(time, frame);
+            }
+        })
+    }
+
+    /// The same with those of CAN FD, in the order in which they came.
+    pub fn listen_to_all(
+        &mut self,
+        patience: Duration,
+        mut to: impl FnMut(Stamp, Heard<'_>),
     ) -> Outcome<usize> {
         self.heard.clear();
         self.can
@@ -73,12 +105,17 @@ impl Wire {
         let [_, received] = &mut self.counts;
         for heard in &self.heard {
             note(&mut self.controller, &heard.packet);
-            // Other kinds of frames are nothing that a node of CANopen hears.
-            if let Some(frame) = heard.packet.frame() {
-                *received += 1;
-                to(heard.time, frame);
-                count += 1;
+            match &heard.packet {
+                Packet::Frame(frame) => to(heard.time, Heard::Frame(frame)),
+                Packet::Fd(frame) => match frame.frame() {
+                    Some(frame) => to(heard.time, Heard::Fd(&frame)),
+                    None => continue,
+                },
+                // Other kinds of frames are nothing that a node of CANopen hears.
+                _ => continue,
             }
+            *received += 1;
+            count += 1;
         }
         Ok(count)
     }

@@ -1,11 +1,12 @@
 //! What a drive tells and takes by SDO: the few objects of CiA 301 and CiA 402 that a machine is set up with.
 //!
 //! PDO communication and mapping, and the interpolation period, are taken in pre-operational alone; limits in every state.
-//! The PDOs have the contents that CiA 402 gives them, and no others. What was written counts until the drive starts anew;
+//! The PDOs have the contents that CiA 402 gives them, and no others; the commands may come behind dummy entries, in a frame that
+//! others get theirs in, too. What was written counts until the drive starts anew;
 //! `save` (1010h:01h) keeps it beyond that.
 
 use leadscrew_core::bus::{
-    Abort, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Objects, Service,
+    Abort, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Objects, Service, Setpoints,
     SpindleCommand,
 };
 
@@ -21,11 +22,14 @@ const INVALID: u32 = 1 << 31;
 /// COB-ID bit 30: the PDO cannot be asked for.
 const NO_RTR: u32 = 1 << 30;
 
+/// Entries of RPDO1: nine dummies are as long as what seven drives get.
+const COMMAND: usize = 11;
+
 /// The values that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Settings {
     /// 1400h: which frames bring commands.
-    command: Pdo<2>,
+    command: Pdo<COMMAND>,
     /// 1401h, spindles only.
     spindle: Pdo<2>,
     /// 1800h: which frame tells the status, and when.
@@ -51,24 +55,48 @@ struct Pdo<const N: usize> {
     objects: [u32; N],
 }
 
-impl Pdo<2> {
-    const fn new(service: Service, node: NodeId, transmission: u8, mapping: &[Mapped; 2]) -> Self {
+impl<const N: usize> Pdo<N> {
+    fn new(service: Service, node: NodeId, transmission: u8, mapping: &[Mapped; 2]) -> Self {
         let rtr = match service {
             Service::Tpdo1 => NO_RTR,
             _ => 0,
         };
-        let [first, second] = mapping;
+        let mut objects = [0; N];
+        for (place, mapped) in objects.iter_mut().zip(mapping) {
+            *place = mapped.raw();
+        }
         Self {
             cob_id: CobId::of(service, node).get() as u32 | rtr,
             transmission,
             count: 2,
-            objects: [first.raw(), second.raw()],
+            objects,
         }
     }
 
     /// It is used, with what belongs into it.
     const fn works(&self) -> bool {
-        self.cob_id & INVALID == 0 && self.count == 2
+        self.cob_id & INVALID == 0 && self.count > 0
+    }
+
+    /// Length and value of a sub-index of its communication, up to `highest`.
+    fn told(&self, highest: u32, sub: u8) -> Result<(u8, u32), Abort> {
+        match sub {
+            0 => Ok((1, highest)),
+            1 => Ok((4, self.cob_id)),
+            2 => Ok((1, u32::from(self.transmission))),
+            _ => Err(Abort::NoSubIndex),
+        }
+    }
+
+    /// The same of its mapping.
+    fn mapped(&self, sub: u8) -> Result<(u8, u32), Abort> {
+        match sub.checked_sub(1) {
+            None => Ok((1, u32::from(self.count))),
+            Some(place) => {
+                let raw = self.objects.get(usize::from(place));
+                raw.map(|raw| (4, *raw)).ok_or(Abort::NoSubIndex)
+            }
+        }
     }
 
     fn communication(&mut self, sub: u8, value: u32) -> Result<(), Abort> {
@@ -89,16 +117,25 @@ impl Pdo<2> {
         }
         let wanted = mapping.map(Mapped::raw);
         match sub {
-            0 => match value {
-                0 => self.count = 0,
-                2 if self.objects == wanted => self.count = 2,
+            0 if value == 0 => self.count = 0,
+            0 => match self.objects.get(..value as usize) {
+                Some([dummies @ .., first, second])
+                    if [*first, *second] == wanted && dummies.iter().all(|raw| is_dummy(*raw)) =>
+                {
+                    self.count = value as u8;
+                }
                 _ => return Err(Abort::PdoLength),
             },
             _ if self.count != 0 => return Err(Abort::State),
             _ => {
                 let place = usize::from(sub.saturating_sub(1));
                 let slot = self.objects.get_mut(place).ok_or(Abort::NoSubIndex)?;
-                if wanted.get(place) != Some(&value) {
+                // Where there is room for dummies, which of them belongs where shows in the end.
+                let mappable = match N {
+                    2 => wanted.get(place) == Some(&value),
+                    _ => wanted.contains(&value) || is_dummy(value),
+                };
+                if !mappable {
                     return Err(Abort::NotMappable);
                 }
                 *slot = value;
@@ -108,9 +145,39 @@ impl Pdo<2> {
     }
 }
 
+/// An entry that stands for bytes of others: UNSIGNED8, UNSIGNED16, UNSIGNED32.
+const fn is_dummy(raw: u32) -> bool {
+    matches!(raw, 0x0005_0008 | 0x0006_0010 | 0x0007_0020)
+}
+
+impl Pdo<COMMAND> {
+    /// Bytes before its own.
+    fn before(&self) -> usize {
+        let objects = self.objects.iter().take(usize::from(self.count));
+        let bits = objects
+            .filter(|raw| is_dummy(**raw))
+            .fold(0_usize, |bits, raw| {
+                bits.saturating_add(*raw as usize & 0xFF)
+            });
+        bits / 8
+    }
+
+    /// The identifier may become that of a frame with the setpoints of several drives, while the PDO is not used.
+    fn move_to(&mut self, value: u32, own: NodeId) -> Result<(), Abort> {
+        let id = value & !INVALID;
+        let alone = id == u32::from(CobId::of(Service::Rpdo1, own).get());
+        let together = (0x481..=0x4FF).contains(&id);
+        if self.cob_id & INVALID == 0 || !(alone || together) {
+            return Err(Abort::Value);
+        }
+        self.cob_id = value;
+        Ok(())
+    }
+}
+
 impl Settings {
     /// As delivered.
-    pub(super) const fn new(node: NodeId, transmission: u8, start: u8) -> Self {
+    pub(super) fn new(node: NodeId, transmission: u8, start: u8) -> Self {
         Self {
             command: Pdo::new(Service::Rpdo1, node, 1, &DriveCommand::MAPPING),
             spindle: Pdo::new(Service::Rpdo2, node, 1, &SpindleCommand::MAPPING),
@@ -136,9 +203,39 @@ impl Settings {
         self
     }
 
-    /// It listens to its commands.
-    pub(super) const fn takes_commands(&self) -> bool {
-        self.command.works()
+    /// The same for a machine whose setpoints all come in one frame of `board`, those of the drive at this place.
+    pub(super) fn with_setpoints_of(mut self, board: NodeId, place: usize) -> Self {
+        let mut count = 0_u8;
+        for (slot, mapped) in self
+            .command
+            .objects
+            .iter_mut()
+            .zip(Setpoints::mapping(place))
+        {
+            *slot = mapped.raw();
+            count = count.saturating_add(1);
+        }
+        self.command.count = count;
+        self.command.cob_id = u32::from(Setpoints::cob_id(board).get());
+        self
+    }
+
+    /// The six bytes that are its own of a frame that brings its command; `None`: it does not.
+    ///
+    /// # Errors
+    /// It does, and ends before them.
+    pub(super) fn command_in(
+        &self,
+        id: CobId,
+        payload: &[u8],
+    ) -> Option<Result<[u8; 6], TooShort>> {
+        if !self.command.works() || self.command.cob_id != u32::from(id.get()) {
+            return None;
+        }
+        let own = payload
+            .get(self.command.before()..)
+            .and_then(|rest| rest.first_chunk().copied());
+        Some(own.ok_or(TooShort))
     }
 
     /// It listens to what a spindle is told.
@@ -156,6 +253,10 @@ impl Settings {
         self.start
     }
 }
+
+/// A frame that ends before what a drive takes of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TooShort;
 
 /// How a drive is at the moment a client asks.
 #[derive(Clone, Copy, Debug)]
@@ -186,19 +287,6 @@ impl Dictionary<'_> {
     fn get(&self, object: Object) -> Result<(u8, u32), Abort> {
         let settings = &self.settings;
         let now = &self.now;
-        let communication = |pdo: &Pdo<2>, highest: u32, sub: u8| match sub {
-            0 => Ok((1, highest)),
-            1 => Ok((4, pdo.cob_id)),
-            2 => Ok((1, u32::from(pdo.transmission))),
-            _ => Err(Abort::NoSubIndex),
-        };
-        let mapping = |pdo: &Pdo<2>, sub: u8| match sub.checked_sub(1) {
-            None => Ok((1, u32::from(pdo.count))),
-            Some(place) => {
-                let raw = pdo.objects.get(usize::from(place));
-                raw.map(|raw| (4, *raw)).ok_or(Abort::NoSubIndex)
-            }
-        };
         match (object.index, object.sub) {
             (0x1000, 0) => Ok((4, DEVICE_TYPE)),
             (0x1001, 0) => Ok((1, 0)),
@@ -209,13 +297,13 @@ impl Dictionary<'_> {
             (0x1018, 1 | 3) => Ok((4, 0)),
             (0x1018, 2) => Ok((4, PRODUCT)),
             (0x1018, 4) => Ok((4, u32::from(now.node.get()))),
-            (0x1400, sub) => communication(&settings.command, 2, sub),
-            (0x1401, sub) if now.spindle => communication(&settings.spindle, 2, sub),
-            (0x1600, sub) => mapping(&settings.command, sub),
-            (0x1601, sub) if now.spindle => mapping(&settings.spindle, sub),
+            (0x1400, sub) => settings.command.told(2, sub),
+            (0x1401, sub) if now.spindle => settings.spindle.told(2, sub),
+            (0x1600, sub) => settings.command.mapped(sub),
+            (0x1601, sub) if now.spindle => settings.spindle.mapped(sub),
             (0x1800, 6) => Ok((1, u32::from(settings.start))),
-            (0x1800, sub) => communication(&settings.status, 6, sub),
-            (0x1A00, sub) => mapping(&settings.status, sub),
+            (0x1800, sub) => settings.status.told(6, sub),
+            (0x1A00, sub) => settings.status.mapped(sub),
             (0x6040, 0) => Ok((2, u32::from(now.control))),
             (0x6041, 0) => Ok((2, u32::from(now.status))),
             (0x6060 | 0x6061, 0) => Ok((1, u32::from(now.mode))),
@@ -245,6 +333,9 @@ impl Dictionary<'_> {
         match (object.index, object.sub) {
             (0x1010, 1) if value == SAVE => *self.kept = *settings,
             (0x1010, 1) => return Err(Abort::NotStored),
+            (0x1400, 1) if (value ^ settings.command.cob_id) & !INVALID != 0 => {
+                settings.command.move_to(value, self.now.node)?;
+            }
             (0x1400, sub @ 1..) => settings.command.communication(sub, value)?,
             (0x1401, sub @ 1..) => settings.spindle.communication(sub, value)?,
             (0x1800, 6) if value <= 240 => settings.start = value as u8,

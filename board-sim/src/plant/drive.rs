@@ -4,16 +4,19 @@
 //! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers. What it is set up with
 //! can be read and written by SDO.
 
-use super::dictionary::{Dictionary, Now, Settings};
+use super::dictionary::{Dictionary, Now, Settings, TooShort};
 use super::follower::Follower;
 use super::power::Power;
 use leadscrew_core::bus::{
-    BlockSize, DriveCommand, DriveStatus, Emcy, Frame, Increments, MilliRpm, Mode, NmtCommand,
-    NmtState, NodeId, Periods, SdoServer, SpindleCommand, Statusword,
+    BlockSize, CobId, DriveCommand, DriveStatus, Emcy, FdFrame, Frame, Increments, MilliRpm, Mode,
+    NmtCommand, NmtState, NodeId, Periods, SdoServer, Setpoints, SpindleCommand, Statusword,
 };
 
 /// SYNC periods for which a client of its SDO server may be silent.
 const PATIENCE: Periods = Periods::new(1000);
+
+/// Emergency of a PDO that is shorter than its mapping, as CiA 301 has it.
+const PDO_LENGTH: u16 = 0x8210;
 
 /// What is wrong with a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,12 +90,16 @@ pub struct Drive {
     kept: Settings,
     /// The value of the SDO transfer that is going on.
     value: [u8; 4],
+    /// The last frame with its command ended before it.
+    too_short: bool,
+    /// That is still to be told.
+    tells_short: bool,
 }
 
 impl Drive {
     /// A drive that has just been switched on; its boot-up message goes out with the first SYNC.
     #[must_use]
-    pub const fn new(node: NodeId, options: DriveOptions, follower: Follower) -> Self {
+    pub fn new(node: NodeId, options: DriveOptions, follower: Follower) -> Self {
         let standing = SpindleCommand {
             mode: Mode::Position,
             velocity: MilliRpm::STOPPED,
@@ -122,6 +129,8 @@ impl Drive {
             settings,
             kept: settings,
             value: [0; 4],
+            too_short: false,
+            tells_short: false,
         }
     }
 
@@ -129,6 +138,14 @@ impl Drive {
     #[must_use]
     pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
         self.settings = self.settings.with_tick(tick_us);
+        self.kept = self.settings;
+        self
+    }
+
+    /// The same set up for a machine whose setpoints all come in one frame of `board`; its own are at this place.
+    #[must_use]
+    pub(super) fn with_setpoints_of(mut self, board: NodeId, place: usize) -> Self {
+        self.settings = self.settings.with_setpoints_of(board, place);
         self.kept = self.settings;
         self
     }
@@ -212,16 +229,38 @@ impl Drive {
             }
         } else if self.nmt != NmtState::Operational {
             // Process data counts only in operational.
-        } else if let Some((node, command)) = DriveCommand::decode(frame) {
-            if node == self.node && self.settings.takes_commands() {
-                self.command = Some(command);
-            }
+        } else if self.is_commanded(frame.id(), frame.payload()) {
+            // Taken.
         } else if let Some((node, command)) = SpindleCommand::decode(frame)
             && node == self.node
             && self.settings.takes_speed()
         {
             self.next_spindle = command;
         }
+    }
+
+    /// A frame of CAN FD.
+    pub fn receive_fd(&mut self, frame: &FdFrame) {
+        if self.trouble != Trouble::CutOff && self.nmt == NmtState::Operational {
+            // What is none of its frames is none for it.
+            let _ = self.is_commanded(frame.id(), frame.payload());
+        }
+    }
+
+    /// True for a frame that brings its command. One that ends before it changes nothing and is told (8210h) once.
+    fn is_commanded(&mut self, id: CobId, payload: &[u8]) -> bool {
+        match self.settings.command_in(id, payload) {
+            None => return false,
+            Some(Err(TooShort)) => {
+                self.tells_short |= !self.too_short;
+                self.too_short = true;
+            }
+            Some(Ok(own)) => {
+                self.command = Setpoints::command(&own, 0);
+                self.too_short = false;
+            }
+        }
+        true
     }
 
     fn is_mute(&self) -> bool {
@@ -293,6 +332,14 @@ impl Drive {
             send(abort);
         }
         self.server = server;
+        if core::mem::take(&mut self.tells_short) {
+            let emcy = Emcy {
+                code: PDO_LENGTH,
+                register: Emcy::GENERIC,
+                detail: [0; 5],
+            };
+            send(emcy.frame(self.node));
+        }
         let target = self.latch(&mut send);
         self.suffer(&mut send);
         self.drive(target);

@@ -47,7 +47,9 @@ pub use spindle::{FineTurns, Piece, Ripple, Spindle};
 pub use tapper::Tapper;
 
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{Frame, Increments, MilliRpm, NmtCommand, Scale, Service, is_sync};
+use leadscrew_core::bus::{
+    FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
+};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Position, TapSpindle};
 use leadscrew_core::spindle::EncoderSample;
@@ -68,6 +70,8 @@ pub struct PlantOptions {
     pub drives: DriveOptions,
     /// Axes whose drives are elsewhere on the bus, in the order of [`Axis::ALL`]: nothing here answers for them.
     pub away: [bool; 3],
+    /// The board's number, where it is another than [`NodeId::BOARD`].
+    pub board: Option<NodeId>,
 }
 
 /// A plant that cannot be.
@@ -149,7 +153,8 @@ impl Plant {
             let per_turn = params.spindle_increments();
             let mut tapper =
                 Tapper::new(node, staggered(options, place), position, still, per_turn);
-            *tapper.drive() = tapper.drive().with_tick(params.tick_us()).for_spindle();
+            let drive = set_up(*tapper.drive(), params, options, usize::from(place));
+            *tapper.drive() = drive.for_spindle();
             tapper
         };
         Ok(Self {
@@ -167,9 +172,13 @@ impl Plant {
             z: axis_drive(params, options, Axis::Z)?,
             c: axis_drive(params, options, Axis::C)?,
             away: options.away,
-            spindle_drive: Drive::new(first, staggered(options, 3), still)
-                .with_tick(params.tick_us())
-                .for_spindle(),
+            spindle_drive: set_up(
+                Drive::new(first, staggered(options, 3), still),
+                params,
+                options,
+                3,
+            )
+            .for_spindle(),
             per_turn: params.spindle_increments(),
             position,
             positioning: false,
@@ -227,6 +236,17 @@ impl Plant {
     pub fn exchange(&mut self, from_board: &[Frame], mut to_board: impl FnMut(Frame)) {
         for frame in from_board {
             self.deliver(frame, &mut to_board);
+        }
+    }
+
+    /// Takes the frame that tells all drives, behind the others of its period.
+    pub fn tell_together(&mut self, frame: &FdFrame) {
+        for drive in self.axes_here() {
+            drive.receive_fd(frame);
+        }
+        self.spindle_drive.receive_fd(frame);
+        for tapper in self.tappers.iter_mut().take(self.present) {
+            tapper.drive().receive_fd(frame);
         }
     }
 
@@ -367,5 +387,16 @@ pub fn axis_drive(
         options.drives.lag,
     )
     .ok_or(PlantError::Latency(axis))?;
-    Ok(Drive::new(node, staggered(options, axis as u8), follower).with_tick(params.tick_us()))
+    let place = axis as u8;
+    let drive = Drive::new(node, staggered(options, place), follower);
+    Ok(set_up(drive, params, options, usize::from(place)))
+}
+
+/// A drive as it is set up for the machine it is delivered for; `place`: of its setpoints, where these come in one frame.
+fn set_up(drive: Drive, params: &Params, options: &PlantOptions, place: usize) -> Drive {
+    let drive = drive.with_tick(params.tick_us());
+    match params.setpoint_frame() {
+        0 => drive,
+        _ => drive.with_setpoints_of(options.board.unwrap_or(NodeId::BOARD), place),
+    }
 }

@@ -19,7 +19,7 @@ pub struct Tapper {
 impl Tapper {
     /// A spindle that stands at 0; its drive counts `per_turn` increments to a turn and executes a target like `position`
     /// does. `still` is a follower that nothing moves.
-    pub(super) const fn new(
+    pub(super) fn new(
         node: NodeId,
         options: DriveOptions,
         position: Follower,

@@ -668,6 +668,14 @@ codes! {
     DriveNodeOfBoard = 4378, "drive {0} has node {1}, which is the board's own",
         "give the drive another number (9015 for an axis, 9016 for the spindles), or start the board with another one",
         "驱动器 {0} 的节点号 {1} 与控制板自身相同", "请更改驱动器的节点号（各轴用 9015，主轴用 9016），或以其他节点号启动控制板";
+    /// A set with setpoints in a frame of CAN FD, for a board that sends none.
+    NoFd = 4383, "this board sends no frames of CAN FD, and 9031 asks for one with all setpoints",
+        "set 9031 to 0: each drive gets its setpoints by its RPDO1",
+        "本控制板不能发送 CAN FD 帧，而 9031 要求用一个 CAN FD 帧发送全部设定值", "请将 9031 设为 0：各驱动器用各自的 RPDO1 接收设定值";
+    /// Rates of CAN FD that do not go together: of the data, nominal.
+    FdRate = 4384, "the data of CAN FD frames cannot go at {0} kbit/s on a bus of {1} kbit/s",
+        "set 9032 to 1000, 2000, 4000, 5000 or 8000, and not below the bit rate of the bus (9020)",
+        "总线波特率为 {1} kbit/s 时，CAN FD 帧的数据段不能用 {0} kbit/s", "请将 9032 设为 1000、2000、4000、5000 或 8000，且不低于总线波特率（9020）";
 
     /// The SYNC that the board follows has stopped, or the board has come off it; so many were without, of so many periods of so
     /// many µs.

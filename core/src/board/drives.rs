@@ -12,6 +12,8 @@ use crate::bus::{
     DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Periods,
     Scale, SyncProducer, SyncSource, Told,
 };
+#[cfg(feature = "fd")]
+use crate::bus::{Service, Setpoints};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
 use crate::units::{Angle, Axis, Length, Turns};
@@ -75,6 +77,9 @@ pub(super) struct Drives {
     /// Where it is the board that gives the beat.
     sync: Option<SyncProducer>,
     nodes: DriveNodes,
+    /// What all of them are told in one frame, where the parameters say so; otherwise each has one of its own.
+    #[cfg(feature = "fd")]
+    together: Option<Setpoints>,
 }
 
 /// What the spindle is to do at the next SYNC.
@@ -116,6 +121,9 @@ impl Drives {
                 SyncSource::Bus => None,
             },
             nodes,
+            #[cfg(feature = "fd")]
+            together: (params.setpoint_frame() == 1)
+                .then(|| Setpoints::of(params.tap_spindles().saturating_add(3))),
         }
     }
 
@@ -290,6 +298,10 @@ impl Drives {
         if let Some(sync) = &mut self.sync {
             put(sync.next());
         }
+        #[cfg(feature = "fd")]
+        if self.together.is_some() {
+            return self.send_together(position, spindle, frames);
+        }
         let [x, z, c] = &mut self.axes;
         let [off_x, off_z, off_c] = self.offsets;
         let [last_x, last_z, last_c] = &mut self.last;
@@ -305,6 +317,56 @@ impl Drives {
             beyond = Some(Axis::C);
         }
         self.spindles.tick(spindle, &mut put);
+        beyond
+    }
+}
+
+#[cfg(feature = "fd")]
+impl Drives {
+    /// What all drives are told in this period, where that is one frame.
+    pub(super) const fn together(&self) -> Option<&Setpoints> {
+        self.together.as_ref()
+    }
+
+    /// As [`send`](Self::send): the commands are put together, everything else is a frame of its own. A spindle whose turn it
+    /// is not in this period is told what it was told last.
+    #[inline(never)]
+    fn send_together(
+        &mut self,
+        position: Position,
+        spindle: Spindle,
+        frames: &mut Vec<Frame, FRAMES>,
+    ) -> Option<Axis> {
+        let together = self.together.as_mut()?;
+        let mut put = |frame: Frame, place: usize| match frame.id().service() {
+            Some((Service::Rpdo1, _)) => together.tell(place, &frame),
+            _ => {
+                // There is room, as in `send`.
+                let _ = frames.push(frame);
+            }
+        };
+        let mut beyond = None;
+        let drives = self.axes.iter_mut().zip(self.offsets).zip(&mut self.last);
+        let places = (0..).zip(Axis::ALL).zip(figures(position));
+        for (((drive, offset), last), ((place, axis), figure)) in drives.zip(places) {
+            if !send_to(drive, offset, last, figure, &mut |frame| put(frame, place)) {
+                beyond = Some(axis);
+            }
+        }
+        let first = self.nodes.spindle(TapSpindle::First).get();
+        self.spindles.tick(spindle, &mut |frame: Frame| {
+            let node = (frame.id().get() & 0x7F) as u8;
+            put(
+                frame,
+                usize::from(node.wrapping_sub(first)).saturating_add(3),
+            );
+        });
+        let all = self.axes.iter().chain(self.spindles.drives());
+        for (place, drive) in all.enumerate() {
+            if drive.is_told_nothing() {
+                together.withdraw(place);
+            }
+        }
         beyond
     }
 }

@@ -34,6 +34,8 @@ use super::nodes::DriveNodes;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
 use crate::alarm::{Alarm, Arg, Code, Span};
+#[cfg(feature = "fd")]
+use crate::bus::Setpoints;
 use crate::bus::{Frame, SyncSource, SyncWatch};
 use crate::journal::TapRecord;
 use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint, Task, WaysOut};
@@ -65,6 +67,9 @@ pub struct Output {
     pub setpoint: Setpoint,
     /// To be stored, instead of any entry before.
     pub journal: Option<TapRecord>,
+    /// What all drives are told in one frame of CAN FD (9031), behind the other frames of the period.
+    #[cfg(feature = "fd")]
+    pub together: Option<Setpoints>,
 }
 
 /// The queues of one tick.
@@ -364,6 +369,10 @@ impl Ticker {
         self.keep_journal(ends, output);
         output.frames.clear();
         self.send(&mut output.frames, ends);
+        #[cfg(feature = "fd")]
+        {
+            output.together = self.drives.together().copied();
+        }
     }
 
     /// Lets a segment that is done go from the head of its queue.

@@ -194,6 +194,12 @@ impl DriveMaster {
         matches!(self.phase, Phase::Enabled)
     }
 
+    /// True where it is told nothing: before it has answered for the first time.
+    #[must_use]
+    pub const fn is_told_nothing(&self) -> bool {
+        matches!(self.phase, Phase::Offline | Phase::Step(Step::Contact))
+    }
+
     /// What went wrong, until [`DriveMaster::reset`].
     #[must_use]
     pub const fn failure(&self) -> Option<DriveFailure> {

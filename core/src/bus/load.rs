@@ -2,13 +2,15 @@
 //!
 //! | sent | frame |
 //! |---|---|
-//! | every tick | SYNC with its counter, RPDO1 of each drive |
+//! | every tick | SYNC with its counter, RPDO1 of each drive, or one frame of CAN FD with all of them |
 //! | every fourth tick | RPDO1 of each spindle that only taps and does not tap now |
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
 //!
 //! What other boards take is a figure of the parameters.
 
+#[cfg(feature = "fd")]
+use super::fd::FdBits;
 use crate::alarm::{Alarm, Arg, Code};
 
 /// What the cycle consists of.
@@ -28,6 +30,9 @@ pub struct Cycle {
     pub status_ms: u32,
     /// What other boards take beyond SYNC, in percent.
     pub others: u32,
+    /// The drives get their setpoints in one frame of CAN FD, its data at so many kbit/s; 0: each by its own RPDO1.
+    #[cfg(feature = "fd")]
+    pub fd_kbit: u32,
 }
 
 /// Bits of a classical frame with `bytes` of data, intermission included, stuffed as badly as can be.
@@ -50,11 +55,23 @@ impl Cycle {
     pub fn load(&self) -> u32 {
         let all = self.drives.saturating_add(self.further);
         let [sync, setpoint, status] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
+        let mut alone = [self.drives, self.further];
+        #[cfg(feature = "fd")]
+        let mut together = (0, 0);
+        #[cfg(feature = "fd")]
+        if self.fd_kbit > 0 {
+            alone = [0; 2];
+            let bits = FdBits::of(all.saturating_mul(6));
+            together = (bits.at(self.kbit, self.fd_kbit), 1);
+        }
+        let [drives, further] = alone;
         // Bits of a frame, the time from one to the next as so many times so many microseconds, how many of them.
         let sent = [
             (sync, self.tick_us, 1, 1),
-            (setpoint, self.tick_us, 1, self.drives),
-            (setpoint, self.tick_us, 4, self.further),
+            (setpoint, self.tick_us, 1, drives),
+            (setpoint, self.tick_us, 4, further),
+            #[cfg(feature = "fd")]
+            (together.0, self.tick_us, 1, together.1),
             (setpoint, self.tick_us, self.drive_syncs, all),
             (status, self.status_ms, 1000, 3),
         ];
@@ -106,6 +123,7 @@ mod tests {
             drive_syncs,
             status_ms: 10,
             others: 0,
+            fd_kbit: 0,
         }
     }
 
@@ -160,6 +178,30 @@ mod tests {
             assert_eq!(one.load(), load);
             assert_eq!(one.check().is_ok(), tick_us == 2000);
         }
+    }
+
+    #[test]
+    fn one_frame_for_all_setpoints_leaves_room() {
+        // SYNC 6.5, TPDO/4 2.875 each, status 4.05, and 33 bits with 278, 358 or 518 at the rate of the data.
+        for (further, fd_kbit, load) in [
+            (0, 5000, 65 + 115 + 41 + 89),
+            (0, 1000, 65 + 115 + 41 + 311),
+            (1, 5000, 65 + 144 + 40 + 105),
+            (3, 5000, 65 + 201 + 41 + 137),
+        ] {
+            let together = Cycle {
+                further,
+                fd_kbit,
+                ..cycle(4, 4)
+            };
+            assert_eq!(together.load(), load, "{further} {fd_kbit}");
+        }
+        // With a status of every drive at every SYNC, which eight frames have no room for.
+        let every = Cycle {
+            fd_kbit: 5000,
+            ..cycle(4, 1)
+        };
+        assert_eq!(every.check(), Ok(()));
     }
 
     #[test]

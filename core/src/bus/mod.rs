@@ -29,6 +29,7 @@ mod object;
 mod pdo;
 mod periods;
 mod sdo;
+mod setpoints;
 pub mod slcan;
 mod spindle;
 mod sync;
@@ -58,6 +59,7 @@ pub use periods::Periods;
 pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
 };
+pub use setpoints::Setpoints;
 pub use spindle::{SpindleDemand, SpindleMaster};
 pub use sync::{SyncBeat, SyncConsumer, SyncHeard, SyncProducer, SyncSource, is_sync};
 pub use sync_lock::SyncLock;

@@ -41,6 +41,7 @@ impl Params {
         self.check_spindle(&mut reasons);
         self.check_tapping(&mut reasons);
         self.check_nodes(&mut reasons);
+        self.check_fd(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -183,6 +184,24 @@ impl Params {
         }
         if self.tap_extract_by_j() && !self.tap_extract_override() {
             reasons.add(Code::ExtractionOverrideOff, &[]);
+        }
+    }
+
+    /// Setpoints in one frame of CAN FD: with a rate that its data can have.
+    #[cfg(feature = "fd")]
+    fn check_fd(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+        let (data, nominal) = (self.fd_kbit(), self.bus_kbit());
+        let is_rate = matches!(data, 1000 | 2000 | 4000 | 5000 | 8000) && data >= nominal;
+        if self.setpoint_frame() == 1 && !is_rate {
+            reasons.add(Code::FdRate, &[count(data), count(nominal)]);
+        }
+    }
+
+    /// This board is made without frames of CAN FD.
+    #[cfg(not(feature = "fd"))]
+    fn check_fd(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
+        if self.setpoint_frame() != 0 {
+            reasons.add(Code::NoFd, &[]);
         }
     }
 

@@ -8,6 +8,8 @@ use leadscrew_core::board::{
     Command, Contacts, DetourOut, DriveNodes, Ends as TickerEnds, Event, Notice, Output, Reference,
     SegmentOut, Snapshot, Ticker,
 };
+#[cfg(feature = "fd")]
+use leadscrew_core::bus::Setpoints;
 use leadscrew_core::bus::{Frame, Service, SyncHeard};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::signals::Signals;
@@ -52,6 +54,9 @@ pub trait TickMachine {
     /// Sends the frames of a tick, in this order and before any other. False where some of the tick before have not left:
     /// those are dropped, and their setpoints are late.
     fn send(&mut self, frames: &[Frame]) -> bool;
+    /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not left.
+    #[cfg(feature = "fd")]
+    fn send_together(&mut self, setpoints: &Setpoints) -> bool;
     /// Feeds the watchdog: both sides are alive.
     fn feed_watchdog(&mut self);
 }
@@ -136,7 +141,13 @@ impl TickSide {
             ticker.follow(heard);
         }
         ticker.tick(sample, &received, &mut ends, &mut self.output);
-        if !machine.send(&self.output.frames) {
+        let sent = machine.send(&self.output.frames);
+        #[cfg(feature = "fd")]
+        let sent = match &self.output.together {
+            Some(setpoints) => machine.send_together(setpoints) && sent,
+            None => sent,
+        };
+        if !sent {
             self.late = self.late.saturating_add(1);
         }
         self.report();

@@ -36,10 +36,13 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
     interrupt::watch();
     let mut bus =
         leadscrew_can::open(&setup.global.bus, setup.global.bit_rate()?).map_err(Failure::bus)?;
+    if setup.params.setpoint_frame() == 1 {
+        bus.use_fd(setup.params.fd_kbit()).map_err(Failure::bus)?;
+    }
     let unwritable = |error: &io::Error| Failure::file(Doing::Write, path.display(), error);
     let file = File::create(path).map_err(|error| unwritable(&error))?;
-    let mut recording =
-        Recording::new(format, file, bus.name(), &boards).map_err(|error| unwritable(&error))?;
+    let mut recording = Recording::new(format, file, bus.name(), &boards, setup.global.node())
+        .map_err(|error| unwritable(&error))?;
 
     let mut watch = Watch::default();
     let mut heard: Vec<Received> = Vec::new();

@@ -7,6 +7,7 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
 use leadscrew_can::{LogWriter, Packet, Received};
+use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 
 pub use table::Table;
@@ -42,15 +43,21 @@ pub enum Recording {
 }
 
 impl Recording {
-    /// Begins a recording of the bus with this name, and these boards on it.
+    /// Begins a recording of the bus with this name, and these boards on it; the first has the number `board`.
     ///
     /// # Errors
     /// The file does not take it.
-    pub fn new(format: Format, file: File, bus: &str, boards: &[Params]) -> io::Result<Self> {
+    pub fn new(
+        format: Format,
+        file: File,
+        bus: &str,
+        boards: &[Params],
+        board: NodeId,
+    ) -> io::Result<Self> {
         let file = BufWriter::with_capacity(1 << 16, file);
         Ok(match format {
             Format::Log => Self::Log(LogWriter::new(file, bus)),
-            Format::Csv => Self::Csv(Box::new(Table::new(file, boards)?)),
+            Format::Csv => Self::Csv(Box::new(Table::new(file, boards, board)?)),
         })
     }
 

@@ -19,11 +19,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use leadscrew_can::{Packet, Stamp};
+use leadscrew_can::{FdFrame, Id, Packet, Stamp};
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    DriveCommand, DriveStatus, Emcy, Frame, Increments, Mode, NmtCommand, NmtState, NodeId, Scale,
-    SpindleCommand, State, is_sync,
+    CobId, DriveCommand, DriveStatus, Emcy, Frame, Increments, Mode, NmtCommand, NmtState, NodeId,
+    Scale, Service, Setpoints, SpindleCommand, State, is_sync,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
@@ -79,12 +79,25 @@ impl Drive {
     }
 }
 
+/// The frame of CAN FD with all setpoints of a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Together {
+    /// Its drives get a frame each.
+    None,
+    /// It has this identifier.
+    Of(CobId),
+    /// The number of the board is not known.
+    Unknown,
+}
+
 /// The drives of one board.
 #[derive(Debug)]
 struct Machine {
     /// In the order of the columns, as their nodes are.
     drives: [Drive; 7],
     nodes: [NodeId; 7],
+    /// Whose the frame of CAN FD with all setpoints is, where there is one.
+    together: Together,
     /// Increments of a spindle's drive to a turn.
     per_turn: i64,
 }
@@ -107,7 +120,18 @@ impl Machine {
                 Drive::default(),
                 Drive::default(),
             ],
+            together: match params.setpoint_frame() {
+                0 => Together::None,
+                _ => Together::Unknown,
+            },
             per_turn: i64::from(params.spindle_increments().max(1)),
+        }
+    }
+
+    /// The setpoints of all drives; behind those there are is nothing but what fills the frame up.
+    fn setpoints(&mut self, payload: &[u8]) {
+        for (place, drive) in self.drives.iter_mut().enumerate() {
+            drive.target = Setpoints::command(payload, place).map(|command| command.target);
         }
     }
 
@@ -152,11 +176,11 @@ pub struct Table<W: Write> {
 }
 
 impl<W: Write> Table<W> {
-    /// A table with its header, of the drives of these boards.
+    /// A table with its header, of the drives of these boards; the first has the number `board`.
     ///
     /// # Errors
     /// What it is written to does not take it.
-    pub fn new(mut to: W, boards: &[Params]) -> io::Result<Self> {
+    pub fn new(mut to: W, boards: &[Params], board: NodeId) -> io::Result<Self> {
         write!(to, "t_us,sync")?;
         for number in 1..=boards.len() {
             for column in COLUMNS {
@@ -167,9 +191,16 @@ impl<W: Write> Table<W> {
             }
         }
         writeln!(to, ",event")?;
+        let mut machines: Vec<Machine> = boards.iter().map(Machine::new).collect();
+        if let Some(first) = machines
+            .first_mut()
+            .filter(|first| first.together == Together::Unknown)
+        {
+            first.together = Together::Of(Setpoints::cob_id(board));
+        }
         Ok(Self {
             to,
-            machines: boards.iter().map(Machine::new).collect(),
+            machines,
             states: BTreeMap::new(),
             first: None,
             line: Vec::new(),
@@ -186,6 +217,7 @@ impl<W: Write> Table<W> {
         match packet {
             Packet::Frame(frame) => self.frame(us, frame),
             Packet::Error(error) => self.event(us, &format!("bus: {error}")),
+            Packet::Fd(frame) if self.setpoints(frame) => Ok(()),
             Packet::Fd(_) | Packet::Extended(..) | Packet::Remote(..) => {
                 self.event(us, &format!("{}: not decoded", super::kind(packet)))
             }
@@ -247,6 +279,29 @@ impl<W: Write> Table<W> {
         Ok(())
     }
 
+    /// True for the frame with all setpoints of one of the machines. Which number a further board has is not known beforehand:
+    /// where there is one such, another frame of this kind is its.
+    fn setpoints(&mut self, frame: &FdFrame) -> bool {
+        let Id::Standard(id) = frame.id else {
+            return false;
+        };
+        let of = |known| move |machine: &&mut Machine| machine.together == known;
+        let mut known = self.machines.iter_mut().filter(of(Together::Of(id)));
+        if let Some(machine) = known.next() {
+            machine.setpoints(frame.data.bytes());
+            return true;
+        }
+        let mut unknown = self.machines.iter_mut().filter(of(Together::Unknown));
+        match (id.service(), unknown.next(), unknown.next()) {
+            (Some((Service::Tpdo4, _)), Some(machine), None) => {
+                machine.together = Together::Of(id);
+                machine.setpoints(frame.data.bytes());
+                true
+            }
+            _ => false,
+        }
+    }
+
     fn drive(&mut self, node: NodeId) -> Option<&mut Drive> {
         self.machines
             .iter_mut()
@@ -295,7 +350,7 @@ fn field(line: &mut Vec<u8>, value: Option<i64>) {
 #[cfg(test)]
 mod tests {
     use leadscrew_can::ErrorFrame;
-    use leadscrew_core::bus::{Controlword, MilliRpm, Statusword, SyncProducer};
+    use leadscrew_core::bus::{self, Controlword, MilliRpm, Statusword, SyncProducer};
     use leadscrew_core::params::Entry;
 
     use super::*;
@@ -319,7 +374,8 @@ mod tests {
         ] {
             second.set(Entry::find_text(key).unwrap(), raw).unwrap();
         }
-        let mut table = Table::new(Vec::new(), &[Params::slant_bed(), second]).unwrap();
+        let mut table =
+            Table::new(Vec::new(), &[Params::slant_bed(), second], NodeId::BOARD).unwrap();
         let mut sync = SyncProducer::new();
         let target = |target, node| {
             let command = DriveCommand {
@@ -382,7 +438,7 @@ mod tests {
             let entry = Entry::find_text(key).unwrap();
             params.set(entry, node).unwrap();
         }
-        let mut table = Table::new(Vec::new(), &[params]).unwrap();
+        let mut table = Table::new(Vec::new(), &[params], NodeId::BOARD).unwrap();
         let target = |target, node| {
             let command = DriveCommand {
                 control: Controlword::ENABLE_OPERATION,
@@ -401,9 +457,36 @@ mod tests {
     }
 
     #[test]
+    fn setpoints_in_one_frame_stand_where_those_of_many_would() {
+        let mut params = Params::slant_bed();
+        params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
+        let mut table = Table::new(Vec::new(), &[params], NodeId::new(3).unwrap()).unwrap();
+        let content: Vec<u8> = [10_i32, -20, 30, 900_000]
+            .into_iter()
+            .flat_map(|target| [0x0F, 0].into_iter().chain(target.to_le_bytes()))
+            .collect();
+        let mut push = |packet| table.push(Stamp::from_micros(0), &packet).unwrap();
+        for (id, content) in [(0x483, &content[..]), (0x481, &[0; 24])] {
+            let frame = bus::FdFrame::new(CobId::new(id).unwrap(), content, true).unwrap();
+            push(Packet::Fd((&frame).into()));
+        }
+        let rigid = SpindleCommand {
+            mode: Mode::Position,
+            velocity: MilliRpm::STOPPED,
+        };
+        push(Packet::Frame(rigid.frame(NodeId::SPINDLE_1)));
+        push(Packet::Frame(SyncProducer::new().next()));
+        let text = String::from_utf8(table.to).unwrap();
+        // Another board's is no setpoint of these drives.
+        let other = "0,,,,,,,,,,,,,,,,,,,,FD frame: not decoded";
+        let row = "0,1,1000,-2000,3000,250000,,,,,,,,,,,,,,,";
+        assert_eq!(text, format!("{HEADER}\n{other}\n{row}\n"));
+    }
+
+    #[test]
     fn setpoints_stand_at_the_sync_that_latches_them_and_events_where_they_happen() {
         let params = Params::slant_bed();
-        let mut table = Table::new(Vec::new(), &[params]).unwrap();
+        let mut table = Table::new(Vec::new(), &[params], NodeId::BOARD).unwrap();
         let mut sync = SyncProducer::new();
         let mut us = 5_000_000;
         let mut push = |packet: Packet| {

@@ -7,8 +7,8 @@ use std::vec::Vec;
 
 use super::super::*;
 use leadscrew_core::bus::{
-    Abort, DriveStatus, NmtCommand, NmtState, NodeId, Object, SdoBuffer, SdoDownload, SdoError,
-    SdoProtocol, SdoUpload, SyncProducer,
+    Abort, CobId, DriveStatus, Emcy, Mapped, NmtCommand, NmtState, NodeId, Object, SdoBuffer,
+    SdoDownload, SdoError, SdoProtocol, SdoUpload, Setpoints, SyncProducer,
 };
 use leadscrew_core::params::Entry;
 
@@ -138,7 +138,8 @@ fn a_drive_says_what_it_is_and_how() {
         (0x1600, 0, Ok(2)),
         (0x1600, 1, Ok(0x6040_0010)),
         (0x1600, 2, Ok(0x607A_0020)),
-        (0x1600, 3, Err(Abort::NoSubIndex)),
+        (0x1600, 11, Ok(0)),
+        (0x1600, 12, Err(Abort::NoSubIndex)),
         (0x1800, 1, Ok(0x4000_0190)),
         (0x1800, 2, Ok(4)),
         (0x1A00, 2, Ok(0x6064_0020)),
@@ -227,6 +228,91 @@ fn a_mapping_is_emptied_before_it_is_filled_and_takes_what_belongs_there() {
     assert_eq!(bench.write(x, 0x1600, 0, 1, 1), Err(Abort::PdoLength));
     assert_eq!(bench.write(x, 0x1600, 0, 2, 1), Ok(()));
     assert_eq!(bench.write(x, 0x1400, 1, 0x210, 4), Ok(()));
+}
+
+/// Maps `objects` into RPDO1 of Z, which comes with the identifier `id` then.
+fn map_z(bench: &mut Bench, id: u32, objects: &[u32]) -> Result<(), Abort> {
+    let z = NodeId::DRIVE_Z;
+    let now = bench.read(z, 0x1400, 1)?;
+    bench.write(z, 0x1400, 1, now | 1 << 31, 4)?;
+    bench.write(z, 0x1600, 0, 0, 1)?;
+    for (sub, object) in (1..).zip(objects) {
+        bench.write(z, 0x1600, sub, *object, 4)?;
+    }
+    bench.write(z, 0x1600, 0, objects.len() as u32, 1)?;
+    bench.write(z, 0x1400, 1, id, 4)
+}
+
+#[test]
+fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_it() {
+    let mut bench = Bench::new();
+    let z = NodeId::DRIVE_Z;
+    // Not while the PDO is used, and no identifier but its own and those of boards.
+    assert_eq!(bench.write(z, 0x1400, 1, 0x481, 4), Err(Abort::Value));
+    assert_eq!(
+        map_z(&mut bench, 0x212, &[0x6040_0010, 0x607A_0020]),
+        Err(Abort::Value)
+    );
+    let dummies = [0x0007_0020, 0x0006_0010];
+    let own = [0x6040_0010, 0x607A_0020];
+    let mapping = [dummies, own].concat();
+    let wrong: [&[u32]; 3] = [&dummies, &[own, dummies].concat(), &[own[0], dummies[0]]];
+    for wrong in wrong {
+        assert_eq!(map_z(&mut bench, 0x481, wrong), Err(Abort::PdoLength));
+    }
+    assert_eq!(map_z(&mut bench, 0x481, &mapping), Ok(()));
+    assert_eq!(bench.read(z, 0x1600, 0), Ok(4));
+    bench.nmt(NmtCommand::Start);
+
+    let told = |bench: &mut Bench, content: &[u8]| {
+        let id = CobId::new(0x481).unwrap();
+        let frame = FdFrame::new(id, content, true).unwrap();
+        bench.plant.tell_together(&frame);
+        let emergencies = bench.tick();
+        let emergencies = emergencies.iter().filter_map(Emcy::decode);
+        let codes: Vec<_> = emergencies.map(|(node, emcy)| (node, emcy.code)).collect();
+        (
+            codes,
+            bench.read(z, 0x6040, 0).unwrap(),
+            bench.read(z, 0x607A, 0).unwrap(),
+        )
+    };
+    let mut content = [0x11; 24];
+    content[6..12].copy_from_slice(&[6, 0, 0x78, 0x56, 0x34, 0x12]);
+    assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5678));
+    // Other drives hear nothing of it: theirs is another identifier.
+    assert_eq!(bench.read(NodeId::DRIVE_X, 0x6040, 0), Ok(0));
+    // Eight bytes are two more than X gets, and four less than Z needs.
+    let short = (std::vec![(z, 0x8210)], 6, 0x1234_5678);
+    assert_eq!(told(&mut bench, &content[..8]), short);
+    assert_eq!(told(&mut bench, &content[..8]).0, [], "once is enough");
+    content[8] = 0x79;
+    assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5679));
+    assert_eq!(told(&mut bench, &content[..8]).0, [(z, 0x8210)]);
+    // Nobody else tells it anything.
+    let alone = leadscrew_core::bus::DriveCommand {
+        control: leadscrew_core::bus::Controlword::ENABLE_OPERATION,
+        target: Increments::new(0),
+    };
+    bench.plant.exchange(&[alone.frame(z)], |_| {});
+    assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5679));
+}
+
+#[test]
+fn drives_of_a_machine_with_one_frame_for_all_are_delivered_so() {
+    let mut params = Params::slant_bed();
+    params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
+    let mut bench = Bench::with(&params);
+    bench.tick();
+    let nodes = [16, 17, 18, 32, 33, 34, 35].map(|node| NodeId::new(node).unwrap());
+    for (place, node) in nodes.into_iter().enumerate() {
+        assert_eq!(bench.read(node, 0x1400, 1), Ok(0x481));
+        let mapping: Vec<u32> = Setpoints::mapping(place).map(Mapped::raw).collect();
+        assert_eq!(bench.read(node, 0x1600, 0), Ok(mapping.len() as u32));
+        for (sub, raw) in (1..).zip(mapping) {
+            assert_eq!(bench.read(node, 0x1600, sub), Ok(raw));
+        }
+    }
 }
 
 #[test]

@@ -213,6 +213,12 @@ impl Station {
             drive_syncs: params.drive_status_syncs(),
             status_ms: params.status_period_ms(),
             others: params.bus_others().into(),
+            #[cfg(feature = "fd")]
+            fd_kbit: if params.setpoint_frame() == 1 {
+                params.fd_kbit()
+            } else {
+                0
+            },
         };
         cycle.check()?;
         DriveNodes::of(params).spare(self.node())?;

@@ -4,7 +4,7 @@ use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_app::{Inputs, TickMachine};
 use leadscrew_board_sim::plant::Plant;
-use leadscrew_core::bus::{CobId, Frame};
+use leadscrew_core::bus::{CobId, Frame, NodeId, Setpoints};
 use leadscrew_core::spindle::EncoderSample;
 
 use crate::options::Options;
@@ -101,6 +101,14 @@ impl TickMachine for Shop {
         }
         plant.exchange(frames, &mut answer);
         around::keep(plant);
+        true
+    }
+
+    /// To the drives in here; the line carries no frames of CAN FD.
+    fn send_together(&mut self, setpoints: &Setpoints) -> bool {
+        if let Some(frame) = setpoints.frame(NodeId::BOARD) {
+            self.plant.tell_together(&frame);
+        }
         true
     }
 

@@ -148,6 +148,7 @@ fn replace(link: &mut Link, wanted: &Params, password: Option<u32>) -> Outcome<O
     }
     let old = link.before(wanted)?;
     drive::check_periods(link, &[], &old, wanted)?;
+    drive::check_setpoints(link, &[], &old, wanted)?;
     link.commit(wanted)?;
     done.changes = changes(&old, wanted);
     Ok(Some(done))
@@ -181,6 +182,7 @@ fn carry_out(
         ..Done::default()
     };
     drive::check_periods(link, &wanted.drives, &old, &wanted.params)?;
+    drive::check_setpoints(link, &wanted.drives, &old, &wanted.params)?;
     if global.dry_run || done.changes.is_empty() && done.drives.is_empty() {
         return Ok(done);
     }

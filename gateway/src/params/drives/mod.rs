@@ -18,7 +18,7 @@ use std::ops::Range;
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    CobId, DriveCommand, DriveStatus, Mapped, Object, Service, SpindleCommand,
+    CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Service, Setpoints, SpindleCommand,
 };
 use leadscrew_core::params::Params;
 
@@ -32,6 +32,10 @@ pub(super) use section::apply;
 
 /// Bit 30 of a COB-ID: no remote request.
 const NO_REMOTE: i64 = 1 << 30;
+
+/// Identifiers of the frame with all setpoints (9031), of boards with the numbers 1 to 127.
+const TOGETHER_FIRST: i64 = 0x481;
+const TOGETHER_LAST: i64 = 0x4FF;
 
 /// The key of all sections.
 pub const KEY: &str = "drive";
@@ -143,7 +147,6 @@ pub struct Conflict {
 #[must_use]
 pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     use leadscrew_core::alarm::Code;
-    let nodes = DriveNodes::of(params);
     let mut found = Vec::new();
     for setting in settings {
         let drive = setting.drive;
@@ -185,8 +188,9 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
             Wanted::Mapping {
                 mapping, objects, ..
             } => {
+                let command = command_mapping(drive, params);
                 let board: &[Mapped] = match mapping {
-                    0x1600 => &DriveCommand::MAPPING,
+                    0x1600 => &command,
                     0x1601 if drive.is_spindle() => &SpindleCommand::MAPPING,
                     0x1A00 => &DriveStatus::MAPPING,
                     _ => continue,
@@ -203,7 +207,7 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                 }
             }
             Wanted::Number { object, value, .. } => {
-                if let Some((theirs, board)) = cob_id_conflict(drive, *object, *value, &nodes) {
+                if let Some((theirs, board)) = cob_id_conflict(drive, *object, *value, params) {
                     conflict(Code::DriveCobId, [object_text(*object), theirs, board]);
                 }
             }
@@ -212,22 +216,40 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     found
 }
 
+/// What the board needs a drive to map into RPDO1: what is its own, behind what is others' where all get one frame (9031).
+#[must_use]
+pub fn command_mapping(drive: DriveName, params: &Params) -> Vec<Mapped> {
+    match params.setpoint_frame() {
+        0 => DriveCommand::MAPPING.to_vec(),
+        _ => Setpoints::mapping(drive as usize).collect(),
+    }
+}
+
 /// Both identifiers in words, where a PDO that the board exchanges with the drive is switched off, or under another one.
 fn cob_id_conflict(
     drive: DriveName,
     object: Object,
     value: i64,
-    nodes: &DriveNodes,
+    params: &Params,
 ) -> Option<(String, String)> {
+    let nodes = DriveNodes::of(params);
     let service = match (object.index, object.sub) {
         (0x1400, 1) => Service::Rpdo1,
         (0x1401, 1) if drive.is_spindle() => Service::Rpdo2,
         (0x1800, 1) => Service::Tpdo1,
         _ => return None,
     };
-    let board = i64::from(CobId::of(service, drive.among(nodes).node).get());
     // Whether it may be asked for by a remote request is the drive's own affair.
-    if value & !NO_REMOTE == board {
+    let theirs = value & !NO_REMOTE;
+    let board = match service {
+        // The number of the board shows when there is one: then this is looked at again.
+        Service::Rpdo1 if params.setpoint_frame() == 1 => match theirs {
+            TOGETHER_FIRST..=TOGETHER_LAST => return None,
+            _ => i64::from(Setpoints::cob_id(NodeId::BOARD).get()),
+        },
+        _ => i64::from(CobId::of(service, drive.among(&nodes).node).get()),
+    };
+    if theirs == board {
         return None;
     }
     Some((format!("{value:08X}h"), format!("{board:08X}h")))

@@ -230,7 +230,7 @@ fn put_back(link: &mut Link, pending: &Pending) -> LinkResult {
     let node = pending.drive.node;
     match (&pending.wanted, &pending.found) {
         (Wanted::Number { object, kind, .. }, Found::Number(value)) => {
-            link.write_of(node, *object, &kind.encode(*value))
+            number(link, node, *object, &kind.encode(*value))
         }
         (
             Wanted::Mapping {
@@ -295,7 +295,7 @@ fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
             object,
             kind,
             value,
-        } => link.write_of(node, *object, &kind.encode(*value)),
+        } => number(link, node, *object, &kind.encode(*value)),
         Wanted::Mapping {
             mapping,
             communication,
@@ -315,6 +315,16 @@ fn write(link: &mut Link, drive: Drive, wanted: &Wanted) -> LinkResult {
             pdo.map(link, objects, id & !INVALID, id)
         }
     }
+}
+
+/// Writes a number. A PDO gets another identifier only while it is not used, as CiA 301 has it.
+fn number(link: &mut Link, node: NodeId, object: Object, bytes: &[u8]) -> LinkResult {
+    let is_cob_id = matches!(object.index, 0x1400..=0x15FF | 0x1800..=0x19FF) && object.sub == 1;
+    if is_cob_id && let Ok(now) = link.read_of(node, object)?.try_into() {
+        let unused = u32::from_le_bytes(now) | INVALID;
+        link.write_of(node, object, &unused.to_le_bytes())?;
+    }
+    link.write_of(node, object, bytes)
 }
 
 /// A PDO of a drive.

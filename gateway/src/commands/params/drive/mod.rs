@@ -1,6 +1,7 @@
 //! The drives' own objects: read, and compared with what they are to be.
 
 mod apply;
+mod setpoints;
 #[cfg(test)]
 mod tests;
 
@@ -14,6 +15,7 @@ use crate::params::drives::{Drive, Kind, Setting, Wanted, mapping_text, object_t
 use crate::words::{Both, both};
 
 pub use apply::{apply, check_periods, only_drives, with_drives};
+pub use setpoints::check_setpoints;
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]

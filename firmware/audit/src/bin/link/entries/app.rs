@@ -6,7 +6,7 @@ use leadscrew_app::{
     TickMachine, TickPlace, TickerPlace, serial_of,
 };
 use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
-use leadscrew_core::bus::{Controller, Frame};
+use leadscrew_core::bus::{Controller, Frame, Setpoints};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 
@@ -40,6 +40,11 @@ impl TickMachine for Anything {
 
     fn send(&mut self, frames: &[Frame]) -> bool {
         sink(frames);
+        any()
+    }
+
+    fn send_together(&mut self, setpoints: &Setpoints) -> bool {
+        sink(setpoints.frame(any()));
         any()
     }
 
