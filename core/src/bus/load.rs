@@ -55,15 +55,15 @@ impl Cycle {
     pub fn load(&self) -> u32 {
         let all = self.drives.saturating_add(self.further);
         let [sync, setpoint, status] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
-        let mut alone = [self.drives, self.further];
+        let alone = [self.drives, self.further];
         #[cfg(feature = "fd")]
-        let mut together = (0, 0);
-        #[cfg(feature = "fd")]
-        if self.fd_kbit > 0 {
-            alone = [0; 2];
-            let bits = FdBits::of(all.saturating_mul(6));
-            together = (bits.at(self.kbit, self.fd_kbit), 1);
-        }
+        let (alone, together) = match self.fd_kbit {
+            0 => (alone, 0),
+            data => (
+                [0; 2],
+                FdBits::of(all.saturating_mul(6)).at(self.kbit, data),
+            ),
+        };
         let [drives, further] = alone;
         // Bits of a frame, the time from one to the next as so many times so many microseconds, how many of them.
         let sent = [
@@ -71,7 +71,7 @@ impl Cycle {
             (setpoint, self.tick_us, 1, drives),
             (setpoint, self.tick_us, 4, further),
             #[cfg(feature = "fd")]
-            (together.0, self.tick_us, 1, together.1),
+            (together, self.tick_us, 1, 1),
             (setpoint, self.tick_us, self.drive_syncs, all),
             (status, self.status_ms, 1000, 3),
         ];

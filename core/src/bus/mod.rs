@@ -29,6 +29,7 @@ mod object;
 mod pdo;
 mod periods;
 mod sdo;
+#[cfg(feature = "fd")]
 mod setpoints;
 pub mod slcan;
 mod spindle;
@@ -59,6 +60,7 @@ pub use periods::Periods;
 pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
 };
+#[cfg(feature = "fd")]
 pub use setpoints::Setpoints;
 pub use spindle::{SpindleDemand, SpindleMaster};
 pub use sync::{SyncBeat, SyncConsumer, SyncHeard, SyncProducer, SyncSource, is_sync};
