@@ -41,7 +41,7 @@ impl Params {
         self.check_spindle(&mut reasons);
         self.check_tapping(&mut reasons);
         self.check_nodes(&mut reasons);
-        self.check_fd(&mut reasons);
+        self.check_fd(cfg!(feature = "fd"), &mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -187,21 +187,22 @@ impl Params {
         }
     }
 
-    /// Setpoints in one frame of CAN FD: with a rate that its data can have.
-    #[cfg(feature = "fd")]
-    fn check_fd(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
-        let (data, nominal) = (self.fd_kbit(), self.bus_kbit());
-        let is_rate = matches!(data, 1000 | 2000 | 4000 | 5000 | 8000) && data >= nominal;
-        if self.setpoint_frame() == 1 && !is_rate {
-            reasons.add(Code::FdRate, &[count(data), count(nominal)]);
+    /// Setpoints in one frame of CAN FD: of a board that sends such, and with a rate that its data can have.
+    fn check_fd<const ALL: bool>(
+        &self,
+        sends_fd: bool,
+        reasons: &mut Reasons<impl FnMut(Alarm), ALL>,
+    ) {
+        if self.setpoint_frame() == 0 {
+            return;
         }
-    }
-
-    /// This board is made without frames of CAN FD.
-    #[cfg(not(feature = "fd"))]
-    fn check_fd(&self, reasons: &mut Reasons<impl FnMut(Alarm)>) {
-        if self.setpoint_frame() != 0 {
+        if !sends_fd {
             reasons.add(Code::NoFd, &[]);
+            return;
+        }
+        let (data, nominal) = (self.fd_kbit(), self.bus_kbit());
+        if !matches!(data, 1000 | 2000 | 4000 | 5000 | 8000) || data < nominal {
+            reasons.add(Code::FdRate, &[count(data), count(nominal)]);
         }
     }
 
@@ -466,6 +467,39 @@ mod tests {
         let found = reasons(&[("9005", "499")]);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].0, Code::ObserverNoisy);
+    }
+
+    #[test]
+    fn one_frame_for_all_setpoints_is_for_boards_that_send_it_at_rates_there_are() {
+        let asks = ("9031", "1");
+        for (kbit, is_rate) in [
+            ("1000", true),
+            ("2000", true),
+            ("4000", true),
+            ("5000", true),
+            ("8000", true),
+            ("3000", false),
+            ("7999", false),
+        ] {
+            let found = reasons(&[asks, ("9032", kbit)]);
+            assert_eq!(found.is_empty(), is_rate, "{kbit}");
+            // Nobody asks for the rate of what is not sent.
+            assert_eq!(reasons(&[("9032", kbit)]), []);
+        }
+        let slow = reasons(&[asks, ("9032", "3000")]);
+        assert_eq!((slow.len(), slow[0].0), (1, Code::FdRate));
+        let mut params = Params::slant_bed();
+        for (frame, code) in [(0, None), (1, Some(Code::NoFd))] {
+            params
+                .set(Entry::find_text("9031").unwrap(), frame)
+                .unwrap();
+            let mut found = None;
+            params.check_fd(
+                false,
+                &mut Reasons::<_, true>(|alarm: Alarm| found = Some(alarm.code)),
+            );
+            assert_eq!(found, code);
+        }
     }
 
     #[test]
