@@ -10,9 +10,10 @@ use crate::json::Json;
 use crate::machine::{self, Ended, Observer};
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::threads::Above;
 use crate::trace::Summary;
 use crate::values::Tolerance;
-use crate::words::both;
+use crate::words::{Both, both};
 
 /// Checks a program and tells what it has to say.
 ///
@@ -78,7 +79,8 @@ impl<'a> Execution<'a> {
 
     /// The verdict, and the JSON result where it is wanted.
     pub fn conclude(&self, summary: &Summary, tolerance: Option<Tolerance>) -> Outcome {
-        let within = tolerance.is_none_or(|tolerance| summary.within(tolerance));
+        let above = tolerance.and_then(|tolerance| self.above(summary, tolerance));
+        let within = above.is_none();
         let ran = self.ended.alarms.is_empty() && !self.ended.interrupted && !self.ended.cut;
         if self.setup.global.json {
             self.print_json(summary, ran && within)?;
@@ -95,10 +97,25 @@ impl<'a> Execution<'a> {
                 "已按 `--cut-power` 断电；控制板存储的内容已保留"
             )));
         }
-        match tolerance {
-            Some(tolerance) if !within => Err(Failure::WrongBecause(summary.above(tolerance))),
-            _ => Ok(()),
+        above.map_or(Ok(()), |above| Err(Failure::WrongBecause(above)))
+    }
+
+    /// Why a tolerance is not met: by what the board has measured of a thread, or by what the simulation knows.
+    fn above(&self, summary: &Summary, tolerance: Tolerance) -> Option<Both> {
+        let mut above = self.ended.threads.above(tolerance);
+        if let Some((worst_nm, line)) = summary.above(tolerance) {
+            let above = above.get_or_insert_with(|| Above {
+                worst_nm,
+                lines: vec![line],
+            });
+            above.worst_nm = above.worst_nm.max(worst_nm);
         }
+        above.map(|above| above.words(tolerance))
+    }
+
+    /// The threads, for a person: a line each.
+    pub fn threads(&self) -> String {
+        self.ended.threads.text(self.setup.lang)
     }
 
     fn print_json(&self, summary: &Summary, ok: bool) -> Outcome {
@@ -106,6 +123,7 @@ impl<'a> Execution<'a> {
         json.object(|json| {
             json.flag("ok", ok);
             summary.fields(json);
+            self.ended.threads.fields(json);
             let alarms = self.report.alarms.iter().chain(&self.ended.alarms);
             let warnings = self.report.warnings.iter().chain(&self.ended.warnings);
             json.array_at("alarms", |json| {

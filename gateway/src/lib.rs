@@ -35,6 +35,7 @@ pub mod setup;
 pub mod source;
 pub mod state;
 pub mod tapping;
+pub mod threads;
 pub mod trace;
 pub mod values;
 pub mod words;

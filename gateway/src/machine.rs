@@ -14,6 +14,7 @@ use crate::feeder::{Feeder, placed};
 use crate::interrupt;
 use crate::setup::Setup;
 use crate::source::SourceFile;
+use crate::threads::Threads;
 use crate::trace::{Setpoint, SpindlePoint, TapPlace};
 use crate::words::{Both, both};
 
@@ -28,6 +29,8 @@ pub struct Ended {
     pub interrupted: bool,
     /// The power has been taken away, as asked for.
     pub cut: bool,
+    /// What the board has measured of each thread.
+    pub threads: Threads,
 }
 
 /// Who watches a run.
@@ -129,12 +132,18 @@ fn carry_out(
             feed(&mut feeder, &mut waiting, sim, &mut ended)?;
         }
         if setup.global.cut_power == Some(tick) {
+            ended.threads.take(sim.board().station().threads());
             sim.cut_power();
             ended.cut = true;
             return Ok(ended);
         }
         let row = sim.step_on(&mut |direction, frame| observer.frame(tick, direction, frame));
         tick += 1;
+        let newest = sim.board().station().threads().next();
+        if newest.is_some_and(|thread| thread.number != ended.threads.newest()) {
+            // The one before is as it stays.
+            ended.threads.take(sim.board().station().threads());
+        }
         if let Some(row) = row {
             observer.setpoint(&setpoint(&row))?;
         }
@@ -162,6 +171,7 @@ fn carry_out(
             break;
         }
     }
+    ended.threads.take(sim.board().station().threads());
     let mut result = Ok(());
     sim.last_rows(|row| {
         if result.is_ok() {

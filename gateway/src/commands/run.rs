@@ -105,6 +105,7 @@ pub fn carry_out(
         text.push_str(pick(setup.lang, "setpoints ", "设定值校验 "));
         text.push_str(&summary.hash());
         text.push('\n');
+        text.push_str(&execution.threads());
         std::io::stdout()
             .write_all(text.as_bytes())
             .map_err(|error| Failure::stdout(&error))?;

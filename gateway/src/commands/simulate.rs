@@ -46,6 +46,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
     }
     if !setup.global.json {
         diagnostics::say(&summary.text(setup.lang));
+        diagnostics::say(&execution.threads());
     }
     execution.conclude(&summary, args.tolerance)
 }

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use leadscrew_core::board::station::DROP;
 use leadscrew_core::bus::{Abort, BoardCommand, Object, Order};
 use leadscrew_core::link::{
-    Certificate, EventReader, ImageReader, Logged, Status, VERSION, Version, identity,
+    Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
+    VERSION, Version, identity,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
@@ -231,14 +232,19 @@ impl Link {
         }
     }
 
-    /// The certificate of the program that ran last, or runs.
+    /// The certificate of the program that ran last, or runs, and those of the last threads, the newest first.
     ///
     /// # Errors
     /// [`Trouble::Version`], [`Trouble::Strange`].
-    pub fn certificate(&mut self) -> LinkResult<Certificate> {
+    pub fn certificates(&mut self) -> LinkResult<(Certificate, Vec<ThreadCertificate>)> {
         let bytes = self.read(CERTIFICATE)?;
         match Certificate::decode(&bytes) {
-            Ok(Ok(certificate)) => Ok(certificate),
+            Ok(Ok(certificate)) => {
+                let threads: Result<Vec<_>, _> =
+                    ThreadReader::new(&bytes).and_then(Iterator::collect);
+                let threads = threads.map_err(|_| self.strange(CERTIFICATE))?;
+                Ok((certificate, threads))
+            }
             Ok(Err(theirs)) => Err(Trouble::Version {
                 node: self.node().get(),
                 theirs,

@@ -18,6 +18,8 @@ pub struct Summary {
     path_nm: f64,
     locked: u64,
     error_max_nm: i64,
+    /// Where that was.
+    error_line: u32,
     error_squares: f64,
     peaks: Peaks,
     taps: Taps,
@@ -35,6 +37,7 @@ impl Summary {
             path_nm: 0.0,
             locked: 0,
             error_max_nm: 0,
+            error_line: 0,
             error_squares: 0.0,
             peaks: Peaks::default(),
             taps: Taps::default(),
@@ -52,7 +55,9 @@ impl Summary {
         }
         if let Some(error) = point.error_nm {
             self.locked += 1;
-            self.error_max_nm = self.error_max_nm.max(error.abs());
+            if error.abs() > self.error_max_nm {
+                (self.error_max_nm, self.error_line) = (error.abs(), point.line);
+            }
             self.error_squares += (error as f64) * (error as f64);
         }
         self.taps.push(point.tap);
@@ -60,19 +65,10 @@ impl Summary {
         self.peaks.push(point)
     }
 
-    /// The worst synchronism error is within `tolerance`; true where nothing was synchronised.
-    pub fn within(&self, tolerance: Tolerance) -> bool {
-        self.error_max_nm.saturating_mul(1000) <= tolerance.pm
-    }
-
-    /// Why a tolerance is not met.
-    pub fn above(&self, tolerance: Tolerance) -> Both {
-        both!(
-            "the worst synchronism error {error} µm is above the tolerance of {most} µm",
-            "最大同步误差 {error} µm，超过允许值 {most} µm",
-            error = number::text::<3>(self.error_max_nm),
-            most = number::text::<6>(tolerance.pm),
-        )
+    /// The worst synchronism error in nanometres, and its line, where it is above `tolerance`.
+    pub fn above(&self, tolerance: Tolerance) -> Option<(i64, u32)> {
+        let above = self.error_max_nm.saturating_mul(1000) > tolerance.pm;
+        above.then_some((self.error_max_nm, self.error_line))
     }
 
     /// The hash of the setpoints.
@@ -237,7 +233,7 @@ impl Summary {
 }
 
 /// An error in micrometres for a person; the simulation tells nanometres apart.
-pub(super) fn error(nm: i64) -> Both {
+pub fn error(nm: i64) -> Both {
     match nm {
         0 => Both {
             en: "below 0.001".into(),
@@ -268,13 +264,14 @@ mod tests {
                 x_nm,
                 z_nm,
                 step: 1,
+                line: 7,
                 state: Doing::Run,
                 error_nm,
                 ..Setpoint::default()
             });
         }
-        assert!(summary.within(Tolerance { pm: 400_000 }));
-        assert!(!summary.within(Tolerance { pm: 399_999 }));
+        assert_eq!(summary.above(Tolerance { pm: 400_000 }), None);
+        assert_eq!(summary.above(Tolerance { pm: 399_999 }), Some((400, 7)));
         assert_eq!(
             summary.line(Lang::En),
             "1 moves · 0.002 s · path 0.01 mm · worst synchronism error 0.4 µm (0.354 µm RMS)"

@@ -42,26 +42,20 @@ impl Ledger {
         self.tally = Tally::NONE;
     }
 
-    /// Takes what is known after a poll: the last setpoint, and the error of the one before. `late`: setpoints that have come
-    /// late since power-up.
-    pub fn take(
-        &mut self,
-        elapsed: Periods,
-        snapshot: &Snapshot,
-        measured: Option<&Measured>,
-        late: u32,
-    ) {
-        match elapsed.get() {
-            0 => return,
-            1 => {}
-            _ => self.gap |= self.hash.ticks() > 0,
-        }
+    /// Writes down the last setpoint; `elapsed`: at least a period.
+    pub fn write(&mut self, elapsed: Periods, snapshot: &Snapshot) {
+        self.gap |= elapsed != Periods::new(1) && self.hash.ticks() > 0;
         let setpoint = &snapshot.setpoint;
         let spindle = setpoint
             .spindle
             .map(|angle| (snapshot.spindle_in_use, angle));
         let runs = snapshot.board_state() == BoardState::Run;
         self.hash.push(setpoint.position, spindle, runs);
+    }
+
+    /// Takes the error of the setpoint before, where one was measured, and how the machine is. `late`: setpoints that have
+    /// come late since power-up.
+    pub fn judge(&mut self, snapshot: &Snapshot, measured: Option<&Measured>, late: u32) {
         if let Some(measured) = measured {
             self.tally.take(measured.error);
             self.threads.measure(measured, late);

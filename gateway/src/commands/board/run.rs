@@ -22,6 +22,7 @@ use crate::link::{Feed, Link};
 use crate::number;
 use crate::setup::{Setup, alone};
 use crate::source::SourceFile;
+use crate::threads::Threads;
 use crate::values::Tolerance;
 use crate::words::{both, pick};
 
@@ -29,6 +30,10 @@ use crate::words::{both, pick};
 const LOOK: Duration = Duration::from_millis(5);
 /// Between two readings of the event log.
 const LOG: Duration = Duration::from_millis(250);
+/// Between two readings of the certificates of threads, where many are cut and where few are: a board keeps eight.
+const THREADS: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
+/// What is being cut when an alarm comes is at rest after this.
+const REST: Duration = Duration::from_secs(5);
 /// A controlled stop ends a stroke first; beyond this it is reported as it is.
 const STOP: Duration = Duration::from_secs(120);
 
@@ -41,6 +46,8 @@ struct Ran {
     late: u32,
     /// What the board says of the run.
     certificate: Option<Certificate>,
+    /// And of each thread.
+    threads: Threads,
     line: u32,
     finished: bool,
     /// Somebody else has reset the board.
@@ -95,11 +102,16 @@ pub fn run(
         }
         return Err(Failure::Wrong);
     }
+    let (_, link_threads) = link.certificates()?;
     let mut runner = Runner {
         setup: &setup,
         source,
         link: &mut link,
-        ran: Ran::default(),
+        ran: Ran {
+            threads: Threads::behind(&link_threads),
+            ..Ran::default()
+        },
+        pace: Pace::new(),
         last_event: status.newest_event,
         late: status.late,
         held: false,
@@ -159,6 +171,7 @@ pub fn run(
             zh = error.zh
         );
         print(text.get(setup.lang).as_bytes())?;
+        print(ran.threads.text(setup.lang).as_bytes())?;
     }
     verdict
 }
@@ -215,21 +228,24 @@ impl Figures {
     }
 }
 
-/// The worst error that the board has measured against the tolerance asked for.
+/// What the board has measured of each thread, and of the run, against the tolerance asked for.
 fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
-    let (Some(tolerance), Some(certificate)) = (tolerance, &ran.certificate) else {
+    let Some(tolerance) = tolerance else {
         return Ok(());
     };
-    let largest = certificate.largest.nm();
-    if certificate.measured == 0 || largest.saturating_mul(1000) <= tolerance.pm {
-        return Ok(());
+    let mut above = ran.threads.above(tolerance);
+    if let Some(run) = &ran.certificate
+        && run.measured > 0
+        && run.largest.nm().saturating_mul(1000) > tolerance.pm
+    {
+        // Of one whose own certificate is missing, the run tells.
+        let above = above.get_or_insert_default();
+        above.worst_nm = above.worst_nm.max(run.largest.nm());
     }
-    Err(Failure::WrongBecause(both!(
-        "the worst synchronism error {error} µm is above the tolerance of {most} µm",
-        "最大同步误差 {error} µm，超过允许值 {most} µm",
-        error = number::text::<3>(largest),
-        most = number::text::<6>(tolerance.pm)
-    )))
+    match above {
+        Some(above) => Err(Failure::WrongBecause(above.words(tolerance))),
+        None => Ok(()),
+    }
 }
 
 /// The contract's object. The path is that of the moves: known where all of them were carried out.
@@ -261,6 +277,7 @@ fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
             }
         });
         json.integer("late", i64::from(ran.late));
+        ran.threads.fields(json);
         for (key, first, then) in [
             ("alarms", &report.alarms, &ran.alarms),
             ("warnings", &report.warnings, &ran.warnings),
@@ -303,6 +320,48 @@ struct Runner<'a> {
     bar: ProgressBar,
     /// The hold has been told.
     held: bool,
+    /// When the certificates of threads are read.
+    pace: Pace,
+}
+
+/// When the certificates of threads are read: something has been cut since, and the more there were the sooner.
+#[derive(Debug)]
+struct Pace {
+    last: Instant,
+    every: Duration,
+    /// The line when they were read last.
+    line: u32,
+    /// An axis has been held to the spindle since.
+    locked: bool,
+}
+
+impl Pace {
+    fn new() -> Self {
+        let [_, every] = THREADS;
+        Self {
+            last: Instant::now(),
+            every,
+            line: 0,
+            locked: false,
+        }
+    }
+
+    /// True where it is time, by what the board's status and place say.
+    fn is_due(&mut self, locked: bool, line: u32) -> bool {
+        self.locked |= locked;
+        (self.locked || line != self.line) && self.last.elapsed() >= self.every
+    }
+
+    /// They have been read, in `line`, and so many were new.
+    fn read(&mut self, new: usize, line: u32, locked: bool) {
+        let [shortest, longest] = THREADS;
+        (self.last, self.line, self.locked) = (Instant::now(), line, locked);
+        self.every = match new {
+            0 | 1 => (self.every * 2).min(longest),
+            2 | 3 => self.every,
+            _ => (self.every / 4).max(shortest),
+        };
+    }
 }
 
 impl Runner<'_> {
@@ -348,6 +407,11 @@ impl Runner<'_> {
                 looked = Instant::now();
                 self.read_log(&feeder)?;
             }
+            let (locked, line) = (status.flags.locked, self.ran.line);
+            if started && self.pace.is_due(locked, line) {
+                let (_, told) = self.link.certificates()?;
+                self.pace.read(self.ran.threads.take(told), line, locked);
+            }
             if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
                 return self.conclude(&feed);
             }
@@ -369,7 +433,16 @@ impl Runner<'_> {
 
     /// What the board says of the run.
     fn conclude(&mut self, feed: &Feed) -> Outcome {
-        let certificate = self.link.certificate()?;
+        let (mut certificate, told) = self.link.certificates()?;
+        self.ran.threads.take(told);
+        // On an alarm the axes may still be on their way to rest.
+        let end = Instant::now() + REST;
+        while self.ran.threads.is_under_way() && Instant::now() < end {
+            self.link.idle(LOOK)?;
+            let (now, told) = self.link.certificates()?;
+            self.ran.threads.take(told);
+            certificate = now;
+        }
         // The board counts since its power came, and its status no farther than 255.
         self.ran.late = certificate.late.saturating_sub(self.late);
         self.ran.certificate = (certificate.program == feed.program()).then_some(certificate);

@@ -1,0 +1,331 @@
+//! The certificates of the threads and holes of a run, put together from what a board tells of the last few, and what is
+//! said of them.
+
+use std::collections::BTreeMap;
+
+use leadscrew_core::alarm::Lang;
+use leadscrew_core::link::{Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState};
+
+use crate::json::Json;
+use crate::number;
+use crate::trace::error;
+use crate::values::Tolerance;
+use crate::words::{Both, both, pick};
+
+/// Lines that are named where more threads than these are out of tolerance.
+const NAMED: usize = 8;
+
+/// The threads of a run, each by its number on the board.
+#[derive(Clone, Debug, Default)]
+pub struct Threads {
+    /// The last number before the run.
+    before: u32,
+    /// The newest there is.
+    newest: u32,
+    records: BTreeMap<u32, ThreadRecord>,
+}
+
+impl Threads {
+    /// Those behind what the board tells before the run.
+    pub fn behind(told: &[ThreadCertificate]) -> Self {
+        let before = told.iter().map(|thread| thread.number).max().unwrap_or(0);
+        Self {
+            before,
+            newest: before,
+            records: BTreeMap::new(),
+        }
+    }
+
+    /// Takes what the board tells; what is told again counts as it is told last. How many are new comes back.
+    pub fn take(&mut self, told: impl IntoIterator<Item = ThreadCertificate>) -> usize {
+        let known = self.records.len();
+        for thread in told {
+            if thread.number > self.before {
+                self.newest = self.newest.max(thread.number);
+                self.records.insert(thread.number, thread.record);
+            }
+        }
+        self.records.len() - known
+    }
+
+    /// Number of the newest.
+    pub const fn newest(&self) -> u32 {
+        self.newest
+    }
+
+    /// The newest is being cut.
+    pub fn is_under_way(&self) -> bool {
+        let newest = self.records.get(&self.newest);
+        newest.is_some_and(|record| record.state == ThreadState::UnderWay)
+    }
+
+    /// Nobody has read these while the board still had them.
+    pub fn missing(&self) -> u64 {
+        u64::from(self.newest - self.before) - self.records.len() as u64
+    }
+
+    /// All of them, counted from 1 in the run.
+    fn numbered(&self) -> impl Iterator<Item = (u32, &ThreadRecord)> {
+        let before = self.before;
+        self.records
+            .iter()
+            .map(move |(number, record)| (number - before, record))
+    }
+
+    /// The lines of those whose largest error is above `tolerance`, each once, and that error.
+    pub fn above(&self, tolerance: Tolerance) -> Option<Above> {
+        let largest = |record: &&ThreadRecord| record.tally.largest.nm();
+        let beyond = |record: &&ThreadRecord| largest(record).saturating_mul(1000) > tolerance.pm;
+        let mut lines = Vec::new();
+        let mut worst = None;
+        for record in self.records.values().filter(beyond) {
+            if !lines.contains(&record.line) {
+                lines.push(record.line);
+            }
+            worst = worst.max(Some(largest(&record)));
+        }
+        worst.map(|worst_nm| Above { worst_nm, lines })
+    }
+
+    /// `threads` and `threads_missing` of a result.
+    pub fn fields(&self, json: &mut Json) {
+        json.array_at("threads", |json| {
+            for (number, record) in self.numbered() {
+                json.object(|json| fields(json, number, record));
+            }
+        });
+        json.number("threads_missing", self.missing());
+    }
+
+    /// A line for each, and one where some are missing.
+    pub fn text(&self, lang: Lang) -> String {
+        let mut text = String::new();
+        for (number, record) in self.numbered() {
+            text.push_str(line(number, record).get(lang));
+            text.push('\n');
+        }
+        if self.missing() > 0 {
+            let missing = both!(
+                "threads: {n} more were cut before their certificates could be read\n",
+                "螺纹：另有 {n} 个，其精度证书未能及时读取\n",
+                n = self.missing()
+            );
+            text.push_str(missing.get(lang));
+        }
+        text
+    }
+}
+
+/// What is out of tolerance.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Above {
+    /// The largest error in nanometres.
+    pub worst_nm: i64,
+    /// Source lines of the threads and holes; none where they are not known.
+    pub lines: Vec<u32>,
+}
+
+impl Above {
+    /// Why a tolerance is not met.
+    pub fn words(&self, tolerance: Tolerance) -> Both {
+        let named: Vec<String> = self.lines.iter().take(NAMED).map(u32::to_string).collect();
+        let more = self.lines.len().saturating_sub(NAMED);
+        let further = match more {
+            0 => both!("", ""),
+            _ => both!(" and {more} more", "，另有 {more} 行"),
+        };
+        let place = match &named[..] {
+            [] => Both::default(),
+            named => both!(
+                ": line {lines}{en}",
+                "：第 {lines} 行{zh}",
+                lines = named.join(", "),
+                en = further.en,
+                zh = further.zh
+            ),
+        };
+        both!(
+            "the worst synchronism error {error} µm is above the tolerance of {most} µm{en}",
+            "最大同步误差 {error} µm，超过允许值 {most} µm{zh}",
+            error = number::text::<3>(self.worst_nm),
+            most = number::text::<6>(tolerance.pm),
+            en = place.en,
+            zh = place.zh
+        )
+    }
+}
+
+/// Root mean square of the errors, in picometres.
+fn rms_pm(tally: &Tally) -> i64 {
+    let nm = (tally.squares as f64 / f64::from(tally.measured.max(1))).sqrt();
+    (nm * 1000.0).round() as i64
+}
+
+const fn kind(kind: ThreadKind) -> &'static str {
+    match kind {
+        ThreadKind::Thread => "thread",
+        ThreadKind::RigidTap => "rigid_tap",
+        ThreadKind::FloatingTap => "tap",
+    }
+}
+
+const fn state(state: ThreadState) -> &'static str {
+    match state {
+        ThreadState::UnderWay => "under_way",
+        ThreadState::Finished => "finished",
+        ThreadState::CutShort => "cut_short",
+    }
+}
+
+fn fields(json: &mut Json, number: u32, record: &ThreadRecord) {
+    let tally = &record.tally;
+    json.number("n", number);
+    json.number("line", record.line);
+    json.text("kind", kind(record.kind));
+    json.text("state", state(record.state));
+    json.number("passes", tally.passes);
+    json.number("measured", tally.measured);
+    json.object_at("sync_error_um", |json| {
+        json.decimal::<3>("max", tally.largest.nm());
+        json.decimal::<6>("rms", rms_pm(tally));
+    });
+    json.number("late", tally.late);
+}
+
+/// For a person.
+fn line(number: u32, record: &ThreadRecord) -> Both {
+    let tally = &record.tally;
+    let what = match record.kind {
+        ThreadKind::Thread if tally.passes == 1 => both!("thread, 1 pass", "螺纹，走刀 1 次"),
+        ThreadKind::Thread => both!(
+            "thread, {passes} passes",
+            "螺纹，走刀 {passes} 次",
+            passes = tally.passes
+        ),
+        ThreadKind::RigidTap => both!("rigid tap", "刚性攻丝"),
+        ThreadKind::FloatingTap => both!("ordinary tap", "普通攻丝"),
+    };
+    let state = |en, zh| Both {
+        en: pick(Lang::En, en, zh).to_owned(),
+        zh: pick(Lang::Zh, en, zh).to_owned(),
+    };
+    let state = match record.state {
+        ThreadState::UnderWay => state(", under way", "，正在加工"),
+        ThreadState::Finished => Both::default(),
+        ThreadState::CutShort => state(", cut short", "，中途停止"),
+    };
+    let worst = error(tally.largest.nm());
+    let late = match tally.late {
+        0 => Both::default(),
+        late => both!(", {late} setpoints late", "，迟到设定值 {late} 个"),
+    };
+    both!(
+        "{number}: line {line}: {en}{state_en}: worst {worst_en} µm, {rms} µm RMS over {ticks} ticks{late_en}",
+        "{number}：第 {line} 行：{zh}{state_zh}：最大 {worst_zh} µm，均方根 {rms} µm，{ticks} 个周期{late_zh}",
+        number = number,
+        line = record.line,
+        en = what.en,
+        zh = what.zh,
+        state_en = state.en,
+        state_zh = state.zh,
+        worst_en = worst.en,
+        worst_zh = worst.zh,
+        rms = number::rounded::<6>(rms_pm(tally), 3),
+        ticks = tally.measured,
+        late_en = late.en,
+        late_zh = late.zh
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use leadscrew_core::units::Length;
+
+    fn thread(number: u32, line: u32, state: ThreadState, nm: i64) -> ThreadCertificate {
+        ThreadCertificate {
+            number,
+            record: ThreadRecord {
+                line,
+                kind: ThreadKind::Thread,
+                state,
+                tally: Tally {
+                    passes: 6,
+                    late: 0,
+                    measured: 4,
+                    largest: Length::from_nm(nm),
+                    squares: 16,
+                },
+            },
+        }
+    }
+
+    use ThreadState::{CutShort, Finished, UnderWay};
+
+    #[test]
+    fn what_is_told_twice_counts_once_and_what_is_overtaken_is_missing() {
+        let mut threads = Threads::behind(&[thread(7, 1, Finished, 9), thread(6, 1, Finished, 9)]);
+        assert_eq!(threads.take([thread(7, 1, Finished, 9)]), 0);
+        assert_eq!(threads.take([thread(8, 5, UnderWay, 3)]), 1);
+        assert!(threads.is_under_way());
+        assert_eq!(
+            threads.take([thread(9, 6, CutShort, 5), thread(8, 5, Finished, 4)]),
+            1
+        );
+        assert_eq!((threads.newest(), threads.missing()), (9, 0));
+        assert!(!threads.is_under_way());
+        assert_eq!(
+            threads.text(Lang::En),
+            "1: line 5: thread, 6 passes: worst 0.004 µm, 0.002 µm RMS over 4 ticks\n\
+             2: line 6: thread, 6 passes, cut short: worst 0.005 µm, 0.002 µm RMS over 4 ticks\n"
+        );
+        threads.take([thread(12, 7, Finished, 1)]);
+        assert_eq!(threads.missing(), 2);
+        assert!(
+            threads
+                .text(Lang::En)
+                .ends_with("\nthreads: 2 more were cut before their certificates could be read\n")
+        );
+        assert!(threads.text(Lang::Zh).starts_with(
+            "1：第 5 行：螺纹，走刀 6 次：最大 0.004 µm，均方根 0.002 µm，4 个周期\n"
+        ));
+        let mut json = Json::new();
+        json.object(|json| threads.fields(json));
+        let value: serde_json::Value = serde_json::from_slice(&json.into_bytes()).unwrap();
+        assert_eq!(value["threads_missing"], 2);
+        assert_eq!(
+            value["threads"][1],
+            serde_json::json!({
+                "n": 2, "line": 6, "kind": "thread", "state": "cut_short", "passes": 6, "measured": 4,
+                "sync_error_um": {"max": 0.005, "rms": 0.002}, "late": 0
+            })
+        );
+    }
+
+    #[test]
+    fn each_is_judged_and_named_by_its_line() {
+        let mut threads = Threads::default();
+        threads.take([
+            thread(1, 5, Finished, 3000),
+            thread(2, 6, Finished, 1300),
+            thread(3, 6, Finished, 1301),
+        ]);
+        let tolerance = |nm: i64| Tolerance { pm: nm * 1000 };
+        assert_eq!(threads.above(tolerance(3000)), None);
+        let above = threads.above(tolerance(1300)).unwrap();
+        assert_eq!((above.worst_nm, &above.lines[..]), (3000, &[5, 6][..]));
+        assert_eq!(
+            above.words(tolerance(1300)).en,
+            "the worst synchronism error 3 µm is above the tolerance of 1.3 µm: line 5, 6"
+        );
+        let many = Above {
+            worst_nm: 1,
+            lines: (1..=10).collect(),
+        };
+        assert!(
+            many.words(tolerance(0))
+                .en
+                .ends_with("line 1, 2, 3, 4, 5, 6, 7, 8 and 2 more")
+        );
+    }
+}
