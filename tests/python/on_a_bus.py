@@ -23,6 +23,58 @@ IMAGE = 0x5010
 FAULT = "X=fault:7305@600"
 
 
+# Three holes, and time to look at them.
+HOLES = """G98
+G0 X0 Z5
+M29 S600
+G84 Z-8 R-3 F600 K3
+G80
+G4 P4000
+M30
+"""
+
+
+class Reader:
+    """Numbers as postcard writes them, one behind the other."""
+
+    def __init__(self, data):
+        self.data = bytes(data)
+
+    def take(self, count):
+        taken, self.data = self.data[:count], self.data[count:]
+        return taken
+
+    def number(self):
+        value = shift = 0
+        while True:
+            byte = self.take(1)[0]
+            value |= (byte & 0x7F) << shift
+            if byte < 0x80:
+                return value
+            shift += 7
+
+    def signed(self):
+        value = self.number()
+        return (value >> 1) ^ -(value & 1)
+
+    def certificates(self):
+        """That of the run: ticks measured, largest error, sum of squares. And of each thread: number, line, kind, state,
+        passes, late, and the same."""
+        self.number()
+        self.take(4)
+        self.number()
+        self.number()
+        if self.take(1) == b"\1":
+            self.number()
+        run = (self.number(), self.signed(), self.number())
+        self.number()
+        threads = []
+        while self.data:
+            of = (self.number(), self.number(), *self.take(2), self.number(), self.number())
+            threads.append((of, (self.number(), self.signed(), self.number())))
+        return run, threads
+
+
 class OnABus(unittest.TestCase):
     def start(self, *more):
         self.start_until("ready", *more)
@@ -108,6 +160,21 @@ class BoardTest(OnABus):
         self.node.nmt.add_heartbeat_callback(states.append)
         self.node.nmt.state = "RESET COMMUNICATION"
         self.until(lambda: 0 in states)
+
+    def test_certificates_of_threads(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".nc") as program:
+            program.write(HOLES)
+            program.flush()
+            self.start("--program", program.name)
+            read = lambda: Reader(self.node.sdo.upload(0x5041, 0)).certificates()
+            done = lambda: [of[3] for of, _ in read()[1]] == [1, 1, 1]
+            self.until(done)
+            run, threads = read()
+        # The newest first: rigid taps of line 4, finished.
+        self.assertEqual([of[:5] for of, _ in threads], [(n, 4, 1, 1, 1) for n in (3, 2, 1)])
+        measured, largest, squares = zip(*[tally for _, tally in threads])
+        self.assertEqual((sum(measured), max(largest), sum(squares)), run)
+        self.assertGreater(min(measured), 100)
 
     def test_emergency_of_an_alarm(self):
         self.start("--trouble", FAULT)

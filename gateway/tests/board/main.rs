@@ -128,6 +128,13 @@ fn a_run_makes_the_setpoints_of_the_simulation() {
         assert_eq!(ran["ok"], true);
         assert_eq!(ran["moves"], simulated["moves"]);
         assert_eq!(ran["late"], 0);
+        // The same book of the same ticks.
+        assert_eq!(ran["threads"], simulated["threads"]);
+        assert!(
+            ran["threads"]
+                .as_array()
+                .is_some_and(|threads| !threads.is_empty())
+        );
         // That of the moves, and that from setpoint to setpoint: a pass joins its helix and leaves it on a curve.
         let path = |result: &Value| result["path_mm"].as_f64().unwrap();
         let apart = path(&ran) - path(&simulated);
@@ -139,6 +146,46 @@ fn a_run_makes_the_setpoints_of_the_simulation() {
             "{program}"
         );
     }
+}
+
+/// Five times as many holes as the board keeps certificates of: it does not go on before they are read.
+#[test]
+fn every_hole_has_its_certificate_and_is_judged_by_it() {
+    let mut holes = String::from("G98\nG0 X40 Z5 C0\nM29 S1500\nG84 C0 Z-4 R-3 F1500\n");
+    for hole in 1..40 {
+        holes.push_str(&format!("C{}\n", hole * 9));
+    }
+    holes.push_str("G80\nM30\n");
+    let path = std::env::temp_dir().join(format!("holes-{}.nc", std::process::id()));
+    std::fs::write(&path, holes).unwrap();
+    let program = path.to_str().unwrap();
+    let simulated = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(["run", program, "--json"])
+        .output()
+        .unwrap();
+    let simulated = json(&simulated);
+    let server = Server::start(&Options::default());
+    let told = json(&leadscrew(&["run", program, "--json"], &server.bus()));
+    assert_eq!(told["threads_missing"], 0);
+    assert_eq!(told["threads"], simulated["threads"]);
+    let threads = told["threads"].as_array().unwrap();
+    let lines: Vec<u64> = threads.iter().filter_map(|t| t["line"].as_u64()).collect();
+    assert_eq!(lines, (4..44).collect::<Vec<_>>());
+    // Once more on the same board: its numbers go on, those of the run begin at 1.
+    let again = leadscrew(
+        &["run", program, "--json", "--tolerance", "0.001"],
+        &server.bus(),
+    );
+    assert_eq!(again.status.code(), Some(1));
+    assert!(
+        text(&again.stderr).contains("above the tolerance of 0.001 µm: line 4, 5, "),
+        "{}",
+        text(&again.stderr)
+    );
+    let again = json(&again);
+    assert_eq!(again["ok"], false);
+    assert_eq!(again["threads"][39]["n"], 40);
+    let _ = std::fs::remove_file(&path);
 }
 
 #[test]

@@ -215,9 +215,49 @@ fn tolerance_is_a_verdict() {
     let refused = with("0.01");
     assert_eq!(code(&refused), 1);
     assert!(
-        stderr(&refused).contains("above the tolerance of 0.01 µm"),
+        stderr(&refused).contains("above the tolerance of 0.01 µm: line 6"),
         "{}",
         stderr(&refused)
+    );
+}
+
+/// Of three threads the one in the middle is cut faster than the spindle's ripple allows for.
+#[test]
+fn each_thread_is_judged_by_itself() {
+    let folder = Folder::new("threads");
+    let program = folder.file("three.nc");
+    let text = "G98\nG0 X0 Z5\nM29 S200\nG84 Z-8 R-3 F250\nG80\nG0 X80 Z10\nM3 S300\n\
+                G76 P010560 Q1500 R0.1\nG76 X76 Z-30 P20000 Q15000 F3\nG0 X0 Z5\nM3 S100\nG84 Z-8 R-3 F100\nG80\nM30\n";
+    std::fs::write(&program, text).unwrap();
+    let told = result(&["run", &program, "--json", "--spindle-ripple", "10@5"]);
+    let threads = told["threads"].as_array().unwrap();
+    let of = |name: &str| -> Vec<serde_json::Value> {
+        threads.iter().map(|thread| thread[name].clone()).collect()
+    };
+    assert_eq!(of("n"), [1, 2, 3]);
+    assert_eq!(of("line"), [4, 9, 12]);
+    assert_eq!(of("kind"), ["rigid_tap", "thread", "tap"]);
+    assert_eq!(of("state"), ["finished"; 3]);
+    assert_eq!(of("passes"), [1, 3, 1]);
+    assert_eq!(told["threads_missing"], 0);
+    let worst = |place: usize| threads[place]["sync_error_um"]["max"].as_f64().unwrap();
+    assert!(worst(1) > 0.01, "{told}");
+    let simulated = result(&["simulate", &program, "--json", "--spindle-ripple", "10@5"]);
+    assert_eq!(simulated["threads"], told["threads"]);
+    let ran = leadscrew(&["run", &program, "--spindle-ripple", "10@5"]);
+    let lines: Vec<String> = stdout(&ran).lines().map(str::to_owned).collect();
+    assert_eq!(lines.len(), 6, "{lines:?}");
+    assert!(
+        lines[3].starts_with("1: line 4: rigid tap: worst "),
+        "{lines:?}"
+    );
+    assert!(
+        lines[4].starts_with("2: line 9: thread, 3 passes: worst "),
+        "{lines:?}"
+    );
+    assert!(
+        lines[5].starts_with("3: line 12: ordinary tap: worst "),
+        "{lines:?}"
     );
 }
 

@@ -35,10 +35,35 @@ fn same(path: &Path, more: &[&str]) {
             board.words()
         );
     }
+    assert_eq!(threads(&ran), threads(&simulated), "{}", path.display());
     assert_eq!(field(&ran, "late"), "0");
     let (code, words) = board.interrupt();
     assert_eq!(code, Some(0), "{words}");
     assert!(words.contains(" 0 dropped"), "{words}");
+}
+
+/// The certificates of the threads, which the board keeps a few of and the gateway reads in time.
+fn threads(result: &str) -> &str {
+    let (_, rest) = result.split_once("\"threads\":").expect("certificates");
+    let (threads, _) = rest.split_once(",\"alarms\"").expect("alarms behind them");
+    assert!(threads.ends_with(",\"threads_missing\":0"), "{threads}");
+    threads
+}
+
+/// Many times as many as the board keeps.
+#[test]
+fn no_certificate_of_forty_holes_is_missed() {
+    let mut text = String::from("G98\nG0 X40 Z5 C0\nM29 S1500\nG84 C0 Z-4 R-3 F1500\n");
+    for hole in 1..40 {
+        text.push_str(&format!("C{}\n", hole * 9));
+    }
+    text.push_str("G80\nM30\n");
+    let path = program("holes.nc", &text);
+    assert_eq!(
+        threads(&simulated(&path)).matches("\"rigid_tap\"").count(),
+        40
+    );
+    same(&path, &[]);
 }
 
 #[test]
