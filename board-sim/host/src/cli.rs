@@ -97,7 +97,8 @@ pub struct Board {
     /// Virtual time: a tick waits for the drives' answers and for the program, and for no clock
     #[arg(long)]
     pub lockstep: bool,
-    /// Virtual time with a further board: a tick also waits for the setpoint of this drive of its (repeatable)
+    /// Virtual time with a further board: a tick also waits for the setpoint of this drive of its (repeatable), the last one
+    /// that it sends, to its spindle; else the next SYNC may overtake what comes behind
     #[arg(long, value_name = "NODE", requires = "lockstep", value_parser = drive_node)]
     pub beside: Vec<NodeId>,
     /// Where the axis drives are: `here`, `elsewhere` on the bus, or the axes whose drives are here (`X,Z`)

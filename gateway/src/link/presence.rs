@@ -97,7 +97,8 @@ impl Link {
     /// # Errors
     /// The bus is gone.
     pub fn other_boards(&mut self) -> LinkResult<Vec<NodeId>> {
-        let period = Duration::from_millis(self.read_number(BEATS)?) + BEAT;
+        // One may be lost, or late.
+        let period = Duration::from_millis(self.read_number(BEATS)?) * 2 + BEAT;
         self.hear_boards()?;
         let until = Instant::now() + period.min(LONGEST);
         let (board, own) = (self.node, self.own);

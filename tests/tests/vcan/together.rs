@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use crate::bus::{ours, tool};
-use crate::machine::{Board, example, field, finish, good, out, program, run};
+use crate::bus::{eventually, ours, scratch, sockets_on, tool};
+use crate::machine::{
+    Board, command, example, field, finish, good, interrupt, leadscrew, out, program, run,
+};
 
 /// Of both: on a bus where there is room for two.
 const BOTH: [&str; 4] = ["--set", "9000=2000", "--set", "9030=33"];
@@ -47,7 +49,7 @@ fn each_of_two_boards_has_the_setpoints_it_has_alone() {
     ];
     let giver = Board::start_on(
         "vcan0",
-        &[&["--lockstep", "--beside", "48"], &BOTH[..]].concat(),
+        &[&["--lockstep", "--beside", "64"], &BOTH[..]].concat(),
     );
     let follower = Board::start(&[&["--lockstep"], &BOTH[..], &FURTHER[..]].concat());
     giver.wait_for("ready");
@@ -80,4 +82,71 @@ fn each_of_two_boards_has_the_setpoints_it_has_alone() {
         assert_eq!(code, Some(0), "{words}");
         assert!(words.contains(" 0 dropped"), "{words}");
     }
+}
+
+/// The values of `--set` as a machine file.
+fn file(name: &str, sets: &[&str]) -> String {
+    let values = sets.iter().filter_map(|word| word.split_once('='));
+    let line = |(key, value): (&str, &str)| match key {
+        "9000" => format!("{key} = \"{value} µs\"\n"),
+        _ => format!("{key} = {value}\n"),
+    };
+    let text: String = values.map(line).collect();
+    program(name, &text).to_str().unwrap().to_owned()
+}
+
+/// The setpoints of X and Z in these columns of a table, each as long as it lasts.
+fn path(table: &str, columns: [&str; 2]) -> Vec<[String; 2]> {
+    let mut lines = table.lines().map(|line| line.split(','));
+    let header: Vec<&str> = lines.next().unwrap().collect();
+    let places = columns.map(|name| header.iter().position(|column| *column == name).unwrap());
+    let mut path: Vec<[String; 2]> = Vec::new();
+    for line in lines {
+        let fields: Vec<&str> = line.collect();
+        let at = places.map(|place| fields[place].to_owned());
+        if at.iter().all(|at| !at.is_empty()) && path.last() != Some(&at) {
+            path.push(at);
+        }
+    }
+    path
+}
+
+/// One program on both, one after the other: the table has it once in the columns of each.
+#[test]
+fn a_table_has_the_drives_of_both_side_by_side() {
+    let table = scratch("both.csv");
+    let files = [
+        file("first.toml", &BOTH),
+        file("second.toml", &[&BOTH[..], &FURTHER[..12]].concat()),
+    ];
+    let giver = Board::start_on(
+        "vcan0",
+        &[&["--lockstep", "--beside", "64"], &BOTH[..]].concat(),
+    );
+    let _follower = Board::start(&[&["--lockstep"], &BOTH[..], &FURTHER[..]].concat());
+    giver.wait_for("ready");
+    let told = good(&leadscrew(&["status"]));
+    assert!(
+        told.ends_with("also on this bus: node 2 (`leadscrew status --node 2`)\n"),
+        "{told}"
+    );
+    let before = sockets_on("vcan0");
+    let recorder = command(&["record", "-o", table.to_str().unwrap()])
+        .args(["--params", &files[0], "--further", &files[1]])
+        .spawn()
+        .unwrap();
+    eventually("the recorder listens", || sockets_on("vcan0") > before);
+    let part = example("g84-tap.nc");
+    for node in ["1", "2"] {
+        good(&finish(run(&part, &["--node", node])));
+    }
+    interrupt(&recorder);
+    good(&finish(recorder));
+    let table = std::fs::read_to_string(table).unwrap();
+    let first = path(&table, ["x_nm", "z_nm"]);
+    assert!(first.len() > 500, "{}", first.len());
+    // The first one has all of it behind it when the second one begins.
+    let second = path(&table, ["b2_x_nm", "b2_z_nm"]);
+    let apart = first.iter().zip(&second).position(|(a, b)| a != b);
+    assert_eq!((apart, second.len()), (None, first.len()));
 }

@@ -11,6 +11,7 @@ use super::{open, print, print_json, state_name, state_words};
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::Outcome;
+use crate::link::Link;
 use crate::number;
 use crate::source::SourceFile;
 use crate::tapping;
@@ -77,18 +78,25 @@ pub fn status(global: &Global) -> Outcome {
     if let Some(record) = record.filter(|record| record.in_hole) {
         text.push_str(&tapping::text(&record, lang));
     }
+    print(text.as_bytes())?;
     // Programs name the board they mean.
     if global.node.is_none() {
-        for other in link.other_boards()? {
-            let told = both!(
-                "also on this bus: node {other} (`leadscrew status --node {other}`)\n",
-                "此总线上还有：节点 {other}（`leadscrew status --node {other}`）\n",
-                other = other.get()
-            );
-            text.push_str(told.get(lang));
-        }
+        tell_others(&mut link, lang)?;
     }
-    print(text.as_bytes())
+    Ok(())
+}
+
+/// Names the other boards on the bus.
+fn tell_others(link: &mut Link, lang: Lang) -> Outcome {
+    for other in link.other_boards()? {
+        let told = both!(
+            "also on this bus: node {other} (`leadscrew status --node {other}`)\n",
+            "此总线上还有：节点 {other}（`leadscrew status --node {other}`）\n",
+            other = other.get()
+        );
+        print(told.get(lang).as_bytes())?;
+    }
+    Ok(())
 }
 
 /// One of the bits that the board mirrors behind its signals.
