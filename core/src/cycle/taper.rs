@@ -53,7 +53,7 @@ impl Taper {
 }
 
 /// `value` with the sign of `sign` (±1).
-#[inline]
+#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn flip(value: i64, sign: i64) -> i64 {
     value.wrapping_mul(sign)
 }

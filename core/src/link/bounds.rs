@@ -58,6 +58,7 @@ enum From {
 ///
 /// # Errors
 /// The first thing that no program can say.
+#[cfg_attr(feature = "small", inline(never))]
 pub fn call(call: &Call) -> Result<(), Beyond> {
     position(&call.origin)?;
     match &call.kind {

@@ -179,6 +179,7 @@ impl SdoServer {
 
     /// Takes a frame from the bus and gives the answer to send. Frames that are not for this server, and frames of
     /// another length than eight, do nothing.
+    #[cfg_attr(feature = "small", inline(never))]
     pub fn receive<O: Objects + ?Sized>(
         &mut self,
         frame: &Frame,
