@@ -93,8 +93,8 @@ impl SyncLock {
         }
     }
 
-    /// A SYNC, to be given when it has been read, began so many steps behind the last own beat, or before it. It is counted for
-    /// that beat: to be read takes a frame longer than what a beat that is locked can be off.
+    /// A SYNC that has been read began so many steps behind the last own beat, or before it. It counts for that beat: a frame
+    /// takes longer than a beat that is locked is off.
     pub fn hear(&mut self, since_steps: i32, counter: Option<u8>) {
         let half = self.nominal >> 1;
         let offset = match since_steps < half {
