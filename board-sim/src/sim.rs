@@ -10,7 +10,7 @@ mod network;
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, PowerUp, State};
-use leadscrew_core::bus::{Frame, Periods, SyncConsumer, SyncHeard, SyncProducer};
+use leadscrew_core::bus::{FdFrame, Frame, Periods, SyncConsumer, SyncHeard, SyncProducer};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Helix, Motion, Setpoint, TapLine};
 use leadscrew_core::params::Params;
@@ -236,6 +236,8 @@ pub struct Sim {
     /// The last one.
     setpoint: Setpoint,
     pending: Deque<Pending, LATENCY_TICKS>,
+    /// The frame with all setpoints of the last tick.
+    together: Option<FdFrame>,
     /// The line of the last tap.
     line: Option<Law>,
     /// By how many turns the board counts ahead of the truth: an application that begins anew counts whole turns from there.
@@ -373,6 +375,7 @@ impl Sim {
             answers: Vec::new(),
             setpoint: Setpoint::default(),
             pending: Deque::new(),
+            together: None,
             line: None,
             ahead: Turns::default(),
             truths: Deque::new(),
@@ -472,10 +475,20 @@ impl Sim {
     /// The frame with all setpoints, where the drives get them so.
     fn tell_together(&mut self, output: &Output) {
         let node = self.board.station().node();
-        if let Some(frame) = output.together.and_then(|together| together.frame(node)) {
+        self.together = output
+            .together
+            .as_ref()
+            .and_then(|together| together.frame(node));
+        if let Some(frame) = &self.together {
             let (wire, plant) = (&mut self.wire, &mut self.plant);
-            wire.pass_together(Way::Setpoints, &frame, |frame| plant.tell_together(frame));
+            wire.pass_together(Way::Setpoints, frame, |frame| plant.tell_together(frame));
         }
+    }
+
+    /// The frame with all setpoints of the last tick, where the drives get them so: behind the others of that tick.
+    #[must_use]
+    pub const fn together(&self) -> Option<&FdFrame> {
+        self.together.as_ref()
     }
 
     /// Carries out the writes that the board asks for. They are done before the next tick, so that nothing depends on how

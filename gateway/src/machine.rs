@@ -3,7 +3,7 @@
 use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
 use leadscrew_core::board::{Command, Event};
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{FdFrame, Frame};
 use leadscrew_core::program::Call;
 use leadscrew_core::units::Turns;
 
@@ -41,6 +41,11 @@ pub trait Observer {
     /// A frame on the wire at the tick after `tick`.
     fn frame(&mut self, tick: u64, direction: Direction, frame: &Frame) {
         let _ = (tick, direction, frame);
+    }
+
+    /// The frame with all setpoints, behind the others of that tick.
+    fn together(&mut self, tick: u64, frame: &FdFrame) {
+        let _ = (tick, frame);
     }
 }
 
@@ -138,6 +143,9 @@ fn carry_out(
             return Ok(ended);
         }
         let row = sim.step_on(&mut |direction, frame| observer.frame(tick, direction, frame));
+        if let Some(frame) = sim.together() {
+            observer.together(tick, frame);
+        }
         tick += 1;
         let newest = sim.board().station().threads().next();
         if newest.is_some_and(|thread| thread.number != ended.threads.newest()) {

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leadscrew_board_sim::Direction;
 use leadscrew_can::{Address, LogWriter, Packet, Stamp};
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::bus::Frame;
+use leadscrew_core::bus::{FdFrame, Frame};
 
 use super::board;
 use crate::cli::{Drive, Global, Run};
@@ -141,6 +141,17 @@ struct Watcher {
     bar: ProgressBar,
 }
 
+impl Watcher {
+    fn record(&mut self, tick: u64, packet: &Packet) {
+        if let Some(log) = &mut self.log {
+            let time = Stamp::from_micros(tick.saturating_mul(u64::from(self.tick_us)));
+            if let Err(error) = log.push(time, packet) {
+                self.unwritten.get_or_insert(error);
+            }
+        }
+    }
+}
+
 impl Observer for Watcher {
     fn setpoint(&mut self, point: &Setpoint) -> Outcome {
         self.summary.push(point);
@@ -159,11 +170,10 @@ impl Observer for Watcher {
     }
 
     fn frame(&mut self, tick: u64, _: Direction, frame: &Frame) {
-        if let Some(log) = &mut self.log {
-            let time = Stamp::from_micros(tick.saturating_mul(u64::from(self.tick_us)));
-            if let Err(error) = log.push(time, &Packet::Frame(*frame)) {
-                self.unwritten.get_or_insert(error);
-            }
-        }
+        self.record(tick, &Packet::Frame(*frame));
+    }
+
+    fn together(&mut self, tick: u64, frame: &FdFrame) {
+        self.record(tick, &Packet::Fd(frame.into()));
     }
 }

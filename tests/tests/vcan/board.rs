@@ -4,8 +4,8 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use leadscrew_can::{Can as _, Entry, LogReader, Packet, SocketCan};
-use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
+use leadscrew_can::{Can as _, LogReader, Packet, SocketCan};
+use leadscrew_core::bus::{CobId, FdFrame, Frame, NodeId, Service};
 
 use crate::bus::{Running, eventually, frame, open, ours, scratch, sockets_on, tool};
 
@@ -48,16 +48,32 @@ fn is_motion(frame: &Frame) -> bool {
     }
 }
 
-fn motion(text: &str) -> Vec<Frame> {
-    LogReader::new(text.as_bytes())
-        .map(|entry| entry.unwrap_or_else(|wrong| panic!("{wrong}")))
-        .filter_map(|Entry { packet, .. }| packet.frame().copied())
+/// The classical frames among these that belong to drives.
+fn motion(packets: &[Packet]) -> Vec<Frame> {
+    packets
+        .iter()
+        .filter_map(|packet| packet.frame().copied())
         .filter(is_motion)
+        .collect()
+}
+
+/// The frames with the setpoints of all drives among these.
+fn together(packets: &[Packet]) -> Vec<FdFrame> {
+    packets
+        .iter()
+        .filter_map(|packet| match packet {
+            Packet::Fd(frame) => frame.frame(),
+            _ => None,
+        })
         .collect()
 }
 
 /// What the machine inside one process puts on its bus.
 fn inside(program: &str, more: &[&str]) -> Vec<Frame> {
+    motion(&packets_inside(program, more))
+}
+
+fn packets_inside(program: &str, more: &[&str]) -> Vec<Packet> {
     let log = scratch(&format!("{program}.inside.log"));
     tool(
         ours("leadscrew").to_str().unwrap(),
@@ -72,11 +88,18 @@ fn inside(program: &str, more: &[&str]) -> Vec<Frame> {
         ]
         .concat(),
     );
-    motion(&std::fs::read_to_string(log).unwrap())
+    let text = std::fs::read_to_string(log).unwrap();
+    LogReader::new(text.as_bytes())
+        .map(|entry| entry.unwrap_or_else(|wrong| panic!("{wrong}")).packet)
+        .collect()
 }
 
 /// What a board puts on the wire that carries the program out by itself, in virtual time.
 fn on_the_wire(program: &str, more: &[&str]) -> Vec<Frame> {
+    motion(&packets_on_the_wire(program, more))
+}
+
+fn packets_on_the_wire(program: &str, more: &[&str]) -> Vec<Packet> {
     let mut to = open();
     let before = sockets_on("vcan0");
     let path = example(program);
@@ -107,11 +130,7 @@ fn on_the_wire(program: &str, more: &[&str]) -> Vec<Frame> {
     assert_eq!(code, Some(0), "{words}");
     assert_eq!(to.dropped().unwrap(), 0);
     assert!(sockets_on("vcan0") <= before);
-    heard
-        .iter()
-        .filter_map(|received| received.packet.frame().copied())
-        .filter(is_motion)
-        .collect()
+    crate::bus::packets(&heard)
 }
 
 /// All of `part` stands in `whole` as it is, and nothing but the start-up before it.
@@ -186,6 +205,51 @@ fn drives_elsewhere(set: &[&str]) {
     assert!(there.len() < here.len() + 200);
     let same = |begin: usize| there[begin..].starts_with(&here);
     assert!((0..there.len()).any(same), "other setpoints");
+}
+
+/// With their setpoints in one frame of CAN FD: to drives in a process of their own they are those inside one process, and the
+/// targets are those of a machine with a frame for each drive.
+#[test]
+fn setpoints_in_one_frame_of_can_fd_reach_drives_elsewhere() {
+    for (spindles, bytes) in [("9014=1", 24), ("9014=2", 32)] {
+        let set = ["--set", "9031=1", "--set", spindles];
+        let before = sockets_on("vcan0");
+        let drives = Running(board_sim(
+            &[&["drives", "--bus", "vcan0"], &set[..]].concat(),
+        ));
+        eventually("the drives listen", || sockets_on("vcan0") > before);
+        let elsewhere = [&["--drives", "elsewhere"], &set[..]].concat();
+        let there = packets_on_the_wire("g88-side-tap.nc", &elsewhere);
+        drop(drives);
+        eventually("the drives are gone", || sockets_on("vcan0") == before);
+        let here = packets_inside("g88-side-tap.nc", &set);
+        for packets in [&there, &here] {
+            let alone = motion(packets);
+            let mut alone = alone.iter().filter_map(|frame| frame.id().service());
+            assert!(alone.all(|(service, _)| service != Service::Rpdo1));
+        }
+        let enabled = |packets: &[Packet]| -> Vec<FdFrame> {
+            let mut frames = together(packets);
+            frames.retain(|frame| frame.payload().first() == Some(&0x0F));
+            frames
+        };
+        let (there, here) = (enabled(&there), enabled(&here));
+        assert!(here.len() > 1000, "{} frames are no program", here.len());
+        let all = there.iter().chain(&here);
+        for frame in all {
+            assert_eq!((frame.id().get(), frame.payload().len()), (0x481, bytes));
+            assert!(frame.is_rate_switched());
+        }
+        assert!(there.len() < here.len() + 200);
+        let same = |begin: usize| there[begin..].starts_with(&here);
+        assert!((0..there.len()).any(same), "other setpoints");
+
+        let alone = inside("g88-side-tap.nc", &["--set", spindles]);
+        let x_alone = alone.iter().filter(|frame| frame.id().get() == 0x210);
+        let x_alone: Vec<&[u8]> = x_alone.map(Frame::payload).collect();
+        let x: Vec<&[u8]> = here.iter().map(|frame| &frame.payload()[..6]).collect();
+        assert_eq!(x, x_alone);
+    }
 }
 
 /// Reads one expedited object of node 1.
