@@ -8,7 +8,7 @@ use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, SdoError,
     SdoProtocol,
 };
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Entry, Params};
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::machine::machine;
 
@@ -123,6 +123,22 @@ fn mappings_are_those_of_the_frames() {
     same(0x1A00, &BoardStatus::MAPPING);
     same(0x1A01, &BoardPlace::MAPPING);
     same(0x1A02, &BoardSpindle::MAPPING);
+}
+
+#[test]
+fn the_frame_with_all_setpoints_is_told_of_as_tpdo4() {
+    for (set, cob_id) in [(0, 0xC000_0481), (1, 0x4000_0481)] {
+        let mut params = Params::slant_bed();
+        params.set(Entry::find_text("9031").unwrap(), set).unwrap();
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut gateway = Gateway::connect(&mut sim);
+        let mut read = |index, sub| gateway.number(&mut sim, index, sub).unwrap();
+        assert_eq!(
+            [read(0x1803, 0), read(0x1803, 1), read(0x1803, 2)],
+            [2, cob_id, 1]
+        );
+        assert_eq!(read(0x1A03, 0), 0);
+    }
 }
 
 #[test]

@@ -398,6 +398,10 @@ impl Shelf {
             (0x5040, 1) => self.log.newest(),
             (0x5040, 2) => self.log_from,
             (0x5060, _) => self.snapshot.signals().into(),
+            #[cfg(feature = "fd")]
+            (0x1803, 1) if params.setpoint_frame() == 1 => {
+                return Ok(row.number(self.node) & !(1 << 31));
+            }
             (0x5001, sub @ 2..) => return Ok(self.fact(sub)),
             _ => return Ok(row.number(self.node)),
         };

@@ -86,6 +86,14 @@ max_profile_velocity = 500000
 \"2105.3\" = { type = \"u16\", value = 7 }
 ```
 
+Where 9031 is 1, a drive takes its place in the one frame of the board ([The board on a CAN bus](bus.md)): Z of board 1
+
+```toml
+[drive.Z]
+rpdo1_cob_id = 0x481
+rpdo1 = [\"0007/32\", \"0006/16\", \"6040/16\", \"607A/32\"]
+```
+
 | Object | Name | Type | Meaning |
 |---|---|---|---|
 ";
@@ -102,6 +110,14 @@ rpdo1 = [\"6040/16\", \"607A/32\"]        # 映射：对象及其位数；另有
 interpolation_period = \"1 ms\"           # 60C2h 的两个子索引
 max_profile_velocity = 500000
 \"2105.3\" = { type = \"u16\", value = 7 }
+```
+
+9031 为 1 时，驱动器在控制板的合并帧中取自己的位置（[总线说明](bus.md)）：1 号控制板的 Z 轴
+
+```toml
+[drive.Z]
+rpdo1_cob_id = 0x481
+rpdo1 = [\"0007/32\", \"0006/16\", \"6040/16\", \"607A/32\"]
 ```
 
 | 对象 | 名称 | 类型 | 含义 |

@@ -40,7 +40,8 @@ fn write(out: &mut String) -> fmt::Result {
     lists(out, &objects)?;
     for object in objects {
         match object {
-            [alone] => {
+            // A record with nothing in it is one all the same.
+            [alone] if GROUPS.iter().all(|group| group.index != index(object)) => {
                 let index = alone.object.index;
                 writeln!(out, "[{index:04X}]")?;
                 value(out, alone, alone.name())?;
@@ -197,7 +198,7 @@ mod tests {
         let cob_id = "[1801sub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\n\
                       AccessType=rw\nDefaultValue=$NODEID+0x40000280\nPDOMapping=0\n\n";
         assert!(sheet.contains(cob_id));
-        assert!(sheet.contains("NrOfRXPDO=1\nNrOfTXPDO=3\n"));
+        assert!(sheet.contains("NrOfRXPDO=1\nNrOfTXPDO=4\n"));
         assert!(sheet.contains("ParameterName=mapped object 2\n"));
     }
 }

@@ -4,11 +4,13 @@ use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service};
+use leadscrew_core::bus::{
+    Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service, Setpoints,
+};
 use leadscrew_core::params::{Entry, Params};
 
-use super::{Found, Pending, apply, read, with_drives};
-use crate::failure::Failure;
+use super::{Found, Pending, apply, check_setpoints, read, with_drives};
+use crate::failure::{Failure, Outcome};
 use crate::link::bench::{Fate, between, link, machine, machine_of};
 use crate::link::{Inside, Link, Trouble};
 use crate::params::drives::{Drive, DriveName, Kind, Wanted};
@@ -146,6 +148,79 @@ fn a_drive_is_asked_where_the_set_says_that_it_is() {
         words.en.starts_with("drive X (node 16): reading"),
         "{}",
         words.en
+    );
+}
+
+/// What the sections have to say for a board of number 1 whose drives get their setpoints in one frame.
+fn together(drive: DriveName) -> [Wanted; 2] {
+    let mapping = Wanted::Mapping {
+        mapping: 0x1600,
+        communication: 0x1400,
+        objects: Setpoints::mapping(drive as usize).collect(),
+    };
+    let id = Wanted::Number {
+        object: COB_ID,
+        kind: Kind::U32,
+        value: 0x481,
+    };
+    [id, mapping]
+}
+
+#[test]
+fn setpoints_in_one_frame_want_every_drive_at_its_place() {
+    let old = Params::slant_bed();
+    let mut new = old.clone();
+    for (key, value) in [("9031", 1), ("9014", 1)] {
+        new.set(Entry::find_text(key).unwrap(), value).unwrap();
+    }
+    let mut link = link(&board());
+    let words = |result: Outcome| match result {
+        Err(Failure::WrongBecause(words)) => words.en,
+        other => panic!("{other:?}"),
+    };
+    // As delivered they have a frame each.
+    let told = words(check_setpoints(&mut link, &[], &old, &new));
+    assert!(
+        told.starts_with("drive X takes its setpoints from 210h with 6040h/16 607Ah/32, and the board would send them (9031) with 481h"),
+        "{told}"
+    );
+    assert!(
+        told.contains(
+            "`rpdo1_cob_id = 0x481` and `rpdo1 = [\"6040/16\", \"607A/32\"]` in `[drive.X]`"
+        ),
+        "{told}"
+    );
+    assert!(check_setpoints(&mut link, &[], &old, &old).is_ok());
+
+    let drives = [DriveName::X, DriveName::Z, DriveName::C, DriveName::S1];
+    let nodes = DriveNodes::of(&new);
+    let mut pending = Vec::new();
+    for name in drives {
+        for wanted in together(name) {
+            let drive = name.among(&nodes);
+            let found = read(&mut link, drive, &wanted).unwrap();
+            pending.push(Pending {
+                drive,
+                wanted,
+                found,
+            });
+        }
+    }
+    // All but the last mapping: it would listen at the place of X.
+    let last = pending.pop().unwrap();
+    apply(&mut link, &pending, &mut || ()).unwrap();
+    let told = words(check_setpoints(&mut link, &[], &old, &new));
+    assert!(
+        told.starts_with("drive S1 takes its setpoints from 481h with 6040h/16"),
+        "{told}"
+    );
+    apply(&mut link, &[last], &mut || ()).unwrap();
+    assert!(check_setpoints(&mut link, &[], &old, &new).is_ok());
+    // And none of them in a frame of its own any more.
+    let told = words(check_setpoints(&mut link, &[], &new, &old));
+    assert!(
+        told.contains("the board would send them (9031) with 210h"),
+        "{told}"
     );
 }
 
