@@ -1,14 +1,16 @@
 //! Frames and drives.
 
-use audit::any::{any, sink};
+use audit::any::{Any as _, any, sink};
 use leadscrew_core::bus::{
-    CobId, DriveCommand, DriveMaster, DriveStatus, Emcy, Frame, Increments, MilliRpm, NmtCommand,
-    NmtState, Scale, SpindleCommand, SpindleMaster, Statusword, SyncProducer, is_sync, slcan,
+    CobId, DriveCommand, DriveMaster, DriveStatus, Emcy, FdBits, FdFrame, Frame, Increments,
+    MilliRpm, NmtCommand, NmtState, Scale, Setpoints, SpindleCommand, SpindleMaster, Statusword,
+    SyncProducer, is_sync, slcan,
 };
 
 /// All of this room.
 pub fn all() {
     frames();
+    fd_frames();
     encode();
     decode();
     increments();
@@ -30,6 +32,30 @@ fn frames() {
     for _ in 0..u8::MAX {
         sink(sync.next());
     }
+}
+
+#[inline(never)]
+fn fd_frames() {
+    let payload: [u8; 80] = any();
+    let frame = payload
+        .get(..usize::any())
+        .and_then(|payload| FdFrame::new(any(), payload, any()))
+        .unwrap_or(FdFrame::from(&any::<Frame>()));
+    sink((
+        frame.id(),
+        frame.payload().len(),
+        frame.length_code(),
+        frame.is_rate_switched(),
+        frame.classical(),
+    ));
+    sink(FdFrame::length_for(any()));
+    sink(FdBits::of(any()).at(any(), any()));
+    sink(Setpoints::command(frame.payload(), any()));
+    for mapped in Setpoints::mapping(usize::any() & 0xFF) {
+        sink(mapped.raw());
+    }
+    let mut lines = slcan::Lines::<143>::with_room();
+    sink(lines.push(any()).is_some());
 }
 
 #[inline(never)]
