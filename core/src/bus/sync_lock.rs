@@ -2,7 +2,7 @@
 //!
 //! A board that follows does not tick when SYNC comes: a frame on the wire is not stopped, SYNC waits for its end, and an
 //! encoder sampled with that jitter has its thread up to 13 µm out of place (135 µs, lead 2 mm, 3000 rpm). So its tick stays
-//! with its timer, and the timer is led to the *early edge* of the SYNCs, for a wire can only make them late.
+//! with its timer, and the timer is led to the *early edge* of the SYNCs, for a wire can only make them late [D167].
 //!
 //! ```text
 //! SYNC as it is meant  │         │         │         │           the early edge, which nobody sees

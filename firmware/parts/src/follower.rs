@@ -3,7 +3,7 @@
 //! A setpoint that overtook the SYNC of its own beat would be latched by it, a period too early. The wire lets SYNC go first
 //! only where that waits already, and whoever gives the beat may be late with it. So the frames of a tick wait for its SYNC.
 //! Where none has come for three periods, which is where the board stops, there is none to wait for: from then on they go at
-//! once, and when SYNC comes back the drives find what the board says by then, not what it said before.
+//! once, and when SYNC comes back the drives find what the board says by then, not what it said before [D167].
 
 use leadscrew_core::bus::{SyncHeard, SyncLock};
 
