@@ -1,5 +1,5 @@
-//! Ctrl-C, and what ends a program from elsewhere (SIGTERM, a terminal that goes away): remembered, so that the machine can be
-//! brought to a controlled stop first, and the terminal given back as it was. A second one does not wait.
+//! Ctrl-C, and what ends a program from elsewhere (SIGTERM, a terminal that goes away): remembered, so that the machine can
+//! be brought to a controlled stop first, and the terminal given back as it was. A second one does not wait.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,7 +1,7 @@
 //! The `leadscrew` command line: programs in; moves, setpoints, pictures and diagnostics out.
 //!
-//! One file a command ([`commands`]); what several share has a room of its own: words for alarms ([`diagnostics`]), both languages of
-//! all other words ([`words`]), the
+//! One file a command ([`commands`]); what several share has a room of its own: words for alarms ([`diagnostics`]), both
+//! languages of all other words ([`words`]), the
 //! move list's formats ([`movelist`]), exact numbers ([`number`]) and JSON ([`json`]). Data goes to standard output,
 //! words for people to standard error.
 //!

@@ -74,8 +74,8 @@ impl Slcan {
         // Empty lines end what another program left unfinished; it may be open already or not.
         self.write(b"\r\r\r")?;
         self.write(Request::Close.line().bytes())?;
-        // The version comes behind whatever else was still on its way, however long that takes. One that says it in words of
-        // its own, or not at all, is waited for until it is quiet.
+        // The version comes behind whatever else was still on its way, however long that takes. One that says it in words
+        // of its own, or not at all, is waited for until it is quiet.
         self.write(Request::Version.line().bytes())?;
         let deadline = Instant::now() + ANSWER;
         let mut patience = ANSWER;

@@ -44,7 +44,11 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
     let mut recording = Recording::new(format, file, bus.name(), &boards, setup.global.node())
         .map_err(|error| unwritable(&error))?;
 
-    let mut watch = Watch::default();
+    let mut watch = Watch {
+        // Where setpoints are expected in them, they are read.
+        fd_told: boards.iter().any(|board| board.setpoint_frame() == 1),
+        ..Watch::default()
+    };
     let mut heard: Vec<Received> = Vec::new();
     let mut left = args.count.unwrap_or(u64::MAX);
     let mut end = Ok(());

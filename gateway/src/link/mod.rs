@@ -164,8 +164,9 @@ impl std::fmt::Debug for Link {
 }
 
 impl Link {
-    /// Opens a bus, an adapter at this bit rate; nothing is said on it yet. Heard is what the board says and is told, and who else is there: setpoints
-    /// and drives' answers are most of what is on a bus, mean nothing here, and would keep the answers waiting.
+    /// Opens a bus, an adapter at this bit rate; nothing is said on it yet. Heard is what the board says and is told, and who
+    /// else is there: setpoints and drives' answers are most of what is on a bus, mean nothing here, and would keep the answers
+    /// waiting.
     ///
     /// # Errors
     /// What is missing for it.

@@ -1,8 +1,8 @@
 //! That this side lives, and who else is on the bus.
 //!
-//! A board misses its gateway by the heartbeats of one number. Two gateways with one number would stand in for each other: a
-//! board would not notice that its own has died while that of the other board goes on. So whoever runs a program has a number
-//! that nobody else on the bus has, and tells the board to watch that one (1016h) [D171].
+//! A board misses its gateway by the heartbeats of one number. Two gateways with one number would stand in for each other:
+//! a board would not notice that its own has died while that of the other board goes on. So whoever runs a program has a
+//! number that nobody else on the bus has, and tells the board to watch that one (1016h) [D171].
 
 use std::time::{Duration, Instant};
 

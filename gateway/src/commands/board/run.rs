@@ -449,7 +449,8 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// The board has begun anew. An alarm that it still knows says why; else it has lost its power, and the program with it.
+    /// The board has begun anew. An alarm that it still knows says why; else it has lost its power, and the program with
+    /// it.
     fn forgotten(&mut self, feeder: &Feeder) -> Outcome {
         self.read_log(feeder)?;
         if self.ran.alarms.is_empty() {
