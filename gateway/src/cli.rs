@@ -346,7 +346,7 @@ pub struct Simulate {
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,
-    /// Fail (exit 1) when the worst synchronism error is above this many micrometres
+    /// Fail (exit 1) when the worst synchronism error of a thread or a hole is above this many micrometres
     #[arg(long, value_name = "UM")]
     pub tolerance: Option<Tolerance>,
 }
@@ -409,7 +409,7 @@ pub struct Run {
     /// The plant.
     #[command(flatten)]
     pub drive: Drive,
-    /// Fail (exit 1) when the worst synchronism error is above this many micrometres
+    /// Fail (exit 1) when the worst synchronism error of a thread or a hole is above this many micrometres
     #[arg(long, value_name = "UM")]
     pub tolerance: Option<Tolerance>,
 }

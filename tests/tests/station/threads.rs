@@ -461,3 +461,46 @@ fn random_programs_add_up() {
         );
     }
 }
+
+/// A hole that is left at its bottom goes on with the next block; a way out by itself is on the line of the hole, too.
+#[test]
+fn a_hole_that_stays_locked_goes_on_as_the_same() {
+    let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-8 R-3 F600 K198\nG84 Z-14 F600\nG80\nG0 X0 Z5\nM29 S600\nG84 Z-8 R-3 F600\nG80\nM30\n";
+    let holes = cut(text);
+    assert_eq!(
+        holes.told(),
+        [(4, RigidTap, Finished, 1), (9, RigidTap, Finished, 1)]
+    );
+}
+
+#[test]
+fn a_way_out_belongs_to_its_hole_and_is_one_of_its_own_behind_a_reset() {
+    let begun = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-8 R-3 F600 K198\n";
+    let whole = format!("{begun}G30 P99\nM30\n");
+    let in_one = cut(&whole);
+    assert_eq!(in_one.told(), [(4, RigidTap, Finished, 1)]);
+    let params = Params::slant_bed();
+    let mut told = Vec::new();
+    let mut sim = machine(&params, &PlantOptions::default());
+    for (text, resets) in [(&whole[..], true), ("G30 P99\nM30\n", false)] {
+        let mut calls = calls(text, &params);
+        if resets {
+            // The program does not get so far.
+            calls.retain(|call| !matches!(call.kind, CallKind::TapReturn(_) | CallKind::End(_)));
+        }
+        let mut waiting = calls.into_iter().peekable();
+        for tick in 0..20_000 {
+            while waiting.peek().is_some_and(|call| sim.offer(call)) {
+                waiting.next();
+            }
+            if resets && tick == 15_000 {
+                sim.command(Command::Reset);
+            }
+            sim.step();
+            while sim.event().is_some() {}
+        }
+        let newest = sim.board().station().threads().next().expect("a hole");
+        told.push((newest.number, newest.record.line, newest.record.state));
+    }
+    assert_eq!(told, [(1, 4, CutShort), (2, 1, Finished)]);
+}
