@@ -29,7 +29,7 @@ G0 X0 Z5
 M29 S600
 G84 Z-8 R-3 F600 K3
 G80
-G4 P4000
+G4 P8000
 M30
 """
 
@@ -165,7 +165,7 @@ class BoardTest(OnABus):
         with tempfile.NamedTemporaryFile("w", suffix=".nc") as program:
             program.write(HOLES)
             program.flush()
-            self.start("--program", program.name)
+            self.start("--program", program.name, "--set", "9027=0")
             read = lambda: Reader(self.node.sdo.upload(0x5041, 0)).certificates()
             done = lambda: [of[3] for of, _ in read()[1]] == [1, 1, 1]
             self.until(done)

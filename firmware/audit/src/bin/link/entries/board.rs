@@ -60,6 +60,7 @@ fn board() {
         sink(board.receive(&any()));
         sink(board.serve(any(), &output.setpoint));
         sink((board.transmit(), board.awaits_program()));
+        sink(board.station().threads().last());
         board.set_late(any());
         board.bus_state(any());
         sink(board.may_rejoin());

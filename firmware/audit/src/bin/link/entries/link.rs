@@ -3,8 +3,9 @@
 use audit::any::{any, sink};
 use leadscrew_core::board::Event;
 use leadscrew_core::link::{
-    Batch, BatchWriter, EventReader, ImageReader, ImageWriter, LinkError, Logged, Status, bounds,
-    decode_changes, encode_call, encode_changes, encode_event, identity,
+    Batch, BatchWriter, Certificate, EventReader, ImageReader, ImageWriter, LinkError, Logged,
+    Status, ThreadReader, bounds, decode_changes, encode_call, encode_certificates, encode_changes,
+    encode_event, identity,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Call;
@@ -48,6 +49,19 @@ fn records() {
         sink(status.encode(&mut room));
     }
     sink((Event::Ready, LinkError::Malformed));
+    if let Ok(Ok(run)) = Certificate::decode(bytes)
+        && let Ok(threads) = ThreadReader::new(bytes)
+    {
+        for thread in threads.flatten() {
+            let records = [thread.record];
+            sink(encode_certificates(
+                &run,
+                thread.number,
+                &records,
+                &mut room,
+            ));
+        }
+    }
 }
 
 #[inline(never)]
