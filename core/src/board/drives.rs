@@ -298,10 +298,6 @@ impl Drives {
         if let Some(sync) = &mut self.sync {
             put(sync.next());
         }
-        #[cfg(feature = "fd")]
-        if self.together.is_some() {
-            return self.send_together(position, spindle, frames);
-        }
         let [x, z, c] = &mut self.axes;
         let [off_x, off_z, off_c] = self.offsets;
         let [last_x, last_z, last_c] = &mut self.last;
@@ -317,6 +313,10 @@ impl Drives {
             beyond = Some(Axis::C);
         }
         self.spindles.tick(spindle, &mut put);
+        #[cfg(feature = "fd")]
+        if self.together.is_some() {
+            self.put_together(frames);
+        }
         beyond
     }
 }
@@ -328,38 +328,23 @@ impl Drives {
         self.together.as_ref()
     }
 
-    /// As [`send`](Self::send): the commands are put together, everything else is a frame of its own. A spindle whose turn it
-    /// is not in this period is told what it was told last.
+    /// Takes the commands out of the frames of a period and puts them together; everything else stays a frame of its own. A
+    /// spindle whose turn it is not in this period is told what it was told last.
+    // Behind the sending of the frames, and not another way of it: the compiler would have each of them twice, and the usual one
+    // would be the slower for it.
     #[inline(never)]
-    fn send_together(
-        &mut self,
-        position: Position,
-        spindle: Spindle,
-        frames: &mut Vec<Frame, FRAMES>,
-    ) -> Option<Axis> {
-        let together = self.together.as_mut()?;
-        let mut put = |frame: Frame, place: usize| match frame.id().service() {
-            Some((Service::Rpdo1, _)) => together.tell(place, &frame),
-            _ => {
-                // There is room, as in `send`.
-                let _ = frames.push(frame);
-            }
+    fn put_together(&mut self, frames: &mut Vec<Frame, FRAMES>) {
+        let Some(together) = &mut self.together else {
+            return;
         };
-        let mut beyond = None;
-        let drives = self.axes.iter_mut().zip(self.offsets).zip(&mut self.last);
-        let places = (0..).zip(Axis::ALL).zip(figures(position));
-        for (((drive, offset), last), ((place, axis), figure)) in drives.zip(places) {
-            if !send_to(drive, offset, last, figure, &mut |frame| put(frame, place)) {
-                beyond = Some(axis);
+        frames.retain(|frame| {
+            let Some((Service::Rpdo1, node)) = frame.id().service() else {
+                return true;
+            };
+            if let Some(place) = self.nodes.place(node) {
+                together.tell(place, frame);
             }
-        }
-        let first = self.nodes.spindle(TapSpindle::First).get();
-        self.spindles.tick(spindle, &mut |frame: Frame| {
-            let node = (frame.id().get() & 0x7F) as u8;
-            put(
-                frame,
-                usize::from(node.wrapping_sub(first)).saturating_add(3),
-            );
+            false
         });
         let all = self.axes.iter().chain(self.spindles.drives());
         for (place, drive) in all.enumerate() {
@@ -367,7 +352,6 @@ impl Drives {
                 together.withdraw(place);
             }
         }
-        beyond
     }
 }
 

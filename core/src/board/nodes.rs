@@ -68,6 +68,20 @@ impl DriveNodes {
         }
     }
 
+    /// The place of the drive that has this node, in the order X, Z, C and the spindles; `None` where none has.
+    #[cfg(feature = "fd")]
+    pub(super) fn place(&self, node: NodeId) -> Option<usize> {
+        let node = node.get();
+        let spindle = node.wrapping_sub(self.first);
+        if let Some(axis) = [self.x, self.z, self.c].iter().position(|at| *at == node) {
+            Some(axis)
+        } else if spindle < self.spindles {
+            Some(usize::from(spindle).saturating_add(3))
+        } else {
+            None
+        }
+    }
+
     /// A board of this number can be the master of the drives.
     ///
     /// # Errors

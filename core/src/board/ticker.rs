@@ -371,7 +371,11 @@ impl Ticker {
         self.send(&mut output.frames, ends);
         #[cfg(feature = "fd")]
         {
-            output.together = self.drives.together().copied();
+            let together = self.drives.together();
+            // Nearly always there is none, and it is long.
+            if together.is_some() || output.together.is_some() {
+                output.together = together.copied();
+            }
         }
     }
 
