@@ -110,6 +110,8 @@ impl Link {
             false
         })?;
         nodes.retain(|node| *node != board && *node != own && *node != NodeId::GATEWAY);
+        // Another gateway beats, too, and answers nothing.
+        self.set_patience(BEAT);
         let mut boards = Vec::new();
         for node in nodes {
             match self.read_of(node, PRODUCT) {
