@@ -309,8 +309,23 @@ impl Drive {
             // Not before its boot-up message.
             _ if self.nmt == NmtState::BootUp => {}
             NmtCommand::Start => self.nmt = NmtState::Operational,
-            NmtCommand::Stop => self.nmt = NmtState::Stopped,
+            NmtCommand::Stop => {
+                self.nmt = NmtState::Stopped;
+                self.stop_by_itself();
+            }
             NmtCommand::PreOperational => self.nmt = NmtState::PreOperational,
+        }
+    }
+
+    /// What it was told does not count any more, and no SYNC is waited for: with torque it stops by its quick stop, as 6007h = 3
+    /// has it.
+    fn stop_by_itself(&mut self) {
+        self.command = None;
+        self.spindle.velocity = MilliRpm::STOPPED;
+        self.next_spindle = self.spindle;
+        if self.power == Power::Enabled {
+            self.power = Power::QuickStop;
+            self.follower.stop();
         }
     }
 

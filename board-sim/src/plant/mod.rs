@@ -48,7 +48,7 @@ pub use tapper::Tapper;
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
-    FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
+    CobId, FdFrame, Frame, Increments, MilliRpm, NmtCommand, NodeId, Scale, Service, is_sync,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Position, TapSpindle};
@@ -259,7 +259,7 @@ impl Plant {
                 drive.sync(None, &mut *to_board);
             }
             self.spindle_drive.sync(Some(measured), &mut *to_board);
-            self.spindle.command(self.spindle_drive.velocity());
+            self.tell_spindle();
             for tapper in self.tappers.iter_mut().take(self.present) {
                 tapper.sync(&mut *to_board);
             }
@@ -271,7 +271,15 @@ impl Plant {
             for tapper in self.tappers.iter_mut().take(self.present) {
                 tapper.drive().receive(frame);
             }
+            if frame.id() == CobId::NMT {
+                self.tell_spindle();
+            }
         }
+    }
+
+    /// What its drive makes of the spindle counts from now on.
+    fn tell_spindle(&mut self) {
+        self.spindle.command(self.spindle_drive.velocity());
     }
 
     /// A frame of somebody else on the bus: NMT commands and SDO requests reach the drives, whose answers go to `to_bus`.
@@ -299,6 +307,7 @@ impl Plant {
                 drive.serve(frame, &mut to_bus);
             }
         }
+        self.tell_spindle();
     }
 
     fn axes_here(&mut self) -> impl Iterator<Item = &mut Drive> {

@@ -127,11 +127,19 @@ impl Drives {
         }
     }
 
-    /// As [`new`](Self::new), but that the places of axes whose reference was lost stay.
+    /// As [`new`](Self::new), but that the places of axes whose reference was lost stay, and that SYNC goes on counting.
     pub(super) fn begin_anew(&mut self, params: &Params, figures: &Figures) {
-        let offsets = self.offsets;
+        let (offsets, sync) = (self.offsets, self.sync);
         *self = Self::new(params, figures);
         self.offsets = offsets;
+        if self.sync.is_some() && sync.is_some() {
+            self.sync = sync;
+        }
+    }
+
+    /// The beat, where it is the board that gives it.
+    pub(super) const fn sync(&mut self) -> Option<&mut SyncProducer> {
+        self.sync.as_mut()
     }
 
     /// Where they are on the bus.
@@ -187,6 +195,16 @@ impl Drives {
     pub(super) fn cut_off(&mut self) {
         for drive in self.all() {
             drive.disable();
+        }
+    }
+
+    /// No drive latches anything any more, for want of a SYNC: a spindle would turn on and on. So all are told to stop by what
+    /// no SYNC is needed for, and brought up anew [D166].
+    #[cold]
+    #[inline(never)]
+    pub(super) fn stop(&mut self) {
+        for drive in self.all() {
+            drive.stop();
         }
     }
 

@@ -29,6 +29,9 @@ use super::pdo::{DriveCommand, DriveStatus};
 use super::periods::Periods;
 use crate::alarm::Alarm;
 
+/// Periods after which a drive that is stopped is told so again: the frame may have been lost.
+const STOPPED_AGAIN: Periods = Periods::new(15);
+
 /// What there is to know about a drive beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveConfig {
@@ -87,6 +90,9 @@ pub enum Phase {
     Enabled,
     /// It is silent, and far from where it was last heard: if it hears anything, it is to stop by itself.
     Halted,
+    /// It is told by network management to stop, again and again, and nothing else: it latches nothing, and what it does then
+    /// is its own affair (6007h).
+    Stopped,
 }
 
 /// The frames a master wants sent, in this order.
@@ -194,10 +200,13 @@ impl DriveMaster {
         matches!(self.phase, Phase::Enabled)
     }
 
-    /// True where it is told nothing: before it has answered for the first time.
+    /// True where no RPDO goes to it: before it has answered for the first time, and where it is stopped.
     #[must_use]
     pub const fn is_told_nothing(&self) -> bool {
-        matches!(self.phase, Phase::Offline | Phase::Step(Step::Contact))
+        matches!(
+            self.phase,
+            Phase::Offline | Phase::Step(Step::Contact) | Phase::Stopped
+        )
     }
 
     /// What went wrong, until [`DriveMaster::reset`].
@@ -225,7 +234,7 @@ impl DriveMaster {
         if let Some(failure) = self.failure {
             return Err(failure);
         }
-        if matches!(self.phase, Phase::Offline | Phase::Standby) {
+        if matches!(self.phase, Phase::Offline | Phase::Standby | Phase::Stopped) {
             self.start = true;
             self.enter(Step::Contact);
         }
@@ -235,9 +244,19 @@ impl DriveMaster {
     /// Takes the torque away (0006h), also in the middle of enabling. The axis must stand: this does not brake.
     pub const fn disable(&mut self) {
         match self.phase {
-            Phase::Offline | Phase::Standby => {}
+            Phase::Offline | Phase::Standby | Phase::Stopped => {}
             Phase::Step(Step::Contact) => self.phase = Phase::Offline,
             Phase::Step(_) | Phase::Enabled | Phase::Halted => self.phase = Phase::Standby,
+        }
+    }
+
+    /// Nothing that it is told by RPDO counts any more, for want of a SYNC: it is stopped by network management, until it is
+    /// enabled again. One that has not been started is told nothing.
+    pub const fn stop(&mut self) {
+        if !matches!(self.phase, Phase::Offline) {
+            self.phase = Phase::Stopped;
+            self.start = false;
+            self.waited = STOPPED_AGAIN;
         }
     }
 
@@ -252,6 +271,8 @@ impl DriveMaster {
         self.disable();
         match failure {
             DriveFailure::Fault { .. } | DriveFailure::Step(Step::FaultReset, _) => {
+                // Stopped it would not hear of it.
+                self.start = matches!(self.phase, Phase::Stopped);
                 self.enter(Step::FaultReset);
             }
             DriveFailure::Restarted | DriveFailure::NoAnswer => self.phase = Phase::Offline,
@@ -408,7 +429,7 @@ impl DriveMaster {
             return;
         }
         match self.phase {
-            Phase::Offline => {}
+            Phase::Offline | Phase::Stopped => {}
             // It came up only now: it has not heard the first start.
             Phase::Step(Step::Contact) => self.start = true,
             Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {
@@ -459,8 +480,11 @@ impl DriveMaster {
     #[inline(never)]
     pub(crate) fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
         self.check_times();
-        let network = core::mem::take(&mut self.start)
-            .then(|| NmtCommand::Start.frame(Some(self.config.node)));
+        let command = match self.phase {
+            Phase::Stopped if self.waited == Periods::new(0) => Some(NmtCommand::Stop),
+            _ => core::mem::take(&mut self.start).then_some(NmtCommand::Start),
+        };
+        let network = command.map(|command| command.frame(Some(self.config.node)));
         self.last_target = self.target;
         if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
             self.missed |= self.is_silent();
@@ -472,7 +496,7 @@ impl DriveMaster {
         }
         let control = match self.phase {
             // A drive that has not answered has no position to be held at.
-            Phase::Offline | Phase::Step(Step::Contact) => None,
+            Phase::Offline | Phase::Step(Step::Contact) | Phase::Stopped => None,
             Phase::Step(Step::Release) => Some(Controlword::DISABLE_VOLTAGE),
             Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
             Phase::Halted => Some(Controlword::QUICK_STOP),
@@ -525,6 +549,8 @@ impl DriveMaster {
                 self.latch(DriveFailure::Silent);
             }
             Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
+            Phase::Stopped if self.waited < STOPPED_AGAIN => self.waited = self.waited.one_more(),
+            Phase::Stopped => self.waited = Periods::new(0),
             Phase::Enabled | Phase::Standby | Phase::Offline | Phase::Halted => {}
         }
     }

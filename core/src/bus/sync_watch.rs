@@ -3,10 +3,10 @@
 //! A board that follows tells in every period what that has brought. It *follows* once a hundred periods in a row had one
 //! SYNC each, nothing missing by the counters, and the board's own beat with it. From then on a period with none, with two or
 //! with a gap in the counters is one in which setpoints were late for their SYNC, and is counted as that; three in a row with
-//! none, or a beat that has come off, and it is lost.
+//! none, eight in a row with several, or a beat that has come off, and it is lost.
 //!
 //! ```text
-//!            100 periods as they should be               3 without SYNC, or off the beat
+//!            100 periods as they should be               3 without SYNC, 8 with several, or off the beat
 //! (waits) ─────────────────────────────────► (follows) ──────────────────────────────────► (waits)
 //!    └── too long: unsteady
 //! ```
@@ -23,6 +23,9 @@ const LOCK: u32 = 2000;
 
 /// Three periods in a row without SYNC.
 const GONE: u8 = 0b111;
+
+/// Periods in a row with more than one: somebody else gives a beat, too.
+const DOUBLED: u8 = 8;
 
 /// What has come of a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +50,8 @@ pub struct SyncWatch {
     gaps: u8,
     /// Periods in a row that were as they should be.
     steady: u8,
+    /// Periods in a row with several.
+    doubled: u8,
     /// Periods that were not, while it followed.
     late: u16,
     /// Time of a period in microseconds.
@@ -74,6 +79,7 @@ impl SyncWatch {
             heard: SyncHeard::NONE,
             gaps: 0,
             steady: 0,
+            doubled: 0,
             late: 0,
             tick_us,
             patience: periods.saturating_add(STEADY as u32),
@@ -147,6 +153,12 @@ impl SyncWatch {
             }
             return SyncVerdict::Unsteady;
         }
+        let several = heard.count > 1;
+        self.doubled = if several {
+            self.doubled.wrapping_add(1)
+        } else {
+            0
+        };
         if good {
             return SyncVerdict::Good;
         }
@@ -154,11 +166,11 @@ impl SyncWatch {
         if heard.count != 1 || u32::from(heard.missed) > before.trailing_ones() {
             self.late = self.late.wrapping_add(1);
         }
-        if heard.locked && self.gaps & GONE != GONE {
+        if heard.locked && self.gaps & GONE != GONE && self.doubled < DOUBLED {
             return SyncVerdict::Good;
         }
         self.follows = false;
-        self.steady = 0;
+        (self.steady, self.doubled) = (0, 0);
         (self.waited, self.seen) = (u8::BITS, self.gaps.count_ones());
         SyncVerdict::Lost
     }
@@ -319,6 +331,23 @@ mod tests {
         }
         assert!(watch.is_steady());
         assert_eq!(watch.late(), 3, "what is not followed is not late");
+    }
+
+    #[test]
+    fn eight_in_a_row_with_several_are_two_who_give_it() {
+        let mut watch = following();
+        for _ in 0..3 {
+            for _ in 0..7 {
+                assert_eq!(after(&mut watch, TWICE), Good);
+            }
+            assert_eq!(after(&mut watch, SyncHeard::ONE), Good);
+        }
+        for _ in 0..7 {
+            assert_eq!(after(&mut watch, TWICE), Good);
+        }
+        assert_eq!(after(&mut watch, TWICE), Lost);
+        assert!(!watch.has_ended() && !watch.is_steady());
+        assert_eq!((watch.late(), watch.figures()), (29, [0, 8, 1000]));
     }
 
     #[test]

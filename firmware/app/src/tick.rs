@@ -10,7 +10,7 @@ use leadscrew_core::board::{
 };
 #[cfg(feature = "fd")]
 use leadscrew_core::bus::Setpoints;
-use leadscrew_core::bus::{Frame, Service, SyncHeard};
+use leadscrew_core::bus::{Frame, Service, SyncHeard, SyncProducer};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -81,6 +81,8 @@ pub struct TickSide {
     ticker: Option<&'static mut Ticker>,
     /// Where the drives are; while there is no ticker, where they were.
     drives: DriveNodes,
+    /// The beat it gave, which others may follow: it goes on meanwhile.
+    sync: Option<SyncProducer>,
     ends: Ends,
     output: Output,
     reference: Reference,
@@ -99,6 +101,7 @@ impl TickSide {
         Self {
             drives: ticker.drive_nodes(),
             ticker: Some(ticker),
+            sync: None,
             ends,
             output: Output::default(),
             reference: Reference::default(),
@@ -110,8 +113,8 @@ impl TickSide {
         }
     }
 
-    /// One SYNC period. While the ticker is with the background, which makes it anew, nothing is sent: the machine stands, and
-    /// its drives are brought up again.
+    /// One SYNC period. While the ticker is with the background, which makes it anew, nothing is sent but SYNC: the machine
+    /// stands, and its drives are brought up again; that of a board that follows may be at work.
     pub fn tick(&mut self, machine: &mut impl TickMachine) {
         let sample = machine.sample();
         let heard = machine.heard();
@@ -119,6 +122,9 @@ impl TickSide {
         self.silence = self.silence.saturating_add(1);
         if let Some(ticker) = take(&mut self.ends.returned) {
             self.drives = ticker.drive_nodes();
+            if let (Some(sync), Some(before)) = (ticker.beat_given(), self.sync) {
+                *sync = before;
+            }
             self.ticker = Some(ticker);
             // It has forgotten a feed hold; one that is still pressed counts as pressed now, like at power-up.
             self.inputs.hold = false;
@@ -130,6 +136,10 @@ impl TickSide {
             machine.feed_watchdog();
         }
         let Some(ticker) = &mut self.ticker else {
+            if let Some(sync) = &mut self.sync {
+                // Nothing else waits that could be late.
+                let _ = machine.send(&[sync.next()]);
+            }
             return;
         };
         let mut ends = TickerEnds {
@@ -236,6 +246,9 @@ impl TickSide {
         self.ends.segments.clear();
         while take(&mut self.ends.detours).is_some() {}
         self.reference = Reference::default();
+        if let Some(ticker) = &mut self.ticker {
+            self.sync = ticker.beat_given().copied();
+        }
         if let Some(ticker) = self.ticker.take()
             && let Err(ticker) = put(&mut self.ends.given, ticker)
         {

@@ -1,9 +1,9 @@
 //! The SYNC that a board follows goes missing, comes twice, or with another period.
 
-use leadscrew_board_sim::plant::Power;
+use leadscrew_board_sim::plant::{FineTurns, Power, Trouble};
 use leadscrew_core::alarm::Arg;
 use leadscrew_core::board::{Command, State};
-use leadscrew_core::bus::{Frame, NmtCommand, NodeId, SyncProducer};
+use leadscrew_core::bus::{Frame, MilliRpm, NmtCommand, NodeId, SyncProducer};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
@@ -225,6 +225,98 @@ fn three_that_do_not_come_stop_the_machine_and_nothing_jumps_when_the_beat_is_ba
             }
         }
     }
+}
+
+/// What a spindle is told is latched at SYNC as well: without one it is stopped by network management.
+#[test]
+fn a_spindle_does_not_turn_on_without_a_beat() {
+    for text in [WORK, TAP] {
+        for tick in [450, 900, 1_100] {
+            let what = format!("none from {tick} on");
+            let mut followed = Followed::at_work(text);
+            followed.until_tick(tick);
+            let turning = followed.bench.sim.plant().truth();
+            for _ in 0..3 {
+                followed.tick(0);
+            }
+            assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4379);
+            // 600 rpm, by the ramp of a drive: a second is more than enough.
+            for _ in 0..1_000 {
+                followed.tick(0);
+            }
+            let (rest, stands): (MilliRpm, FineTurns) = {
+                let truth = followed.bench.sim.plant().truth();
+                (truth.speed, truth.angle)
+            };
+            assert_eq!(rest, MilliRpm::STOPPED, "{what}, it had {turning:?}");
+            followed.bench.sim.command(Command::Stop);
+            for _ in 0..20_000 {
+                followed.tick(0);
+            }
+            assert_eq!(followed.bench.sim.plant().truth().angle, stands, "{what}");
+            // Nor does it when the beat is back, before a reset.
+            followed.ticks(600);
+            assert_eq!(followed.bench.sim.plant().truth().angle, stands, "{what}");
+            let spindle = followed.bench.sim.plant().spindle_drive().power();
+            assert_eq!(spindle, Power::QuickStop, "{what}");
+            if text == WORK {
+                followed.reset_and_next(&what);
+            }
+        }
+    }
+}
+
+/// A drive that nobody reaches when it is told to stop is told so again.
+#[test]
+fn a_spindle_that_has_not_heard_of_it_hears_it_later() {
+    let mut followed = Followed::at_work(WORK);
+    followed.until_tick(900);
+    followed
+        .bench
+        .sim
+        .plant()
+        .spindle_drive()
+        .trouble(Trouble::CutOff);
+    for _ in 0..20 {
+        followed.tick(0);
+    }
+    assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4379);
+    let drive = followed.bench.sim.plant().spindle_drive();
+    assert_eq!(drive.power(), Power::Enabled);
+    drive.trouble(Trouble::None);
+    for _ in 0..16 {
+        followed.tick(0);
+    }
+    let drive = followed.bench.sim.plant().spindle_drive();
+    assert_eq!(drive.power(), Power::QuickStop);
+    followed.ticks(1_000);
+    followed.reset_and_next("told again");
+}
+
+/// A drive that was in fault when the beat ended is out of NMT operational: the reset starts it before it resets the fault.
+#[test]
+fn a_drive_in_fault_is_reset_behind_the_loss_of_the_beat() {
+    let mut followed = Followed::at_work(WORK);
+    followed.until_tick(900);
+    followed
+        .bench
+        .sim
+        .plant()
+        .drive(Axis::X)
+        .trouble(Trouble::Fault(0x7305));
+    followed.ticks(20);
+    assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4357);
+    for _ in 0..20 {
+        followed.tick(0);
+    }
+    followed
+        .bench
+        .sim
+        .plant()
+        .drive(Axis::X)
+        .trouble(Trouble::None);
+    followed.ticks(1_000);
+    followed.reset_and_next("a fault");
 }
 
 /// A board that has come off the beat has drives that still follow: they are braked on their path.
