@@ -646,8 +646,8 @@ codes! {
         "控制板的 CAN 控制器处于被动错误状态（发送错误 {0}，接收错误 {1}）", "请检查接线、终端电阻（两端各 120 Ω）和波特率，然后复位";
     /// Setpoints came late for their SYNC; how many, and how many may.
     SetpointsLate = 4372, "{0} setpoints came late for their SYNC within a second, limit {1} (parameter 9027)",
-        "take load off the bus and off the computer that is the board, or make the tick (9000) longer, then reset",
-        "1 秒内有 {0} 个位置指令晚于其 SYNC，极限 {1}（参数 9027）", "请降低总线负载及控制板计算机的负载，或加长周期（9000），然后复位";
+        "take load off the bus and off the computer that is the board, or make the tick (9000) longer; where it follows (9029 = 1) look at who gives the beat, and whether two do; then reset",
+        "1 秒内有 {0} 个位置指令晚于其 SYNC，极限 {1}（参数 9027）", "请降低总线负载及控制板计算机的负载，或加长周期（9000）；若本板跟随他方节拍（9029 = 1），请检查由谁发出节拍、是否有两方同时发出；然后复位";
     /// Somebody else sends SYNC.
     SecondSync = 4373, "another node on the bus sends SYNC", "one alone gives the beat: switch off its SYNC (1005h bit 30), or let this board follow it (9029 = 1); then reset",
         "总线上另有节点发送 SYNC", "节拍只能由一方给出：请关闭该节点的 SYNC（1005h 第 30 位），或让本控制板跟随它（9029 = 1）；然后复位";
@@ -679,13 +679,13 @@ codes! {
 
     /// The SYNC that the board follows has stopped, or the board has come off it; so many were without, of so many periods of so
     /// many µs.
-    SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last {1} periods of {2} µs were without it, or the board's own beat has come off it",
-        "look at the board that gives the beat, and at the wire between the two; then reset",
-        "本控制板所跟随的 SYNC 已丢失：最近 {1} 个周期（每周期 {2} µs）中有 {0} 个未收到，或本板节拍已与其失步", "请检查发出节拍的控制板及两者之间的接线；然后复位";
+    SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last {1} periods of {2} µs were without it, or each had several, or the board's own beat has come off it",
+        "look at the board that gives the beat, whether a second one does, and at the wire between the two; then reset",
+        "本控制板所跟随的 SYNC 已丢失：最近 {1} 个周期（每周期 {2} µs）中有 {0} 个未收到，或每周期收到多个，或本板节拍已与其失步", "请检查发出节拍的控制板、是否另有一方发出节拍，以及两者之间的接线；然后复位";
     /// No SYNC that can be followed; so many heard, in so many periods of so many µs.
     SyncUnsteady = 4380, "there is no steady SYNC to follow: {0} heard in {1} periods of {2} µs",
-        "switch on the board that gives the beat (9029 = 0 there and only there), and give both boards the same tick (9000); then reset",
-        "没有可跟随的稳定 SYNC：{1} 个周期（每周期 {2} µs）内收到 {0} 个", "请接通发出节拍的控制板（仅该板 9029 = 0），并为两块控制板设置相同的周期（9000）；然后复位";
+        "switch on the board that gives the beat (9029 = 0 there and only there), and give both boards the same tick (9000); its counter has to run to 240 (1019h), or be none; then reset",
+        "没有可跟随的稳定 SYNC：{1} 个周期（每周期 {2} µs）内收到 {0} 个", "请接通发出节拍的控制板（仅该板 9029 = 0），并为两块控制板设置相同的周期（9000）；SYNC 的计数器须计到 240（1019h），或不带计数器；然后复位";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.

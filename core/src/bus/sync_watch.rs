@@ -6,7 +6,7 @@
 //! none, eight in a row with several, or a beat that has come off, and it is lost.
 //!
 //! ```text
-//!            100 periods as they should be               3 without SYNC, 8 with several, or off the beat
+//!            100 periods as they should be      3 without SYNC, 8 with several, off the beat
 //! (waits) ─────────────────────────────────► (follows) ──────────────────────────────────► (waits)
 //!    └── too long: unsteady
 //! ```

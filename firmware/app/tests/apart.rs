@@ -13,7 +13,7 @@ use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{self, Event, Held, Region, State, StoreError, StoreRequest};
 use leadscrew_core::bus::{
     BoardCommand, BoardState, BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId,
-    Order, Service, SyncHeard, SyncProducer,
+    Order, Service, SyncConsumer, SyncHeard, SyncProducer, is_sync,
 };
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::{Entry, Params};
@@ -28,6 +28,8 @@ struct Bench {
     others: VecDeque<Frame>,
     sent: Vec<Frame>,
     syncs: u32,
+    /// The SYNC of the last tick.
+    given: Option<Frame>,
     /// Somebody else who gives the beat, and what the board's timer says of it.
     beat: Option<(SyncProducer, SyncHeard)>,
     inputs: Inputs,
@@ -58,10 +60,8 @@ impl TickMachine for Bench {
     }
 
     fn send(&mut self, frames: &[Frame]) -> bool {
-        self.syncs += frames
-            .iter()
-            .filter(|frame| frame.id() == CobId::SYNC)
-            .count() as u32;
+        self.given = frames.iter().copied().find(is_sync);
+        self.syncs += u32::from(self.given.is_some());
         let answers = &mut self.answers;
         let mut answer = |answer| answers.push_back(answer);
         if let Some((sync, SyncHeard { count: 1, .. })) = &mut self.beat {
@@ -214,6 +214,7 @@ impl Apart {
                 others: VecDeque::new(),
                 sent: Vec::new(),
                 syncs: 0,
+                given: None,
                 beat: None,
                 inputs: Inputs::default(),
                 events: Vec::new(),
@@ -536,16 +537,57 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
         apart.step();
     }
     assert_eq!(apart.bench.events, [Event::Ready]);
-    assert_eq!(
-        apart.bench.syncs - syncs,
-        100,
-        "one period passes without a SYNC"
-    );
+    assert_eq!(apart.bench.syncs - syncs, 101, "no period without a SYNC");
     // It stands where it stood, and goes on from there as if nothing had been.
     let mut sim = sim(&params);
     assert_eq!(whole(&mut sim, text, &params), first);
     for text in [text, "G0 X90 Z30\nM30\n"] {
         assert_eq!(apart.run(text, &params), whole(&mut sim, text, &params));
+    }
+}
+
+/// Another board may be at work by its beat, which does not end and does not lose count meanwhile.
+#[test]
+fn a_board_that_is_made_anew_goes_on_giving_the_beat() {
+    let params = Params::slant_bed();
+    let (mut giver, mut other) = (Apart::new(&params), follower());
+    let mut ear = SyncConsumer::new();
+    let mut both = |giver: &mut Apart, other: &mut Apart| {
+        giver.bench.given = None;
+        giver.tick.tick(&mut giver.bench);
+        let mut heard = SyncHeard::NONE;
+        if let Some(beat) = giver.bench.given.and_then(|sync| ear.receive(&sync)) {
+            heard.note(beat);
+        }
+        other.bench.beat = Some((SyncProducer::new(), heard));
+        other.step();
+    };
+    while !other.bench.events.contains(&Event::Ready) {
+        both(&mut giver, &mut other);
+        giver.rest();
+    }
+    for call in &calls("M3 S600\nG0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params) {
+        assert!(other.background.offer(call));
+        other.rest();
+    }
+    for round in 0..3 {
+        for _ in 0..100 {
+            both(&mut giver, &mut other);
+            giver.rest();
+        }
+        giver.restart();
+        // Its background takes its time.
+        for _ in 0..10 * round {
+            both(&mut giver, &mut other);
+        }
+        for _ in 0..100 {
+            both(&mut giver, &mut other);
+            giver.rest();
+        }
+        assert_eq!(giver.bench.events, [Event::Ready]);
+        let snapshot = other.background.snapshot();
+        assert_eq!(snapshot.state, State::Running);
+        assert_eq!(snapshot.sync_late, 0);
     }
 }
 

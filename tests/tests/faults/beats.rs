@@ -3,7 +3,7 @@
 use leadscrew_board_sim::plant::{FineTurns, Power, Trouble};
 use leadscrew_core::alarm::Arg;
 use leadscrew_core::board::{Command, State};
-use leadscrew_core::bus::{Frame, MilliRpm, NmtCommand, NodeId, SyncProducer};
+use leadscrew_core::bus::{Frame, MilliRpm, NmtCommand, NodeId, SyncConsumer, SyncProducer};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
@@ -224,6 +224,23 @@ fn three_that_do_not_come_stop_the_machine_and_nothing_jumps_when_the_beat_is_ba
                 }
             }
         }
+    }
+}
+
+/// A push or a reset of the board that gives it: others may be at work by it.
+#[test]
+fn a_board_that_is_begun_anew_goes_on_counting() {
+    let mut own = Bench::new(&Params::slant_bed());
+    let anew = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
+    let mut ear = SyncConsumer::new();
+    for tick in 0..700 {
+        if tick % 300 == 200 {
+            own.sim.receive(&anew);
+        }
+        own.tick();
+        let syncs = own.sent.iter().filter_map(|frame| ear.receive(frame));
+        let missed: Vec<u8> = syncs.map(|beat| beat.missed).collect();
+        assert_eq!(missed, [0], "{tick}");
     }
 }
 
