@@ -72,6 +72,9 @@ fn complaints(name: &str, text: &str) -> Vec<(usize, String)> {
         if name.ends_with(".rs") && line.trim_start().starts_with(concat!("#[ig", "nore")) {
             found.push((number, "a test that is switched off".into()));
         }
+        if is_of_a_merge(line) {
+            found.push((number, "a merge that is not resolved".into()));
+        }
         if let Some(path) = private_path(line) {
             found.push((number, format!("a path of one machine: `{path}`")));
         }
@@ -110,6 +113,14 @@ fn product_lines(text: &str) -> Vec<(usize, &str)> {
         }
     }
     kept
+}
+
+/// True for the first and the last line of a place where a merge left both sides.
+fn is_of_a_merge(line: &str) -> bool {
+    ["<<<<<<<", ">>>>>>>"]
+        .into_iter()
+        .filter_map(|marker| line.strip_prefix(marker))
+        .any(|rest| rest.is_empty() || rest.starts_with(' '))
 }
 
 /// True where `word` stands alone in `line`.
@@ -161,6 +172,18 @@ mod tests {
         assert!(private_path(concat!("see \"", "/home", "/", "me/x\"")).is_some());
         assert!(private_path("open /dev/ttyACM0 or /usr/share/x").is_none());
         assert!(private_path("X/Z/C and and/or/not, //! text, `/N10 G01`").is_none());
+    }
+
+    #[test]
+    fn merges_are_resolved() {
+        let text = "a\n<<<<<<< HEAD\nb\n=======\nc\n>>>>>>> 1234567 (d)\n";
+        let lines: Vec<usize> = complaints("README.md", text)
+            .into_iter()
+            .map(|(line, _)| line)
+            .collect();
+        assert_eq!(lines, [2, 6]);
+        assert!(!is_of_a_merge("Vec<Vec<u8>>>>>>>"));
+        assert!(!is_of_a_merge("=======") && !is_of_a_merge("<<<<<<<x"));
     }
 
     #[test]
