@@ -15,7 +15,9 @@ use leadscrew_core::bus::{
     BoardCommand, BoardState, BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId,
     Order, Service, SyncConsumer, SyncHeard, SyncProducer, is_sync,
 };
-use leadscrew_core::link::SetpointHash;
+use leadscrew_core::link::{
+    SetpointHash, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord, ThreadState,
+};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{self, Call, Options};
 use leadscrew_core::spindle::EncoderSample;
@@ -169,6 +171,47 @@ impl Apart {
         let told = self.bench.sent.iter().find(|frame| frame.id() == reply);
         let value = told.expect("an answer").payload().last_chunk();
         u32::from_le_bytes(*value.expect("eight bytes"))
+    }
+
+    /// What 5041h says of the last threads, the newest first: number, line, kind, state, passes. Read in segments.
+    fn threads(&mut self) -> Vec<(u32, u32, ThreadKind, ThreadState, u16)> {
+        let (request, reply) = (Service::SdoRequest, Service::SdoReply);
+        let (request, reply) = [request, reply]
+            .map(|service| CobId::of(service, NodeId::BOARD))
+            .into();
+        let mut command = [0x40, 0x41, 0x50, 0, 0, 0, 0, 0];
+        let mut bytes = Vec::new();
+        loop {
+            self.bench.sent.clear();
+            let frame = Frame::new(request, &command).expect("a frame");
+            self.bench.others.push_back(frame);
+            self.rest();
+            let told = self.bench.sent.iter().find(|frame| frame.id() == reply);
+            let answer = told.expect("an answer").payload();
+            let toggle = match command[0] {
+                0x40 => 0x10,
+                _ => {
+                    let unused = usize::from(answer[0] >> 1 & 7);
+                    bytes.extend_from_slice(&answer[1..8 - unused]);
+                    if answer[0] & 1 == 1 {
+                        break;
+                    }
+                    command[0] & 0x10
+                }
+            };
+            command = [0x60 | (toggle ^ 0x10), 0, 0, 0, 0, 0, 0, 0];
+        }
+        let told = |thread: ThreadCertificate| {
+            let ThreadRecord {
+                line,
+                kind,
+                state,
+                tally,
+            } = thread.record;
+            (thread.number, line, kind, state, tally.passes)
+        };
+        let threads = ThreadReader::new(&bytes).expect("the certificates");
+        threads.map(|thread| told(thread.expect("one"))).collect()
     }
 
     /// An emergency message with this code and the number of this alarm has been sent.
@@ -789,4 +832,63 @@ fn a_reset_from_outside_is_in_the_event_log() {
 fn the_serial_number_is_an_object() {
     let mut apart = Apart::started(&Params::slant_bed(), None, ResetCause::Power);
     assert_eq!(apart.object(0x1018, 4), 0x1234_5678);
+}
+
+/// Events come here before the report of their tick: the last error of a thread behind the reset that has ended it.
+#[test]
+fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
+    let params = Params::slant_bed();
+    let before = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\n";
+    let thread = format!("{before}G76 X76 Z-30 P20000 Q15000 F3\nG0 X100 Z50\nM30\n");
+    let rigid = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-50 P30 F2000\nG80\nM30\n";
+    let ordinary = "G98\nG0 X50 Z0\nM3 S300\nG84 Z-20 P30 F300\nG80\nM30\n";
+    for (text, line, kind) in [
+        (&thread[..], 5, ThreadKind::Thread),
+        (rigid, 4, ThreadKind::RigidTap),
+        (ordinary, 4, ThreadKind::FloatingTap),
+    ] {
+        let mut apart = Apart::new(&params);
+        let mut waiting: VecDeque<Call> = calls(text, &params).into();
+        let (mut ticks, mut over) = (0, false);
+        apart.bench.events.clear();
+        while !over {
+            while waiting
+                .front()
+                .is_some_and(|call| apart.background.offer(call))
+            {
+                waiting.pop_front();
+                apart.rest();
+            }
+            apart.step();
+            ticks += u32::from(apart.tick.output().setpoint.locked);
+            if ticks == 300 {
+                ticks += 1;
+                waiting.clear();
+                apart.order(Order::Reset);
+            }
+            over = apart.bench.events.contains(&Event::Reset);
+        }
+        for _ in 0..100 {
+            apart.step();
+        }
+        let first = (1, line, kind, ThreadState::CutShort, 1);
+        assert_eq!(apart.threads(), [first]);
+        // Another one behind it.
+        let (next, second) = if kind == ThreadKind::RigidTap {
+            let way_out = (2, 1, kind, ThreadState::Finished, 1);
+            ("G30 P99\nM30\n", way_out)
+        } else {
+            (
+                &thread[..],
+                (2, 5, ThreadKind::Thread, ThreadState::Finished, 3),
+            )
+        };
+        if kind == ThreadKind::FloatingTap {
+            // Out of the hole first.
+            apart.run("G0 Z10\nM30\n", &params);
+        }
+        apart.run(next, &params);
+        apart.step();
+        assert_eq!(apart.threads(), [second, first]);
+    }
 }

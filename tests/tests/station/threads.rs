@@ -5,15 +5,17 @@ use std::collections::BTreeMap;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::bus::{Object, SdoProtocol};
+use leadscrew_core::bus::{NmtState, NodeId, Object, Order, SdoProtocol};
 use leadscrew_core::cycle::ThreadMoves;
 use leadscrew_core::link::ThreadKind::{self, FloatingTap, RigidTap, Thread};
 use leadscrew_core::link::ThreadState::{self, CutShort, Finished, UnderWay};
-use leadscrew_core::link::{Certificate, ThreadReader, ThreadRecord};
+use leadscrew_core::link::{
+    Certificate, ImageWriter, ThreadCertificate, ThreadReader, ThreadRecord,
+};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Call, CallKind};
 use leadscrew_core::units::Length;
-use leadscrew_tests::gateway::Gateway;
+use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::{STANDING_TICKS, calls, machine};
 use leadscrew_tests::random::Random;
 
@@ -503,4 +505,163 @@ fn a_way_out_belongs_to_its_hole_and_is_one_of_its_own_behind_a_reset() {
         told.push((newest.number, newest.record.line, newest.record.state));
     }
     assert_eq!(told, [(1, 4, CutShort), (2, 1, Finished)]);
+}
+
+/// What comes behind a push, planned anew, is another thread.
+#[test]
+fn a_push_between_makes_no_one_thread_of_two() {
+    let params = Params::slant_bed();
+    let mut sim = machine(&params, &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    feed_to(&mut sim, THREAD, &params, |_, _| {});
+    let pushed = with("9007", 7);
+    let mut image = vec![0; ImageWriter::BYTES as usize];
+    ImageWriter::with_password(&pushed).read(0, &mut image);
+    gateway
+        .write(&mut sim, Object::new(0x5010, 1), &image, SdoProtocol::Block)
+        .expect("it is taken");
+    let mut ready = false;
+    while !ready {
+        sim.step();
+        gateway.listen(&mut sim);
+        while let Some(event) = sim.event() {
+            ready |= event == Event::Ready;
+        }
+    }
+    feed_to(&mut sim, THREAD, &pushed, |_, _| {});
+    assert_eq!(kept(&sim), [(5, Thread, Finished, 3); 2]);
+}
+
+/// Line, kind, state and passes of those that the board keeps, the first one first.
+fn kept(sim: &Sim) -> Vec<(u32, ThreadKind, ThreadState, u16)> {
+    let mut kept: Vec<_> = sim
+        .board()
+        .station()
+        .threads()
+        .map(|ThreadCertificate { record, .. }| {
+            (record.line, record.kind, record.state, record.tally.passes)
+        })
+        .collect();
+    kept.reverse();
+    kept
+}
+
+/// Runs it to its end, or until it is stopped; `note` is told every event.
+fn feed_to(
+    sim: &mut Sim,
+    text: &str,
+    params: &Params,
+    mut note: impl FnMut(&mut Sim, Option<&Event>),
+) {
+    let mut waiting = calls(text, params).into_iter().peekable();
+    for _ in 0..100_000 {
+        while waiting.peek().is_some_and(|call| sim.offer(call)) {
+            waiting.next();
+        }
+        note(sim, None);
+        sim.step();
+        let mut over = waiting.peek().is_none() && !sim.is_busy();
+        while let Some(event) = sim.event() {
+            over |= event == Event::Reset;
+            note(sim, Some(&event));
+        }
+        over |= matches!(sim.board().ticker().state(), State::Alarm(_));
+        if over {
+            // What the last tick has brought.
+            sim.step();
+            while sim.event().is_some() {}
+            return;
+        }
+    }
+    panic!("the machine does not come to an end");
+}
+
+#[test]
+fn a_hole_that_is_left_is_whole_whatever_comes() {
+    let params = Params::slant_bed();
+    let cases = [
+        ("M29 S1000", "F2000", RigidTap),
+        ("M3 S300", "F300", FloatingTap),
+    ];
+    for (begin, feed, kind) in cases {
+        let hole = format!("G98\nG0 X50 Z0\n{begin}\nG84 Z-20 P30 {feed}\n");
+        // The machine stops behind the hole, and the program is given up there.
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut held = 0;
+        let text = format!("{hole}G80\nG0 X60\nM30\n");
+        feed_to(&mut sim, &text, &params, |sim, event| {
+            if let Some(Event::Started { line: 4, .. }) = event {
+                sim.command(Command::SingleBlock(true));
+            }
+            held += u32::from(sim.board().ticker().state() == State::Held);
+            if held == 50 {
+                held += 1;
+                sim.command(Command::Reset);
+            }
+        });
+        assert!(held > 50);
+        assert_eq!(kept(&sim), [(4, kind, Finished, 1)]);
+        // The next block is refused.
+        let mut sim = machine(&params, &PlantOptions::default());
+        let text = format!("{hole}G84 Z-9000 P30 {feed}\nM30\n");
+        feed_to(&mut sim, &text, &params, |_, _| {});
+        assert!(matches!(sim.board().ticker().state(), State::Alarm(_)));
+        assert_eq!(kept(&sim), [(4, kind, Finished, 1)]);
+        // In the hole, at its beginning and nearer to its end: that one is not.
+        for command in [Command::Reset, Command::Stop] {
+            for at in [1, 100, 400, 700, 1000] {
+                let mut sim = machine(&params, &PlantOptions::default());
+                feed_to(&mut sim, &hole, &params, |sim, event| {
+                    let newest = sim.board().station().threads().next();
+                    let measured = newest.map_or(0, |thread| thread.record.tally.measured);
+                    if event.is_none() && measured == at {
+                        sim.command(command);
+                    }
+                });
+                assert_eq!(kept(&sim), [(4, kind, CutShort, 1)], "{command:?} {at}");
+            }
+        }
+    }
+}
+
+/// In lock-step a board waits for whoever reads along, and for nobody who has read what there was before.
+#[test]
+fn a_board_waits_for_whoever_has_read_behind_the_program() {
+    let params = Params::slant_bed();
+    let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-6 R-3 F600 K12\nG80\nM30\n";
+    for reads_along in [false, true] {
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut gateway = Gateway::connect(&mut sim);
+        let certificates = Object::new(0x5041, 0);
+        let read = |gateway: &mut Gateway, sim: &mut Sim| {
+            let told = gateway.read(sim, certificates, SdoProtocol::Block);
+            ThreadReader::new(&told.expect("the certificates"))
+                .expect("threads")
+                .count()
+        };
+        assert_eq!(read(&mut gateway, &mut sim), 0);
+        let mut upload = Upload::new(7, &calls(text, &params));
+        upload.feed(&mut gateway, &mut sim);
+        assert!(upload.is_done());
+        if reads_along {
+            assert_eq!(read(&mut gateway, &mut sim), 0);
+        }
+        gateway.order(&mut sim, Order::Run);
+        sim.settle();
+        let mut waited = 0;
+        while sim.is_busy() {
+            let beat = NmtState::Operational.frame(NodeId::GATEWAY);
+            sim.receive(&beat);
+            if sim.awaits_program() {
+                waited += 1;
+                assert_eq!(read(&mut gateway, &mut sim), 8);
+                assert!(!sim.awaits_program());
+            }
+            sim.step();
+            while sim.event().is_some() {}
+            gateway.listen(&mut sim);
+        }
+        assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 8]);
+        assert_eq!(waited, u32::from(reads_along));
+    }
 }

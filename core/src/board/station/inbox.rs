@@ -61,6 +61,11 @@ impl Inbox {
         self.program
     }
 
+    /// Calls of it wait for `run`.
+    pub const fn is_loading(&self) -> bool {
+        matches!(self.phase, Phase::Loading)
+    }
+
     /// Number of the call of it that is expected next.
     pub const fn next_call(&self) -> u32 {
         self.next

@@ -127,7 +127,11 @@ impl Objects for Served<'_> {
             let snapshot = &shelf.snapshot;
             let (ready, at_rest) = (snapshot.takes_calls(), snapshot.is_at_rest());
             let bytes = shelf.buffer.get(..shelf.length).unwrap_or(&[]);
-            return shelf.inbox.take(bytes, ready, at_rest);
+            let taken = shelf.inbox.take(bytes, ready, at_rest);
+            if shelf.inbox.is_loading() {
+                shelf.ledger.threads.await_reader();
+            }
+            return taken;
         }
         let kind = place.kind();
         let bytes = kind.bytes().ok_or(Abort::Access)? as u32;

@@ -30,8 +30,6 @@ const _: () = assert!(
 pub struct Threads {
     /// The cut of the newest.
     cut: u8,
-    /// What is measured with that cut belongs to the newest.
-    open: bool,
     /// An axis was held to the spindle when it was last asked.
     in_stroke: bool,
     /// The stroke begun last is the last one of its thread.
@@ -54,7 +52,6 @@ impl Threads {
     pub const fn new() -> Self {
         Self {
             cut: 0,
-            open: false,
             in_stroke: false,
             last: false,
             number: 0,
@@ -67,8 +64,14 @@ impl Threads {
 
     /// Somebody has read all that there is; what is under way will have to be read again.
     pub fn are_read(&mut self) {
-        let under_way = u32::from(self.open);
-        self.read = Some(self.newest.saturating_sub(under_way));
+        let newest = self.records.first();
+        let under_way = newest.is_some_and(|newest| newest.state == ThreadState::UnderWay);
+        self.read = Some(self.newest.saturating_sub(under_way.into()));
+    }
+
+    /// Another program comes: who has read those of the last one need not read those of this.
+    pub const fn await_reader(&mut self) {
+        self.read = None;
     }
 
     /// The next one takes the place of one that somebody who has read those before has not read.
@@ -90,7 +93,7 @@ impl Threads {
 
     /// Takes an error that was measured.
     pub fn measure(&mut self, measured: &Measured, late: u32) {
-        if !self.open || self.cut != measured.cut.number {
+        if self.records.is_empty() || self.cut != measured.cut.number {
             // The program has gone on.
             self.end(ThreadState::Finished);
             self.records.truncate(KEPT.saturating_sub(1));
@@ -104,7 +107,6 @@ impl Threads {
             let _ = self.records.insert(0, record);
             self.newest = self.newest.saturating_add(1);
             self.cut = measured.cut.number;
-            self.open = true;
             self.in_stroke = false;
             self.late_before = late;
         }
@@ -133,31 +135,45 @@ impl Threads {
     }
 
     /// Takes how the machine is: behind its last stroke a thread is done as soon as the program goes on, and one in which the
-    /// machine stands on an alarm is not.
+    /// machine stands on an alarm is not, unless it is one of another block.
     pub fn go_on(&mut self, now: &Snapshot) {
         let setpoint = &now.setpoint;
         if setpoint.locked {
             self.number = setpoint.number;
-        } else if let State::Alarm(_) = now.state {
-            self.close(ThreadState::CutShort);
-        } else if self.open && self.last && setpoint.number > self.number {
-            self.end(ThreadState::Finished);
+            return;
         }
+        let Some(newest) = self.records.first() else {
+            return;
+        };
+        let state = if let State::Alarm(alarm) = &now.state {
+            let line = alarm.span.line;
+            if self.last && line != 0 && line != newest.line {
+                ThreadState::Finished
+            } else {
+                ThreadState::CutShort
+            }
+        } else {
+            // A hole is left with its last stroke, whatever comes; a thread, where feed hold retracts, in the middle of one.
+            let left = setpoint.number == 0
+                && newest.kind != ThreadKind::Thread
+                && now.in_program
+                && now.takes_calls();
+            if !self.last || !left && setpoint.number <= self.number {
+                return;
+            }
+            ThreadState::Finished
+        };
+        self.end(state);
     }
 
-    /// Takes what has happened: at the end of a program all of it was cut, and whatever is cut behind a reset is another
-    /// thread.
+    /// Takes what has happened: at the end of a program all of it was cut, and behind a reset no more of it is. Its last error
+    /// may still come.
     pub fn note(&mut self, event: &Event) {
         match event {
             Event::Finished => self.end(ThreadState::Finished),
-            Event::Reset => self.close(ThreadState::CutShort),
+            Event::Reset => self.end(ThreadState::CutShort),
             _ => {}
         }
-    }
-
-    fn close(&mut self, state: ThreadState) {
-        self.end(state);
-        self.open = false;
     }
 
     /// All that are kept, the newest first.
@@ -252,19 +268,80 @@ mod tests {
         now.state = State::Alarm(Alarm::new(Code::EmergencyStop, Span::default()));
         threads.go_on(&now);
         assert_eq!(all(&threads)[0], (2, 2, CutShort, 1));
-        // What is counted anew behind a reset is another one.
+        // What is planned behind a reset is another one.
         now.state = State::Running;
         threads.note(&Event::Reset);
-        stroke(&mut threads, &mut now, (2, true), 2);
+        stroke(&mut threads, &mut now, (3, true), 2);
         assert_eq!(
             all(&threads)[..2],
-            [(3, 2, UnderWay, 1), (2, 2, CutShort, 1)]
+            [(3, 3, UnderWay, 1), (2, 2, CutShort, 1)]
         );
         threads.note(&Event::Finished);
-        assert_eq!(all(&threads)[0], (3, 2, Finished, 1));
+        assert_eq!(all(&threads)[0], (3, 3, Finished, 1));
         let tally = threads.certificates().next().unwrap().record.tally;
         assert_eq!((tally.measured, tally.squares), (3, 1 + 4 + 9));
         assert_eq!(tally.largest, Length::from_nm(3));
+    }
+
+    #[test]
+    fn the_last_error_of_a_thread_may_come_behind_the_reset() {
+        let (mut threads, mut now) = (Threads::new(), snapshot());
+        now.setpoint.locked = true;
+        for _ in 0..3 {
+            threads.measure(&measured(1, true, 5), 0);
+            threads.go_on(&now);
+        }
+        threads.note(&Event::Reset);
+        now.state = State::Idle;
+        now.setpoint.locked = false;
+        threads.measure(&measured(1, true, 9), 0);
+        threads.go_on(&now);
+        threads.leave_stroke();
+        threads.go_on(&now);
+        assert_eq!(all(&threads), [(1, 1, ThreadState::CutShort, 1)]);
+        let tally = threads.certificates().next().unwrap().record.tally;
+        assert_eq!((tally.measured, tally.largest), (4, Length::from_nm(9)));
+        // Nothing is under way: whoever reads now has read it.
+        threads.are_read();
+        for number in 2..=8 {
+            stroke(&mut threads, &mut now, (number, true), number.into());
+        }
+        assert!(!threads.is_unread());
+    }
+
+    #[test]
+    fn an_alarm_of_another_block_is_behind_the_last_stroke() {
+        let alarm = |line| {
+            let span = Span {
+                line,
+                ..Span::default()
+            };
+            State::Alarm(Alarm::new(Code::TapFeed, span))
+        };
+        for (last, line, state) in [
+            (true, 7, ThreadState::Finished),
+            (true, 1, ThreadState::CutShort),
+            (true, 0, ThreadState::CutShort),
+            (false, 7, ThreadState::CutShort),
+        ] {
+            let (mut threads, mut now) = (Threads::new(), snapshot());
+            stroke(&mut threads, &mut now, (1, last), 2);
+            now.state = alarm(line);
+            threads.go_on(&now);
+            assert_eq!(all(&threads), [(1, 1, state, 1)], "{last} {line}");
+        }
+    }
+
+    #[test]
+    fn another_program_waits_for_nobody_who_has_read_the_last_one() {
+        let (mut threads, mut now) = (Threads::new(), snapshot());
+        threads.are_read();
+        for number in 1..=8 {
+            stroke(&mut threads, &mut now, (number, true), number.into());
+        }
+        assert!(threads.is_unread());
+        threads.await_reader();
+        assert!(!threads.is_unread());
     }
 
     #[test]
