@@ -61,6 +61,8 @@ pub struct Machine {
     told: Vec<NodeId>,
     /// That of another board.
     beat_of_bus: Beat,
+    /// It has the board's period.
+    keeps_to_beat: bool,
     transmission: u8,
     tick_us: u32,
     /// Ticks since power-up.
@@ -179,6 +181,7 @@ impl Machine {
             beside: args.beside.clone(),
             told: Vec::new(),
             beat_of_bus: Beat::default(),
+            keeps_to_beat: true,
             transmission: args.common.transmission,
             tick_us: params.tick_us(),
             ticks: 0,
@@ -273,6 +276,11 @@ impl Machine {
     /// The next SYNC of the other belongs to the coming tick; when it came. `None`: there is none yet.
     pub fn take_beat(&mut self) -> Option<Stamp> {
         self.beat_of_bus.take()
+    }
+
+    /// Whether those that come have the board's own period.
+    pub const fn keeps_to_beat(&mut self, keeps: bool) {
+        self.keeps_to_beat = keeps;
     }
 
     /// Drives of other boards whose setpoints are to be waited for.
@@ -441,7 +449,8 @@ impl Machine {
             self.suffer(tick + 1)?;
         }
         let sample = self.plant.advance();
-        let (heard, syncs) = self.beat_of_bus.end_period();
+        let (mut heard, syncs) = self.beat_of_bus.end_period();
+        heard.locked = self.keeps_to_beat;
         self.board.follow(heard);
         self.board.tick(sample, &self.waiting, &mut self.output);
         self.keep()?;

@@ -2,7 +2,8 @@
 //! that is to latch it is late, and counted; the beat goes on as it was.
 //!
 //! A board that follows ticks with the SYNC that comes from the wire, by the time at which it came. One that comes before half
-//! a period is over is a second one in that period; where none has come within one and a half, there was none in it.
+//! a period is over is a second one in that period; where none has come within one and a half, there was none in it. A beat of
+//! another period than the board's own is none to follow.
 
 use std::time::{Duration, Instant};
 
@@ -24,11 +25,16 @@ pub fn run(mut machine: Machine) -> Outcome {
     let period = machine.period();
     let mut next = Instant::now() + period;
     let last = Stamp::now();
-    let mut grid = Grid { period, last };
+    let mut grid = Grid {
+        period,
+        last,
+        pace: Pace::new(last),
+    };
     let (mut late, mut told) = (0_u64, Instant::now());
     while !interrupt::requested() && !machine.is_over() {
         if machine.follows() {
             next = wait_for_sync(&mut machine, &mut grid)?;
+            machine.keeps_to_beat(grid.pace.is_right);
         } else {
             loop {
                 let left = next.saturating_duration_since(Instant::now());
@@ -62,6 +68,61 @@ struct Grid {
     period: Duration,
     /// The last one, or where it should have been.
     last: Stamp,
+    pace: Pace,
+}
+
+/// Whether the SYNCs have the board's own period: in 64 of these no more than one too many or too few. The computer may stand
+/// still in between and make up for it, so four such windows in a row have to be wrong, and one that is right is enough.
+struct Pace {
+    is_right: bool,
+    begun: Stamp,
+    /// Periods since.
+    periods: u32,
+    /// Windows in a row that were wrong.
+    wrong: u32,
+    /// Periods in a row without a SYNC.
+    missed: u32,
+}
+
+impl Pace {
+    const WINDOW: u32 = 64;
+
+    /// Not known to be right before the first window is over.
+    const fn new(begun: Stamp) -> Self {
+        Self {
+            is_right: false,
+            begun,
+            periods: 0,
+            wrong: 0,
+            missed: 0,
+        }
+    }
+
+    /// A period without a SYNC is over. With three in a row there is no beat, and nothing is known of the next one.
+    fn misses(&mut self, now: Stamp) {
+        self.periods += 1;
+        self.missed += 1;
+        if !self.is_right || self.missed >= 3 {
+            *self = Self::new(now);
+        }
+    }
+
+    /// A period is over with a SYNC at `time`.
+    fn hears(&mut self, time: Stamp, period: Duration) {
+        self.periods += 1;
+        self.missed = 0;
+        if self.periods < Self::WINDOW {
+            return;
+        }
+        let off = time.since(self.begun).abs_diff(period * self.periods);
+        self.wrong = if off > period { self.wrong + 1 } else { 0 };
+        match self.wrong {
+            0 => self.is_right = true,
+            4.. => self.is_right = false,
+            _ => {}
+        }
+        (self.begun, self.periods) = (time, 0);
+    }
 }
 
 impl Grid {
@@ -70,6 +131,7 @@ impl Grid {
         let next = time.since(self.last) >= self.period / 2;
         if next {
             self.last = time;
+            self.pace.hears(time, self.period);
         }
         next
     }
@@ -84,6 +146,7 @@ impl Grid {
         let since = now.since(self.last);
         let on = if since > STOPPED { since } else { self.period };
         self.last = Stamp::from_nanos(self.last.nanos() + on.as_nanos() as u64);
+        self.pace.misses(self.last);
     }
 }
 
@@ -120,6 +183,60 @@ mod tests {
         Grid {
             period: Duration::from_millis(2),
             last: Stamp::from_micros(10_000),
+            pace: Pace::new(Stamp::from_micros(10_000)),
+        }
+    }
+
+    /// Another's SYNCs, every so many µs; each is late by what `jitter` says of its number.
+    fn hear(grid: &mut Grid, every: u64, count: u64, jitter: impl Fn(u64) -> u64) {
+        let begun = grid.last.nanos() / 1_000;
+        for number in 1..=count {
+            let time = Stamp::from_micros(begun + number * every + jitter(number));
+            while grid.left(time).is_zero() {
+                grid.misses(time);
+            }
+            grid.takes(time);
+        }
+    }
+
+    #[test]
+    fn a_beat_of_another_period_is_not_kept_to() {
+        for every in [1_100, 1_400, 1_900, 2_050, 2_100, 2_800, 2_990, 3_200] {
+            let mut grid = grid();
+            hear(&mut grid, every, 1_000, |_| 0);
+            assert!(!grid.pace.is_right, "{every}");
+        }
+        let mut grid = grid();
+        hear(&mut grid, 2_000, 63, |_| 0);
+        assert!(!grid.pace.is_right, "nothing is known yet");
+        hear(&mut grid, 2_000, 1, |_| 0);
+        assert!(grid.pace.is_right);
+        hear(&mut grid, 2_800, 64 * 4, |_| 0);
+        assert!(!grid.pace.is_right);
+        // Nobody gives it for a while, and then somebody else.
+        hear(&mut grid, 2_000, 200, |_| 0);
+        assert!(grid.pace.is_right);
+        hear(&mut grid, 2_800, 200, |_| 10_000);
+        assert!(!grid.pace.is_right);
+        // Two clocks are never the same.
+        for every in [1_990, 2_010] {
+            let mut grid = self::grid();
+            hear(&mut grid, every, 1_000, |_| 0);
+            assert!(grid.pace.is_right, "{every}");
+        }
+    }
+
+    #[test]
+    fn a_computer_that_is_busy_keeps_to_a_beat() {
+        let mut grid = grid();
+        hear(&mut grid, 2_000, 200, |_| 0);
+        // Nearly half a period late now and then, and stops of 50 ms.
+        for round in 0..10 {
+            hear(&mut grid, 2_000, 500, |number| match number {
+                100..=125 => (125 - number) * 2_000,
+                _ => number * 7_919 % 900,
+            });
+            assert!(grid.pace.is_right, "{round}");
         }
     }
 

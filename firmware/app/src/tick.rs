@@ -135,22 +135,20 @@ impl TickSide {
         if self.silence <= PATIENCE {
             machine.feed_watchdog();
         }
-        let Some(ticker) = &mut self.ticker else {
-            if let Some(sync) = &mut self.sync {
-                // Nothing else waits that could be late.
-                let _ = machine.send(&[sync.next()]);
-            }
-            return;
-        };
+        if self.ticker.is_none() {
+            self.only_beat();
+        }
         let mut ends = TickerEnds {
             segments: &mut self.ends.segments,
             detours: &mut self.ends.detours,
             events: &mut self.ends.events,
         };
-        if let Some(heard) = heard {
-            ticker.follow(heard);
+        if let Some(ticker) = &mut self.ticker {
+            if let Some(heard) = heard {
+                ticker.follow(heard);
+            }
+            ticker.tick(sample, &received, &mut ends, &mut self.output);
         }
-        ticker.tick(sample, &received, &mut ends, &mut self.output);
         let sent = machine.send(&self.output.frames);
         #[cfg(feature = "fd")]
         let sent = match &self.output.together {
@@ -161,6 +159,21 @@ impl TickSide {
             self.late = self.late.saturating_add(1);
         }
         self.report();
+    }
+
+    /// What is sent without a ticker.
+    #[cold]
+    #[inline(never)]
+    fn only_beat(&mut self) {
+        self.output.frames.clear();
+        #[cfg(feature = "fd")]
+        {
+            self.output.together = None;
+        }
+        if let Some(sync) = &mut self.sync {
+            // There is room.
+            let _ = self.output.frames.push(sync.next());
+        }
     }
 
     /// What the last tick gave.
