@@ -29,10 +29,11 @@ impl SyncProducer {
     }
 }
 
-/// True where `frame` is a SYNC, with or without a counter.
+/// True where `frame` is a SYNC, with or without a counter; also one that is longer than it should be, for a drive may latch by
+/// whatever has this identifier.
 #[must_use]
 pub fn is_sync(frame: &Frame) -> bool {
-    frame.id() == CobId::SYNC && frame.payload().len() <= 1
+    frame.id() == CobId::SYNC
 }
 
 /// Counts along with somebody else's SYNC.
@@ -59,20 +60,21 @@ impl SyncConsumer {
         Self { last: None }
     }
 
-    /// Takes a frame; `None` where it is no SYNC, or one with a counter that does not exist.
+    /// Takes a frame; `None` where it is no SYNC.
     pub fn receive(&mut self, frame: &Frame) -> Option<SyncBeat> {
         if !is_sync(frame) {
             return None;
         }
-        let counter = frame.payload().first().copied();
-        if counter.is_some_and(|counter| !(1..=SyncProducer::LAST).contains(&counter)) {
-            return None;
-        }
-        Some(self.count(counter))
+        Some(self.count(frame.payload().first().copied()))
     }
 
-    /// Takes the counter of a SYNC, 1–240; `None` for one without.
+    /// Takes the counter of a SYNC; `None` for one without. One that does not exist, 0 or above 240, is none: drives latch
+    /// by that SYNC all the same.
     pub fn count(&mut self, counter: Option<u8>) -> SyncBeat {
+        let counter = match counter {
+            Some(1..=SyncProducer::LAST) => counter,
+            _ => None,
+        };
         let before = core::mem::replace(&mut self.last, counter);
         let missed = match (before, counter) {
             (Some(before), Some(counter)) if counter > before => {
@@ -163,9 +165,14 @@ mod tests {
         ] {
             assert_eq!(hear(&[counter]), Some(missed), "{counter}");
         }
-        assert_eq!(hear(&[0]), None);
-        assert_eq!(hear(&[241]), None);
-        assert_eq!(hear(&[3]), Some(0));
+        // With one that does not exist neither: it is a SYNC without.
+        for counter in [0, 241, 255] {
+            assert_eq!(hear(&[counter]), Some(0));
+            assert_eq!(hear(&[3]), Some(0));
+            let beat = SyncConsumer::new().count(Some(counter));
+            assert_eq!((beat.counter, beat.missed), (None, 0));
+        }
+        assert_eq!(hear(&[5, 0]), Some(1));
         // Without a counter nothing can be noticed.
         assert_eq!(hear(&[]), Some(0));
         assert_eq!(hear(&[100]), Some(0));
@@ -189,7 +196,7 @@ mod tests {
                 assert!(is_sync(&frame));
             }
         }
-        assert!(!is_sync(&Frame::new(CobId::SYNC, &[1, 2]).unwrap()));
+        assert!(is_sync(&Frame::new(CobId::SYNC, &[1, 2]).unwrap()));
         assert!(is_sync(&Frame::new(CobId::SYNC, &[]).unwrap()));
     }
 }

@@ -170,12 +170,8 @@ impl TickEnd {
     /// beginning.
     #[inline(never)]
     pub fn follow(&mut self) -> Option<SyncHeard> {
-        let follows = FOLLOWS.load(Ordering::Relaxed);
-        if follows == 0 {
+        if !self.follower.follows(FOLLOWS.load(Ordering::Relaxed)) {
             return None;
-        }
-        if follows != self.follower.nominal_steps() {
-            *self.follower = Follower::new(follows);
         }
         while let Some((stamp, counter)) = self.syncs.dequeue() {
             self.follower.hear(stamp, counter);

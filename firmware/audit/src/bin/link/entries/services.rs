@@ -117,7 +117,9 @@ fn network() {
     let mut lock = SyncLock::new(any());
     while any() {
         lock.hear(any(), any());
-        sink((lock.beat(), lock.next_steps(), lock.nominal_steps()));
+        sink((lock.beat(), lock.next_steps()));
+        sink((lock.is_early(), lock.nominal_steps()));
+        lock.forget();
     }
     let source = SyncSource::of(any());
     let mut watch = SyncWatch::new(source, any());
