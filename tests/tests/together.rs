@@ -2,12 +2,15 @@
 
 use std::collections::HashMap;
 
-use leadscrew_board_sim::plant::{Plant, PlantOptions, Trouble};
-use leadscrew_core::board::{Board, Command, Output, State};
-use leadscrew_core::bus::{Frame, NodeId, Service, Setpoints};
+use leadscrew_board_sim::plant::{DriveOptions, Plant, PlantOptions, Trouble};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::{Board, Command, Event, Output, State};
+use leadscrew_core::bus::{
+    CobId, DriveCommand, Frame, Mapped, NmtCommand, NodeId, Service, Setpoints,
+};
 use leadscrew_core::params::{Entry, Params};
-use leadscrew_core::program::Call;
-use leadscrew_core::units::Axis;
+use leadscrew_core::program::{Call, Position};
+use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::machine::calls;
 
 /// A thread, a tap with spindle 1, and one with spindle 3 where there is one.
@@ -21,6 +24,8 @@ struct Bench {
     answers: Vec<Frame>,
     output: Output,
     waiting: Vec<Call>,
+    /// The last alarm.
+    alarm: Option<Code>,
 }
 
 impl Bench {
@@ -31,12 +36,21 @@ impl Bench {
         }
         let mut waiting = calls(WORK, &params);
         waiting.reverse();
+        // A status in every period, so that it is the same whose drive was started when.
+        let options = PlantOptions {
+            drives: DriveOptions {
+                transmission: 1,
+                ..DriveOptions::default()
+            },
+            ..PlantOptions::default()
+        };
         Self {
             board: Board::new(&params, None, None).unwrap(),
-            plant: Plant::new(&params, &PlantOptions::default()).unwrap(),
+            plant: Plant::new(&params, &options).unwrap(),
             answers: Vec::new(),
             output: Output::default(),
             waiting,
+            alarm: None,
         }
     }
 
@@ -62,12 +76,43 @@ impl Bench {
         if let Some(frame) = frame {
             self.plant.tell_together(&frame);
         }
-        while self.board.event().is_some() {}
+        while let Some(event) = self.board.event() {
+            if let Event::Alarm(alarm) = event {
+                self.alarm = Some(alarm.code);
+            }
+        }
     }
 }
 
-/// Both machines go on until `ticks` are over; `operate` is asked before each. What each drive was told last is compared in
-/// every one.
+/// Ticks in which all drives come up, one behind the other.
+const COMING_UP: u32 = 160;
+
+/// Keeps what each drive is told by a frame of its own; the other frames, but for modes and speeds of spindles.
+fn hear(told: &mut HashMap<u8, [u8; 6]>, bench: &Bench) -> Vec<Frame> {
+    let mut others = Vec::new();
+    for frame in &bench.output.frames {
+        match frame.id().service() {
+            Some((Service::Rpdo1, node)) => {
+                told.insert(node.get(), frame.exactly().unwrap());
+            }
+            Some((Service::Rpdo2, _)) => {}
+            _ => others.push(*frame),
+        }
+    }
+    others
+}
+
+/// Keeps the last mode and speed of each spindle: these come in every 16th period, too, counted from when its drive came up.
+fn speeds(told: &mut HashMap<NodeId, Frame>, bench: &Bench) {
+    for frame in &bench.output.frames {
+        if let Some((Service::Rpdo2, node)) = frame.id().service() {
+            told.insert(node, *frame);
+        }
+    }
+}
+
+/// Both machines go on until `ticks` are over, from where all drives of both are enabled; `operate` is asked before each. What
+/// each drive was told last is compared in every one.
 fn compare(spindles: i64, ticks: u32, mut operate: impl FnMut(&mut Bench, u32)) -> [Bench; 2] {
     let nodes: Vec<u8> = [16, 17, 18]
         .into_iter()
@@ -76,6 +121,20 @@ fn compare(spindles: i64, ticks: u32, mut operate: impl FnMut(&mut Bench, u32)) 
     let mut alone = Bench::new(&[("9014", spindles)]);
     let mut together = Bench::new(&[("9014", spindles), ("9031", 1)]);
     let mut told: HashMap<u8, [u8; 6]> = HashMap::new();
+    let mut spindles_told = [HashMap::new(), HashMap::new()];
+    let works = [&mut alone, &mut together].map(|bench| core::mem::take(&mut bench.waiting));
+    for _ in 0..COMING_UP {
+        for bench in [&mut alone, &mut together] {
+            bench.tick();
+        }
+        hear(&mut told, &alone);
+        speeds(&mut spindles_told[0], &alone);
+        speeds(&mut spindles_told[1], &together);
+    }
+    for (bench, work) in [&mut alone, &mut together].into_iter().zip(works) {
+        assert_eq!(bench.board.ticker().state(), State::Idle);
+        bench.waiting = work;
+    }
     for tick in 0..ticks {
         for bench in [&mut alone, &mut together] {
             operate(bench, tick);
@@ -86,16 +145,12 @@ fn compare(spindles: i64, ticks: u32, mut operate: impl FnMut(&mut Bench, u32)) 
             "tick {tick}"
         );
         assert_eq!(alone.output.together, None);
-        let mut others = Vec::new();
-        for frame in &alone.output.frames {
-            match frame.id().service() {
-                Some((Service::Rpdo1, node)) => {
-                    told.insert(node.get(), frame.exactly().unwrap());
-                }
-                _ => others.push(*frame),
-            }
-        }
-        assert_eq!(together.output.frames.as_slice(), others, "tick {tick}");
+        let others = hear(&mut told, &alone);
+        let same = hear(&mut HashMap::new(), &together);
+        assert_eq!(same, others, "tick {tick}");
+        speeds(&mut spindles_told[0], &alone);
+        speeds(&mut spindles_told[1], &together);
+        assert_eq!(spindles_told[0], spindles_told[1], "tick {tick}");
         let frame = together
             .output
             .together
@@ -193,4 +248,104 @@ fn a_drive_that_has_just_come_up_finds_nothing_that_would_enable_it() {
     }
     // Up; gone, and told nothing; up again, step by step.
     assert_eq!(words, [0, 6, 7, 15, 0, 6, 7, 15]);
+}
+
+/// The drives of a set, started at X 30 mm, Z −50 mm, and a board with another one.
+fn apart(frame: i64, drives: &[(&str, i64)], board: &[(&str, i64)]) -> Bench {
+    let mut of_board = vec![("9031", frame)];
+    of_board.extend(board);
+    let mut bench = Bench::new(&of_board);
+    let mut params = Params::slant_bed();
+    for (key, value) in [("9031", frame)].iter().chain(drives) {
+        params.set(Entry::find_text(key).unwrap(), *value).unwrap();
+    }
+    let at = Position {
+        x: Length::from_nm(30_000_000),
+        z: Length::from_nm(-50_000_000),
+        ..Position::default()
+    };
+    let options = PlantOptions {
+        at,
+        ..PlantOptions::default()
+    };
+    bench.plant = Plant::new(&params, &options).unwrap();
+    bench.waiting.clear();
+    bench
+}
+
+#[test]
+fn drives_at_each_others_places_are_not_enabled_and_do_not_move() {
+    for exchanged in [
+        [("9015.X", 17), ("9015.Z", 16)],
+        [("9015.Z", 18), ("9015.C", 17)],
+        [("9015.X", 18), ("9015.C", 16)],
+    ] {
+        let mut bench = apart(1, &[], &exchanged);
+        let stood = bench.plant.truth().positions;
+        for _ in 0..3 {
+            let mut alarmed = false;
+            for _ in 0..3_000 {
+                bench.tick();
+                assert_eq!(bench.plant.truth().positions, stood, "{exchanged:?}");
+                assert_ne!(bench.board.ticker().state(), State::Idle);
+                alarmed |= bench.board.ticker().has_alarm();
+            }
+            assert!(alarmed, "{exchanged:?}");
+            bench.board.command(Command::Reset);
+        }
+    }
+}
+
+/// Z is set up at the place of X by whoever speaks to it, and both stay operational.
+fn listen_at_the_place_of_x(bench: &mut Bench) {
+    let z = NodeId::DRIVE_Z;
+    let write = |index: u16, sub: u8, value: u32, bytes: u8| {
+        let [low, high] = index.to_le_bytes();
+        let [a, b, c, d] = value.to_le_bytes();
+        let command = if bytes == 1 { 0x2F } else { 0x23 };
+        let bytes = [command, low, high, sub, a, b, c, d];
+        Frame::new(CobId::of(Service::SdoRequest, z), &bytes).unwrap()
+    };
+    let own: Vec<u32> = DriveCommand::MAPPING.map(Mapped::raw).to_vec();
+    let frames = [
+        NmtCommand::PreOperational.frame(Some(z)),
+        write(0x1400, 1, 0x8000_0481, 4),
+        write(0x1600, 0, 0, 1),
+        write(0x1600, 1, own[0], 4),
+        write(0x1600, 2, own[1], 4),
+        write(0x1600, 0, 2, 1),
+        write(0x1400, 1, 0x481, 4),
+        NmtCommand::Start.frame(Some(z)),
+    ];
+    for frame in frames {
+        bench.plant.hear(&frame, |answer| {
+            let refused = answer.id() == CobId::of(Service::SdoReply, z)
+                && answer.payload().first() == Some(&0x80);
+            assert!(!refused, "{answer:?}");
+        });
+    }
+}
+
+#[test]
+fn two_drives_at_one_place_are_found_before_either_has_torque() {
+    let mut bench = apart(1, &[], &[]);
+    let stood = bench.plant.truth().positions;
+    // Both have been in use; the board alone starts anew.
+    for _ in 0..COMING_UP {
+        bench.tick();
+    }
+    assert_eq!(bench.board.ticker().state(), State::Idle);
+    listen_at_the_place_of_x(&mut bench);
+    let mut params = Params::slant_bed();
+    params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
+    bench.board = Board::new(&params, None, None).unwrap();
+    for _ in 0..3 {
+        for _ in 0..2_000 {
+            bench.tick();
+            assert_eq!(bench.plant.truth().positions, stood);
+            assert_ne!(bench.board.ticker().state(), State::Idle);
+        }
+        assert_eq!(bench.alarm.take(), Some(Code::DriveOverhears));
+        bench.board.command(Command::Reset);
+    }
 }

@@ -676,6 +676,10 @@ codes! {
     FdRate = 4384, "the data of CAN FD frames cannot go at {0} kbit/s on a bus of {1} kbit/s",
         "set 9032 to 1000, 2000, 4000, 5000 or 8000, and not below the bit rate of the bus (9020)",
         "总线波特率为 {1} kbit/s 时，CAN FD 帧的数据段不能用 {0} kbit/s", "请将 9032 设为 1000、2000、4000、5000 或 8000，且不低于总线波特率（9020）";
+    /// With setpoints in one frame a drive gets ready that is told nothing; its letter, its node, its statusword.
+    DriveOverhears = 4385, "drive {0} (node {1}) gets ready before it is told to: it takes its setpoints from another drive's place in the frame for all ({2})",
+        "map its RPDO1 (1600h) for its own place (`params push` with its section), then reset",
+        "驱动器 {0}（节点 {1}）未收到指令即进入就绪：它从合并帧中其他驱动器的位置接收设定值（{2}）", "请按其自身位置映射其 RPDO1（1600h，用 `params push` 及其驱动器段），然后复位";
 
     /// The SYNC that the board follows has stopped, or the board has come off it; so many were without, of so many periods of so
     /// many µs.

@@ -13,7 +13,7 @@ use crate::bus::{
     Scale, SyncProducer, SyncSource, Told,
 };
 #[cfg(feature = "fd")]
-use crate::bus::{Service, Setpoints};
+use crate::bus::{Phase, Service, Setpoints, Step};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
 use crate::units::{Angle, Axis, Length, Turns};
@@ -173,6 +173,10 @@ impl Drives {
     /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by
     /// [`failure`](Self::failure).
     pub(super) fn enable(&mut self) -> bool {
+        #[cfg(feature = "fd")]
+        if self.together.is_some() {
+            return self.enable_in_turn();
+        }
         let mut enabled = true;
         for drive in self.all() {
             enabled &= drive.enable().is_ok() && drive.is_enabled();
@@ -301,8 +305,8 @@ impl Drives {
         core::mem::take(&mut self.offsets) != [0; 3]
     }
 
-    /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose position its drive cannot count comes
-    /// back; its drive is held where it is.
+    /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose position its
+    /// drive cannot count comes back; its drive is held where it is.
     pub(super) fn send(
         &mut self,
         position: Position,
@@ -344,6 +348,27 @@ impl Drives {
     /// What all drives are told in this period, where that is one frame.
     pub(super) const fn together(&self) -> Option<&Setpoints> {
         self.together.as_ref()
+    }
+
+    /// As [`enable`](Self::enable), one behind the other. In a frame for all a drive finds its setpoint by its place, and what
+    /// it says is known by its node: one that listens at another's place shows by what it says only while nobody else is on
+    /// the way. Two on the way at once would each take the other's steps for its own, and then go where that one is.
+    fn enable_in_turn(&mut self) -> bool {
+        let mut drives = self.axes.iter_mut().chain(self.spindles.drives_mut());
+        let Some(first) = drives.find(|drive| !drive.is_enabled()) else {
+            return true;
+        };
+        // A failure stays latched.
+        let _ = first.enable();
+        let goes = first.phase() == Phase::Step(Step::EnableOperation);
+        let mut alone = true;
+        for waiting in drives {
+            alone &= waiting.wait(goes);
+        }
+        if !alone {
+            first.disable();
+        }
+        false
     }
 
     /// Takes the commands out of the frames of a period and puts them together; everything else stays a frame of its own. A

@@ -260,6 +260,33 @@ impl DriveMaster {
         }
     }
 
+    /// For drives that are told in one frame: until its turn to be enabled comes it is told nothing. False, and a failure, where
+    /// one that is told nothing has got ready although another `goes`, that is, has got as far: it takes what that one is told
+    /// for its own.
+    #[cfg(feature = "fd")]
+    pub(crate) fn wait(&mut self, goes: bool) -> bool {
+        match self.phase {
+            Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted | Phase::Stopped => {
+                return true;
+            }
+            Phase::Standby | Phase::Step(_) | Phase::Offline => self.phase = Phase::Offline,
+        }
+        match self.status {
+            Some(DriveStatus { status, .. })
+                if goes
+                    && !self.is_silent()
+                    && matches!(
+                        status.state(),
+                        Some(State::ReadyToSwitchOn | State::SwitchedOn | State::OperationEnabled)
+                    ) =>
+            {
+                self.latch(DriveFailure::Overhears(status));
+                false
+            }
+            _ => true,
+        }
+    }
+
     /// Forgets a latched failure and, where the drive is in fault, resets that. Without a failure nothing happens. The
     /// drive is not enabled by it; one that still was is disabled.
     pub const fn reset(&mut self) {

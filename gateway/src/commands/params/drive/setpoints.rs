@@ -18,7 +18,7 @@ const COB_ID: Object = Object::new(0x1400, 1);
 const MAPPING: u16 = 0x1600;
 
 /// Refuses a set that gives the drives their setpoints otherwise than they take them, with what the sections write: wherever
-/// setpoints come in one frame before it or behind it, and a section or this changes.
+/// setpoints come in one frame before it or behind it, and a section, a drive's node or this changes.
 ///
 /// # Errors
 /// [`Failure::WrongBecause`]; a drive that does not answer.
@@ -28,11 +28,11 @@ pub fn check_setpoints(
     old: &Params,
     new: &Params,
 ) -> Outcome {
-    let same = old.setpoint_frame() == new.setpoint_frame();
+    let nodes = DriveNodes::of(new);
+    let same = old.setpoint_frame() == new.setpoint_frame() && DriveNodes::of(old) == nodes;
     if same && (new.setpoint_frame() == 0 || settings.is_empty()) {
         return Ok(());
     }
-    let nodes = DriveNodes::of(new);
     let board = link.node();
     // Three axes, and the spindles there are.
     let count = usize::from(new.tap_spindles()) + 3;

@@ -216,6 +216,17 @@ fn setpoints_in_one_frame_want_every_drive_at_its_place() {
     );
     apply(&mut link, &[last], &mut || ()).unwrap();
     assert!(check_setpoints(&mut link, &[], &old, &new).is_ok());
+    // A set that has X where Z is, with nothing else that is new.
+    let mut exchanged = new.clone();
+    for (key, value) in [("9015.X", 17), ("9015.Z", 16)] {
+        let entry = Entry::find_text(key).unwrap();
+        exchanged.set(entry, value).unwrap();
+    }
+    let told = words(check_setpoints(&mut link, &[], &new, &exchanged));
+    assert!(
+        told.starts_with("drive X takes its setpoints from 481h with 0007h/32 0006h/16"),
+        "{told}"
+    );
     // And none of them in a frame of its own any more.
     let told = words(check_setpoints(&mut link, &[], &new, &old));
     assert!(
