@@ -5,8 +5,8 @@
 //! It moves frames and says what became of them. What a frame means is the business of `leadscrew_core::bus`.
 //!
 //! Terms. A *packet* is whatever a bus can show: classical frames, remote requests, extended identifiers, FD frames and
-//! error frames. CANopen is the data frames with an 11-bit identifier, classical and FD; these alone are sent. *Dropped* frames
-//! reached this machine and found the receive buffer full.
+//! error frames. CANopen is the data frames with an 11-bit identifier, classical and FD; these alone are sent. *Dropped*
+//! frames reached this machine and found the receive buffer full.
 //!
 //! ```text
 //! Address ("can0", "slcan:tcp:HOST:PORT", …) ─ open ─► Can: send many, receive many with time stamps
@@ -54,15 +54,15 @@ pub trait Can: Send {
     /// The bus is gone or down, or nothing went out for a second.
     fn send(&mut self, frames: &[Frame]) -> Result<(), CanError>;
 
-    /// From now on FD frames are sent and understood, with their data at `data_kbit` kbit/s. An interface of the kernel has its
-    /// rates from outside and is only asked whether it carries them; where none are sent, it needs not be asked.
+    /// From now on FD frames are sent and understood, with their data at `data_kbit` kbit/s. An interface of the kernel has
+    /// its rates from outside and is only asked whether it carries them; where none are sent, it needs not be asked.
     ///
     /// # Errors
     /// The interface or the adapter knows classical frames only, or not this rate.
     fn use_fd(&mut self, data_kbit: u32) -> Result<(), CanError>;
 
-    /// Sends FD frames as [`send`](Self::send) does classical ones, behind what was sent before; [`use_fd`](Self::use_fd) has
-    /// said so.
+    /// Sends FD frames as [`send`](Self::send) does classical ones, behind what was sent before; [`use_fd`](Self::use_fd)
+    /// has said so.
     ///
     /// # Errors
     /// As there, or the bus carries classical frames only.

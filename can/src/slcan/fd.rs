@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! Y5␍                 while closed: the data of FD frames go at 5 Mbit/s (1, 2, 4, 5, 8)
-//! d12392A…␍           an FD frame, identifier 123h, length code 9: 12 bytes      D, with eight digits: an extended identifier
-//! b12392A…␍           the same, its data at the higher rate                     B, likewise
+//! d12392A…␍           an FD frame, identifier 123h, length code 9: 12 bytes   D, with eight digits: an extended identifier
+//! b12392A…␍           the same, its data at the higher rate                  B, likewise
 //! ```
 
 use leadscrew_core::bus::{self, CobId};

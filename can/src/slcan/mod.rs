@@ -1,8 +1,8 @@
 //! Lawicel (SLCAN) adapters, and boards that behave like one: on a serial line, behind TCP or behind a Unix socket.
 //!
 //! The protocol itself is `leadscrew_core::bus::slcan`, what some adapters add to it for FD frames is [`fd`]. Such adapters
-//! tell no error frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under way at a time,
-//! so that its buffer is not overrun.
+//! tell no error frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under
+//! way at a time, so that its buffer is not overrun.
 
 mod fd;
 mod line;

@@ -159,8 +159,8 @@ fn an_adapter_that_was_left_open_is_closed_first() {
     std::fs::remove_file(path).unwrap();
 }
 
-/// An adapter like a CANable 2.0: it knows `Y` while it is closed, acknowledges with a line, and its bus sends back what it got.
-/// What it was told, in the end.
+/// An adapter like a CANable 2.0: it knows `Y` while it is closed, acknowledges with a line, and its bus sends back what it
+/// got. What it was told, in the end.
 fn serve_fd(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Vec<String>> {
     std::thread::spawn(move || {
         let (mut told, mut heard, mut open) = (Vec::new(), Vec::new(), false);

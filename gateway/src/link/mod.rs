@@ -164,9 +164,9 @@ impl std::fmt::Debug for Link {
 }
 
 impl Link {
-    /// Opens a bus, an adapter at this bit rate; nothing is said on it yet. Heard is what the board says and is told, and who
-    /// else is there: setpoints and drives' answers are most of what is on a bus, mean nothing here, and would keep the answers
-    /// waiting.
+    /// Opens a bus, an adapter at this bit rate; nothing is said on it yet. Heard is what the board says and is told, and
+    /// who else is there: setpoints and drives' answers are most of what is on a bus, mean nothing here, and would keep the
+    /// answers waiting.
     ///
     /// # Errors
     /// What is missing for it.
@@ -227,15 +227,16 @@ impl Link {
         self.can.dropped().unwrap_or(0)
     }
 
-    /// Hears the statuses of other boards, too, from now on.
+    /// Hears the statuses of other boards, too, from now on, and what they are asked.
     ///
     /// # Errors
     /// The bus does not take it.
     pub fn hear_boards(&mut self) -> LinkResult {
         let [own, beats, answers] = heard(self.node);
         let statuses = Filter::service(Service::Tpdo1);
+        let requests = Filter::service(Service::SdoRequest);
         self.can
-            .listen_for(&[own, beats, answers, statuses])
+            .listen_for(&[own, beats, answers, statuses, requests])
             .map_err(Trouble::Can)
     }
 

@@ -4,22 +4,38 @@
 //! a board would not notice that its own has died while that of the other board goes on. So whoever runs a program has a
 //! number that nobody else on the bus has, and tells the board to watch that one (1016h) [D171].
 
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::bus::{BoardStatus, Frame, HeartbeatWatch, NmtState, NodeId, Object};
+use leadscrew_core::bus::{
+    BoardStatus, CobId, Frame, HeartbeatWatch, NmtState, NodeId, Object, Service,
+};
 
 use super::board::{LEADSCREW, PRODUCT};
 use super::{Link, LinkResult, Trouble};
 
 const WATCH: Object = Object::new(0x1016, 1);
 const BEATS: Object = Object::new(0x1017, 0);
+/// The numbers of the drives of X, Z, C and spindle 1, and how many spindles there are.
+const DRIVES: [Object; 5] = [
+    Object::new(0x2000 + 9015, 1),
+    Object::new(0x2000 + 9015, 2),
+    Object::new(0x2000 + 9015, 3),
+    Object::new(0x2000 + 9016, 0),
+    Object::new(0x2000 + 9014, 0),
+];
 /// Heartbeats where the board does not say how often it wants them; never less often.
 const BEAT: Duration = Duration::from_millis(100);
 /// Whoever else has a number has been heard in this time.
 const HEARD: Duration = Duration::from_millis(250);
 /// The longest that others are listened for.
 const LONGEST: Duration = Duration::from_secs(2);
+/// Nobody else has a transfer with a node of which nothing has been heard of one for so long: as on the board itself
+/// [D111].
+const ALONE: Duration = Duration::from_millis(24);
+/// Questions to a node that does not answer: one may get lost.
+const QUESTIONS: u32 = 2;
 
 impl Link {
     /// Says often enough that this side is alive.
@@ -41,8 +57,7 @@ impl Link {
     /// # Errors
     /// The board does not answer.
     pub fn attend_alone(&mut self, drives: &DriveNodes) -> LinkResult<Option<NodeId>> {
-        let heard = self.opened + HEARD;
-        self.listen(heard, &mut |_| false)?;
+        self.hear_gateways()?;
         let moved = self.step_aside(drives)?;
         if let Some(watch) = self.watch()?
             && watch.node != self.own
@@ -51,6 +66,15 @@ impl Link {
         }
         self.attend()?;
         Ok(moved)
+    }
+
+    /// Listens until whoever else has a number has been heard.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    pub fn hear_gateways(&mut self) -> LinkResult {
+        let heard = self.opened + HEARD;
+        self.listen(heard, &mut |_| false).map(|_| ())
     }
 
     /// Takes another number where somebody else has been heard with this side's, and tells the board.
@@ -91,36 +115,88 @@ impl Link {
         self.write(WATCH, &HeartbeatWatch { node, ..watch }.raw().to_le_bytes())
     }
 
-    /// The other boards on the bus that say anything: those at work at once, the others with their heartbeats. A board that
-    /// sends none is not found.
+    /// The other boards on the bus that say anything: those at work by their statuses, and nothing is asked of them. What
+    /// is known by its heartbeat alone and is no drive is asked, where nobody else has a transfer with it; a board that is
+    /// never left alone, or sends no heartbeats, is not found [D171].
     ///
     /// # Errors
     /// The bus is gone.
     pub fn other_boards(&mut self) -> LinkResult<Vec<NodeId>> {
+        let drives = self.drives()?;
         // One may be lost, or late.
         let period = Duration::from_millis(self.read_number(BEATS)?) * 2 + BEAT;
         self.hear_boards()?;
         let until = Instant::now() + period.min(LONGEST);
-        let (board, own) = (self.node, self.own);
-        let mut nodes = std::collections::BTreeSet::new();
+        let (mut boards, mut others) = (BTreeSet::new(), BTreeSet::new());
+        let mut beating = BTreeSet::new();
         self.listen(until, &mut |frame: &Frame| {
-            let status = BoardStatus::decode(frame).map(|(node, _)| node);
-            let beat = NmtState::decode(frame).map(|(node, _)| node);
-            nodes.extend(status.or(beat));
+            if let Some((node, _)) = BoardStatus::decode(frame) {
+                boards.insert(node);
+            } else if let Some((Service::Tpdo1, node)) = frame.id().service() {
+                others.insert(node);
+            } else if let Some((node, _)) = NmtState::decode(frame) {
+                beating.insert(node);
+            }
             false
         })?;
-        nodes.retain(|node| *node != board && *node != own && *node != NodeId::GATEWAY);
-        // Another gateway beats, too, and answers nothing.
-        self.set_patience(BEAT);
-        let mut boards = Vec::new();
-        for node in nodes {
-            match self.read_of(node, PRODUCT) {
-                Ok(bytes) if bytes == LEADSCREW.to_le_bytes() => boards.push(node),
-                // Something else, or nothing that answers.
-                Ok(_) | Err(Trouble::Transfer { .. }) => {}
-                Err(trouble) => return Err(trouble),
+        let known = [self.node, self.own, NodeId::GATEWAY];
+        boards.retain(|node| !known.contains(node) && !drives.contains(node));
+        for node in beating {
+            let is_told = known.contains(&node) || drives.contains(&node);
+            if !is_told
+                && !boards.contains(&node)
+                && !others.contains(&node)
+                && self.is_board(node)?
+            {
+                boards.insert(node);
             }
         }
-        Ok(boards)
+        Ok(boards.into_iter().collect())
+    }
+
+    /// The drives of the board (9014–9016). One whose table has no such numbers has those that are known by what they send.
+    fn drives(&mut self) -> LinkResult<BTreeSet<NodeId>> {
+        let mut numbers = [0; 5];
+        for (number, object) in numbers.iter_mut().zip(DRIVES) {
+            *number = match self.read_number(object) {
+                Ok(raw) => u8::try_from(raw).unwrap_or(0),
+                Err(Trouble::Transfer { .. }) => 0,
+                Err(trouble) => return Err(trouble),
+            };
+        }
+        let [x, z, c, first, spindles] = numbers;
+        let spindles = (0..spindles).map(|n| first.saturating_add(n));
+        let all = [x, z, c].into_iter().chain(spindles);
+        Ok(all.filter_map(NodeId::new).collect())
+    }
+
+    /// True where the node says that it is a board. It is asked once nobody else has spoken with it for a while: its server
+    /// is taken away from whoever has a transfer with it. Another gateway beats, too, and answers nothing.
+    fn is_board(&mut self, node: NodeId) -> LinkResult<bool> {
+        for _ in 0..QUESTIONS {
+            if !self.wait_for_quiet(node)? {
+                return Ok(false);
+            }
+            if let Some(product) = self.ask_once(node, PRODUCT, BEAT)? {
+                return Ok(product == LEADSCREW.to_le_bytes());
+            }
+        }
+        Ok(false)
+    }
+
+    /// Waits until nobody has asked this node anything for a while, nor got an answer; false where that does not come.
+    fn wait_for_quiet(&mut self, node: NodeId) -> LinkResult<bool> {
+        let talk = [Service::SdoRequest, Service::SdoReply].map(|one| CobId::of(one, node));
+        let end = Instant::now() + LONGEST;
+        while Instant::now() < end {
+            let until = Instant::now() + ALONE;
+            if !self.listen(until, &mut |frame| talk.contains(&frame.id()))? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -24,8 +24,8 @@ const QUIET: Duration = Duration::from_millis(8);
 const YIELD: Duration = Duration::from_millis(16);
 /// Clients that wait equally long would meet again: each adds up to this.
 const JITTER: Duration = Duration::from_millis(8);
-/// Frames of a block that are handed over at a time: on a slow wire, what is waited for an answer begins when the last of them
-/// has found room.
+/// Frames of a block that are handed over at a time: on a slow wire, what is waited for an answer begins when the last of
+/// them has found room.
 const AT_ONCE: usize = 16;
 /// The longest wait for silence: another client that never pauses is interrupted.
 const TURN: Duration = Duration::from_millis(300);
@@ -146,6 +146,28 @@ impl Link {
             ))
         })?;
         Ok(bytes.0)
+    }
+
+    /// Asks a node once; `None` where it does not answer with a value.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    pub(super) fn ask_once(
+        &mut self,
+        node: NodeId,
+        object: Object,
+        patience: Duration,
+    ) -> LinkResult<Option<Vec<u8>>> {
+        let (mut bytes, now) = (Bytes::default(), self.now());
+        let outcome = self.carry(&mut SdoUpload::new(
+            node,
+            object,
+            &mut bytes,
+            SdoProtocol::Short,
+            patience,
+            now,
+        ))?;
+        Ok(outcome.is_ok().then_some(bytes.0))
     }
 
     /// Reads an object that is a number of up to 8 bytes, as unsigned.

@@ -279,8 +279,8 @@ impl<W: Write> Table<W> {
         Ok(())
     }
 
-    /// True for the frame with all setpoints of one of the machines. Which number a further board has is not known beforehand:
-    /// where there is one such, another frame of this kind is its.
+    /// True for the frame with all setpoints of one of the machines. Which number a further board has is not known
+    /// beforehand: where there is one such, another frame of this kind is its.
     fn setpoints(&mut self, frame: &FdFrame) -> bool {
         let Id::Standard(id) = frame.id else {
             return false;

@@ -29,7 +29,8 @@ pub struct Csv<W: Write> {
 }
 
 impl<W: Write> Csv<W> {
-    /// Starts with the header. `tick_us`: microseconds from row to row; `tappers`: which of the spindles 2 to 4 have columns.
+    /// Starts with the header. `tick_us`: microseconds from row to row; `tappers`: which of the spindles 2 to 4 have
+    /// columns.
     pub fn new(to: W, tick_us: u32, tappers: [bool; 3]) -> Self {
         let mut buffer = Vec::with_capacity(CHUNK + 256);
         buffer.extend_from_slice(HEADER.0);

@@ -117,6 +117,15 @@ impl Server {
         }
     }
 
+    /// True where somebody has asked for this object of a node, or written it.
+    pub fn was_asked(&self, node: u8, object: [u8; 3]) -> bool {
+        let request = CobId::of(Service::SdoRequest, NodeId::new(node).unwrap());
+        let asked = |frame: &Frame| {
+            frame.id() == request && frame.payload().get(1..4) == Some(object.as_slice())
+        };
+        self.seen.lock().unwrap().dialogue.iter().any(asked)
+    }
+
     /// Hash of the first board's setpoints so far.
     pub fn hash(&self) -> String {
         self.seen.lock().unwrap().hash.text()

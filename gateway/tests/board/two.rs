@@ -100,6 +100,41 @@ fn each_board_misses_its_own_gateway_and_no_other() {
     good(&leadscrew(&["run", "examples/g84-peck.nc"], &bus));
 }
 
+/// The second one waits for its program's text where it checks it, until the first one runs. [D171]
+#[test]
+fn whoever_comes_too_late_leaves_the_board_to_the_gateway_it_has() {
+    let server = Server::start(&Options {
+        set: vec![("9024", 2000)],
+        speed: 4,
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("late.nc");
+    let _ = std::fs::remove_file(&path);
+    nix::unistd::mkfifo(&path, nix::sys::stat::Mode::S_IRWXU).unwrap();
+    let open = || std::fs::File::options().write(true).open(&path).unwrap();
+    let second = Run::start(path.to_str().unwrap(), &bus);
+    drop(open());
+    // The tap journal comes behind the first look at the board.
+    wait_until("the second one has found the board ready", || {
+        server.was_asked(1, [0x30, 0x50, 1]).then_some(())
+    });
+    let text_of_second = open();
+    let first = Run::start("examples/o0013-g76-m68x6.nc", &bus);
+    wait_until("the first one runs", || {
+        (status(&bus, "1")["program"] == true).then_some(())
+    });
+    std::io::Write::write_all(&mut { text_of_second }, b"G0 X40\nM30\n").unwrap();
+    let told = bad(&second.end(), 3);
+    assert!(told.contains("node 1 is busy ("), "{told}");
+    let output = first.end();
+    let ran = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{ran}");
+    let writes =
+        |frame: &leadscrew_core::bus::Frame| frame.payload().starts_with(&[0x23, 0x16, 0x10, 1]);
+    assert!(!server.dialogue().iter().any(writes));
+}
+
 #[test]
 fn a_table_of_two_boards_needs_drives_with_numbers_of_their_own() {
     let tmp = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));

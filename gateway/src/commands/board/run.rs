@@ -8,7 +8,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::link::{Certificate, Logged};
+use leadscrew_core::link::{Certificate, Logged, Status};
 
 use super::{Machine, print, print_json, state_words};
 use crate::checking::Report;
@@ -114,6 +114,7 @@ pub fn run(
         pace: Pace::new(),
         last_event: status.newest_event,
         late: status.late,
+        checked: status,
         held: false,
         bar: bar(report.moves, global.json, setup.lang),
     };
@@ -314,6 +315,8 @@ struct Runner<'a> {
     source: &'a SourceFile,
     link: &'a mut Link,
     ran: Ran,
+    /// The board as the program was checked for it.
+    checked: Status,
     last_event: u32,
     /// Setpoints that had come late before.
     late: u32,
@@ -367,6 +370,8 @@ impl Pace {
 impl Runner<'_> {
     fn all(&mut self) -> Outcome {
         let drives = DriveNodes::of(&self.setup.params);
+        self.link.hear_gateways()?;
+        self.still_ready()?;
         let own = self.link.attend_alone(&drives)?;
         self.tell_number(own);
         self.link.hear_status()?;
@@ -418,6 +423,23 @@ impl Runner<'_> {
                 return self.conclude(&feed);
             }
         }
+    }
+
+    /// Somebody else may have begun a program while this one was checked: his board is left alone, above all the number
+    /// that it watches. One that has ended meanwhile has left the machine elsewhere.
+    fn still_ready(&mut self) -> Outcome {
+        let now = self.link.status()?;
+        ready(&now.state, self.link, self.setup.global)?;
+        let place = |status: &Status| (status.program, status.next_call, status.position);
+        if place(&now) != place(&self.checked) {
+            let node = self.link.node().get();
+            return Err(Failure::Bus(both!(
+                "node {node} was given another program while this one was checked: run it again",
+                "检查本程序期间，节点 {node} 收到了另一个程序：请重新运行"
+            )));
+        }
+        (self.last_event, self.late) = (now.newest_event, now.late);
+        Ok(())
     }
 
     /// Says that this side has taken another number.

@@ -1,8 +1,8 @@
 //! Writing the drives' own objects, in order, with each read back.
 //!
-//! A drive is written in pre-operational, where CiA 301 lets its PDOs change: the board notices that it is silent and stops,
-//! and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets its old
-//! value back.
+//! A drive is written in pre-operational, where CiA 301 lets its PDOs change: the board notices that it is silent and
+//! stops, and what follows brings the drives up again [D122]. Where one object is refused, what was written before it gets
+//! its old value back.
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NmtCommand, NodeId, Object, Order, SdoError};

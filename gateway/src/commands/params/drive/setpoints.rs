@@ -1,5 +1,5 @@
-//! Where each drive has its setpoints from: a frame of its own, or its place in the one that all get (9031). A drive that listened
-//! at another drive's place would go where that one is sent, so this is looked at before the board's set changes.
+//! Where each drive has its setpoints from: a frame of its own, or its place in the one that all get (9031). A drive that
+//! listened at another drive's place would go where that one is sent, so this is looked at before the board's set changes.
 
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{Mapped, NodeId, Object, Setpoints};
@@ -17,8 +17,8 @@ use crate::words::both;
 const COB_ID: Object = Object::new(0x1400, 1);
 const MAPPING: u16 = 0x1600;
 
-/// Refuses a set that gives the drives their setpoints otherwise than they take them, with what the sections write: wherever
-/// setpoints come in one frame before it or behind it, and a section, a drive's node or this changes.
+/// Refuses a set that gives the drives their setpoints otherwise than they take them, with what the sections write:
+/// wherever setpoints come in one frame before it or behind it, and a section, a drive's node or this changes.
 ///
 /// # Errors
 /// [`Failure::WrongBecause`]; a drive that does not answer.

@@ -27,8 +27,8 @@ fn board() -> Inside {
     machine(Flash::erased())
 }
 
-/// On this end of the bus the drive of X does not do what is written to it `at` (command, index, sub-index, as SDO has it): it
-/// `says` so, or nothing at all.
+/// On this end of the bus the drive of X does not do what is written to it `at` (command, index, sub-index, as SDO has it):
+/// it `says` so, or nothing at all.
 fn wayward(inside: &Inside, at: [u8; 4], says: bool) -> Link {
     let node = X.node;
     let sent = move |frame: &Frame| {
