@@ -124,7 +124,11 @@ fn whoever_comes_too_late_leaves_the_board_to_the_gateway_it_has() {
     wait_until("the first one runs", || {
         (status(&bus, "1")["program"] == true).then_some(())
     });
-    std::io::Write::write_all(&mut { text_of_second }, b"G0 X40\nM30\n").unwrap();
+    // Whoever reads it once more finds a file.
+    let text = b"G0 X40\nM30\n";
+    std::fs::remove_file(&path).unwrap();
+    std::fs::write(&path, text).unwrap();
+    std::io::Write::write_all(&mut { text_of_second }, text).unwrap();
     let told = bad(&second.end(), 3);
     assert!(told.contains("node 1 is busy ("), "{told}");
     let output = first.end();
