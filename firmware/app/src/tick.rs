@@ -54,9 +54,12 @@ pub trait TickMachine {
     /// Sends the frames of a tick, in this order and before any other. False where some of the tick before have not left:
     /// those are dropped, and their setpoints are late.
     fn send(&mut self, frames: &[Frame]) -> bool;
-    /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not left.
+    /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not left. On a
+    /// machine without CAN FD none ever does: no drive comes up.
     #[cfg(feature = "fd")]
-    fn send_together(&mut self, setpoints: &Setpoints) -> bool;
+    fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
+        false
+    }
     /// Feeds the watchdog: both sides are alive.
     fn feed_watchdog(&mut self);
 }
