@@ -98,7 +98,8 @@ pub struct Board {
     #[arg(long)]
     pub lockstep: bool,
     /// Virtual time with a further board: a tick also waits for the setpoint of this drive of its (repeatable), the last one
-    /// that it sends, to its spindle; else the next SYNC may overtake what comes behind
+    /// that it sends, to its spindle; else the next SYNC may overtake what comes behind. Of a board that has one frame for all
+    /// (9031), its own number
     #[arg(long, value_name = "NODE", requires = "lockstep", value_parser = drive_node)]
     pub beside: Vec<NodeId>,
     /// Where the axis drives are: `here`, `elsewhere` on the bus, or the axes whose drives are here (`X,Z`)

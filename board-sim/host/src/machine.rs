@@ -25,7 +25,7 @@ use crate::claim::Claim;
 use crate::cli;
 use crate::program::Feeder;
 use crate::when::Script;
-use crate::wire::Wire;
+use crate::wire::{Heard, Wire};
 
 /// A board and what is around it.
 pub struct Machine {
@@ -234,7 +234,19 @@ impl Machine {
         let follows = self.follows();
         let (line, beat_of_bus) = (&mut self.line, &mut self.beat_of_bus);
         let (beside, told) = (&self.beside, &mut self.told);
-        let count = self.wire.listen(patience, |time, frame| {
+        let count = self.wire.listen(patience, |time, sent| {
+            let frame = match sent {
+                Heard::Frame(frame) => frame,
+                Heard::Fd(frame) => {
+                    // Of CAN FD there is only what another board tells all of its drives.
+                    if let Some((Service::Tpdo4, board)) = frame.id().service()
+                        && beside.contains(&board)
+                    {
+                        told.push(board);
+                    }
+                    return;
+                }
+            };
             if follows && is_sync(frame) {
                 beat_of_bus.comes(time, *frame);
             }
@@ -283,7 +295,7 @@ impl Machine {
         self.keeps_to_beat = keeps;
     }
 
-    /// Drives of other boards whose setpoints are to be waited for.
+    /// Drives of other boards whose setpoints are to be waited for, or boards that have one frame for all of theirs.
     pub fn beside(&self) -> &[NodeId] {
         &self.beside
     }
@@ -293,7 +305,7 @@ impl Machine {
         self.told.len()
     }
 
-    /// True where a setpoint for this drive of another board has come since the last tick.
+    /// True where a setpoint for this drive of another board, or of this board for all of its, has come since the last tick.
     pub fn has_setpoint_for(&self, node: NodeId) -> bool {
         self.told.contains(&node)
     }

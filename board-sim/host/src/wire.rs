@@ -77,22 +77,9 @@ impl Wire {
         self.can.send_fd(&[*frame]).map_err(Failure::bus)
     }
 
-    /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came; how many these
-    /// were. Frames of CAN FD are for drives alone.
+    /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came, in the order in
+    /// which they came; how many these were.
     pub fn listen(
-        &mut self,
-        patience: Duration,
-        mut to: impl FnMut(Stamp, &Frame),
-    ) -> Outcome<usize> {
-        self.listen_to_all(patience, |time, heard| {
-            if let Heard::Frame(frame) = heard {
-                to(time, frame);
-            }
-        })
-    }
-
-    /// The same with those of CAN FD, in the order in which they came.
-    pub fn listen_to_all(
         &mut self,
         patience: Duration,
         mut to: impl FnMut(Stamp, Heard<'_>),

@@ -28,15 +28,28 @@ const FURTHER: [&str; 14] = [
     "2",
 ];
 
+/// Of both: with one frame of CAN FD for the drives of each there is room at 1 ms.
+const BOTH_IN_FD: [&str; 4] = ["--set", "9031=1", "--set", "9030=25"];
+
 /// What `--bus sim` makes of a program on such a board.
 fn simulated(path: &Path, set: &[&str]) -> String {
     let args = [&["run", path.to_str().unwrap(), "--json"], set].concat();
     out(&tool(ours("leadscrew").to_str().unwrap(), &args))
 }
 
-/// The setpoints of each are those of the simulation of each alone, though both are at work at once.
 #[test]
 fn each_of_two_boards_has_the_setpoints_it_has_alone() {
+    both_at_work(&BOTH, "64");
+}
+
+#[test]
+fn each_of_two_boards_with_one_frame_for_its_drives_has_the_setpoints_it_has_alone() {
+    both_at_work(&BOTH_IN_FD, "2");
+}
+
+/// The setpoints of each are those of the simulation of each alone, though both are at work at once. `beside`: whose setpoint
+/// is the last one of the second.
+fn both_at_work(both: &[&str], beside: &str) {
     let thread = program(
         "second.nc",
         "O0002\nG50 X40 Z20\nM3 S450\nG0 X34 Z5\nG76 P010060 Q600 R0.1\nG76 X30 Z-14 P6000 Q3000 F1.5\nG0 X40 Z20\nM30\n",
@@ -44,14 +57,14 @@ fn each_of_two_boards_has_the_setpoints_it_has_alone() {
     let first = example("o0013-g76-m68x6.nc");
     let set = &FURTHER[..12];
     let expected = [
-        simulated(&first, &BOTH),
-        simulated(&thread, &[&BOTH[..], set].concat()),
+        simulated(&first, both),
+        simulated(&thread, &[both, set].concat()),
     ];
     let giver = Board::start_on(
         "vcan0",
-        &[&["--lockstep", "--beside", "64"], &BOTH[..]].concat(),
+        &[&["--lockstep", "--beside", beside], both].concat(),
     );
-    let follower = Board::start(&[&["--lockstep"], &BOTH[..], &FURTHER[..]].concat());
+    let follower = Board::start(&[&["--lockstep"], both, &FURTHER[..]].concat());
     giver.wait_for("ready");
     let running = [
         run(&first, &["--node", "1"]),
