@@ -19,6 +19,7 @@ mod params;
 mod presence;
 #[cfg(test)]
 mod tests;
+mod traffic;
 mod transfer;
 mod trouble;
 
@@ -33,6 +34,7 @@ use leadscrew_core::bus::{
 pub use board::BoardParams;
 pub use feed::Feed;
 pub use inside::Inside;
+pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, alarm_words, reason};
 
 /// The board may be silent for so long before it counts as lost; a status comes every few milliseconds.
@@ -59,6 +61,8 @@ pub struct Seen {
     pub emergencies: VecDeque<Emcy>,
     /// Every node that said anything.
     pub nodes: BTreeSet<u8>,
+    /// What has gone over the wire.
+    pub traffic: Traffic,
     /// When the board was heard last.
     pub last: Option<Instant>,
     /// When somebody else was heard with this side's own number.
@@ -302,6 +306,7 @@ impl Link {
             let mut enough = false;
             for received in &packets {
                 self.health.note(&received.packet);
+                self.seen.traffic.count(&received.packet);
                 if let Some(frame) = received.packet.frame() {
                     self.seen.note(frame, self.node, self.own);
                     enough |= each(frame);

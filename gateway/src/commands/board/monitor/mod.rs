@@ -18,7 +18,7 @@ use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
-use crate::link::Link;
+use crate::link::{Link, Traffic};
 use crate::source::SourceFile;
 use crate::words::both;
 
@@ -34,6 +34,8 @@ const LOG: Duration = Duration::from_secs(1);
 const LOAD: Duration = Duration::from_millis(500);
 /// Parameter with the bit rate of the bus in kbit/s.
 const BUS_KBIT: Object = Object::new(0x2000 + 9020, 0);
+/// The same of the data of CAN FD frames.
+const FD_KBIT: Object = Object::new(0x2000 + 9032, 0);
 /// Errors and messages kept for the picture.
 const KEPT: usize = 240;
 
@@ -52,8 +54,9 @@ pub fn monitor(global: &Global) -> Outcome {
     // The load of the bus is everybody's.
     link.hear_everything()?;
     let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
+    let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
     let taken = interrupt::take_terminal().map_err(|error| Failure::stdout(&error));
-    let result = taken.and_then(|mut terminal| watch(global, &mut link, kbit, &mut terminal));
+    let result = taken.and_then(|mut terminal| watch(global, &mut link, rates, &mut terminal));
     interrupt::give_back();
     result
 }
@@ -61,12 +64,12 @@ pub fn monitor(global: &Global) -> Outcome {
 fn watch(
     global: &Global,
     link: &mut Link,
-    kbit: u64,
+    [kbit, fd_kbit]: [u64; 2],
     terminal: &mut ratatui::DefaultTerminal,
 ) -> Outcome {
     let mut view = View::new(&global.bus.to_string(), link.node().get(), global.lang());
     let node = link.node();
-    let mut bits = 0_u64;
+    link.seen.traffic = Traffic::default();
     let mut since = Instant::now();
     let (mut looked, mut read) = (None::<Instant>, None::<Instant>);
     let mut last_event = link.newest_event()?.saturating_sub(8);
@@ -74,17 +77,15 @@ fn watch(
         let next = Instant::now() + PICTURE;
         let errors = &mut view.errors;
         link.listen(next, &mut |frame| {
-            bits += worst_bits(frame);
             note_error(errors, frame, node);
             false
         })?;
         link.check_alive()?;
         if since.elapsed() >= LOAD {
-            let possible = kbit
-                .saturating_mul(since.elapsed().as_millis() as u64)
-                .max(1);
-            view.load_percent = (bits * 100 / possible).min(999);
-            (bits, since) = (0, Instant::now());
+            let ms = since.elapsed().as_millis() as u64;
+            let traffic = std::mem::take(&mut link.seen.traffic);
+            view.load_percent = traffic.load(kbit, fd_kbit, ms).min(999);
+            since = Instant::now();
         }
         if looked.is_none_or(|at| at.elapsed() >= STATUS) {
             looked = Some(Instant::now());
@@ -125,12 +126,6 @@ fn ends() -> std::io::Result<bool> {
         }
     }
     Ok(false)
-}
-
-/// Bits a frame takes on the wire with the worst stuffing, the gap behind it included.
-fn worst_bits(frame: &Frame) -> u64 {
-    let data = 8 * frame.payload().len() as u64;
-    47 + data + (34 + data - 1) / 4
 }
 
 /// Keeps what this board says of its synchronism; another one's is not in its picture.
