@@ -112,17 +112,9 @@ pub struct FdBits {
 impl FdBits {
     /// Those of a frame with room for `bytes` bytes (0–64), intermission included, stuffed as badly as can be.
     #[must_use]
-    pub const fn of(bytes: u32) -> Self {
-        let bytes = match bytes {
-            0..=8 => bytes,
-            9..=12 => 12,
-            13..=16 => 16,
-            17..=20 => 20,
-            21..=24 => 24,
-            25..=32 => 32,
-            33..=48 => 48,
-            _ => 64,
-        };
+    pub fn of(bytes: u32) -> Self {
+        let room = usize::try_from(bytes).ok().and_then(FdFrame::length_for);
+        let bytes = u32::from(room.unwrap_or(64));
         let check = if bytes > 16 { 32 } else { 27 };
         Self {
             nominal: const { 17 + 3 + 13 },
