@@ -6,7 +6,7 @@ use leadscrew_board_sim::plant::{DriveOptions, Plant, PlantOptions, Trouble};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Board, Command, Event, Output, State};
 use leadscrew_core::bus::{
-    CobId, DriveCommand, Frame, Mapped, NmtCommand, NodeId, Service, Setpoints,
+    CobId, DriveCommand, FdFrame, Frame, Mapped, NmtCommand, NodeId, Service, Setpoints,
 };
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Call, Position};
@@ -54,6 +54,12 @@ impl Bench {
         }
     }
 
+    /// What all drives are told in one frame.
+    fn frame(&self) -> Option<FdFrame> {
+        let together = self.output.together?;
+        together.frame(NodeId::BOARD)
+    }
+
     fn tick(&mut self) {
         while self
             .waiting
@@ -69,11 +75,7 @@ impl Bench {
         let answers = &mut self.answers;
         self.plant
             .exchange(&self.output.frames, |answer| answers.push(answer));
-        let frame = self
-            .output
-            .together
-            .and_then(|together| together.frame(NodeId::BOARD));
-        if let Some(frame) = frame {
+        if let Some(frame) = self.frame() {
             self.plant.tell_together(&frame);
         }
         while let Some(event) = self.board.event() {
@@ -151,12 +153,7 @@ fn compare(spindles: i64, ticks: u32, mut operate: impl FnMut(&mut Bench, u32)) 
         speeds(&mut spindles_told[0], &alone);
         speeds(&mut spindles_told[1], &together);
         assert_eq!(spindles_told[0], spindles_told[1], "tick {tick}");
-        let frame = together
-            .output
-            .together
-            .unwrap()
-            .frame(NodeId::BOARD)
-            .unwrap();
+        let frame = together.frame().unwrap();
         for (place, node) in nodes.iter().enumerate() {
             let own = &frame.payload()[6 * place..6 * place + 6];
             let expected = told.get(node).copied().unwrap_or([0; 6]);
@@ -182,12 +179,7 @@ fn a_program_is_the_same_with_one_frame_for_all_whatever_drives_there_are() {
             alone.waiting.is_empty() && !alone.board.is_busy(),
             "it ends"
         );
-        let frame = together
-            .output
-            .together
-            .unwrap()
-            .frame(NodeId::BOARD)
-            .unwrap();
+        let frame = together.frame().unwrap();
         assert_eq!((frame.id().get(), frame.payload().len()), (0x481, bytes));
     }
 }

@@ -344,6 +344,18 @@ mod tests {
         }
     }
 
+    /// With every number as long as it can be.
+    const LONGEST: Certificate = Certificate {
+        version: VERSION,
+        program: u32::MAX,
+        ticks: u64::MAX,
+        setpoint_hash: Some(u64::MAX),
+        measured: u64::MAX,
+        largest: Length::from_nm(i64::MIN),
+        squares: u64::MAX,
+        late: u32::MAX,
+    };
+
     #[test]
     fn the_hash_is_that_of_the_bytes_from_first_to_last_run() {
         let mut hash = SetpointHash::new();
@@ -370,19 +382,9 @@ mod tests {
 
     #[test]
     fn a_certificate_comes_back_equal() {
-        let certificate = Certificate {
-            version: VERSION,
-            program: u32::MAX,
-            ticks: u64::MAX,
-            setpoint_hash: Some(u64::MAX),
-            measured: u64::MAX,
-            largest: Length::from_nm(i64::MIN),
-            squares: u64::MAX,
-            late: u32::MAX,
-        };
         let mut bytes = [0; Certificate::BYTES];
-        let used = certificate.encode(&mut bytes).unwrap();
-        assert_eq!(Certificate::decode(&bytes[..used]), Ok(Ok(certificate)));
+        let used = LONGEST.encode(&mut bytes).unwrap();
+        assert_eq!(Certificate::decode(&bytes[..used]), Ok(Ok(LONGEST)));
     }
 
     #[test]
@@ -399,16 +401,7 @@ mod tests {
                 squares: u64::MAX,
             },
         };
-        let run = Certificate {
-            version: VERSION,
-            program: u32::MAX,
-            ticks: u64::MAX,
-            setpoint_hash: Some(u64::MAX),
-            measured: u64::MAX,
-            largest: Length::from_nm(i64::MIN),
-            squares: u64::MAX,
-            late: u32::MAX,
-        };
+        let run = LONGEST;
         let mut bytes = [0; Certificate::BYTES + 2 * ThreadCertificate::BYTES];
         let records = [record, record];
         let used = encode_certificates(&run, u32::MAX, &records, &mut bytes).unwrap();

@@ -49,6 +49,13 @@ impl Followed {
         }
     }
 
+    /// The same without a SYNC.
+    fn ticks_without(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick(0);
+        }
+    }
+
     fn until_tick(&mut self, tick: u64) {
         while self.bench.ticks < tick {
             self.tick(1);
@@ -133,9 +140,7 @@ fn one_or_two_that_do_not_come_are_setpoints_late_for_their_sync() {
             let what = format!("{gone} missing at {tick}");
             let mut followed = Followed::at_work(WORK);
             followed.until_tick(tick);
-            for _ in 0..gone {
-                followed.tick(0);
-            }
+            followed.ticks_without(gone);
             followed.run_out(&what);
             let bench = &followed.bench;
             assert_eq!(bench.alarm, None, "{what}");
@@ -204,9 +209,7 @@ fn three_that_do_not_come_stop_the_machine_and_nothing_jumps_when_the_beat_is_ba
                 let figures = [3, 8, 1000].map(Arg::Int);
                 assert_eq!(alarm.args[..3], figures, "{what}");
                 let stood = followed.bench.drives();
-                for _ in 3..gone {
-                    followed.tick(0);
-                }
+                followed.ticks_without(gone - 3);
                 followed.ticks(600);
                 let bench = &mut followed.bench;
                 assert_eq!(bench.drives(), stood, "{what}: a drive has moved");
@@ -253,23 +256,17 @@ fn a_spindle_does_not_turn_on_without_a_beat() {
             let mut followed = Followed::at_work(text);
             followed.until_tick(tick);
             let turning = followed.bench.sim.plant().truth();
-            for _ in 0..3 {
-                followed.tick(0);
-            }
+            followed.ticks_without(3);
             assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4379);
             // 600 rpm, by the ramp of a drive: a second is more than enough.
-            for _ in 0..1_000 {
-                followed.tick(0);
-            }
+            followed.ticks_without(1_000);
             let (rest, stands): (MilliRpm, FineTurns) = {
                 let truth = followed.bench.sim.plant().truth();
                 (truth.speed, truth.angle)
             };
             assert_eq!(rest, MilliRpm::STOPPED, "{what}, it had {turning:?}");
             followed.bench.sim.command(Command::Stop);
-            for _ in 0..20_000 {
-                followed.tick(0);
-            }
+            followed.ticks_without(20_000);
             assert_eq!(followed.bench.sim.plant().truth().angle, stands, "{what}");
             // Nor does it when the beat is back, before a reset.
             followed.ticks(600);
@@ -294,16 +291,12 @@ fn a_spindle_that_has_not_heard_of_it_hears_it_later() {
         .plant()
         .spindle_drive()
         .trouble(Trouble::CutOff);
-    for _ in 0..20 {
-        followed.tick(0);
-    }
+    followed.ticks_without(20);
     assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4379);
     let drive = followed.bench.sim.plant().spindle_drive();
     assert_eq!(drive.power(), Power::Enabled);
     drive.trouble(Trouble::None);
-    for _ in 0..16 {
-        followed.tick(0);
-    }
+    followed.ticks_without(16);
     let drive = followed.bench.sim.plant().spindle_drive();
     assert_eq!(drive.power(), Power::QuickStop);
     followed.ticks(1_000);
@@ -323,9 +316,7 @@ fn a_drive_in_fault_is_reset_behind_the_loss_of_the_beat() {
         .trouble(Trouble::Fault(0x7305));
     followed.ticks(20);
     assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4357);
-    for _ in 0..20 {
-        followed.tick(0);
-    }
+    followed.ticks_without(20);
     followed
         .bench
         .sim

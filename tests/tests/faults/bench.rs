@@ -351,7 +351,7 @@ fn phase(row: &Row) -> Option<i64> {
     Some(row.position.z.nm() + (turned >> 32) as i64)
 }
 
-/// The rows of `WORK` where nothing goes wrong.
+/// The rows of a program where nothing goes wrong.
 pub fn calm(params: &Params, text: &str) -> Vec<Row> {
     let mut bench = Bench::new(params);
     bench.load(text);

@@ -1,6 +1,5 @@
 //! Two boards on one wire, each with its drives, its spindle and its program: one gives the beat, the other follows.
 
-use leadscrew_board_sim::Row;
 use leadscrew_core::alarm::Arg;
 use leadscrew_core::board::{Command, State};
 use leadscrew_core::bus::{Frame, is_sync};
@@ -8,7 +7,7 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::limits::first_excess;
 
-use crate::bench::{Bench, TAP, WORK, with};
+use crate::bench::{Bench, TAP, WORK, calm, with};
 
 /// Another thread than in `WORK`, at another speed.
 const OTHER: &str =
@@ -67,16 +66,6 @@ impl Two {
     }
 }
 
-fn alone(params: &Params, text: &str) -> Vec<Row> {
-    let mut bench = Bench::new(params);
-    bench.load(text);
-    while !bench.waiting.is_empty() || bench.sim.is_busy() {
-        bench.tick();
-    }
-    assert_eq!(bench.alarm, None);
-    bench.rows
-}
-
 #[test]
 fn each_of_two_does_what_it_does_alone() {
     let [first, second] = params();
@@ -91,7 +80,7 @@ fn each_of_two_does_what_it_does_alone() {
             // The beat by which its drives came up had other counters.
             let seam = u32::from(params == &second);
             assert_eq!(bench.gateway.status.late, seam);
-            let alone = alone(params, text);
+            let alone = calm(params, text);
             assert!(alone.len() > 1_000);
             // Positions, spindle, what is done, the error of the synchronism: all of a row.
             assert!(bench.rows[..alone.len()] == alone[..], "{text}");
@@ -104,7 +93,7 @@ fn each_of_two_does_what_it_does_alone() {
 #[test]
 fn a_board_without_power_takes_the_beat_from_the_other_and_nothing_jumps() {
     let [first, second] = params();
-    let rows = alone(&second, OTHER);
+    let rows = calm(&second, OTHER);
     let locked = rows.iter().filter(|row| row.error.is_some());
     let stroke: Vec<u64> = locked.map(|row| row.tick).collect();
     for off in [1, 40, 2_000] {
