@@ -19,103 +19,26 @@
 //! whatever failed before, only as far as its reach from where it was last heard; beyond that it is told to stop by itself
 //! (0002h).
 
-use super::cia402::{Controlword, State, Statusword};
-use super::emcy::Emcy;
+pub(super) mod config;
+mod hear;
+#[cfg(test)]
+mod tests;
+mod tick;
+
+pub use config::{DriveConfig, FollowingLimit, Phase, Step};
+pub use tick::DriveOutput;
+
+#[cfg(feature = "fd")]
+use super::cia402::State;
 use super::failure::DriveFailure;
-use super::frame::{CobId, Frame, NodeId, Service};
-use super::increments::{Increments, Scale};
-use super::nmt::{NmtCommand, NmtState};
-use super::pdo::{DriveCommand, DriveStatus};
+use super::frame::{CobId, NodeId, Service};
+use super::increments::Increments;
+use super::pdo::DriveStatus;
 use super::periods::Periods;
 use crate::alarm::Alarm;
 
 /// Periods after which a drive that is stopped is told so again: the frame may have been lost.
 const STOPPED_AGAIN: Periods = Periods::new(15);
-
-/// What there is to know about a drive beforehand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DriveConfig {
-    /// Letter of the axis in messages: `b'X'`, `b'Z'`, `b'C'`, `b'S'` for a spindle.
-    pub letter: u8,
-    /// Its node.
-    pub node: NodeId,
-    /// Its increments; used here only to put positions into messages.
-    pub scale: Scale,
-    /// Time for each step of enabling, and for a fault reset.
-    pub step: Periods,
-    /// Time without a status after which an enabled drive counts as lost.
-    pub silence: Periods,
-    /// Following error; `None` for a drive that is not in position mode.
-    pub following: Option<FollowingLimit>,
-    /// How far from where it was last heard a silent drive may still be told to be, in increments. Counts in position mode.
-    pub reach: u32,
-}
-
-/// How far an enabled drive may be from its target, and for how long.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FollowingLimit {
-    /// The largest distance, in increments.
-    pub increments: u32,
-    /// How long a greater one is tolerated.
-    pub time: Periods,
-}
-
-/// A step on the way to operation enabled, or out of a fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// NMT start; waits for a status that shows the drive initialised.
-    Contact,
-    /// 0000h out of quick stop; waits for switch on disabled.
-    Release,
-    /// 0006h; waits for ready to switch on.
-    Shutdown,
-    /// 0007h; waits for switched on.
-    SwitchOn,
-    /// 000Fh; waits for operation enabled.
-    EnableOperation,
-    /// 0080h; waits for the fault to be gone.
-    FaultReset,
-}
-
-/// Where the master is with its drive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Not started: nothing is sent.
-    Offline,
-    /// Started and without torque.
-    Standby,
-    /// On the way.
-    Step(Step),
-    /// Operation enabled.
-    Enabled,
-    /// It is silent, and far from where it was last heard: if it hears anything, it is to stop by itself.
-    Halted,
-    /// It is told by network management to stop, again and again, and nothing else: it latches nothing, and what it does then
-    /// is its own affair (6007h).
-    Stopped,
-}
-
-/// The frames a master wants sent, in this order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DriveOutput {
-    /// An NMT command.
-    pub network: Option<Frame>,
-    /// RPDO1.
-    pub command: Option<Frame>,
-}
-
-impl DriveOutput {
-    /// Gives the frames to `put`.
-    #[inline]
-    pub(crate) fn each(self, put: &mut impl FnMut(Frame)) {
-        if let Some(network) = self.network {
-            put(network);
-        }
-        if let Some(command) = self.command {
-            put(command);
-        }
-    }
-}
 
 /// The master of one drive. Frames from the bus go into [`DriveMaster::receive`]; once in every SYNC period
 /// [`DriveMaster::tick`] gives the frames to send.
@@ -307,28 +230,6 @@ impl DriveMaster {
         }
     }
 
-    /// Takes a frame from the bus. True if it came from this drive.
-    pub fn receive(&mut self, frame: &Frame) -> bool {
-        // What comes all the time comes first.
-        if frame.id() == self.status_id {
-            return DriveStatus::payload(frame)
-                .map(|status| self.hear(status))
-                .is_some();
-        }
-        let Some((service, node)) = frame.id().service() else {
-            return false;
-        };
-        if node != self.config.node {
-            return false;
-        }
-        match service {
-            Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
-            Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.error_code = emcy.code),
-            _ => None,
-        }
-        .is_some()
-    }
-
     /// True where the drive has told the same position `times` times in a row.
     #[must_use]
     pub const fn has_told_the_same(&self, times: u8) -> bool {
@@ -346,288 +247,16 @@ impl DriveMaster {
         self.waited = Periods::new(0);
     }
 
-    /// `more` further periods go by before the next [`tick`](Self::tick): its times count them, too.
-    pub fn skip(&mut self, more: Periods) {
-        self.quiet = self.quiet.plus(more);
-        if let Phase::Step(_) = self.phase {
-            self.waited = self.waited.plus(more);
-        }
-    }
-
-    fn hear(&mut self, status: DriveStatus) {
-        let stands = self.status.is_some_and(|last| last.actual == status.actual);
-        if !stands {
-            self.same = 1;
-        } else if self.quiet != Periods::new(0) {
-            // A frame that comes twice says nothing new.
-            self.same = self.same.saturating_add(1);
-        }
-        self.status = Some(status);
-        self.quiet = Periods::new(0);
-        self.answered = true;
-        if self.phase == Phase::Enabled && status.status.is_enabled() {
-            self.measure(status.actual);
-            return;
-        }
-        self.hear_on_the_way(status);
-    }
-
-    /// The status of a drive that is not enabled, or not any more.
-    #[cold]
-    #[inline(never)]
-    fn hear_on_the_way(&mut self, status: DriveStatus) {
-        let state = status.status.state();
-        if self.phase == Phase::Enabled {
-            match state {
-                Some(State::Fault | State::FaultReactionActive) => self.fault(status.status),
-                _ => self.fail(DriveFailure::Lost(status.status), Phase::Standby),
-            }
-            return;
-        }
-        if let Phase::Step(step) = self.phase {
-            self.advance(step, status.status, state);
-        }
-        // Until the drive is enabled its target is where it is. At the very moment it is, its target is what it was
-        // enabled with, and stays.
-        if self.phase != Phase::Enabled {
-            self.target = status.actual;
-        }
-    }
-
-    fn advance(&mut self, step: Step, status: Statusword, state: Option<State>) {
-        let in_fault = matches!(state, Some(State::Fault | State::FaultReactionActive));
-        match (step, state) {
-            (Step::FaultReset, Some(_)) if !in_fault => self.phase = Phase::Standby,
-            (Step::FaultReset, _) => {}
-            (_, Some(State::Fault)) => self.fault(status),
-            (_, None | Some(State::NotReadyToSwitchOn | State::FaultReactionActive)) => {}
-            (Step::Contact, Some(State::QuickStopActive)) => self.enter(Step::Release),
-            (Step::Contact, Some(_)) => self.enter(Step::Shutdown),
-            (Step::Release, Some(State::SwitchOnDisabled)) => self.enter(Step::Shutdown),
-            (Step::Shutdown, Some(State::ReadyToSwitchOn)) => self.enter(Step::SwitchOn),
-            (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
-            (Step::EnableOperation, Some(State::OperationEnabled)) => {
-                self.phase = Phase::Enabled;
-                self.waited = Periods::new(0);
-                self.follows = false;
-                self.astray = Periods::new(0);
-            }
-            _ => {}
-        }
-    }
-
-    /// A status may be heard before or after the RPDO of its period is sent: the nearer of the last two targets counts.
-    fn measure(&mut self, actual: Increments) {
-        if self.missed && !self.is_found(actual) {
-            return;
-        }
-        let distance = actual
-            .distance(self.target)
-            .min(actual.distance(self.last_target));
-        let astray = self
-            .config
-            .following
-            .is_some_and(|limit| distance > limit.increments);
-        if !astray {
-            self.astray = Periods::new(0);
-        } else if self.astray == Periods::new(0) {
-            self.astray = Periods::new(1);
-        }
-    }
-
-    /// The first status behind a silence. False where the drive has not heard where it was to be, and would set out to be
-    /// there now.
-    #[cold]
-    #[inline(never)]
-    fn is_found(&mut self, actual: Increments) -> bool {
-        self.missed = false;
-        let reach = self.config.reach;
-        let found = [self.target, self.last_target]
-            .into_iter()
-            .any(|target| actual.turned(target) <= reach);
-        if !found {
-            self.phase = Phase::Standby;
-        }
-        found
-    }
-
-    fn hear_state(&mut self, state: NmtState) {
-        if state != NmtState::BootUp {
-            return;
-        }
-        match self.phase {
-            Phase::Offline | Phase::Stopped => {}
-            // It came up only now: it has not heard the first start.
-            Phase::Step(Step::Contact) => self.start = true,
-            Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {
-                self.fail(DriveFailure::Restarted, Phase::Offline);
-            }
-        }
-    }
-
-    /// One SYNC period: checks the times and gives the frames to send. `demand` is where the axis is to be at the next
-    /// SYNC; `None` holds it where it is, and so does every demand until the drive is enabled and taken up.
-    pub fn tick(&mut self, demand: Option<Increments>) -> DriveOutput {
-        match self.follow_on(demand) {
-            Some(command) => DriveOutput {
-                network: None,
-                command: Some(command),
-            },
-            None => self.tick_slowly(demand),
-        }
-    }
-
-    /// What nearly every tick is: enabled, heard lately, where it should be, on its way. The RPDO1 to send; `None`, and
-    /// nothing changes, where it is not so: [`tick_slowly`](Self::tick_slowly) does the rest then.
-    #[inline]
-    pub(crate) fn follow_on(&mut self, demand: Option<Increments>) -> Option<Frame> {
-        let usual = self.phase == Phase::Enabled
-            && (self.follows || demand.is_none())
-            && self.quiet < self.config.silence
-            && self.astray == Periods::new(0)
-            && !self.start;
-        if !usual {
-            return None;
-        }
-        self.quiet = self.quiet.one_more();
-        self.last_target = self.target;
-        self.target = demand.unwrap_or(self.target);
-        Some(self.command(Controlword::ENABLE_OPERATION))
-    }
-
-    fn command(&self, control: Controlword) -> Frame {
-        DriveCommand {
-            control,
-            target: self.target,
-        }
-        .frame(self.config.node)
-    }
-
-    /// The other ticks.
-    #[inline(never)]
-    pub(crate) fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
-        self.check_times();
-        let command = match self.phase {
-            Phase::Stopped if self.waited == Periods::new(0) => Some(NmtCommand::Stop),
-            _ => core::mem::take(&mut self.start).then_some(NmtCommand::Start),
-        };
-        let network = command.map(|command| command.frame(Some(self.config.node)));
-        self.last_target = self.target;
-        if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
-            self.missed |= self.is_silent();
-            if self.is_out_of_reach(demand) {
-                self.phase = Phase::Halted;
-            } else {
-                self.follow(demand);
-            }
-        }
-        let control = match self.phase {
-            // A drive that has not answered has no position to be held at.
-            Phase::Offline | Phase::Step(Step::Contact) | Phase::Stopped => None,
-            Phase::Step(Step::Release) => Some(Controlword::DISABLE_VOLTAGE),
-            Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
-            Phase::Halted => Some(Controlword::QUICK_STOP),
-            Phase::Step(Step::SwitchOn) => Some(Controlword::SWITCH_ON),
-            Phase::Step(Step::EnableOperation) | Phase::Enabled => {
-                Some(Controlword::ENABLE_OPERATION)
-            }
-            // The bit must rise: the first word of this step has it low.
-            Phase::Step(Step::FaultReset) if self.waited <= Periods::new(1) => {
-                Some(Controlword::DISABLE_VOLTAGE)
-            }
-            Phase::Step(Step::FaultReset) => Some(Controlword::FAULT_RESET),
-        };
-        DriveOutput {
-            network,
-            command: control.map(|control| self.command(control)),
-        }
-    }
-
-    fn follow(&mut self, demand: Increments) {
-        if !self.follows {
-            // Where increments are finer than nanometres, the same nanometre may be another increment. A division, which
-            // is over with once the drive follows.
-            let one_nanometre = self.config.scale.limit(1);
-            self.follows = demand.distance(self.target) <= one_nanometre;
-        }
-        if self.follows {
-            self.target = demand;
-            return;
-        }
-        self.waited = self.waited.one_more();
-        if self.waited > self.config.step {
-            self.latch(DriveFailure::Jump {
-                target: self.target,
-                demand,
-            });
-        }
-    }
-
-    fn check_times(&mut self) {
-        self.quiet = self.quiet.one_more();
-        match self.phase {
-            Phase::Step(step) => {
-                self.waited = self.waited.one_more();
-                if self.waited > self.config.step {
-                    self.step_failed(step);
-                }
-            }
-            Phase::Enabled if self.is_silent() => {
-                self.latch(DriveFailure::Silent);
-            }
-            Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
-            Phase::Stopped if self.waited < STOPPED_AGAIN => self.waited = self.waited.one_more(),
-            Phase::Stopped => self.waited = Periods::new(0),
-            Phase::Enabled | Phase::Standby | Phase::Offline | Phase::Halted => {}
-        }
-    }
-
     /// True while no status comes, whatever has failed before.
     #[must_use]
     pub(crate) const fn is_silent(&self) -> bool {
         self.quiet.get() > self.config.silence.get()
     }
 
-    /// One that is silent may hear, and is braked with the others; or it hears nothing and stands where it was. Then a
-    /// setpoint that reaches it again must not be a leap: farther from where it was last heard than its reach, it gets none.
-    fn is_out_of_reach(&self, demand: Increments) -> bool {
-        let Some(status) = self.status else {
-            return false;
-        };
-        self.is_silent() && demand.turned(status.actual) > self.config.reach
-    }
-
-    fn check_following(&mut self) {
-        let (Some(limit), Some(status)) = (self.config.following, self.status) else {
-            return;
-        };
-        if self.astray > limit.time {
-            self.latch(DriveFailure::Following {
-                target: self.target,
-                actual: status.actual,
-            });
-        }
-        self.astray = self.astray.one_more();
-    }
-
-    fn step_failed(&mut self, step: Step) {
-        match self.status {
-            Some(status) if self.answered => {
-                self.fail(DriveFailure::Step(step, status.status), Phase::Standby);
-            }
-            _ => self.fail(DriveFailure::NoAnswer, Phase::Offline),
-        }
-    }
-
     const fn enter(&mut self, step: Step) {
         self.phase = Phase::Step(step);
         self.waited = Periods::new(0);
         self.answered = false;
-    }
-
-    fn fault(&mut self, status: Statusword) {
-        let code = self.error_code;
-        self.fail(DriveFailure::Fault { status, code }, Phase::Standby);
     }
 
     #[cold]
@@ -656,6 +285,3 @@ impl DriveMaster {
         self.failure.map(|failure| failure.alarm(&self.config))
     }
 }
-
-#[cfg(test)]
-mod tests;

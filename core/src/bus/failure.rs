@@ -1,7 +1,7 @@
 //! What can go wrong with a drive, and how it is told.
 
 use super::cia402::Statusword;
-use super::drive::{DriveConfig, Step};
+use super::drive::config::{DriveConfig, Step};
 use super::increments::Increments;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::units::{Angle, Length};

@@ -3,7 +3,7 @@ extern crate std;
 
 use super::*;
 use crate::alarm::{Arg, Code};
-use crate::bus::CobId;
+use crate::bus::{CobId, DriveCommand, Emcy, Frame, NmtState, Scale, Statusword};
 use crate::units::Length;
 use std::string::String;
 use std::vec::Vec;

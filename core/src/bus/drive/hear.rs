@@ -1,0 +1,152 @@
+//! What the master hears: the frames of its drive, and where they lead.
+//!
+//! Nothing is sent from here and no time goes by: that is the tick's.
+
+use super::{DriveFailure, DriveMaster, Phase, Step};
+use crate::bus::cia402::{State, Statusword};
+use crate::bus::emcy::Emcy;
+use crate::bus::frame::{Frame, Service};
+use crate::bus::increments::Increments;
+use crate::bus::nmt::NmtState;
+use crate::bus::pdo::DriveStatus;
+use crate::bus::periods::Periods;
+
+impl DriveMaster {
+    /// Takes a frame from the bus. True if it came from this drive.
+    pub fn receive(&mut self, frame: &Frame) -> bool {
+        // What comes all the time comes first.
+        if frame.id() == self.status_id {
+            return DriveStatus::payload(frame)
+                .map(|status| self.hear(status))
+                .is_some();
+        }
+        let Some((service, node)) = frame.id().service() else {
+            return false;
+        };
+        if node != self.config.node {
+            return false;
+        }
+        match service {
+            Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
+            Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.error_code = emcy.code),
+            _ => None,
+        }
+        .is_some()
+    }
+
+    fn hear(&mut self, status: DriveStatus) {
+        let stands = self.status.is_some_and(|last| last.actual == status.actual);
+        if !stands {
+            self.same = 1;
+        } else if self.quiet != Periods::new(0) {
+            // A frame that comes twice says nothing new.
+            self.same = self.same.saturating_add(1);
+        }
+        self.status = Some(status);
+        self.quiet = Periods::new(0);
+        self.answered = true;
+        if self.phase == Phase::Enabled && status.status.is_enabled() {
+            self.measure(status.actual);
+            return;
+        }
+        self.hear_on_the_way(status);
+    }
+
+    /// The status of a drive that is not enabled, or not any more.
+    #[cold]
+    #[inline(never)]
+    fn hear_on_the_way(&mut self, status: DriveStatus) {
+        let state = status.status.state();
+        if self.phase == Phase::Enabled {
+            match state {
+                Some(State::Fault | State::FaultReactionActive) => self.fault(status.status),
+                _ => self.fail(DriveFailure::Lost(status.status), Phase::Standby),
+            }
+            return;
+        }
+        if let Phase::Step(step) = self.phase {
+            self.advance(step, status.status, state);
+        }
+        // Until the drive is enabled its target is where it is. At the very moment it is, its target is what it was
+        // enabled with, and stays.
+        if self.phase != Phase::Enabled {
+            self.target = status.actual;
+        }
+    }
+
+    fn advance(&mut self, step: Step, status: Statusword, state: Option<State>) {
+        let in_fault = matches!(state, Some(State::Fault | State::FaultReactionActive));
+        match (step, state) {
+            (Step::FaultReset, Some(_)) if !in_fault => self.phase = Phase::Standby,
+            (Step::FaultReset, _) => {}
+            (_, Some(State::Fault)) => self.fault(status),
+            (_, None | Some(State::NotReadyToSwitchOn | State::FaultReactionActive)) => {}
+            (Step::Contact, Some(State::QuickStopActive)) => self.enter(Step::Release),
+            (Step::Contact, Some(_)) => self.enter(Step::Shutdown),
+            (Step::Release, Some(State::SwitchOnDisabled)) => self.enter(Step::Shutdown),
+            (Step::Shutdown, Some(State::ReadyToSwitchOn)) => self.enter(Step::SwitchOn),
+            (Step::SwitchOn, Some(State::SwitchedOn)) => self.enter(Step::EnableOperation),
+            (Step::EnableOperation, Some(State::OperationEnabled)) => {
+                self.phase = Phase::Enabled;
+                self.waited = Periods::new(0);
+                self.follows = false;
+                self.astray = Periods::new(0);
+            }
+            _ => {}
+        }
+    }
+
+    /// A status may be heard before or after the RPDO of its period is sent: the nearer of the last two targets counts.
+    fn measure(&mut self, actual: Increments) {
+        if self.missed && !self.is_found(actual) {
+            return;
+        }
+        let distance = actual
+            .distance(self.target)
+            .min(actual.distance(self.last_target));
+        let astray = self
+            .config
+            .following
+            .is_some_and(|limit| distance > limit.increments);
+        if !astray {
+            self.astray = Periods::new(0);
+        } else if self.astray == Periods::new(0) {
+            self.astray = Periods::new(1);
+        }
+    }
+
+    /// The first status behind a silence. False where the drive has not heard where it was to be, and would set out to be
+    /// there now.
+    #[cold]
+    #[inline(never)]
+    fn is_found(&mut self, actual: Increments) -> bool {
+        self.missed = false;
+        let reach = self.config.reach;
+        let found = [self.target, self.last_target]
+            .into_iter()
+            .any(|target| actual.turned(target) <= reach);
+        if !found {
+            self.phase = Phase::Standby;
+        }
+        found
+    }
+
+    fn hear_state(&mut self, state: NmtState) {
+        if state != NmtState::BootUp {
+            return;
+        }
+        match self.phase {
+            Phase::Offline | Phase::Stopped => {}
+            // It came up only now: it has not heard the first start.
+            Phase::Step(Step::Contact) => self.start = true,
+            Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {
+                self.fail(DriveFailure::Restarted, Phase::Offline);
+            }
+        }
+    }
+
+    fn fault(&mut self, status: Statusword) {
+        let code = self.error_code;
+        self.fail(DriveFailure::Fault { status, code }, Phase::Standby);
+    }
+}
