@@ -5,6 +5,7 @@ pub mod hostile;
 pub mod limits;
 pub mod long_program;
 pub mod machine;
+pub mod params;
 pub mod random;
 pub mod soak;
 pub mod stream;

@@ -4,11 +4,12 @@
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::limits::{first_excess, first_excess_with};
 use leadscrew_tests::machine::{Ran, run};
+use leadscrew_tests::params::with;
 
 /// One coarse thread, three passes, with a run-out.
 const THREAD: &str = "M3 S300\nG4 P500\nG0 X80 Z10\nG76 P010560 Q1500 R0.1\nG76 X76 Z-30 P2000 Q1500 F3\nG0 X100 Z50\nM30\n";
@@ -100,10 +101,7 @@ fn passes_fall_into_one_groove_at_any_speed() {
 
 /// A machine that retracts at once on feed hold.
 fn retracting() -> Params {
-    let mut params = Params::slant_bed();
-    let entry = Entry::find_text("9008.0").expect("a parameter");
-    params.set(entry, 1).expect("in its range");
-    params
+    with(&[("9008.0", 1)])
 }
 
 #[test]

@@ -8,10 +8,10 @@ use leadscrew_core::board::{Board, Command, Event, Output, State};
 use leadscrew_core::bus::{
     CobId, DriveCommand, FdFrame, Frame, Mapped, NmtCommand, NodeId, Service, Setpoints,
 };
-use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Call, Position};
 use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::machine::calls;
+use leadscrew_tests::params::with;
 
 /// A thread, a tap with spindle 1, and one with spindle 3 where there is one.
 const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q3000 F1\nG0 X0 Z5\nM5\n\
@@ -30,10 +30,7 @@ struct Bench {
 
 impl Bench {
     fn new(set: &[(&str, i64)]) -> Self {
-        let mut params = Params::slant_bed();
-        for (key, value) in set {
-            params.set(Entry::find_text(key).unwrap(), *value).unwrap();
-        }
+        let params = with(set);
         let mut waiting = calls(WORK, &params);
         waiting.reverse();
         // A status in every period, so that it is the same whose drive was started when.
@@ -247,10 +244,9 @@ fn apart(frame: i64, drives: &[(&str, i64)], board: &[(&str, i64)]) -> Bench {
     let mut of_board = vec![("9031", frame)];
     of_board.extend(board);
     let mut bench = Bench::new(&of_board);
-    let mut params = Params::slant_bed();
-    for (key, value) in [("9031", frame)].iter().chain(drives) {
-        params.set(Entry::find_text(key).unwrap(), *value).unwrap();
-    }
+    let mut of_drives = vec![("9031", frame)];
+    of_drives.extend(drives);
+    let params = with(&of_drives);
     let at = Position {
         x: Length::from_nm(30_000_000),
         z: Length::from_nm(-50_000_000),
@@ -328,8 +324,7 @@ fn two_drives_at_one_place_are_found_before_either_has_torque() {
     }
     assert_eq!(bench.board.ticker().state(), State::Idle);
     listen_at_the_place_of_x(&mut bench);
-    let mut params = Params::slant_bed();
-    params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
+    let params = with(&[("9031", 1)]);
     bench.board = Board::new(&params, None, None).unwrap();
     for _ in 0..3 {
         for _ in 0..2_000 {

@@ -7,11 +7,12 @@ use leadscrew_board_sim::plant::{PlantOptions, Trouble};
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Command, Event, State};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position};
 use leadscrew_core::units::Axis;
 use leadscrew_tests::limits::{first_excess, first_excess_with};
 use leadscrew_tests::machine::{calls, machine};
+use leadscrew_tests::params::with;
 
 /// A thread without a run-out, two passes, then a groove of one column, short ways.
 const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
@@ -171,10 +172,7 @@ fn places(rows: &[Row], step: usize) -> impl Iterator<Item = u64> {
 }
 
 fn retracting() -> Params {
-    let mut params = Params::slant_bed();
-    let entry = Entry::find_text("9008.0").expect("a parameter");
-    params.set(entry, 1).expect("in its range");
-    params
+    with(&[("9008.0", 1)])
 }
 
 #[test]

@@ -14,6 +14,7 @@ use leadscrew_core::link::{ImageWriter, decode_changes, identity};
 use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
 
 use crate::gateway::{Gateway, NODE};
+use crate::params;
 
 const IMAGE: Object = Object::new(0x5010, 1);
 const RECALL: Object = Object::new(0x5010, 5);
@@ -54,18 +55,14 @@ fn entry(key: &str) -> &'static Entry {
     Entry::find_text(key).expect("a parameter")
 }
 
-fn put(params: &mut Params, key: &str, raw: i64) {
-    params.set(entry(key), raw).expect("in its range");
-}
-
 /// One of some sets. Those of a kind differ in their password alone.
 fn set(choice: u8) -> Params {
     let mut params = Params::slant_bed();
     // Nobody is watched for: who has the door open keeps it open.
-    put(&mut params, "9024", 0);
-    put(&mut params, "9007", i64::from(choice & 7) + 10);
+    params::set(&mut params, "9024", 0);
+    params::set(&mut params, "9007", i64::from(choice & 7) + 10);
     if choice & 0x08 != 0 {
-        put(&mut params, "9026.0", 0);
+        params::set(&mut params, "9026.0", 0);
     }
     if choice & 0x10 != 0 {
         // Too much for 5010h:0Ah.
@@ -78,11 +75,11 @@ fn set(choice: u8) -> Params {
     }
     if choice & 0x20 != 0 {
         // In its range each, and no machine together.
-        put(&mut params, "1320.X", -1_000_000_000);
-        put(&mut params, "1321.X", 1_000_000_000);
+        params::set(&mut params, "1320.X", -1_000_000_000);
+        params::set(&mut params, "1321.X", 1_000_000_000);
     }
     let password = [0, PASSWORD_KEPT, 4711, 4712][usize::from(choice >> 6)];
-    put(&mut params, "9028", password);
+    params::set(&mut params, "9028", password);
     params
 }
 
@@ -94,7 +91,7 @@ fn password(params: &Params) -> i64 {
 fn taken(sent: &Params, force: &Params) -> Params {
     let mut params = sent.clone();
     if password(sent) == PASSWORD_KEPT {
-        put(&mut params, "9028", password(force));
+        params::set(&mut params, "9028", password(force));
     }
     params
 }
@@ -274,7 +271,7 @@ impl Bus {
             11 => {
                 let outcome = self.write(BUILT_IN, &LOAD.to_le_bytes());
                 let mut wanted = Params::slant_bed();
-                put(&mut wanted, "9028", password(&self.force));
+                params::set(&mut wanted, "9028", password(&self.force));
                 self.outcome(outcome, &[wanted]);
             }
             12 => self.look(),
@@ -286,7 +283,7 @@ impl Bus {
             14 => {
                 let outcome = self.write(Object::new(0x2000 + 9026, 0), &[choice & 1]);
                 let mut wanted = self.force.clone();
-                put(&mut wanted, "9026.0", i64::from(choice & 1));
+                params::set(&mut wanted, "9026.0", i64::from(choice & 1));
                 self.outcome(outcome, &[wanted]);
             }
             _ => (0..choice).for_each(|_| self.tick()),

@@ -4,8 +4,10 @@ use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::board::{Found, KeptSet, Mark, PowerUp};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_store::{BUFFER, Region, Store};
+
+use crate::params::with;
 
 /// The first byte chooses: an entry of the tap journal, the image of a flash in a file, pages in the flash itself, a
 /// parameter set, or what a board decides over two of them.
@@ -56,12 +58,7 @@ fn set(bytes: &[u8]) {
 
 /// Two sets and a mark with some bytes changed. What is in force without an alarm is one of those that were stored.
 fn power_up(changes: &[u8]) {
-    let sets = [7, 8].map(|number: u32| {
-        let mut params = Params::slant_bed();
-        let entry = Entry::find_text("9022").expect("a parameter");
-        params.set(entry, number.into()).expect("in its range");
-        (number, params)
-    });
+    let sets = [7, 8].map(|number: u32| (number, with(&[("9022", number.into())])));
     let mut stored = sets.each_ref().map(|(number, params)| {
         let mut bytes = vec![0; KeptSet::BYTES];
         let number = *number;

@@ -6,7 +6,8 @@ use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::Params;
 
 use super::bench::Bench;
-use super::shift::{LONGEST, Shift, changed, set};
+use super::shift::{LONGEST, Shift, changed};
+use crate::params::set;
 
 /// A set that comes into force at once.
 const IMAGE: Object = Object::new(0x5010, 1);

@@ -6,7 +6,7 @@ use leadscrew_core::alarm::Code;
 use leadscrew_core::board::State;
 use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError};
 use leadscrew_core::link::identity;
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position, TapAxis};
 use leadscrew_core::units::{Length, Turns};
 
@@ -15,6 +15,7 @@ use super::operator::{Mood, Operator};
 use super::programs::{self, Program};
 use super::watch::Judged;
 use crate::gateway::{BATCH, Upload};
+use crate::params::set;
 use crate::random::Random;
 
 /// A program undisturbed, and any stop, is over within so many ticks.
@@ -41,11 +42,6 @@ impl Drop for Shift {
             );
         }
     }
-}
-
-pub(super) fn set(params: &mut Params, number: &str, value: i64) {
-    let entry = Entry::find_text(number).expect("a parameter");
-    params.set(entry, value).expect("in its range");
 }
 
 /// A machine that is not like the built-in one.

@@ -9,7 +9,7 @@ use leadscrew_board_sim::{Direction, Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::bus::{Frame, Scale};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Position};
 use leadscrew_core::units::Axis;
 use leadscrew_tests::gateway::Gateway;
@@ -29,16 +29,6 @@ const NEXT: &str =
 
 /// Ticks within which any stop must be over.
 const PATIENCE: u64 = 6_000;
-
-/// The built-in machine with other values.
-pub fn with(values: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (key, raw) in values {
-        let entry = Entry::find_text(key).expect("a parameter");
-        params.set(entry, *raw).expect("in its range");
-    }
-    params
-}
 
 /// Ticks without an end.
 pub const fn from(tick: u64) -> Span {

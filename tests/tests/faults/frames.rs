@@ -7,7 +7,8 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{BATCH, NODE, Upload};
 use leadscrew_tests::machine::calls;
 
-use crate::bench::{Bench, TAP, WORK, calm, with};
+use crate::bench::{Bench, TAP, WORK, calm};
+use leadscrew_tests::params::with;
 
 /// What a wire to the drives may do without a drive counting as silent.
 const WORN: Noise = Noise {

@@ -9,7 +9,8 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{BATCH, NODE, Upload};
 use leadscrew_tests::machine::calls;
 
-use crate::bench::{Bench, TAP, WORK, calm, with};
+use crate::bench::{Bench, TAP, WORK, calm};
+use leadscrew_tests::params::with;
 
 fn heartbeat() -> Frame {
     NmtState::Operational.frame(NodeId::GATEWAY)

@@ -5,7 +5,8 @@ use leadscrew_core::alarm::Arg;
 use leadscrew_core::bus::{Object, SdoProtocol};
 use leadscrew_core::params::Params;
 
-use crate::bench::{Bench, WORK, calm, places, span, with};
+use crate::bench::{Bench, WORK, calm, places, span};
+use leadscrew_tests::params::with;
 
 fn late(tick: u64, ticks: u64) -> Faults {
     Faults {

@@ -6,7 +6,8 @@ use leadscrew_core::board::{Command, State};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 
-use crate::bench::{Bench, WORK, calm, places, span, with};
+use crate::bench::{Bench, WORK, calm, places, span};
+use leadscrew_tests::params::with;
 
 fn second(what: Intruder, tick: u64, ticks: u64) -> Faults {
     Faults {

@@ -6,9 +6,10 @@ use leadscrew_core::board::Event;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::{Ran, run};
+use leadscrew_tests::params::with;
 
 use super::hole::{Hole, plain};
-use super::watch::{depth, locked, machine, rippling, tap, worst};
+use super::watch::{depth, locked, rippling, tap, worst};
 
 fn forms() -> [Hole; 3] {
     let hole = Hole {
@@ -55,10 +56,10 @@ fn the_setpoint_is_on_the_measured_law() {
         (0, 0, 400, 750),
         (0, 10, 600, 900),
     ] {
-        let params = machine(&[("9006.0", edge)]);
+        let params = with(&[("9006.0", edge)]);
         for deep in [0, 1] {
             let params = if deep == 1 {
-                machine(&[("9006.0", edge), ("5200.5", 1)])
+                with(&[("9006.0", edge), ("5200.5", 1)])
             } else {
                 params.clone()
             };
@@ -80,14 +81,14 @@ fn the_setpoint_is_on_the_measured_law() {
 /// lead, the way onto the lead and off it too.
 #[test]
 fn joining_and_leaving_keep_the_jerk() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let ran = tap(&plain(), &params, &PlantOptions::default());
     assert_eq!(first_excess(&ran.rows, &params), None);
 }
 
 #[test]
 fn the_spindle_turns_in_stops_and_turns_out() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let ran = tap(&plain(), &params, &PlantOptions::default());
     let rows: Vec<_> = locked(&ran).collect();
     let speed = |a: usize| {
@@ -132,9 +133,9 @@ fn pecks_turn_round_where_the_moves_say() {
             );
         }
     };
-    let fast = tap(&hole, &machine(&[]), &PlantOptions::default());
+    let fast = tap(&hole, &with(&[]), &PlantOptions::default());
     close(&turns(&fast, &hole), &[5, 4, 10, 9, 12]);
-    let deep = tap(&hole, &machine(&[("5200.5", 1)]), &PlantOptions::default());
+    let deep = tap(&hole, &with(&[("5200.5", 1)]), &PlantOptions::default());
     close(&turns(&deep, &hole), &[5, 0, 10, 0, 12]);
     // Between two deep pecks the tap is at R exactly.
     let at_r = turns(&deep, &hole);
@@ -145,7 +146,7 @@ fn pecks_turn_round_where_the_moves_say() {
 #[test]
 fn every_move_of_the_list_is_told() {
     for (deep, moves) in [(0, 11), (1, 13)] {
-        let params = machine(&[("5200.5", deep)]);
+        let params = with(&[("5200.5", deep)]);
         let hole = Hole {
             dwell: 60,
             ..plain()
@@ -169,7 +170,7 @@ fn every_move_of_the_list_is_told() {
 /// A re-entry falls into the thread that is there: the law of a hole has one origin.
 #[test]
 fn every_peck_is_in_the_same_thread() {
-    let params = machine(&[("5200.5", 1)]);
+    let params = with(&[("5200.5", 1)]);
     let hole = plain().pecked(3_000, 500);
     let ran = tap(&hole, &params, &rippling(10));
     let lead = hole.lead as f64 * 1000.0;
@@ -185,7 +186,7 @@ fn every_peck_is_in_the_same_thread() {
 
 #[test]
 fn a_left_hand_tap_turns_the_other_way() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let right = tap(&plain(), &params, &PlantOptions::default());
     let hole = Hole {
         rpm: -500,
@@ -203,7 +204,7 @@ fn a_left_hand_tap_turns_the_other_way() {
 
 #[test]
 fn a_side_tap_follows_on_x() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let text = "M3 S400\nG0 X60\nG99 G88 X30 R-5 F1\nG80\nM30\n";
     let ran = run(text, &params, &PlantOptions::default(), |_, _| {});
     assert_eq!(ran.alarm, None);
@@ -221,7 +222,7 @@ fn a_side_tap_follows_on_x() {
 /// Several holes in one program: each begins when the spindle turns at S again.
 #[test]
 fn hole_after_hole() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = plain();
     let text = format!("M3 S500\n{} K2\nX0 M4\nG80\nM30\n", hole.block(0));
     let ran = run(&text, &params, &PlantOptions::default(), |_, _| {});
@@ -243,7 +244,7 @@ fn hole_after_hole() {
 fn the_lag_of_the_axis_is_made_up_for() {
     let hole = plain();
     let at = |lag: i64| {
-        let ran = tap(&hole, &machine(&[("5275", lag)]), &PlantOptions::default());
+        let ran = tap(&hole, &with(&[("5275", lag)]), &PlantOptions::default());
         let rows: Vec<_> = locked(&ran).cloned().collect();
         // At S on the way in: how far the axis is ahead of where it is for the angle of its own instant.
         let (a, b) = (&rows[200], &rows[500]);

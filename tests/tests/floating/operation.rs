@@ -5,9 +5,10 @@ use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::board::{Command, State};
 use leadscrew_core::params::Params;
 use leadscrew_tests::machine::{Ran, run};
+use leadscrew_tests::params::with;
 
 use super::hole::{Hole, plain};
-use super::watch::{depth, judge, locked, machine, tap};
+use super::watch::{depth, judge, locked, tap};
 
 fn forms() -> [(Hole, i64); 3] {
     let hole = Hole {
@@ -62,7 +63,7 @@ fn span(hole: &Hole, params: &Params) -> (u64, u64) {
 #[test]
 fn feed_hold_not_allowed_rests_at_r() {
     for (hole, deep) in forms() {
-        let params = machine(&[("5200.5", deep)]);
+        let params = with(&[("5200.5", deep)]);
         let (first, last) = span(&hole, &params);
         for tick in (first..last).step_by(211) {
             let (ran, rest) = held(&hole, &params, tick);
@@ -75,7 +76,7 @@ fn feed_hold_not_allowed_rests_at_r() {
 
 #[test]
 fn feed_hold_between_deep_pecks_goes_on_with_the_rest() {
-    let params = machine(&[("5200.5", 1)]);
+    let params = with(&[("5200.5", 1)]);
     let hole = plain().pecked(4_000, 700);
     let (first, _) = span(&hole, &params);
     let (ran, rest) = held(&hole, &params, first + 5);
@@ -88,7 +89,7 @@ fn feed_hold_between_deep_pecks_goes_on_with_the_rest() {
 #[test]
 fn feed_hold_allowed_rests_with_the_spindle_and_stays_in_the_thread() {
     for (hole, deep) in forms() {
-        let params = machine(&[("5200.5", deep), ("5200.6", 1)]);
+        let params = with(&[("5200.5", deep), ("5200.6", 1)]);
         let (first, last) = span(&hole, &params);
         for tick in (first..last).step_by(173) {
             let (ran, rest) = held(&hole, &params, tick);
@@ -114,7 +115,7 @@ fn feed_hold_allowed_rests_with_the_spindle_and_stays_in_the_thread() {
 
 #[test]
 fn single_block_stops_after_the_hole_only() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = plain();
     let mut stops = Vec::new();
     let ran = run(
@@ -140,7 +141,7 @@ fn single_block_stops_after_the_hole_only() {
 
 #[test]
 fn overrides_do_not_act_in_the_hole() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = plain();
     let with = |commands: &[Command], before: bool| {
         let ran = run(
@@ -173,7 +174,7 @@ fn overrides_do_not_act_in_the_hole() {
 /// The alarm comes before action 1: nothing has moved.
 #[test]
 fn a_standing_spindle_is_an_alarm_before_anything_moves() {
-    let params = machine(&[]);
+    let params = with(&[]);
     for text in [
         "S500\nG99 X10 G84 Z-20 R-5 F1\nM30\n",
         "M3 S500\nM5\nG99 X10 G84 Z-20 R-5 F1\nM30\n",

@@ -6,10 +6,11 @@ use leadscrew_core::program::CallKind;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
 use leadscrew_tests::machine::{calls, run};
+use leadscrew_tests::params::with;
 use leadscrew_tests::random::Random;
 
 use super::hole::Hole;
-use super::watch::{depth, judge, locked, machine};
+use super::watch::{depth, judge, locked};
 
 const HOLES: usize = if cfg!(debug_assertions) { 150 } else { 1_500 };
 
@@ -21,7 +22,7 @@ fn random_holes() {
         let r = &mut random;
         let deep = i64::from(r.chance(50));
         let edge = i64::from(r.chance(50));
-        let params = machine(&[
+        let params = with(&[
             ("5200.5", deep),
             ("9006.0", edge),
             ("9004", r.of(&[50, 200, 500, 1500])),

@@ -10,10 +10,11 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::CallKind;
 use leadscrew_core::signals::Signals;
 use leadscrew_tests::machine::{calls, run};
+use leadscrew_tests::params::with;
 use leadscrew_tests::random::Random;
 
 use super::hole::Hole;
-use super::watch::{depth, judge_uneven, machine};
+use super::watch::{depth, judge_uneven};
 
 const HOLES: u32 = if cfg!(debug_assertions) { 100 } else { 4_000 };
 
@@ -36,7 +37,7 @@ fn a_rippling_spindle_is_no_alarm() {
         let tick = r.of(&[500, 1000, 2000]);
         let latency = r.of(&[0, 1000, 3000]);
         let edges = r.within(0, 1);
-        let params = machine(&[
+        let params = with(&[
             ("9000", tick),
             ("9003.X", latency),
             ("9003.Z", latency),
@@ -92,7 +93,7 @@ fn a_rippling_spindle_is_no_alarm() {
 /// comes down from 1492 rpm to 994, from which it can just be stopped in the hole, and ripples at the wrong moment.
 #[test]
 fn a_tap_waits_until_the_spindle_has_come_down() {
-    let params = machine(&[
+    let params = with(&[
         ("9000", 2000),
         ("9003.X", 3000),
         ("9003.Z", 3000),

@@ -6,9 +6,10 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::board::Command;
 use leadscrew_core::params::Params;
 use leadscrew_tests::machine::{Ran, run};
+use leadscrew_tests::params::{set, with};
 
 use super::hole::{Hole, plain};
-use super::watch::{depth, judge, locked, machine, tap};
+use super::watch::{depth, judge, locked, tap};
 
 /// Ticks between two that are tried; a release build tries more of them.
 const STRIDE: usize = if cfg!(debug_assertions) { 23 } else { 5 };
@@ -58,8 +59,7 @@ pub fn rests(ran: &Ran, hole: &Hole, params: &Params, tick: u64) {
 fn at_any_tick(command: Command, params: &Params) {
     for (hole, deep) in forms() {
         let mut params = params.clone();
-        let entry = leadscrew_core::params::Entry::find_text("5200.5").expect("a parameter");
-        params.set(entry, deep).expect("a bit");
+        set(&mut params, "5200.5", deep);
         let mut in_the_hole = 0;
         for tick in ticks_of(&hole, &params).step_by(STRIDE) {
             let ran = run(
@@ -106,17 +106,17 @@ fn at_any_tick(command: Command, params: &Params) {
 
 #[test]
 fn a_reset_at_any_tick_rests_with_the_spindle() {
-    at_any_tick(Command::Reset, &machine(&[]));
+    at_any_tick(Command::Reset, &with(&[]));
 }
 
 #[test]
 fn an_emergency_stop_at_any_tick_rests_with_the_spindle() {
-    at_any_tick(Command::Stop, &machine(&[]));
+    at_any_tick(Command::Stop, &with(&[]));
 }
 
 #[test]
 fn a_reset_in_a_feed_hold_leaves_it_where_it_stands() {
-    let params = machine(&[("5200.6", 1)]);
+    let params = with(&[("5200.6", 1)]);
     let (hole, _) = forms()[1];
     for tick in ticks_of(&hole, &params).step_by(97) {
         let ran = run(

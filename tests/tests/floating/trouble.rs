@@ -5,10 +5,11 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{PlantOptions, Trouble};
 use leadscrew_core::units::Axis;
 use leadscrew_tests::machine::{Ran, run};
+use leadscrew_tests::params::with;
 
 use super::hole::{Hole, plain};
 use super::stops::{rests, ticks_of};
-use super::watch::{depth, judge, locked, machine};
+use super::watch::{depth, judge, locked};
 
 fn number(ran: &Ran) -> Option<u16> {
     ran.alarm.map(|alarm| alarm.number())
@@ -24,7 +25,7 @@ fn told(sim: &Sim) -> Option<f64> {
 #[test]
 fn a_spindle_that_does_not_stop_for_the_bottom() {
     for rpm in [200, 500, -500, 1500] {
-        let params = machine(&[]);
+        let params = with(&[]);
         let hole = Hole {
             rpm,
             depth: 20_000,
@@ -62,7 +63,7 @@ fn a_spindle_that_does_not_stop_for_the_bottom() {
 
 #[test]
 fn a_spindle_that_stalls_is_dragged_or_races() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = plain();
     let ticks = ticks_of(&hole, &params);
     let middle = ticks.start + 700;
@@ -87,7 +88,7 @@ fn a_spindle_that_stalls_is_dragged_or_races() {
 
 #[test]
 fn a_spindle_that_does_not_come_to_speed_or_has_no_index() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = plain();
     let ran = run(
         &hole.program(),
@@ -117,7 +118,7 @@ fn a_spindle_that_does_not_come_to_speed_or_has_no_index() {
 /// The counts are wrong, the thread is in the hole: it goes on by them, without a jump, until the spindle stands.
 #[test]
 fn lost_counts_in_the_hole() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = plain();
     for tick in ticks_of(&hole, &params).step_by(61) {
         let ran = run(
@@ -138,7 +139,7 @@ fn lost_counts_in_the_hole() {
 
 #[test]
 fn a_drive_that_fails_in_the_hole() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = Hole {
         depth: 6_000,
         ..plain()

@@ -2,21 +2,11 @@
 
 use leadscrew_board_sim::Row;
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 use leadscrew_tests::machine::{Ran, run};
 
 use super::hole::Hole;
-
-/// The built-in machine with some parameters set, as raw values.
-pub fn machine(settings: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (number, value) in settings {
-        let entry = Entry::find_text(number).expect("a parameter");
-        params.set(entry, *value).expect("in its range");
-    }
-    params
-}
 
 /// A spindle that ripples by so many per cent, five times a second.
 pub fn rippling(percent: u32) -> PlantOptions {

@@ -10,8 +10,9 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::{CentiRpm, Length};
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::machine::{calls, machine};
+use leadscrew_tests::params::with;
 
-use super::ways_out::{HIGH_SPEED, Told, go, position, returns, set, stopped};
+use super::ways_out::{HIGH_SPEED, Told, go, position, returns, stopped};
 
 fn codes(told: &Told) -> Vec<Code> {
     let told = told.events.iter().filter_map(|event| match event {
@@ -41,7 +42,7 @@ fn refused(sim: &mut Sim, text: &str, params: &Params) -> Code {
 
 #[test]
 fn nothing_moves_while_a_tap_is_in_its_hole() {
-    let params = set(&[]);
+    let params = with(&[]);
     for text in [
         "G0 Z20\n",
         "G0 X60\n",
@@ -78,7 +79,7 @@ fn nothing_moves_while_a_tap_is_in_its_hole() {
 
 #[test]
 fn a_dropped_entry_frees_the_machine() {
-    let params = set(&[]);
+    let params = with(&[]);
     let mut sim = in_the_hole(&params);
     let stands = position(&sim);
     assert!(sim.discard_tap());
@@ -115,7 +116,7 @@ fn a_dropped_entry_frees_the_machine() {
 
 #[test]
 fn nothing_to_return_from() {
-    let params = set(&[]);
+    let params = with(&[]);
     let mut sim = machine(&params, &PlantOptions::default());
     assert_eq!(
         refused(&mut sim, "G30 P99 S500\nM30\n", &params),
@@ -134,18 +135,18 @@ fn nothing_to_return_from() {
 
 #[test]
 fn a_change_of_unit_and_a_soft_limit() {
-    let params = set(&[]);
+    let params = with(&[]);
     let mut sim = in_the_hole(&params);
     assert_eq!(
         refused(&mut sim, "G20\nG30 P99\n", &params),
         Code::TapReturnUnit
     );
     // R is at 0 and 5382 leads beyond the limit.
-    let tight = set(&[("5382", 6_000_000), ("1320.Z", 5_500_000)]);
+    let tight = with(&[("5382", 6_000_000), ("1320.Z", 5_500_000)]);
     let mut sim = in_the_hole(&tight);
     assert_eq!(refused(&mut sim, "G30 P99\n", &tight), Code::SoftLimit);
     // Lead times S above what the axis may do.
-    let slow = set(&[("1430.Z", 2_500_000_000)]);
+    let slow = with(&[("1430.Z", 2_500_000_000)]);
     let mut sim = in_the_hole(&slow);
     assert_eq!(
         refused(&mut sim, "G30 P99 S3000\n", &slow),
@@ -155,7 +156,7 @@ fn a_change_of_unit_and_a_soft_limit() {
 
 #[test]
 fn a_journal_that_cannot_be_written_stops_a_tap_before_the_hole_only() {
-    let params = set(&[]);
+    let params = with(&[]);
     let mut sim = machine(&params, &PlantOptions::default());
     sim.flash_mut().set_broken(true);
     let mut told = Told::default();
@@ -191,7 +192,7 @@ fn a_journal_that_cannot_be_written_stops_a_tap_before_the_hole_only() {
 
 #[test]
 fn power_that_goes_in_a_write_of_the_journal() {
-    let params = set(&[("5382", 1_000_000)]);
+    let params = with(&[("5382", 1_000_000)]);
     let mut after = 0;
     for cut in (0..1_400).step_by(if cfg!(debug_assertions) { 37 } else { 1 }) {
         let mut sim = machine(&params, &PlantOptions::default());
@@ -219,7 +220,7 @@ fn power_that_goes_in_a_write_of_the_journal() {
 
 #[test]
 fn a_damaged_journal_is_an_alarm_and_not_forgotten() {
-    let params = set(&[]);
+    let params = with(&[]);
     let options = PlantOptions::default();
     let sim = in_the_hole(&params);
     let mut flash = sim.flash().clone();
@@ -239,7 +240,7 @@ fn a_damaged_journal_is_an_alarm_and_not_forgotten() {
 /// The entry as any CANopen tool reads it.
 #[test]
 fn object_5030_is_the_entry() {
-    let params = set(&[]);
+    let params = with(&[]);
     let mut sim = in_the_hole(&params);
     let mut gateway = Gateway::connect(&mut sim);
     let record = *sim.board().tap_record().expect("an entry");
@@ -250,7 +251,7 @@ fn object_5030_is_the_entry() {
 /// As `expand` prints it.
 #[test]
 fn the_one_move_of_a_return() {
-    let params = set(&[("5382", 1_000_000)]);
+    let params = with(&[("5382", 1_000_000)]);
     let sim = in_the_hole(&params);
     let record = *sim.board().tap_record().expect("an entry");
     let context = Context {

@@ -5,20 +5,11 @@ use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::journal::TapHole;
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Hand, Position};
 use leadscrew_core::units::{Length, Turns};
 use leadscrew_tests::machine::{calls, machine};
-
-/// The built-in machine with some parameters set, as raw values.
-pub fn set(settings: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (number, value) in settings {
-        let entry = Entry::find_text(number).expect("a parameter");
-        params.set(entry, *value).expect("in its range");
-    }
-    params
-}
+use leadscrew_tests::params::with;
 
 /// Ticks a machine may take for what is asked of it here.
 const LONGEST: usize = 20_000;
@@ -206,7 +197,7 @@ fn stride() -> usize {
 
 #[test]
 fn a_reset_at_any_tick_of_a_peck_tap_then_the_return() {
-    let params = set(&[("5382", 2_000_000)]);
+    let params = with(&[("5382", 2_000_000)]);
     let in_hole = sweep(HIGH_SPEED, &params, stride(), |sim| {
         sim.command(Command::Reset);
     });
@@ -215,7 +206,7 @@ fn a_reset_at_any_tick_of_a_peck_tap_then_the_return() {
 
 #[test]
 fn an_emergency_stop_at_any_tick_of_a_peck_tap_then_the_return() {
-    let params = set(&[("5382", 2_000_000)]);
+    let params = with(&[("5382", 2_000_000)]);
     let in_hole = sweep(HIGH_SPEED, &params, stride(), |sim| {
         sim.command(Command::Stop);
     });
@@ -226,7 +217,7 @@ fn an_emergency_stop_at_any_tick_of_a_peck_tap_then_the_return() {
 /// at another angle.
 #[test]
 fn a_loss_of_power_at_any_tick_then_the_return() {
-    let params = set(&[("5382", 2_000_000)]);
+    let params = with(&[("5382", 2_000_000)]);
     let (_, calm, _) = stopped(HIGH_SPEED, &params, |_| {}, u64::MAX);
     let locked = || calm.rows.iter().filter(|row| row.error.is_some());
     let first = locked().map(|row| row.tick).min().expect("a tap");
@@ -273,8 +264,8 @@ fn a_loss_of_power_at_any_tick_then_the_return() {
 /// Every form, hand and axis, with a wider stride; the emergency stop takes torque from the drives with its reset.
 #[test]
 fn forms_hands_and_axes_come_out_the_same_way() {
-    let deep = set(&[("5200.5", 1), ("5382", 1_500_000)]);
-    let plain = set(&[("5382", 1_500_000)]);
+    let deep = with(&[("5200.5", 1), ("5382", 1_500_000)]);
+    let plain = with(&[("5382", 1_500_000)]);
     let wide = if cfg!(debug_assertions) { 97 } else { 5 };
     for (text, params) in [
         // Deep pecks, left hand, both ways along Z, along X, a lead that does not end.
@@ -306,7 +297,7 @@ fn forms_hands_and_axes_come_out_the_same_way() {
 /// A return that is stopped itself is begun again from where it stands.
 #[test]
 fn a_return_that_is_stopped_goes_on_with_the_next_one() {
-    let params = set(&[("5382", 2_000_000)]);
+    let params = with(&[("5382", 2_000_000)]);
     let wide = if cfg!(debug_assertions) { 31 } else { 3 };
     let mut again = 0;
     for command in [Command::Reset, Command::Stop] {
@@ -344,7 +335,7 @@ fn a_return_that_is_stopped_goes_on_with_the_next_one() {
 #[test]
 fn out_of_a_hole_left_by_k198() {
     const LOCKED: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 F2000 K198\n";
-    let params = set(&[("5382", 3_000_000)]);
+    let params = with(&[("5382", 3_000_000)]);
     let mut sim = machine(&params, &PlantOptions::default());
     let mut told = Told::default();
     let text = format!("{LOCKED}G30 P99 S400\nG0 X60 Z20\nM3 S100\nM30\n");
@@ -373,7 +364,7 @@ fn out_of_a_hole_left_by_k198() {
 #[test]
 fn speed_of_the_way_out() {
     let fastest = |settings: &[(&str, i64)], s: &str| {
-        let params = set(settings);
+        let params = with(settings);
         let text = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-20 R-5 F1000\nG80\nM30\n";
         let (mut sim, _, hole) = stopped(text, &params, |sim| sim.command(Command::Reset), 1_900);
         assert!(hole.is_some());

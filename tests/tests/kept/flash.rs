@@ -8,15 +8,11 @@ use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{Hand, TapAxis, TapNotes, TapSpindle};
 use leadscrew_core::units::{CentiRpm, Lead, Length, Turns};
 use leadscrew_store::{BUFFER, Store};
+use leadscrew_tests::params::with;
 
 /// Set number so many: told apart by an offset.
 pub fn set(number: u32) -> Params {
-    let mut params = Params::slant_bed();
-    let offset = Entry::find_text("1221.Z").expect("a work offset");
-    params
-        .set(offset, i64::from(number) * 1000)
-        .expect("in its range");
-    params
+    with(&[("1221.Z", i64::from(number) * 1000)])
 }
 
 /// Entry number so many of the tap journal.

@@ -12,21 +12,13 @@ use leadscrew_core::bus::{
     SdoUpload,
 };
 use leadscrew_core::link::{EventReader, ImageWriter, decode_alarm, identity};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_store::Store;
 use leadscrew_tests::gateway::{Gateway, NODE};
 use leadscrew_tests::machine::calls;
+use leadscrew_tests::params::with;
 
 use super::parameters::{IMAGE, parameter, refused, rest, write};
-
-pub fn with(values: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (key, raw) in values {
-        let entry = Entry::find_text(key).expect("a parameter");
-        params.set(entry, *raw).expect("in its range");
-    }
-    params
-}
 
 /// Sets that are told apart by the tolerance of the spindle's speed.
 pub fn set(tolerance: i64) -> Params {

@@ -7,21 +7,13 @@ use leadscrew_core::board::{Board, Event};
 use leadscrew_core::bus::{
     BoardState, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoProtocol,
 };
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{Gateway, NODE, Upload};
 use leadscrew_tests::machine::{calls, machine};
+use leadscrew_tests::params::with;
 
 /// A long way at a slow feed.
 const PROGRAM: &str = "G98 F500\nG01 X40 Z-100\nG01 X20 Z0\nM30\n";
-
-fn with(values: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (key, raw) in values {
-        let entry = Entry::find_text(key).expect("a parameter");
-        params.set(entry, *raw).expect("in its range");
-    }
-    params
-}
 
 fn heartbeat() -> Frame {
     NmtState::Operational.frame(NodeId::GATEWAY)

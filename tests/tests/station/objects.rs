@@ -8,9 +8,10 @@ use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, SdoError,
     SdoProtocol,
 };
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::machine::machine;
+use leadscrew_tests::params::with;
 
 fn refused(abort: Abort) -> SdoError {
     SdoError::Refused(abort.code())
@@ -128,8 +129,7 @@ fn mappings_are_those_of_the_frames() {
 #[test]
 fn the_frame_with_all_setpoints_is_told_of_as_tpdo4() {
     for (set, cob_id) in [(0, 0xC000_0481), (1, 0x4000_0481)] {
-        let mut params = Params::slant_bed();
-        params.set(Entry::find_text("9031").unwrap(), set).unwrap();
+        let params = with(&[("9031", set)]);
         let mut sim = machine(&params, &PlantOptions::default());
         let mut gateway = Gateway::connect(&mut sim);
         let mut read = |index, sub| gateway.number(&mut sim, index, sub).unwrap();

@@ -8,6 +8,7 @@ use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::{calls, machine};
+use leadscrew_tests::params::with;
 
 pub const IMAGE: Object = Object::new(0x5010, 1);
 
@@ -208,10 +209,7 @@ fn a_running_machine_and_a_protected_one_refuse_with_their_reasons() {
 fn an_image_is_read_written_and_taken_whole_or_not_at_all() {
     let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
-    let mut wanted = Params::slant_bed();
-    for (key, raw) in [("9007", 12), ("9009", 2_000_000), ("1221.Z", 5_000_000)] {
-        wanted.set(Entry::find_text(key).unwrap(), raw).unwrap();
-    }
+    let wanted = with(&[("9007", 12), ("9009", 2_000_000), ("1221.Z", 5_000_000)]);
     let mut image = vec![0; ImageWriter::BYTES as usize];
     ImageWriter::new(&wanted).read(0, &mut image);
     let identity_of = |gateway: &mut Gateway, sim: &mut Sim| {

@@ -9,9 +9,10 @@ use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, Params, TABLE_KEY};
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::calls;
+use leadscrew_tests::params::with;
 
 use super::kept::{
-    command, flash_with, image, in_force, power_up, push, reason, reason_code, set, state, with,
+    command, flash_with, image, in_force, power_up, push, reason, reason_code, set, state,
 };
 use super::parameters::{IMAGE, parameter, refused, rest, write};
 

@@ -3,11 +3,11 @@
 use leadscrew_core::cycle::{Context, expand};
 use leadscrew_core::program::{CallKind, Event, Events, Options, Position};
 
-use super::watch::machine;
+use leadscrew_tests::params::with;
 
 /// The number of the alarm of a program, and whether a call that moves an axis came before it.
 fn alarm(settings: &[(&str, i64)], text: &str) -> (Option<u16>, bool) {
-    let params = machine(settings);
+    let params = with(settings);
     let mut moved = false;
     for event in Events::new(text.as_bytes(), &params, Options::default()) {
         match event {

@@ -6,9 +6,10 @@ use leadscrew_core::program::{SpindleChoice, TapCall, TapSpindle};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::{CentiRpm, Lead, Rpm};
 use leadscrew_tests::machine::Ran;
+use leadscrew_tests::params::with;
 
 use super::hole::{bottom, deep, high_speed, program, sheet};
-use super::watch::{locked, machine, run, set, tap};
+use super::watch::{locked, run, set, tap};
 
 fn peak_rpm(ran: &Ran) -> f64 {
     let rows: Vec<_> = locked(ran).collect();
@@ -21,7 +22,7 @@ fn peak_rpm(ran: &Ran) -> f64 {
 fn every_ramp_keeps_axis_and_spindle_within_their_limits() {
     for ramp in [0, 1, 30, 500, 1500, 4000] {
         for retract in [0, 10, 2500] {
-            let params = machine(&[("5261", ramp), ("5271", retract), ("5201.2", 1)]);
+            let params = with(&[("5261", ramp), ("5271", retract), ("5201.2", 1)]);
             let hole = bottom(sheet(), -30_000);
             tap(&hole, &params);
             tap(&high_speed(hole, 7_000, 900), &params);
@@ -33,7 +34,7 @@ fn every_ramp_keeps_axis_and_spindle_within_their_limits() {
 #[test]
 fn the_retract_has_a_ramp_of_its_own() {
     let ticks = |settings: &[(&str, i64)]| {
-        let ran = tap(&sheet(), &machine(settings));
+        let ran = tap(&sheet(), &with(settings));
         let deepest = locked(&ran)
             .min_by_key(|row| row.position.z)
             .map(|row| row.tick)
@@ -52,7 +53,7 @@ fn the_retract_has_a_ramp_of_its_own() {
 
 #[test]
 fn s_is_reached_where_the_depth_allows_and_never_exceeded() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let report =
         feasible::tap(&sheet(), Signals::default(), Span::default(), &params).expect("a hole");
     assert_eq!((report.infeeds, report.warning), (1, None));
@@ -66,7 +67,7 @@ fn s_is_reached_where_the_depth_allows_and_never_exceeded() {
 
 #[test]
 fn a_shallow_hole_is_triangular_and_says_so() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = bottom(sheet(), -8_000);
     let report =
         feasible::tap(&hole, Signals::default(), Span::default(), &params).expect("a hole");
@@ -91,7 +92,7 @@ fn a_shallow_hole_is_triangular_and_says_so() {
 /// A ramp longer than the profile remembers: slower, in phase, reported.
 #[test]
 fn a_ramp_too_long_for_the_profile_makes_the_tap_slower() {
-    let params = machine(&[("5261", 4000)]);
+    let params = with(&[("5261", 4000)]);
     let hole = TapCall {
         speed: CentiRpm::of_rpm(Rpm::new(2000)),
         ..bottom(sheet(), -200_000)
@@ -117,7 +118,7 @@ fn too_fast_for_the_axis_is_an_alarm_before_anything_moves() {
         lead: At::new(Lead::new(9_000_000, 1).expect("a lead"), Span::default()),
         ..sheet()
     };
-    let ran = run(program(&[hole]), &machine(&[]));
+    let ran = run(program(&[hole]), &with(&[]));
     assert_eq!(ran.alarm.map(|alarm| alarm.code), Some(Code::LeadTooFast));
     let first = ran.rows[0].position;
     assert!(ran.rows.iter().all(|row| row.position == first));
@@ -126,7 +127,7 @@ fn too_fast_for_the_axis_is_an_alarm_before_anything_moves() {
         extract: CentiRpm::of_rpm(Rpm::new(4001)),
         ..sheet()
     };
-    let ran = run(program(&[hole]), &machine(&[]));
+    let ran = run(program(&[hole]), &with(&[]));
     assert_eq!(ran.alarm.map(|alarm| alarm.code), Some(Code::LeadTooFast));
 }
 
@@ -136,7 +137,7 @@ fn a_spindle_without_a_drive_is_an_alarm() {
         spindle: SpindleChoice::Written(TapSpindle::Third),
         ..sheet()
     };
-    let ran = run(program(&[hole]), &machine(&[("9014", 2)]));
+    let ran = run(program(&[hole]), &with(&[("9014", 2)]));
     let alarm = ran.alarm.expect("there is no spindle 3");
     assert_eq!(alarm.code, Code::TapSpindleNotAvailable);
     assert_eq!(alarm.args[..2], [Arg::Int(3), Arg::Int(2)]);
@@ -150,7 +151,7 @@ fn a_faster_extraction_is_as_fast_as_asked() {
         extract: CentiRpm::of_rpm(Rpm::new(2000)),
         ..bottom(sheet(), -100_000)
     };
-    let ran = tap(&hole, &machine(&[]));
+    let ran = tap(&hole, &with(&[]));
     assert!(
         (1999.0..=2000.1).contains(&peak_rpm(&ran)),
         "{}",

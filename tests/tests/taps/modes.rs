@@ -5,8 +5,9 @@ use leadscrew_core::program::{Hand, HandChoice, Position, TapAxis, TapCall, TapC
 use leadscrew_core::units::{Lead, Millis, Turns};
 
 use super::hole::{bottom, deep, high_speed, nm, sheet};
-use super::watch::{depth, locked, machine, set, tap};
+use super::watch::{depth, locked, set, tap};
 use leadscrew_tests::machine::Ran;
+use leadscrew_tests::params::with;
 
 /// Turns of the spindle from one row to another, summed up over all rows.
 fn turned(ran: &Ran) -> f64 {
@@ -38,7 +39,7 @@ fn the_sheets_hole_turns_25_times_in_and_out() {
         dwell: Millis::new(300),
         ..sheet()
     };
-    let ran = tap(&hole, &machine(&[]));
+    let ran = tap(&hole, &with(&[]));
     assert_eq!(geared(&ran, &hole), 100_000_000);
     assert!((turned(&ran) - 50.0).abs() < 1e-6, "{}", turned(&ran));
     // At the bottom exactly 25 turns from R, where it stands for the dwell.
@@ -63,7 +64,7 @@ fn the_sheets_hole_turns_25_times_in_and_out() {
 #[test]
 fn high_speed_pecks_go_124_mm_geared() {
     let hole = high_speed(sheet(), 4_000, 1_000);
-    let ran = tap(&hole, &machine(&[]));
+    let ran = tap(&hole, &with(&[]));
     assert_eq!(geared(&ran, &hole), 124_000_000);
     assert!((turned(&ran) - 62.0).abs() < 1e-6);
 }
@@ -71,19 +72,19 @@ fn high_speed_pecks_go_124_mm_geared() {
 #[test]
 fn deep_pecks_go_724_mm_geared() {
     let hole = deep(sheet(), 4_000, 1_000);
-    let ran = tap(&hole, &machine(&[]));
+    let ran = tap(&hole, &with(&[]));
     assert_eq!(geared(&ran, &hole), 724_000_000);
     assert!((turned(&ran) - 362.0).abs() < 1e-6);
 }
 
 #[test]
 fn a_left_hand_tap_turns_the_other_way() {
-    let right = tap(&sheet(), &machine(&[]));
+    let right = tap(&sheet(), &with(&[]));
     let hole = TapCall {
         hand: HandChoice::Written(Hand::Left),
         ..sheet()
     };
-    let left = tap(&hole, &machine(&[]));
+    let left = tap(&hole, &with(&[]));
     let lowest = |ran: &Ran| {
         locked(ran)
             .min_by_key(|row| row.position.z)
@@ -117,9 +118,9 @@ fn x_taps_on_the_radius_inwards_and_outwards() {
             bottom: At::new(nm(target), Span::default()),
             ..sheet()
         };
-        tap(&hole, &machine(&[]));
-        tap(&high_speed(hole, 3_000, 500), &machine(&[]));
-        tap(&deep(hole, 3_000, 500), &machine(&[]));
+        tap(&hole, &with(&[]));
+        tap(&high_speed(hole, 3_000, 500), &with(&[]));
+        tap(&deep(hole, 3_000, 500), &with(&[]));
     }
 }
 
@@ -139,9 +140,9 @@ fn odd_leads_stay_on_the_line() {
             ),
             ..bottom(sheet(), -13_577)
         };
-        tap(&hole, &machine(&[]));
-        tap(&high_speed(hole, 1_700, 300), &machine(&[]));
-        tap(&deep(hole, 1_700, 300), &machine(&[]));
+        tap(&hole, &with(&[]));
+        tap(&high_speed(hole, 1_700, 300), &with(&[]));
+        tap(&deep(hole, 1_700, 300), &with(&[]));
     }
 }
 
@@ -149,7 +150,7 @@ fn odd_leads_stay_on_the_line() {
 #[test]
 fn hundreds_of_pecks_are_one_way_in_and_out() {
     let hole = high_speed(bottom(sheet(), -20_050), 100, 40);
-    let ran = tap(&hole, &machine(&[("5261", 50)]));
+    let ran = tap(&hole, &with(&[("5261", 50)]));
     // 200 whole infeeds and the rest, 200 times back.
     assert_eq!(geared(&ran, &hole), 2 * (20_050_000 + 200 * 40_000));
 }
@@ -157,7 +158,7 @@ fn hundreds_of_pecks_are_one_way_in_and_out() {
 #[test]
 fn without_a_return_the_pecks_join_end_to_end() {
     let hole = high_speed(bottom(sheet(), -7_300), 1_000, 0);
-    let ran = tap(&hole, &machine(&[]));
+    let ran = tap(&hole, &with(&[]));
     assert_eq!(geared(&ran, &hole), 14_600_000);
 }
 
@@ -172,7 +173,7 @@ fn several_holes_begin_where_the_spindle_stands() {
         repeat: leadscrew_core::program::TapRepeat::Holes(3.try_into().expect("three")),
         ..bottom(sheet(), -10_000)
     };
-    let ran = tap(&hole, &machine(&[]));
+    let ran = tap(&hole, &with(&[]));
     assert_eq!(geared(&ran, &hole), 3 * 16_000_000);
     let last = ran.rows.last().expect("rows").position;
     assert_eq!((last.x.nm(), last.z.nm()), (6_000_000, 0));

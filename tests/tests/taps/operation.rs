@@ -7,9 +7,10 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Position, TapCall, TapRepeat};
 use leadscrew_core::units::Millis;
 use leadscrew_tests::machine::{Ran, run_calls};
+use leadscrew_tests::params::with;
 
 use super::hole::{bottom, deep, high_speed, nm, program, sheet};
-use super::watch::{depth, judge, locked, machine, run, set};
+use super::watch::{depth, judge, locked, run, set};
 
 /// A hole with a rapid on both sides and a dwell at the bottom.
 fn hole() -> TapCall {
@@ -68,7 +69,7 @@ fn geared(hole: &TapCall, params: &Params) -> (u64, u64) {
 
 #[test]
 fn feed_hold_not_allowed_rests_at_r() {
-    let params = machine(&[]);
+    let params = with(&[]);
     for hole in forms() {
         let (first, last) = geared(&hole, &params);
         for tick in (first..last).step_by(37) {
@@ -85,7 +86,7 @@ fn feed_hold_not_allowed_rests_at_r() {
 /// Between two deep pecks the tap is at R: it rests there and goes on with the pecks that are left.
 #[test]
 fn feed_hold_between_deep_pecks_goes_on_with_the_rest() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = deep(hole(), 2_500, 700);
     let (first, _) = geared(&hole, &params);
     let (ran, rest) = held(&hole, &params, first + 5);
@@ -104,7 +105,7 @@ fn feed_hold_between_deep_pecks_goes_on_with_the_rest() {
 
 #[test]
 fn feed_hold_allowed_rests_at_once_and_in_phase() {
-    let params = machine(&[("5200.6", 1)]);
+    let params = with(&[("5200.6", 1)]);
     for hole in forms() {
         let (first, last) = geared(&hole, &params);
         for tick in (first..last - 5).step_by(29) {
@@ -169,9 +170,9 @@ fn single_block_stops_after_the_last_hole_or_after_each() {
         ..hole().hole
     };
     // Behind M30 too, as behind every block with a function.
-    assert_eq!(single_block(&machine(&[])), [at(3), at(3)]);
+    assert_eq!(single_block(&with(&[])), [at(3), at(3)]);
     assert_eq!(
-        single_block(&machine(&[("5200.6", 1)])),
+        single_block(&with(&[("5200.6", 1)])),
         [at(1), at(2), at(3), at(3)]
     );
 }
@@ -202,14 +203,14 @@ fn single_block_stops_behind_a_hole_that_ends_at_r() {
             .filter(|event| **event == Event::Held)
             .count()
     };
-    assert_eq!(stops(&machine(&[])), 2);
-    assert_eq!(stops(&machine(&[("5200.6", 1)])), 3);
+    assert_eq!(stops(&with(&[])), 2);
+    assert_eq!(stops(&with(&[("5200.6", 1)])), 3);
 }
 
 #[test]
 fn overrides_do_nothing_unless_5203_4_lets_the_feed_override_act() {
     let ticks = |settings: &[(&str, i64)], commands: &[Command]| {
-        let params = machine(settings);
+        let params = with(settings);
         let hole = bottom(sheet(), -40_000);
         let ran = run_calls(
             program(&[hole]),
@@ -239,7 +240,7 @@ fn overrides_do_nothing_unless_5203_4_lets_the_feed_override_act() {
 /// The override never turns the tap faster than 5241.
 #[test]
 fn an_override_stays_below_5241() {
-    let params = machine(&[("5203.4", 1), ("5241", 1200)]);
+    let params = with(&[("5203.4", 1), ("5241", 1200)]);
     let hole = bottom(sheet(), -80_000);
     let ran = run_calls(
         program(&[hole]),
@@ -268,7 +269,7 @@ fn a_turning_spindle_is_brought_to_a_stand_first() {
     use leadscrew_core::alarm::Span;
     use leadscrew_core::program::{Call, CallKind, SpindleCall};
     use leadscrew_core::units::Rpm;
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = hole();
     let call = |kind| Call {
         span: Span::default(),
@@ -304,7 +305,7 @@ fn speed_mode_comes_back() {
     use leadscrew_core::alarm::Span;
     use leadscrew_core::program::{Call, CallKind, SpindleCall};
     use leadscrew_core::units::Rpm;
-    let params = machine(&[]);
+    let params = with(&[]);
     let call = |kind| Call {
         span: Span::default(),
         origin: Position::ZERO,

@@ -5,10 +5,11 @@ use leadscrew_core::program::{
     Hand, HandChoice, SpindleChoice, TapAxis, TapCall, TapCycle, TapSpindle,
 };
 use leadscrew_core::units::{CentiRpm, Lead, Millis};
+use leadscrew_tests::params::with;
 use leadscrew_tests::random::Random;
 
 use super::hole::{bottom, deep, high_speed, nm, sheet};
-use super::watch::{machine, tap};
+use super::watch::tap;
 
 const HOLES: u32 = if cfg!(debug_assertions) { 60 } else { 2000 };
 
@@ -61,7 +62,7 @@ fn holes_at_random_keep_every_promise() {
     for _ in 0..HOLES {
         let hole = random_hole(&mut r);
         let latency = r.of(&[0, 0, 1000, 3000]);
-        let params = machine(&[
+        let params = with(&[
             ("5261", r.within(0, 1500)),
             ("5271", r.within(0, 1500)),
             ("5201.2", r.within(0, 1)),

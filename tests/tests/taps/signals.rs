@@ -8,9 +8,10 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Selection, SpindleChoice, TapCall, TapRepeat, TapSpindle};
 use leadscrew_core::signals::{Signal, Signals};
 use leadscrew_tests::machine::{Ran, machine as power_up, run_calls_on};
+use leadscrew_tests::params::with;
 
 use super::hole::{bottom, program, sheet};
-use super::watch::{depth, locked, machine, set};
+use super::watch::{depth, locked, set};
 
 fn on(signals: &[Signal]) -> Signals {
     let mut all = Signals::default();
@@ -49,7 +50,7 @@ fn hand(ran: &Ran, line: u32, hole: &TapCall) -> i64 {
 #[test]
 fn g61_2_makes_a_left_hand_tap_and_counts_from_the_next_hole_on() {
     let hole = bottom(sheet(), -9_000);
-    let params = machine(&[]);
+    let params = with(&[]);
     let left = on(&[Signal::G61Dot2]);
     let off = Signals::default();
     let calls = || program(&[hole, hole]);
@@ -86,7 +87,7 @@ fn a_hole_that_goes_on_keeps_the_signals_of_its_beginning() {
     let before = on(&[Signal::G61Dot2, Signal::Sws(TapSpindle::Second)]);
     let later = on(&[Signal::Sws(TapSpindle::Fourth)]);
     let calls = program(&[stays, goes_on]);
-    let ran = run_with(&machine(&[]), calls, before, |tick| {
+    let ran = run_with(&with(&[]), calls, before, |tick| {
         (tick == 500).then_some(later)
     });
     assert_eq!(ran.alarm, None);
@@ -105,7 +106,7 @@ fn selection_signals_choose_the_spindle() {
         ..hole
     };
     let taps_with = |hole: TapCall, signals| {
-        let ran = run_with(&machine(&[]), program(&[hole]), signals, |_| None);
+        let ran = run_with(&with(&[]), program(&[hole]), signals, |_| None);
         assert_eq!(ran.alarm, None);
         let row = locked(&ran).next().expect("a tap");
         TapSpindle::ALL
@@ -138,7 +139,7 @@ fn two_selection_signals_are_an_alarm_before_motion() {
         Signal::Sws(TapSpindle::Third),
     ]);
     let calls = program(&[bottom(sheet(), -4_000)]);
-    let ran = run_with(&machine(&[]), calls, two, |_| None);
+    let ran = run_with(&with(&[]), calls, two, |_| None);
     let alarm = ran.alarm.expect("two signals");
     assert_eq!(alarm.code, Code::TapSpindlesSelected);
     assert_eq!(alarm.args[..2], [Arg::Int(1), Arg::Int(3)]);
@@ -166,11 +167,11 @@ fn waiting(ran: &Ran) -> Vec<u64> {
 #[test]
 fn leaving_rigid_mode_waits_for_rgtap() {
     let calls = || program(&[bottom(sheet(), -4_000)]);
-    let waits = machine(&[("5200.2", 1)]);
+    let waits = with(&[("5200.2", 1)]);
     let plain = run_with(&waits, calls(), Signals::default(), |_| None);
     assert_eq!((plain.alarm, waiting(&plain)), (None, vec![]));
     // Without the parameter nobody waits.
-    let careless = run_with(&machine(&[]), calls(), rgtap(true), |_| None);
+    let careless = run_with(&with(&[]), calls(), rgtap(true), |_| None);
     assert_eq!((careless.alarm, waiting(&careless)), (None, vec![]));
     let end = plain
         .rows
@@ -200,7 +201,7 @@ fn leaving_rigid_mode_waits_for_rgtap() {
 
 #[test]
 fn hold_and_reset_work_while_rgtap_is_waited_for() {
-    let params = machine(&[("5200.2", 1)]);
+    let params = with(&[("5200.2", 1)]);
     let calls = || program(&[bottom(sheet(), -4_000)]);
     let plain = run_with(&params, calls(), Signals::default(), |_| None);
     let end = plain

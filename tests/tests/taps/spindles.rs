@@ -7,13 +7,14 @@ use leadscrew_core::board::Command;
 use leadscrew_core::bus::{NodeId, Service};
 use leadscrew_core::program::{SpindleChoice, TapAxis, TapCall, TapCycle, TapSpindle};
 use leadscrew_tests::machine::{machine as power_up, run_calls, run_calls_on};
+use leadscrew_tests::params::with;
 
 use super::hole::{bottom, deep, high_speed, program, sheet};
-use super::watch::{judge, locked, machine, run, tap};
+use super::watch::{judge, locked, run, tap};
 
 const TAPPERS: [TapSpindle; 3] = [TapSpindle::Second, TapSpindle::Third, TapSpindle::Fourth];
 
-fn with(spindle: TapSpindle, hole: TapCall) -> TapCall {
+fn on(spindle: TapSpindle, hole: TapCall) -> TapCall {
     TapCall {
         spindle: SpindleChoice::Written(spindle),
         ..hole
@@ -27,7 +28,7 @@ fn stands(row: &Row, spindle: TapSpindle) -> bool {
 
 #[test]
 fn every_spindle_taps_like_the_first() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let shallow = bottom(sheet(), -9_000);
     let forms = [
         shallow,
@@ -40,7 +41,7 @@ fn every_spindle_taps_like_the_first() {
         };
         let first = path(&tap(&hole, &params));
         for spindle in TAPPERS {
-            let ran = tap(&with(spindle, hole), &params);
+            let ran = tap(&on(spindle, hole), &params);
             assert_eq!(path(&ran), first, "{spindle:?}");
             for row in &ran.rows {
                 for other in TAPPERS.into_iter().filter(|other| *other != spindle) {
@@ -56,7 +57,7 @@ fn every_spindle_taps_like_the_first() {
 
 #[test]
 fn holes_may_change_over_from_spindle_to_spindle() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = bottom(sheet(), -6_000);
     let order = [
         TapSpindle::Third,
@@ -65,7 +66,7 @@ fn holes_may_change_over_from_spindle_to_spindle() {
         TapSpindle::Fourth,
         TapSpindle::Second,
     ];
-    let holes = order.map(|spindle| with(spindle, hole));
+    let holes = order.map(|spindle| on(spindle, hole));
     let ran = run(program(&holes), &params);
     assert_eq!(ran.alarm, None);
     let mut seen = Vec::new();
@@ -89,8 +90,8 @@ fn holes_may_change_over_from_spindle_to_spindle() {
 
 #[test]
 fn a_stop_in_a_hole_keeps_any_spindle_in_phase() {
-    let params = machine(&[("5200.6", 1)]);
-    let hole = with(TapSpindle::Fourth, bottom(sheet(), -9_000));
+    let params = with(&[("5200.6", 1)]);
+    let hole = on(TapSpindle::Fourth, bottom(sheet(), -9_000));
     let ticks = tap(&hole, &params).rows.len() as u64;
     for command in [Command::Hold, Command::Reset, Command::Stop] {
         for at in (60..ticks - 60).step_by(97) {
@@ -112,8 +113,8 @@ fn a_stop_in_a_hole_keeps_any_spindle_in_phase() {
 
 #[test]
 fn the_bus_carries_one_spindle_more_and_not_three() {
-    let params = machine(&[]);
-    let hole = with(TapSpindle::Third, bottom(sheet(), -6_000));
+    let params = with(&[]);
+    let hole = on(TapSpindle::Third, bottom(sheet(), -6_000));
     let mut sim = power_up(&params, &PlantOptions::default());
     let mut waiting = program(&[hole]).into_iter().peekable();
     let mut told = [0_u32; 4];
@@ -158,8 +159,8 @@ fn the_bus_carries_one_spindle_more_and_not_three() {
 
 #[test]
 fn a_spindle_that_fails_stops_the_machine_whether_it_taps_or_not() {
-    let params = machine(&[]);
-    let hole = with(TapSpindle::Third, bottom(sheet(), -9_000));
+    let params = with(&[]);
+    let hole = on(TapSpindle::Third, bottom(sheet(), -9_000));
     let troubles = [
         (Trouble::Fault(0x7300), Code::DriveFault),
         (Trouble::Silent, Code::DriveSilent),
@@ -188,7 +189,7 @@ fn a_spindle_that_fails_stops_the_machine_whether_it_taps_or_not() {
 
 #[test]
 fn a_side_tap_needs_drives_that_act_together() {
-    let side = with(
+    let side = on(
         TapSpindle::Second,
         TapCall {
             cycle: TapCycle::G88,
@@ -196,9 +197,9 @@ fn a_side_tap_needs_drives_that_act_together() {
             ..bottom(sheet(), -9_000)
         },
     );
-    tap(&side, &machine(&[]));
-    tap(&side, &machine(&[("9003.X", 2000), ("9003.Z", 2000)]));
-    let ran = run(program(&[side]), &machine(&[("9003.Z", 2000)]));
+    tap(&side, &with(&[]));
+    tap(&side, &with(&[("9003.X", 2000), ("9003.Z", 2000)]));
+    let ran = run(program(&[side]), &with(&[("9003.Z", 2000)]));
     assert_eq!(
         ran.alarm.map(|alarm| alarm.code),
         Some(Code::TapDrivesApart)
@@ -206,6 +207,6 @@ fn a_side_tap_needs_drives_that_act_together() {
     let first = ran.rows[0].position;
     assert!(ran.rows.iter().all(|row| row.position == first));
     // Along Z the spindle's drive acts with Z's.
-    let face = with(TapSpindle::Second, bottom(sheet(), -9_000));
-    tap(&face, &machine(&[("9003.Z", 2000)]));
+    let face = on(TapSpindle::Second, bottom(sheet(), -9_000));
+    tap(&face, &with(&[("9003.Z", 2000)]));
 }

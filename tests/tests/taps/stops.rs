@@ -7,9 +7,10 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::TapCall;
 use leadscrew_core::units::{Axis, Millis};
 use leadscrew_tests::machine::{Ran, run_calls};
+use leadscrew_tests::params::with;
 
 use super::hole::{bottom, deep, high_speed, program, sheet};
-use super::watch::{depth, judge, locked, machine, run, set};
+use super::watch::{depth, judge, locked, run, set};
 
 fn forms() -> [TapCall; 3] {
     let hole = TapCall {
@@ -73,17 +74,17 @@ fn at_every_tick(command: Command, params: &Params) {
 
 #[test]
 fn reset_at_every_tick_keeps_the_phase() {
-    at_every_tick(Command::Reset, &machine(&[]));
+    at_every_tick(Command::Reset, &with(&[]));
 }
 
 #[test]
 fn an_emergency_stop_at_every_tick_keeps_the_phase() {
-    at_every_tick(Command::Stop, &machine(&[]));
+    at_every_tick(Command::Stop, &with(&[]));
 }
 
 #[test]
 fn a_reset_in_a_feed_hold_leaves_it_where_it_stands() {
-    let params = machine(&[("5200.6", 1)]);
+    let params = with(&[("5200.6", 1)]);
     for hole in forms() {
         let calm = run(program(&[hole]), &params);
         let ticks: Vec<u64> = locked(&calm).map(|row| row.tick).collect();
@@ -111,7 +112,7 @@ fn a_reset_in_a_feed_hold_leaves_it_where_it_stands() {
 /// on its path.
 #[test]
 fn a_drive_that_fails_in_the_hole_stops_the_others() {
-    let params = machine(&[]);
+    let params = with(&[]);
     let hole = forms()[0];
     let calm = run(program(&[hole]), &params);
     let ticks: Vec<u64> = locked(&calm).map(|row| row.tick).collect();

@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::plant::{FineTurns, PlantOptions};
 use leadscrew_board_sim::{Row, SpindleAngle};
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Hand, TapCall, TapSpindle};
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Turns;
@@ -10,16 +10,6 @@ use leadscrew_tests::limits::first_excess;
 use leadscrew_tests::machine::{Ran, run_calls};
 
 use super::hole::program;
-
-/// The built-in machine with some parameters set, as raw values.
-pub fn machine(settings: &[(&str, i64)]) -> Params {
-    let mut params = Params::slant_bed();
-    for (number, value) in settings {
-        let entry = Entry::find_text(number).expect("a parameter");
-        params.set(entry, *value).expect("in its range");
-    }
-    params
-}
 
 pub fn run(calls: Vec<Call>, params: &Params) -> Ran {
     run_calls(calls, params, &PlantOptions::default(), |_, _| {})
