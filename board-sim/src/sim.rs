@@ -5,29 +5,28 @@
 //! frames and encoder samples alone.
 
 mod faults;
+mod judge;
 mod network;
+mod row;
+
+pub use row::{Doing, Row, SpindleAngle, TapPoint};
 
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, PowerUp, State};
 use leadscrew_core::bus::{FdFrame, Frame, Periods, SyncConsumer, SyncHeard, SyncProducer};
 use leadscrew_core::journal::TapRecord;
-use leadscrew_core::motion::{Helix, Motion, Setpoint, TapLine};
+use leadscrew_core::motion::{Motion, Setpoint};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Position, TapAxis, TapSpindle};
+use leadscrew_core::program::Call;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
-use leadscrew_core::units::{Axis, Length, Rpm, Turns};
+use leadscrew_core::units::{Axis, Rpm, Turns};
 
+use self::judge::{Delay, LATENCY_TICKS, Law, Pending, TRUTHS};
 use crate::line::{Line, Way};
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
-
-/// The longest latency of a drive, in ticks, that a row can wait for.
-const LATENCY_TICKS: usize = 128 + 64;
-
-/// Truths kept: one for every SYNC that a row waits for, and the one before an instant between two of them.
-const TRUTHS: usize = LATENCY_TICKS + 2;
 
 /// Frames the drives send in one period at most.
 const ANSWERS: usize = 24;
@@ -40,133 +39,6 @@ const SYNCS: usize = 4;
 
 /// Frames that one becomes on its way at most, and those that waited for it.
 const OUT: usize = 8;
-
-/// What the machine is doing in a tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Doing {
-    /// Nothing.
-    #[default]
-    Idle,
-    /// Moving, or changing from one move to the next.
-    Run,
-    /// In feed hold or single block.
-    Hold,
-    /// In a dwell.
-    Dwell,
-    /// Waiting for the spindle, or for the next segment.
-    Wait,
-    /// Stopping or stopped on an alarm.
-    Alarm,
-}
-
-impl Doing {
-    /// The word for it in records of setpoints.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Run => "run",
-            Self::Hold => "hold",
-            Self::Dwell => "dwell",
-            Self::Wait => "wait",
-            Self::Alarm => "alarm",
-        }
-    }
-}
-
-/// One tick: a setpoint, and what was true when it took effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Row {
-    /// From 0.
-    pub tick: u64,
-    /// Virtual time of the tick in microseconds.
-    pub t_us: u64,
-    /// The setpoint, in machine coordinates.
-    pub position: Position,
-    /// The spindle's true angle when the setpoint takes effect: at the next SYNC plus the drive's latency.
-    pub spindle: FineTurns,
-    /// The spindle's commanded angle, while it is in position mode.
-    pub spindle_set: Option<Turns>,
-    /// Spindles 2 to 4.
-    pub tappers: [SpindleAngle; 3],
-    /// Source line of what executes; 0 for nothing.
-    pub line: u32,
-    /// Its move; 0 for nothing.
-    pub number: u32,
-    /// What the machine is doing.
-    pub doing: Doing,
-    /// While the long axis is held to the helix, or axis and spindle to the tap's master: setpoint minus where the axis
-    /// should be at the true angle.
-    pub error: Option<Length>,
-    /// Where a tap is, while axis and spindle are held to its master.
-    pub tap: Option<TapPoint>,
-}
-
-impl Row {
-    /// A spindle's angles; the true one for a drive with the delay that the row is about.
-    #[must_use]
-    pub const fn angle(&self, spindle: TapSpindle) -> SpindleAngle {
-        let [second, third, fourth] = self.tappers;
-        match spindle {
-            TapSpindle::First => SpindleAngle {
-                truth: self.spindle,
-                set: self.spindle_set,
-            },
-            TapSpindle::Second => second,
-            TapSpindle::Third => third,
-            TapSpindle::Fourth => fourth,
-        }
-    }
-
-    /// A spindle is in position mode.
-    #[must_use]
-    pub fn is_rigid(&self) -> bool {
-        TapSpindle::ALL
-            .iter()
-            .any(|spindle| self.angle(*spindle).set.is_some())
-    }
-
-    fn set_angle(&mut self, spindle: TapSpindle, set: Option<Turns>) {
-        let [second, third, fourth] = &mut self.tappers;
-        let place = match spindle {
-            TapSpindle::First => &mut self.spindle_set,
-            TapSpindle::Second => &mut second.set,
-            TapSpindle::Third => &mut third.set,
-            TapSpindle::Fourth => &mut fourth.set,
-        };
-        *place = set;
-    }
-}
-
-/// A spindle at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SpindleAngle {
-    /// Its true angle when the setpoint takes effect.
-    pub truth: FineTurns,
-    /// Its commanded angle, while it is in position mode.
-    pub set: Option<Turns>,
-}
-
-/// A tap at an instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TapPoint {
-    /// Setpoint of the tap axis below R; negative above it.
-    pub depth: Length,
-    /// Turns of the spindle since R: commanded ones in position mode, else true ones, of the instant the setpoint is for.
-    pub turned: Turns,
-    /// Setpoint of the tap axis minus where it should be at that angle.
-    pub skew: Length,
-}
-
-impl TapPoint {
-    fn new(line: &TapLine, position: Position, angle: Turns) -> Self {
-        Self {
-            depth: line.gear.depth(position),
-            turned: angle - line.origin,
-            skew: line.error(position, angle),
-        }
-    }
-}
 
 /// On the wire from here on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,38 +56,6 @@ pub enum SimError {
     Plant(PlantError),
     /// The board refuses to start, or what is stored makes no sense.
     Board(Alarm),
-}
-
-#[derive(Clone, Copy)]
-struct Pending {
-    row: Row,
-    law: Law,
-    /// By how many turns the board counted ahead of the truth.
-    ahead: Turns,
-}
-
-/// What a row is judged by.
-#[derive(Clone, Copy)]
-enum Law {
-    /// Nothing is synchronous.
-    Free,
-    /// The helix of a pass; true while the long axis is held to it.
-    Thread(Helix, bool),
-    /// The line of a tap, and the spindle that turns it.
-    Tap(TapLine, TapSpindle),
-    /// The line of an ordinary tap, whose setpoint is that of 5275 cycles later.
-    Float(TapLine),
-}
-
-impl Law {
-    /// True where X is the axis held to the spindle.
-    fn on_x(&self) -> bool {
-        match self {
-            Self::Free => false,
-            Self::Thread(helix, _) => helix.long_x(),
-            Self::Tap(line, _) | Self::Float(line) => line.gear.axis() == TapAxis::X,
-        }
-    }
 }
 
 /// A board, its drives, its spindle, and time that goes by when it is told to.
@@ -274,30 +114,6 @@ impl Beat {
             ear: SyncConsumer::new(),
             heard: SyncHeard::NONE,
         }
-    }
-}
-
-/// Whole ticks, and the rest in µs.
-#[derive(Clone, Copy)]
-struct Delay {
-    whole: usize,
-    rest_us: u32,
-}
-
-impl Delay {
-    fn of(params: &Params, axis: Axis) -> Self {
-        let (latency, tick_us) = (params.latency_us(axis), params.tick_us());
-        Self {
-            whole: latency.checked_div(tick_us).unwrap_or(0) as usize,
-            rest_us: latency.checked_rem(tick_us).unwrap_or(0),
-        }
-    }
-
-    /// SYNCs from a tick to the first at which the truth of its row is known.
-    const fn wait(self) -> usize {
-        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
-        let between = if self.rest_us == 0 { 0 } else { 1 };
-        self.whole.saturating_add(1).saturating_add(between)
     }
 }
 
@@ -641,131 +457,5 @@ impl Sim {
         // Released above as soon as it is due: there is always room.
         let _ = self.pending.push_back(Pending { row, law, ahead });
         ready
-    }
-
-    /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
-    fn law(&mut self, locked: bool) -> Law {
-        if let Some(line) = self.board.tap_line() {
-            self.line = Some(Law::Tap(line, self.board.ticker().tap_spindle()));
-        } else if let Some(line) = self.board.float_line() {
-            self.line = Some(Law::Float(line));
-        }
-        match (self.board.helix(), self.line) {
-            (Some(helix), _) => Law::Thread(helix, locked),
-            (None, Some(line)) if locked => line,
-            _ => Law::Free,
-        }
-    }
-
-    /// SYNCs that every row waits for: those of the slower drive.
-    fn wait(&self) -> usize {
-        let [x, z] = self.delays.map(Delay::wait);
-        x.max(z).saturating_add(self.lag)
-    }
-
-    /// By how many turns the board counts ahead of the truth. Whole turns mean nothing; while an axis is held to the spindle
-    /// they stay what they were, so that one that got lost would show.
-    fn ahead(&mut self, locked: bool) -> Turns {
-        let observer = self.board.ticker().observer();
-        if !locked && observer.indexed() {
-            let apart = observer.angle() - self.spindle_angle();
-            let half = 1_i64 << 31;
-            self.ahead = Turns::from_raw(apart.raw().wrapping_add(half) >> 32 << 32);
-        }
-        self.ahead
-    }
-
-    /// The row whose setpoint takes effect now, completed by the truth.
-    fn release(&mut self) -> Option<Row> {
-        if self.pending.len() < self.wait() {
-            return None;
-        }
-        self.complete()
-    }
-
-    /// The oldest row that waits, with what is true now.
-    fn complete(&mut self) -> Option<Row> {
-        let Pending {
-            mut row,
-            law,
-            ahead,
-        } = self.pending.pop_front()?;
-        let [x, z] = self.delays;
-        // Where an axis is held to the spindle, the instant that counts is that axis'.
-        let delay = if law.on_x() { x } else { z };
-        let [first, second, third, fourth] = self.truth(delay);
-        row.spindle = first;
-        for (tapper, truth) in row.tappers.iter_mut().zip([second, third, fourth]) {
-            tapper.truth = truth;
-        }
-        row.error = match law {
-            Law::Free | Law::Thread(_, false) => None,
-            Law::Thread(helix, true) => {
-                let exact = helix.at(row.spindle.turns() + ahead);
-                let actual = if law.on_x() {
-                    row.position.x
-                } else {
-                    row.position.z
-                };
-                Some(actual - exact)
-            }
-            Law::Tap(line, spindle) => {
-                let turned = row.angle(spindle);
-                let angle = turned.set.unwrap_or(turned.truth.turns());
-                let truth = turned.truth.near(angle, self.spindle_increments);
-                row.tap = Some(TapPoint::new(&line, row.position, angle));
-                Some(line.error(row.position, truth.turns()))
-            }
-            Law::Float(line) => {
-                let meant = Delay {
-                    whole: delay.whole.saturating_add(self.lag),
-                    ..delay
-                };
-                let point = {
-                    let angle = self.truth(meant)[0].turns() + ahead;
-                    TapPoint::new(&line, row.position, angle)
-                };
-                row.tap = Some(point);
-                Some(point.skew)
-            }
-        };
-        Some(row)
-    }
-
-    /// The true angles when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
-    fn truth(&self, delay: Delay) -> [FineTurns; 4] {
-        // Counted back from the newest.
-        let ago = self.wait().saturating_sub(delay.wait());
-        let at = |ago| self.truths.iter().rev().nth(ago).copied();
-        let mut angles = at(ago).unwrap_or_default();
-        if delay.rest_us != 0 {
-            let earlier = at(ago.saturating_add(1)).unwrap_or_default();
-            for (later, earlier) in angles.iter_mut().zip(earlier) {
-                *later = earlier.towards(*later, delay.rest_us, self.tick_us);
-            }
-        }
-        angles
-    }
-
-    /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
-    /// busy any more.
-    pub fn last_rows(&mut self, mut each: impl FnMut(Row)) {
-        // A machine that has run for less than the latency has a first row that is younger than that.
-        for _ in self.pending.len()..self.wait() {
-            self.advance();
-        }
-        while !self.pending.is_empty() {
-            self.advance();
-            if let Some(row) = self.complete() {
-                each(row);
-            }
-        }
-    }
-
-    /// The true angle of spindle 1 at the last SYNC.
-    #[must_use]
-    pub fn spindle_angle(&self) -> Turns {
-        let [first, ..] = self.truths.back().copied().unwrap_or_default();
-        first.turns()
     }
 }

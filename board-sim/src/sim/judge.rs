@@ -1,0 +1,201 @@
+//! A row waits here until what was true when its setpoint took effect is known, and is judged by it.
+//!
+//! The truth is the plant's alone: nothing from here reaches the board.
+
+use leadscrew_core::motion::{Helix, TapLine};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{TapAxis, TapSpindle};
+use leadscrew_core::units::{Axis, Turns};
+
+use super::{Row, Sim, TapPoint};
+use crate::plant::FineTurns;
+
+/// The longest latency of a drive, in ticks, that a row can wait for.
+pub(super) const LATENCY_TICKS: usize = 128 + 64;
+
+/// Truths kept: one for every SYNC that a row waits for, and the one before an instant between two of them.
+pub(super) const TRUTHS: usize = LATENCY_TICKS + 2;
+
+#[derive(Clone, Copy)]
+pub(super) struct Pending {
+    pub(super) row: Row,
+    pub(super) law: Law,
+    /// By how many turns the board counted ahead of the truth.
+    pub(super) ahead: Turns,
+}
+
+/// What a row is judged by.
+#[derive(Clone, Copy)]
+pub(super) enum Law {
+    /// Nothing is synchronous.
+    Free,
+    /// The helix of a pass; true while the long axis is held to it.
+    Thread(Helix, bool),
+    /// The line of a tap, and the spindle that turns it.
+    Tap(TapLine, TapSpindle),
+    /// The line of an ordinary tap, whose setpoint is that of 5275 cycles later.
+    Float(TapLine),
+}
+
+impl Law {
+    /// True where X is the axis held to the spindle.
+    fn on_x(&self) -> bool {
+        match self {
+            Self::Free => false,
+            Self::Thread(helix, _) => helix.long_x(),
+            Self::Tap(line, _) | Self::Float(line) => line.gear.axis() == TapAxis::X,
+        }
+    }
+}
+
+/// Whole ticks, and the rest in µs.
+#[derive(Clone, Copy)]
+pub(super) struct Delay {
+    whole: usize,
+    rest_us: u32,
+}
+
+impl Delay {
+    pub(super) fn of(params: &Params, axis: Axis) -> Self {
+        let (latency, tick_us) = (params.latency_us(axis), params.tick_us());
+        Self {
+            whole: latency.checked_div(tick_us).unwrap_or(0) as usize,
+            rest_us: latency.checked_rem(tick_us).unwrap_or(0),
+        }
+    }
+
+    /// SYNCs from a tick to the first at which the truth of its row is known.
+    const fn wait(self) -> usize {
+        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
+        let between = if self.rest_us == 0 { 0 } else { 1 };
+        self.whole.saturating_add(1).saturating_add(between)
+    }
+}
+
+impl Sim {
+    /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
+    pub(super) fn law(&mut self, locked: bool) -> Law {
+        if let Some(line) = self.board.tap_line() {
+            self.line = Some(Law::Tap(line, self.board.ticker().tap_spindle()));
+        } else if let Some(line) = self.board.float_line() {
+            self.line = Some(Law::Float(line));
+        }
+        match (self.board.helix(), self.line) {
+            (Some(helix), _) => Law::Thread(helix, locked),
+            (None, Some(line)) if locked => line,
+            _ => Law::Free,
+        }
+    }
+
+    /// SYNCs that every row waits for: those of the slower drive.
+    fn wait(&self) -> usize {
+        let [x, z] = self.delays.map(Delay::wait);
+        x.max(z).saturating_add(self.lag)
+    }
+
+    /// By how many turns the board counts ahead of the truth. Whole turns mean nothing; while an axis is held to the spindle
+    /// they stay what they were, so that one that got lost would show.
+    pub(super) fn ahead(&mut self, locked: bool) -> Turns {
+        let observer = self.board.ticker().observer();
+        if !locked && observer.indexed() {
+            let apart = observer.angle() - self.spindle_angle();
+            let half = 1_i64 << 31;
+            self.ahead = Turns::from_raw(apart.raw().wrapping_add(half) >> 32 << 32);
+        }
+        self.ahead
+    }
+
+    /// The row whose setpoint takes effect now, completed by the truth.
+    pub(super) fn release(&mut self) -> Option<Row> {
+        if self.pending.len() < self.wait() {
+            return None;
+        }
+        self.complete()
+    }
+
+    /// The oldest row that waits, with what is true now.
+    fn complete(&mut self) -> Option<Row> {
+        let Pending {
+            mut row,
+            law,
+            ahead,
+        } = self.pending.pop_front()?;
+        let [x, z] = self.delays;
+        // Where an axis is held to the spindle, the instant that counts is that axis'.
+        let delay = if law.on_x() { x } else { z };
+        let [first, second, third, fourth] = self.truth(delay);
+        row.spindle = first;
+        for (tapper, truth) in row.tappers.iter_mut().zip([second, third, fourth]) {
+            tapper.truth = truth;
+        }
+        row.error = match law {
+            Law::Free | Law::Thread(_, false) => None,
+            Law::Thread(helix, true) => {
+                let exact = helix.at(row.spindle.turns() + ahead);
+                let actual = if law.on_x() {
+                    row.position.x
+                } else {
+                    row.position.z
+                };
+                Some(actual - exact)
+            }
+            Law::Tap(line, spindle) => {
+                let turned = row.angle(spindle);
+                let angle = turned.set.unwrap_or(turned.truth.turns());
+                let truth = turned.truth.near(angle, self.spindle_increments);
+                row.tap = Some(TapPoint::new(&line, row.position, angle));
+                Some(line.error(row.position, truth.turns()))
+            }
+            Law::Float(line) => {
+                let meant = Delay {
+                    whole: delay.whole.saturating_add(self.lag),
+                    ..delay
+                };
+                let point = {
+                    let angle = self.truth(meant)[0].turns() + ahead;
+                    TapPoint::new(&line, row.position, angle)
+                };
+                row.tap = Some(point);
+                Some(point.skew)
+            }
+        };
+        Some(row)
+    }
+
+    /// The true angles when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
+    fn truth(&self, delay: Delay) -> [FineTurns; 4] {
+        // Counted back from the newest.
+        let ago = self.wait().saturating_sub(delay.wait());
+        let at = |ago| self.truths.iter().rev().nth(ago).copied();
+        let mut angles = at(ago).unwrap_or_default();
+        if delay.rest_us != 0 {
+            let earlier = at(ago.saturating_add(1)).unwrap_or_default();
+            for (later, earlier) in angles.iter_mut().zip(earlier) {
+                *later = earlier.towards(*later, delay.rest_us, self.tick_us);
+            }
+        }
+        angles
+    }
+
+    /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
+    /// busy any more.
+    pub fn last_rows(&mut self, mut each: impl FnMut(Row)) {
+        // A machine that has run for less than the latency has a first row that is younger than that.
+        for _ in self.pending.len()..self.wait() {
+            self.advance();
+        }
+        while !self.pending.is_empty() {
+            self.advance();
+            if let Some(row) = self.complete() {
+                each(row);
+            }
+        }
+    }
+
+    /// The true angle of spindle 1 at the last SYNC.
+    #[must_use]
+    pub fn spindle_angle(&self) -> Turns {
+        let [first, ..] = self.truths.back().copied().unwrap_or_default();
+        first.turns()
+    }
+}
