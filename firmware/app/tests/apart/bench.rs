@@ -1,0 +1,110 @@
+//! The plant and the pins around a board in two sides; this room knows of no board.
+
+use std::collections::VecDeque;
+
+use leadscrew_app::{Inputs, Machine, TickMachine};
+use leadscrew_board_sim::plant::Plant;
+use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::bus::{Controller, Frame, SyncHeard, SyncProducer, is_sync};
+use leadscrew_core::params::Params;
+use leadscrew_core::spindle::EncoderSample;
+
+/// The plant and the pins, for both sides.
+pub struct Bench {
+    pub plant: Plant,
+    pub answers: VecDeque<Frame>,
+    /// Frames from others on the bus, for the background.
+    pub others: VecDeque<Frame>,
+    pub sent: Vec<Frame>,
+    pub syncs: u32,
+    /// The SYNC of the last tick.
+    pub given: Option<Frame>,
+    /// Somebody else who gives the beat, and what the board's timer says of it.
+    pub beat: Option<(SyncProducer, SyncHeard)>,
+    pub inputs: Inputs,
+    pub events: Vec<Event>,
+    pub fed: u32,
+    pub writing: bool,
+    pub controller: Controller,
+    pub rejoined: u32,
+    /// The time between two SYNCs, as told at each new beginning.
+    pub periods: Vec<u32>,
+}
+
+impl TickMachine for Bench {
+    fn sample(&mut self) -> EncoderSample {
+        self.plant.advance()
+    }
+
+    fn heard(&mut self) -> Option<SyncHeard> {
+        self.beat.map(|(_, heard)| heard)
+    }
+
+    fn inputs(&mut self) -> Inputs {
+        self.inputs
+    }
+
+    fn receive(&mut self) -> Option<Frame> {
+        self.answers.pop_front()
+    }
+
+    fn send(&mut self, frames: &[Frame]) -> bool {
+        self.given = frames.iter().copied().find(is_sync);
+        self.syncs += u32::from(self.given.is_some());
+        let answers = &mut self.answers;
+        let mut answer = |answer| answers.push_back(answer);
+        if let Some((sync, SyncHeard { count: 1, .. })) = &mut self.beat {
+            self.plant.exchange(&[sync.next()], &mut answer);
+        }
+        self.plant.exchange(frames, &mut answer);
+        true
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.fed += 1;
+    }
+}
+
+impl Machine for Bench {
+    fn receive(&mut self) -> Option<Frame> {
+        self.others.pop_front()
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        self.sent.push(*frame);
+    }
+
+    fn load(&mut self, _: Region, then: &mut dyn FnMut(Held<'_>)) {
+        then(Ok(None));
+    }
+
+    fn store(&mut self, _: &StoreRequest<'_>) {
+        assert!(!self.writing, "the one before is done");
+        self.writing = true;
+    }
+
+    fn stored(&mut self) -> Option<Result<(), StoreError>> {
+        std::mem::take(&mut self.writing).then_some(Ok(()))
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.events.push(*event);
+    }
+
+    fn controller(&mut self) -> Controller {
+        self.controller
+    }
+
+    fn rejoin(&mut self) {
+        self.controller = Controller::default();
+        self.rejoined += 1;
+    }
+
+    fn begin_anew(&mut self, params: &Params) {
+        self.periods.push(params.tick_us());
+    }
+}

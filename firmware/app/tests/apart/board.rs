@@ -1,0 +1,254 @@
+//! A board in two sides on its bench.
+
+use std::collections::VecDeque;
+
+use leadscrew_app::{
+    BackgroundPlace, BackgroundSide, Failure, Inputs, PowerUp, Queues, ResetCause, TickPlace,
+    TickSide, TickerPlace,
+};
+use leadscrew_board_sim::plant::{Plant, PlantOptions};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::{self, Event, State};
+use leadscrew_core::bus::{
+    BoardCommand, BoardState, CobId, Controller, Frame, NmtCommand, NodeId, Order, Service,
+};
+use leadscrew_core::link::{
+    SetpointHash, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord, ThreadState,
+};
+use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::program::{self, Call, Options};
+
+use crate::bench::Bench;
+
+/// A board on its bench.
+pub struct Apart {
+    pub tick: &'static mut TickSide,
+    pub background: &'static mut BackgroundSide,
+    pub bench: Bench,
+    hash: SetpointHash,
+    /// Of the last order.
+    count: u8,
+}
+
+impl Apart {
+    /// Begins the application anew, as an NMT master can; its events are told from there on.
+    pub fn restart(&mut self) {
+        self.bench.events.clear();
+        let anew = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
+        self.bench.others.push_back(anew);
+        self.rest();
+    }
+
+    /// One that has come up, and then taken tick 0.
+    pub fn new(params: &Params) -> Self {
+        let mut apart = Self::off(params);
+        for _ in 0..1000 {
+            apart.step();
+            if apart.bench.events.contains(&Event::Ready) {
+                apart.step();
+                return apart;
+            }
+        }
+        panic!("the machine does not come up");
+    }
+
+    pub fn off(params: &Params) -> Self {
+        Self::behind(params, None)
+    }
+
+    /// A number of four bytes in the object dictionary, read within three ticks.
+    pub fn object(&mut self, index: u16, sub: u8) -> u32 {
+        let [low, high] = index.to_le_bytes();
+        let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
+        let request = Frame::new(request, &[0x40, low, high, sub, 0, 0, 0, 0]);
+        self.bench.others.push_back(request.expect("a frame"));
+        self.steps(3);
+        let reply = CobId::of(Service::SdoReply, NodeId::BOARD);
+        let told = self.bench.sent.iter().find(|frame| frame.id() == reply);
+        let value = told.expect("an answer").payload().last_chunk();
+        u32::from_le_bytes(*value.expect("eight bytes"))
+    }
+
+    /// What 5041h says of the last threads, the newest first: number, line, kind, state, passes. Read in segments.
+    pub fn threads(&mut self) -> Vec<(u32, u32, ThreadKind, ThreadState, u16)> {
+        let (request, reply) = (Service::SdoRequest, Service::SdoReply);
+        let (request, reply) = [request, reply]
+            .map(|service| CobId::of(service, NodeId::BOARD))
+            .into();
+        let mut command = [0x40, 0x41, 0x50, 0, 0, 0, 0, 0];
+        let mut bytes = Vec::new();
+        loop {
+            self.bench.sent.clear();
+            let frame = Frame::new(request, &command).expect("a frame");
+            self.bench.others.push_back(frame);
+            self.rest();
+            let told = self.bench.sent.iter().find(|frame| frame.id() == reply);
+            let answer = told.expect("an answer").payload();
+            let toggle = match command[0] {
+                0x40 => 0x10,
+                _ => {
+                    let unused = usize::from(answer[0] >> 1 & 7);
+                    bytes.extend_from_slice(&answer[1..8 - unused]);
+                    if answer[0] & 1 == 1 {
+                        break;
+                    }
+                    command[0] & 0x10
+                }
+            };
+            command = [0x60 | (toggle ^ 0x10), 0, 0, 0, 0, 0, 0, 0];
+        }
+        let told = |thread: ThreadCertificate| {
+            let ThreadRecord {
+                line,
+                kind,
+                state,
+                tally,
+            } = thread.record;
+            (thread.number, line, kind, state, tally.passes)
+        };
+        let threads = ThreadReader::new(&bytes).expect("the certificates");
+        threads.map(|thread| told(thread.expect("one"))).collect()
+    }
+
+    /// An emergency message with this code and the number of this alarm has been sent.
+    pub fn has_told(&self, emergency: u16, number: u16) -> bool {
+        self.bench.sent.iter().any(|frame| {
+            let payload = frame.payload();
+            frame.id().service() == Some((Service::Emcy, NodeId::BOARD))
+                && payload[..2] == emergency.to_le_bytes()
+                && payload[3..5] == number.to_le_bytes()
+        })
+    }
+
+    /// One that is switched on behind a failure.
+    pub fn behind(params: &Params, failure: Option<Failure>) -> Self {
+        Self::started(params, failure, ResetCause::Power)
+    }
+
+    pub fn started(params: &Params, failure: Option<Failure>, cause: ResetCause) -> Self {
+        // For good, as in an image.
+        let queues = Box::leak(Box::new(Queues::new()));
+        let tick = Box::leak(Box::new(TickPlace::uninit()));
+        let ticker = Box::leak(Box::new(TickerPlace::uninit()));
+        let background = Box::leak(Box::new(BackgroundPlace::uninit()));
+        let options = PlantOptions::default();
+        let up = PowerUp {
+            set: &board::PowerUp::given(params),
+            remembered: Some(options.at),
+            tap: None,
+            node: NodeId::BOARD,
+            serial: 0x1234_5678,
+            failure,
+            cause,
+        };
+        let (tick, background) = queues
+            .power_up(tick, ticker, background, &up)
+            .expect("the parameters work");
+        Self {
+            tick,
+            background,
+            bench: Bench {
+                plant: Plant::new(params, &options).expect("the plant works"),
+                answers: VecDeque::new(),
+                others: VecDeque::new(),
+                sent: Vec::new(),
+                syncs: 0,
+                given: None,
+                beat: None,
+                inputs: Inputs::default(),
+                events: Vec::new(),
+                fed: 0,
+                writing: false,
+                controller: Controller::default(),
+                rejoined: 0,
+                periods: Vec::new(),
+            },
+            hash: SetpointHash::new(),
+            count: 0,
+        }
+    }
+
+    /// An order of the operator, over the bus.
+    pub fn order(&mut self, order: Order) {
+        self.count += 1;
+        let command = BoardCommand {
+            count: self.count,
+            order: Some(order),
+            ..BoardCommand::default()
+        };
+        let start = NmtCommand::Start.frame(None);
+        self.bench
+            .others
+            .extend([start, command.frame(NodeId::BOARD)]);
+    }
+
+    /// A tick, and all the background can do behind it.
+    pub fn step(&mut self) {
+        self.tick.tick(&mut self.bench);
+        self.rest();
+        let (setpoint, snapshot) = (&self.tick.output().setpoint, self.background.snapshot());
+        let spindle = setpoint
+            .spindle
+            .map(|angle| (snapshot.spindle_in_use, angle));
+        let runs = snapshot.board_state() == BoardState::Run;
+        self.hash.push(setpoint.position, spindle, runs);
+    }
+
+    /// So many of them.
+    pub fn steps(&mut self, count: u32) {
+        for _ in 0..count {
+            self.step();
+        }
+    }
+
+    pub fn rest(&mut self) {
+        while self.background.step(&mut self.bench) {}
+    }
+
+    /// Runs a program to its end, or to an alarm.
+    pub fn run(&mut self, text: &str, params: &Params) -> u64 {
+        self.hash = SetpointHash::new();
+        let mut calls: VecDeque<Call> = calls(text, params).into();
+        for _ in 0..1_000_000 {
+            while calls
+                .front()
+                .is_some_and(|call| self.background.offer(call))
+            {
+                calls.pop_front();
+                self.rest();
+            }
+            self.step();
+            let over = calls.is_empty() && !self.background.is_busy();
+            if over || matches!(self.background.snapshot().state, State::Alarm(_)) {
+                return self.hash.value();
+            }
+        }
+        panic!("the program does not come to an end");
+    }
+}
+
+pub fn calls(text: &str, params: &Params) -> Vec<Call> {
+    program::Events::new(text.as_bytes(), params, Options::default())
+        .filter_map(|event| match event.expect("a good program") {
+            program::Event::Call(call) => Some(call),
+            _ => None,
+        })
+        .collect()
+}
+
+/// A board that follows, and one that gives the beat.
+pub fn follower() -> Apart {
+    let mut params = Params::slant_bed();
+    let entry = Entry::find_text("9029").expect("a parameter");
+    params.set(entry, 1).expect("in its range");
+    Apart::off(&params)
+}
+
+/// The alarm the machine stands on, behind so many ticks.
+pub fn alarm(apart: &mut Apart, ticks: u32) -> Option<Code> {
+    apart.steps(ticks);
+    match apart.background.snapshot().state {
+        State::Alarm(alarm) => Some(alarm.code),
+        _ => None,
+    }
+}

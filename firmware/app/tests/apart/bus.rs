@@ -1,0 +1,83 @@
+//! What is heard on the bus, and what is not.
+
+use leadscrew_app::ResetCause;
+use leadscrew_core::alarm::{Arg, Code};
+use leadscrew_core::board::State;
+use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame, NodeId, Service};
+use leadscrew_core::params::Params;
+
+use crate::board::{Apart, alarm, calls, follower};
+
+#[test]
+fn a_board_whose_timer_nobody_leads_says_that_it_hears_no_sync() {
+    let mut apart = follower();
+    let mut ticks = 0;
+    while !matches!(apart.background.snapshot().state, State::Alarm(_)) {
+        apart.step();
+        ticks += 1;
+        assert!(ticks < 10_000);
+    }
+    let State::Alarm(alarm) = apart.background.snapshot().state else {
+        unreachable!("it stands on one");
+    };
+    assert_eq!(alarm.code, Code::SyncUnsteady);
+    let figures = [Arg::Int(0), Arg::Int(2100), Arg::Int(1000)];
+    assert_eq!(alarm.args[..3], figures);
+}
+
+#[test]
+fn a_controller_that_leaves_the_bus_stops_the_machine_and_comes_back_once_it_stands() {
+    let params = Params::slant_bed();
+    let mut apart = Apart::new(&params);
+    let calls = calls("G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params);
+    let mut calls = calls.iter();
+    let mut next = calls.next();
+    for _ in 0..200 {
+        while next.is_some_and(|call| apart.background.offer(call)) {
+            next = calls.next();
+        }
+        apart.step();
+    }
+    assert_eq!(apart.background.snapshot().state, State::Running);
+    apart.bench.controller = Controller {
+        state: BusState::Off,
+        errors: ErrorCounts {
+            sending: 248,
+            receiving: 0,
+        },
+    };
+    apart.steps(3);
+    assert_eq!(apart.bench.rejoined, 0, "not while it moves");
+    assert_eq!(alarm(&mut apart, 1000), Some(Code::BusOff));
+    assert_eq!(apart.bench.rejoined, 1);
+    let boot_up = CobId::of(Service::Heartbeat, NodeId::BOARD);
+    assert!(
+        apart
+            .bench
+            .sent
+            .iter()
+            .any(|frame| frame.id() == boot_up && frame.payload() == [0])
+    );
+}
+
+#[test]
+fn a_second_master_is_noticed_whichever_side_hears_it() {
+    let params = Params::slant_bed();
+    let setpoint = CobId::of(Service::Rpdo1, NodeId::DRIVE_X);
+    let frame = Frame::new(setpoint, &[0x0F, 0, 0, 0, 0, 0, 0]).expect("a frame");
+    for heard_by_tick in [true, false] {
+        let mut apart = Apart::new(&params);
+        if heard_by_tick {
+            apart.bench.answers.push_back(frame);
+        } else {
+            apart.bench.others.push_back(frame);
+        }
+        assert_eq!(alarm(&mut apart, 1000), Some(Code::SecondSetpoints));
+    }
+}
+
+#[test]
+fn the_serial_number_is_an_object() {
+    let mut apart = Apart::started(&Params::slant_bed(), None, ResetCause::Power);
+    assert_eq!(apart.object(0x1018, 4), 0x1234_5678);
+}
