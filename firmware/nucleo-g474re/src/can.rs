@@ -7,17 +7,26 @@
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
 //! have missed setpoints must not get new ones out of nowhere. What is told is its state.
 
+use embassy_stm32::pac::can::regs::Nbtp;
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
 use embassy_stm32::pac::{FDCAN1, FDCANRAM1, interrupt};
-use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
+use leadscrew_core::bus::{Controller, Frame};
 use leadscrew_parts::BitTiming;
 
 /// Words of an element of the message memory.
 const ELEMENT: usize = 18;
-/// Words of the message memory of one controller.
-const WORDS: usize = 212;
-/// Places for frames to be sent, and in the first queue of received ones.
+/// Places for frames to be sent, and in each queue of received ones.
 const PLACES: u8 = 3;
+/// Words of all of them.
+const ELEMENTS: usize = ELEMENT * PLACES as usize;
+/// Where the first queue of received frames begins: behind 28 filters of one word, and 8 of two.
+const RECEIVE: usize = 28 + 8 * 2;
+/// Where those to be sent begin: behind two such queues, and three events of two words.
+const TRANSMIT: usize = RECEIVE + 2 * ELEMENTS + 3 * 2;
+/// Words of the message memory of one controller.
+const WORDS: usize = TRANSMIT + ELEMENTS;
+// The manual's figures in bytes: where its header has the sections, and where the next controller's memory begins.
+const _: () = assert!(RECEIVE * 4 == 0x0B0 && TRANSMIT * 4 == 0x278 && WORDS * 4 == 0x350);
 
 /// Places for frames to be sent, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,12 +57,7 @@ pub fn start(timing: BitTiming) {
         // SAFETY: the memory of this controller has so many words, and nobody else uses it.
         unsafe { memory.add(word).write_volatile(0) };
     }
-    FDCAN1.nbtp().write(|w| {
-        w.set_nbrp(timing.prescaler - 1);
-        w.set_ntseg1(timing.before - 1);
-        w.set_ntseg2(timing.after - 1);
-        w.set_nsjw(timing.jump - 1);
-    });
+    FDCAN1.nbtp().write_value(Nbtp(timing.word()));
     // Every standard data frame is heard; extended and remote ones are nobody's here.
     FDCAN1.rxgfc().write(|w| {
         w.set_anfs(Anfs::ACCEPT_FIFO_0);
@@ -79,11 +83,6 @@ pub fn start(timing: BitTiming) {
     FDCAN1.cccr().modify(|w| w.set_init(false));
 }
 
-/// Where the transmit elements begin.
-const TRANSMIT: usize = 158;
-/// Where the first receive queue begins.
-const RECEIVE: usize = 44;
-
 /// A word of the message memory.
 fn word(at: usize) -> *mut u32 {
     FDCANRAM1.as_ptr().cast::<u32>().wrapping_add(at)
@@ -96,20 +95,8 @@ pub fn put(frame: &Frame) -> Option<Places> {
         return None;
     }
     let place = state.tfqpi().min(PLACES - 1);
-    let payload = frame.payload();
-    let mut bytes = [0; 8];
-    for (to, byte) in bytes.iter_mut().zip(payload) {
-        *to = *byte;
-    }
-    let [a, b, c, d, e, f, g, h] = bytes;
-    let words = [
-        u32::from(frame.id().get()) << 18,
-        (payload.len() as u32) << 16,
-        u32::from_le_bytes([a, b, c, d]),
-        u32::from_le_bytes([e, f, g, h]),
-    ];
     let element = TRANSMIT + usize::from(place) * ELEMENT;
-    for (at, value) in (element..).zip(words) {
+    for (at, value) in (element..).zip(leadscrew_parts::to_send(frame)) {
         // SAFETY: an element of this controller's memory, at a place that is free.
         unsafe { word(at).write_volatile(value) };
     }
@@ -127,15 +114,9 @@ pub fn take() -> Option<(Frame, u16)> {
     let place = state.fgi().min(PLACES - 1);
     let element = RECEIVE + usize::from(place) * ELEMENT;
     // SAFETY: an element of this controller's memory, which it does not touch until it is given back.
-    let [head, length, low, high] =
-        [0, 1, 2, 3].map(|at| unsafe { word(element + at).read_volatile() });
+    let words = [0, 1, 2, 3].map(|at| unsafe { word(element + at).read_volatile() });
     FDCAN1.rxfa(0).write(|w| w.set_fai(place));
-    let [a, b, c, d] = low.to_le_bytes();
-    let [e, f, g, h] = high.to_le_bytes();
-    let bytes = [a, b, c, d, e, f, g, h];
-    let (stamp, length) = (length as u16, ((length >> 16) & 0xF).min(8) as usize);
-    let id = CobId::new(((head >> 18) & 0x7FF) as u16)?;
-    Some((Frame::new(id, bytes.get(..length)?)?, stamp))
+    leadscrew_parts::received(words)
 }
 
 /// Takes note of the interrupts. True where a frame was received while there was no place for it.
@@ -157,18 +138,7 @@ pub fn call_back(places: Places) {
 
 /// How it stands on the bus.
 pub fn controller() -> Controller {
-    let (state, errors) = (FDCAN1.psr().read(), FDCAN1.ecr().read());
-    Controller {
-        state: match (state.bo(), state.ep()) {
-            (true, _) => BusState::Off,
-            (false, true) => BusState::Passive,
-            (false, false) => BusState::Active,
-        },
-        errors: ErrorCounts {
-            sending: errors.tec(),
-            receiving: errors.rec(),
-        },
-    }
+    leadscrew_parts::controller(FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
 }
 
 /// Takes part again after bus-off: behind 129 times eleven recessive bits.

@@ -1,7 +1,7 @@
 //! Parameters and tap journal: the beginning of the second flash bank.
 //!
-//! The program runs from the first bank meanwhile. A word whose error correction fails raises the non-maskable interrupt;
-//! here that is an answer to a read, and nowhere else.
+//! The program runs from the first bank meanwhile. A word whose error correction fails raises the non-maskable interrupt; in
+//! the second bank, which nobody else reads, that is an answer to a read, and nowhere else.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,10 +20,11 @@ const START: u32 = 0x0804_0000;
 /// What unlocks the registers that write.
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
-/// A word has been read whose error correction failed, since somebody last asked.
+/// A word of the second bank has been read whose error correction failed. One processor: what orders it to the reads are
+/// barriers.
 static UNREADABLE: AtomicBool = AtomicBool::new(false);
-/// A word of the regions is being read: this may fail.
-static READING: AtomicBool = AtomicBool::new(false);
+/// So far away a word is none that a reading of another one brings along; in the same page.
+const ELSEWHERE: u32 = PAGE as u32 / 2;
 
 /// The pages of the second bank.
 pub struct Bank(());
@@ -45,9 +46,9 @@ pub fn start() -> WordFlash<Bank> {
 fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
     while FLASH.sr().read().bsy() {}
     if FLASH.cr().read().lock() {
-        for key in KEYS {
-            FLASH.keyr().write_value(key);
-        }
+        let [first, second] = KEYS;
+        FLASH.keyr().write_value(first);
+        FLASH.keyr().write_value(second);
     }
     // Written as read: errors of before are cleared.
     FLASH.sr().modify(|_| {});
@@ -83,26 +84,35 @@ fn forget() {
     FLASH.acr().modify(|w| w.set_dcen(true));
 }
 
+/// Both halves of a word, once they are here.
+fn look(offset: u32) -> (u32, u32) {
+    let at = (START + offset) as *const u32;
+    // SAFETY: a word of the second bank; `offset` has been checked.
+    let halves = unsafe { (at.read_volatile(), at.add(1).read_volatile()) };
+    cortex_m::asm::dsb();
+    halves
+}
+
 impl WordDevice for Bank {
     const PAGE: usize = PAGE;
     const SIZE: usize = PAGE * PAGES;
 
     fn read(&mut self, offset: u32) -> Result<[u8; 8], WordError> {
-        let at = (START + offset) as *const u32;
         // A mended error of before would keep its place, and a bad word would be told as one of there. Written as read:
         // what is set is cleared.
         let before = FLASH.eccr().read();
         FLASH.eccr().write_value(before);
-        READING.store(true, Ordering::SeqCst);
-        // SAFETY: both halves of a word of the second bank; `offset` has been checked.
-        let (low, high) = unsafe { (at.read_volatile(), at.add(1).read_volatile()) };
-        // The interrupt of a bad word comes before this is over.
+        UNREADABLE.store(false, Ordering::Relaxed);
+        let (low, high) = look(offset);
+        // How long the interrupt of a bad word takes to come the manual does not say. What it takes note of is asked for
+        // itself, which takes some time too.
+        let told = FLASH.eccr().read().eccd();
         cortex_m::asm::dsb();
-        cortex_m::asm::isb();
-        READING.store(false, Ordering::SeqCst);
-        if UNREADABLE.swap(false, Ordering::SeqCst) {
-            // A second reading is to be refused like the first.
+        if told || UNREADABLE.load(Ordering::Relaxed) {
+            // A second reading is to be refused like the first: the word may be in the cache, and in what was read last, which
+            // is kept beside it.
             forget();
+            look(offset ^ ELSEWHERE);
             return Err(WordError::Unreadable);
         }
         let [a, b, c, d] = low.to_le_bytes();
@@ -144,10 +154,12 @@ unsafe fn NonMaskableInt() {
     let state = FLASH.eccr().read();
     // The other bank is the program's, whose words are read meanwhile too.
     let kept = state.bk_ecc() && !state.sysf_ecc();
-    if state.eccd() && kept && READING.load(Ordering::SeqCst) {
-        UNREADABLE.store(true, Ordering::SeqCst);
-        // Written as read: what is set is cleared, and the next one is told again.
+    if state.eccd() && kept {
+        UNREADABLE.store(true, Ordering::Relaxed);
+        // Written as read: what is set is cleared, and the next one is told again. It is cleared before this is over, or it
+        // would come once more and find nothing.
         FLASH.eccr().write_value(state);
+        cortex_m::asm::dsb();
         return;
     }
     // The program itself cannot be read: nothing that is known still holds.

@@ -5,7 +5,7 @@
 //! | priority | runs | owns |
 //! |---|---|---|
 //! | fault | the end: a record, and a new start ([`fault`]) | – |
-//! | NMI | a word of the flash that cannot be read ([`flash`]) | two flags |
+//! | NMI | a word of the flash that cannot be read ([`flash`]) | a flag |
 //! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, watchdog, its end of the rings |
 //! | 1 | FDCAN1: frames in and out ([`wire`]) | the controller, its ends of the rings |
 //! | thread | [`BackgroundSide`], storage, switches | flash, its ends of the rings |
@@ -29,6 +29,7 @@ mod encoder;
 mod fault;
 mod flash;
 mod log;
+mod manual;
 mod owned;
 mod pins;
 mod reset;

@@ -50,7 +50,7 @@ pub fn start() {
     });
     GPIOA
         .ospeedr()
-        .modify(|w| w.set_ospeedr(12, Ospeedr::VERY_HIGH_SPEED));
+        .modify(|w| w.set_ospeedr(12, Ospeedr::MEDIUM_SPEED));
     GPIOA.moder().modify(|w| {
         w.set_moder(0, Moder::ALTERNATE);
         w.set_moder(1, Moder::ALTERNATE);

@@ -5,6 +5,7 @@
 //! | part | is |
 //! |---|---|
 //! | [`BitTiming`] | segments of a CAN bit from the controller's clock |
+//! | [`to_send`], [`received`], [`controller`] | the words of a CAN controller: frames, its state |
 //! | [`Gate`] | which frame may go into the CAN controller next |
 //! | [`Follower`] | stamps of somebody else's SYNC to the length of the own periods |
 //! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
@@ -17,6 +18,7 @@ mod edges;
 mod flash;
 mod follower;
 mod gate;
+mod message;
 mod panel;
 mod timing;
 
@@ -24,5 +26,6 @@ pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
 pub use follower::{Beat, Follower};
 pub use gate::{Gate, Turn};
+pub use message::{controller, received, to_send};
 pub use panel::{Contacts, Said, Switches};
 pub use timing::BitTiming;

@@ -1,0 +1,176 @@
+//! The words of a CAN controller of Bosch's M_CAN family: frames in its message memory, its bit, its state on the bus.
+//!
+//! What they mean is the same in every chip that has one; where they lie, and in which registers, is the chip's. Classical
+//! frames with identifiers of 11 bits only.
+
+use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
+
+use crate::BitTiming;
+
+/// Where an identifier of 11 bits begins in the first word of an element.
+const ID: u32 = 18;
+/// Where the length begins in the second.
+const LENGTH: u32 = 16;
+
+/// The words of a frame to be sent: no remote frame, no event when it has left.
+#[must_use]
+pub fn to_send(frame: &Frame) -> [u32; 4] {
+    let payload = frame.payload();
+    let mut bytes = [0; 8];
+    for (to, byte) in bytes.iter_mut().zip(payload) {
+        *to = *byte;
+    }
+    let [a, b, c, d, e, f, g, h] = bytes;
+    [
+        u32::from(frame.id().get()) << ID,
+        (payload.len() as u32) << LENGTH,
+        u32::from_le_bytes([a, b, c, d]),
+        u32::from_le_bytes([e, f, g, h]),
+    ]
+}
+
+/// The frame in the words of one that was received, and what the counter for stamps showed when it began. Lengths above eight
+/// mean eight, as on the wire. `None` for none that there is.
+#[must_use]
+pub fn received([head, second, low, high]: [u32; 4]) -> Option<(Frame, u16)> {
+    let [a, b, c, d] = low.to_le_bytes();
+    let [e, f, g, h] = high.to_le_bytes();
+    let bytes = [a, b, c, d, e, f, g, h];
+    let (stamp, length) = (second as u16, ((second >> LENGTH) & 0xF).min(8) as usize);
+    let id = CobId::new(((head >> ID) & 0x7FF) as u16)?;
+    Some((Frame::new(id, bytes.get(..length)?)?, stamp))
+}
+
+/// How the controller stands on the bus, by its protocol status (PSR) and its counters of errors (ECR).
+#[must_use]
+pub const fn controller(status: u32, errors: u32) -> Controller {
+    const PASSIVE: u32 = 1 << 5;
+    const OFF: u32 = 1 << 7;
+    Controller {
+        state: if status & OFF != 0 {
+            BusState::Off
+        } else if status & PASSIVE != 0 {
+            BusState::Passive
+        } else {
+            BusState::Active
+        },
+        errors: ErrorCounts {
+            sending: errors as u8,
+            // The bit above is no part of the count: it says that the count has gone beyond.
+            receiving: (errors >> 8) as u8 & 0x7F,
+        },
+    }
+}
+
+impl BitTiming {
+    /// As the word of the register for the nominal bit (NBTP), in which everything is one less.
+    #[must_use]
+    pub const fn word(&self) -> u32 {
+        (self.jump as u32 - 1) << 25
+            | (self.prescaler as u32 - 1) << 16
+            | (self.before as u32 - 1) << 8
+            | (self.after as u32 - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use super::*;
+
+    fn frame(id: u16, payload: &[u8]) -> Frame {
+        Frame::new(CobId::new(id).unwrap(), payload).unwrap()
+    }
+
+    // By the tables of the receive and the transmit element in RM0440.
+
+    #[test]
+    fn a_frame_to_be_sent_has_its_bits_where_the_manual_has_them() {
+        let setpoint = frame(0x201, &[0x0F, 0x00, 0x78, 0x56, 0x34, 0x12]);
+        let words = [0x0804_0000, 0x0006_0000, 0x5678_000F, 0x0000_1234];
+        assert_eq!(to_send(&setpoint), words);
+        assert_eq!(to_send(&frame(0x080, &[])), [0x0200_0000, 0, 0, 0]);
+        let longest = frame(0x7FF, &[1, 2, 3, 4, 5, 6, 7, 0xFF]);
+        let words = [0x1FFC_0000, 0x0008_0000, 0x0403_0201, 0xFF07_0605];
+        assert_eq!(to_send(&longest), words);
+        // Neither extended nor remote; no bit rate switched, no event, no marker.
+        for id in 0..=0x7FF {
+            let [head, second, ..] = to_send(&frame(id, &[0xFF; 8]));
+            assert_eq!(head & !0x1FFC_0000, 0);
+            assert_eq!(second, 8 << 16);
+        }
+    }
+
+    #[test]
+    fn a_frame_that_was_received_is_told_with_its_stamp() {
+        // No filter matched (bit 31); what the filter would be (30 to 24) means nothing then.
+        let words = [0x0608_0000, 0xFF08_BEEF, 0x4433_2211, 0x8877_6655];
+        let bytes = [0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88];
+        assert_eq!(received(words), Some((frame(0x182, &bytes), 0xBEEF)));
+        // From somebody who is error passive (bit 31): a frame like any other.
+        let passive = [0x8608_0000, 0x8002_0001, 0x4433_2211, 0];
+        assert_eq!(received(passive), Some((frame(0x182, &bytes[..2]), 1)));
+        // A length of 9 to 15 means eight bytes.
+        for length in 9..=15 {
+            let words = [0x0608_0000, length << 16, 0x4433_2211, 0x8877_6655];
+            assert_eq!(received(words), Some((frame(0x182, &bytes), 0)));
+        }
+    }
+
+    #[test]
+    fn what_is_sent_reads_back_as_what_it_was() {
+        for id in 0..=0x7FF {
+            for length in 0..=8 {
+                let bytes: Vec<u8> = (1..=length).map(|n| n ^ id as u8).collect();
+                let [head, second, low, high] = to_send(&frame(id, &bytes));
+                let stamped = [head, second | u32::from(!id), low, high];
+                assert_eq!(received(stamped), Some((frame(id, &bytes), !id)));
+            }
+        }
+    }
+
+    #[test]
+    fn the_state_on_the_bus_is_that_of_the_two_registers() {
+        let of = |status, errors| {
+            let Controller { state, errors } = controller(status, errors);
+            (state, errors.sending, errors.receiving)
+        };
+        // As a reset leaves them.
+        assert_eq!(of(0x0000_0707, 0), (BusState::Active, 0, 0));
+        // A warning changes nothing.
+        assert_eq!(of(1 << 6, 0x0000_6060), (BusState::Active, 96, 96));
+        assert_eq!(of(1 << 5, 0x00FF_0080), (BusState::Passive, 128, 0));
+        // Passive as a receiver: the count stands at its end, and its own bit is set.
+        assert_eq!(of(1 << 5, 0x0000_FF00), (BusState::Passive, 0, 127));
+        // Off counts before passive.
+        assert_eq!(of(0xE0, 0x0000_00F8), (BusState::Off, 248, 0));
+    }
+
+    #[test]
+    fn a_bit_is_one_less_in_every_field() {
+        // The manual: with a clock of 48 MHz the reset value 0600 0A03h is 3 Mbit/s.
+        let after_reset = BitTiming {
+            prescaler: 1,
+            before: 11,
+            after: 4,
+            jump: 4,
+        };
+        assert_eq!(after_reset.word(), 0x0600_0A03);
+        assert_eq!(after_reset.clocks() * 3_000_000, 48_000_000);
+        let megabit = BitTiming::of(24_000_000, 1000).unwrap();
+        assert_eq!(megabit.word(), 0x0400_1302);
+        // 10 kbit/s: 80 quanta of 30 clocks.
+        let slowest = BitTiming::of(24_000_000, 10).unwrap();
+        assert_eq!(slowest.word(), 0x121D_4409);
+        let most = BitTiming {
+            prescaler: 512,
+            before: 255,
+            after: 128,
+            jump: 128,
+        };
+        assert_eq!(most.word(), 0xFFFF_FE7F);
+    }
+}
