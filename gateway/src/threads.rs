@@ -59,6 +59,11 @@ impl Threads {
         newest.is_some_and(|record| record.state == ThreadState::UnderWay)
     }
 
+    /// Up to this number none will be told otherwise any more.
+    pub fn whole(&self) -> u32 {
+        self.newest - u32::from(self.is_under_way())
+    }
+
     /// Nobody has read these while the board still had them.
     pub fn missing(&self) -> u64 {
         u64::from(self.newest - self.before) - self.records.len() as u64
@@ -268,12 +273,14 @@ mod tests {
         assert_eq!(threads.take([thread(7, 1, Finished, 9)]), 0);
         assert_eq!(threads.take([thread(8, 5, UnderWay, 3)]), 1);
         assert!(threads.is_under_way());
+        assert_eq!(threads.whole(), 7);
         assert_eq!(
             threads.take([thread(9, 6, CutShort, 5), thread(8, 5, Finished, 4)]),
             1
         );
         assert_eq!((threads.newest(), threads.missing()), (9, 0));
         assert!(!threads.is_under_way());
+        assert_eq!(threads.whole(), 9);
         assert_eq!(
             threads.text(Lang::En),
             "1: line 5: thread, 6 passes: worst 0.004 µm, 0.002 µm RMS over 4 ticks\n\

@@ -5,7 +5,7 @@ use super::ticker::{Outcome, State, Ticker};
 use crate::alarm::{Alarm, Code};
 use crate::bus::BoardState;
 use crate::journal::TapRecord;
-use crate::motion::{Motion, Setpoint};
+use crate::motion::{Cut, Motion, Setpoint};
 use crate::program::TapSpindle;
 use crate::signals::Signals;
 use crate::units::{Rpm, TurnRate, Turns};
@@ -29,6 +29,8 @@ pub struct Snapshot {
     pub setpoint: Setpoint,
     /// A program is under way.
     pub in_program: bool,
+    /// Of the last segment that was carried to its end.
+    pub done: Cut,
     /// Angle of the spindle at the last SYNC.
     pub spindle: Turns,
     /// Its measured speed.
@@ -56,6 +58,7 @@ impl Snapshot {
             state: ticker.state(),
             setpoint: *setpoint,
             in_program: ticker.in_program(),
+            done: ticker.done(),
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),

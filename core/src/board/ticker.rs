@@ -38,7 +38,7 @@ use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Setpoints;
 use crate::bus::{Frame, SyncSource, SyncWatch};
 use crate::journal::TapRecord;
-use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint, Task, WaysOut};
+use crate::motion::{Arrival, Conditions, Cut, Epoch, Executor, Setpoint, Task, WaysOut};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
 use crate::signals::Signals;
@@ -151,6 +151,8 @@ pub struct Ticker {
     in_program: bool,
     /// Where the segment under way lies.
     source: Source,
+    /// Of the last segment of the program that was carried to its end.
+    done: Cut,
     detour: Detour,
     /// Reset: the tool has to be brought clear of the crests.
     clearing: bool,
@@ -276,6 +278,7 @@ impl Ticker {
             pauses_unless_hole: false,
             in_program: false,
             source: Source::None,
+            done: Cut::NONE,
             detour: Detour::None,
             clearing: false,
             epoch: Epoch::default(),
@@ -389,6 +392,11 @@ impl Ticker {
             // The pass that was left stays: it is done again.
             Source::Program if self.detour == Detour::Leaving => {}
             Source::Program => {
+                if let Some(head) = ends.segments.head()
+                    && !matches!(self.mode, Mode::Stopping(_))
+                {
+                    self.done = head.cut;
+                }
                 ends.segments.take();
             }
             Source::Detour => {

@@ -25,6 +25,7 @@ const NEWEST: Object = Object::new(0x5040, 1);
 const FROM: Object = Object::new(0x5040, 2);
 const ENTRIES: Object = Object::new(0x5040, 3);
 const CERTIFICATE: Object = Object::new(0x5041, 0);
+const TAKEN: Object = Object::new(0x5042, 0);
 const SIGNALS: Object = Object::new(0x5060, 0);
 
 /// Readings of the event log before a gap in it is believed.
@@ -251,6 +252,19 @@ impl Link {
                 ours: VERSION,
             }),
             Err(_) => Err(self.strange(CERTIFICATE)),
+        }
+    }
+
+    /// Says that whoever runs the program has the certificates of all threads up to `number`: in virtual time the board
+    /// waits before it forgets one behind it. Reading alone says nothing: anybody may read.
+    ///
+    /// # Errors
+    /// The board does not answer, or there are not so many.
+    pub fn take_threads(&mut self, number: u32) -> LinkResult {
+        match self.write(TAKEN, &number.to_le_bytes()) {
+            // One from before there was this object goes by what is read.
+            Err(trouble) if trouble.is_abort(Abort::NoObject) => Ok(()),
+            written => written,
         }
     }
 

@@ -401,3 +401,26 @@ fn a_set_that_changes_everywhere_is_told_whole() {
     assert!(list.is_err_and(|trouble| trouble.is_abort(Abort::OutOfMemory)));
     assert_eq!(link.before(&new).unwrap(), old);
 }
+
+#[test]
+fn no_more_certificates_are_taken_than_there_are_and_an_older_board_need_not_know() {
+    let inside = machine(Flash::erased());
+    let mut link = link(&inside);
+    link.take_threads(0).unwrap();
+    let refused = link.take_threads(1).unwrap_err();
+    assert!(refused.is_abort(Abort::TooHigh), "{refused:?}");
+    let older = |frame: &Frame| {
+        let data = frame.exactly().unwrap_or([0_u8; 8]);
+        if frame.id() != CobId::of(Service::SdoRequest, NodeId::BOARD) || data[1..3] != [0x42, 0x50]
+        {
+            return Fate::Arrives;
+        }
+        let mut abort = [0x80, 0x42, 0x50, 0, 0, 0, 0, 0];
+        abort[4..].copy_from_slice(&Abort::NoObject.code().to_le_bytes());
+        let id = CobId::of(Service::SdoReply, NodeId::BOARD);
+        Fate::Lost(Frame::new(id, &abort))
+    };
+    between(&inside, older, |frame| frame)
+        .take_threads(0)
+        .unwrap();
+}

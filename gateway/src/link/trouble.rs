@@ -139,7 +139,7 @@ fn object_name(object: Object) -> Both {
         0x5020 => both!("program", "程序"),
         0x5030 => both!("tap journal", "攻丝记录"),
         0x5040 => both!("event log", "事件日志"),
-        0x5041 => both!("certificate", "精度证书"),
+        0x5041 | 0x5042 => both!("certificate", "精度证书"),
         0x5060 => both!("signals", "信号"),
         _ => both!("object", "对象"),
     }

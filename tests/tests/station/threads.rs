@@ -624,12 +624,101 @@ fn a_hole_that_is_left_is_whole_whatever_comes() {
     }
 }
 
-/// In lock-step a board waits for whoever reads along, and for nobody who has read what there was before.
+/// What is refused behind a hole or a thread may be of its own line: a subprogram called again, another file.
 #[test]
-fn a_board_waits_for_whoever_has_read_behind_the_program() {
+fn what_is_refused_on_the_same_line_cuts_nothing_short() {
+    let params = Params::slant_bed();
+    let cases = [
+        (
+            "M29 S1000",
+            "G84 Z-20 P30 F2000",
+            "G84 Z-9000 P30 F2000",
+            RigidTap,
+        ),
+        (
+            "M3 S300",
+            "G84 Z-20 P30 F300",
+            "G84 Z-9000 P30 F300",
+            FloatingTap,
+        ),
+        (
+            "M3 S300\nG4 P500\nG76 P010560 Q1500 R0.1",
+            "G76 X46 Z-30 P20000 Q15000 F3",
+            "G76 X46 Z-9000 P20000 Q15000 F3",
+            Thread,
+        ),
+    ];
+    for (begin, good, bad, kind) in cases {
+        let text = format!("G98\nG0 X50 Z0\n{begin}\n{good}\n{bad}\nM30\n");
+        let mut told = calls(&text, &params);
+        let lines: Vec<u32> = told.iter().map(|call| call.span.line).collect();
+        let of = |line: &str| text.lines().position(|of| of == line).unwrap() as u32 + 1;
+        let (first, second) = (of(good), of(bad));
+        assert!(lines.contains(&second), "{lines:?}");
+        for call in told.iter_mut().filter(|call| call.span.line == second) {
+            call.span.line = first;
+        }
+        let cut = cut_calls(told, &params, &PlantOptions::default(), |_, _| {});
+        let passes = if kind == Thread { 3 } else { 1 };
+        assert_eq!(cut.told(), [(first, kind, Finished, passes)]);
+    }
+}
+
+/// An alarm in the very tick behind the last of a hole, and in the one before: its own end counts.
+#[test]
+fn a_hole_is_whole_from_its_last_tick_on() {
+    let params = Params::slant_bed();
+    let hole = "G98\nG0 X50 Z0\nM29 S1000\nG84 Z-20 P30 F2000\n";
+    let (mut sim, mut tick, mut last) = (machine(&params, &PlantOptions::default()), 0, None);
+    feed_to(
+        &mut sim,
+        &format!("{hole}G80\nM30\n"),
+        &params,
+        |sim, event| {
+            if event.is_none() {
+                tick += 1;
+                if kept(sim).iter().any(|thread| thread.2 == Finished) {
+                    last.get_or_insert(tick);
+                }
+            }
+        },
+    );
+    let last = last.expect("an end");
+    let mut states = Vec::new();
+    for at in last - 40..last + 40 {
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut tick = 0;
+        feed_to(&mut sim, hole, &params, |sim, event| {
+            if event.is_none() {
+                tick += 1;
+                if tick == at {
+                    sim.command(Command::Stop);
+                }
+            }
+        });
+        let [(4, RigidTap, state, 1)] = kept(&sim)[..] else {
+            panic!("{:?}", kept(&sim));
+        };
+        // The journal knows it by another way.
+        let out = sim.board().tap_record().is_none_or(|tap| !tap.in_hole);
+        states.push(state);
+        assert!(state == CutShort || out, "{at}: {state:?}");
+    }
+    let change = states.iter().position(|state| *state == Finished);
+    assert!(change.is_some_and(|change| change > 0), "{states:?}");
+    assert!(
+        states.is_sorted_by_key(|state| *state != CutShort),
+        "{states:?}"
+    );
+}
+
+/// In lock-step a board waits for whoever takes them, and for nobody who took those there were before, nor for anybody who
+/// reads.
+#[test]
+fn a_board_waits_for_whoever_takes_the_certificates_of_this_program() {
     let params = Params::slant_bed();
     let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-6 R-3 F600 K12\nG80\nM30\n";
-    for reads_along in [false, true] {
+    for takes in [false, true] {
         let mut sim = machine(&params, &PlantOptions::default());
         let mut gateway = Gateway::connect(&mut sim);
         let certificates = Object::new(0x5041, 0);
@@ -639,12 +728,20 @@ fn a_board_waits_for_whoever_has_read_behind_the_program() {
                 .expect("threads")
                 .count()
         };
-        assert_eq!(read(&mut gateway, &mut sim), 0);
+        let take = |gateway: &mut Gateway, sim: &mut Sim, number: u32| {
+            gateway.write(
+                sim,
+                Object::new(0x5042, 0),
+                &number.to_le_bytes(),
+                SdoProtocol::Block,
+            )
+        };
+        take(&mut gateway, &mut sim, 0).expect("none are none");
         let mut upload = Upload::new(7, &calls(text, &params));
         upload.feed(&mut gateway, &mut sim);
         assert!(upload.is_done());
-        if reads_along {
-            assert_eq!(read(&mut gateway, &mut sim), 0);
+        if takes {
+            take(&mut gateway, &mut sim, 0).expect("none are none");
         }
         gateway.order(&mut sim, Order::Run);
         sim.settle();
@@ -654,14 +751,60 @@ fn a_board_waits_for_whoever_has_read_behind_the_program() {
             sim.receive(&beat);
             if sim.awaits_program() {
                 waited += 1;
+                // Somebody looks on: nothing is taken by that.
                 assert_eq!(read(&mut gateway, &mut sim), 8);
+                assert!(sim.awaits_program());
+                let newest = sim.board().station().threads().next().expect("a hole");
+                let whole = newest.number - u32::from(newest.record.state == UnderWay);
+                assert!(take(&mut gateway, &mut sim, whole + 1).is_err());
+                assert!(sim.awaits_program());
+                take(&mut gateway, &mut sim, whole).expect("there are so many");
                 assert!(!sim.awaits_program());
+            } else if sim.board().station().threads().count() > 3 {
+                // And whoever looks without end is not waited for.
+                read(&mut gateway, &mut sim);
             }
             sim.step();
             while sim.event().is_some() {}
             gateway.listen(&mut sim);
         }
         assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 8]);
-        assert_eq!(waited, u32::from(reads_along));
+        assert_eq!(waited > 0, takes, "{waited}");
     }
+}
+
+/// Whoever took them and is not there any more is waited for as long as he is not missed, and no longer.
+#[test]
+fn nobody_is_waited_for_who_is_gone() {
+    let params = with("9025", 2);
+    let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-6 R-3 F600 K12\nG80\nM30\n";
+    let mut sim = machine(&params, &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut upload = Upload::new(7, &calls(text, &params));
+    upload.feed(&mut gateway, &mut sim);
+    let number = 0_u32.to_le_bytes();
+    gateway
+        .write(
+            &mut sim,
+            Object::new(0x5042, 0),
+            &number,
+            SdoProtocol::Segmented,
+        )
+        .expect("none are none");
+    gateway.order(&mut sim, Order::Run);
+    sim.settle();
+    let mut waited = 0;
+    let mut tick = 0;
+    while sim.is_busy() {
+        if tick < 2000 {
+            sim.receive(&NmtState::Operational.frame(NodeId::GATEWAY));
+        }
+        waited += u32::from(sim.awaits_program());
+        sim.step();
+        while sim.event().is_some() {}
+        gateway.listen(&mut sim);
+        tick += 1;
+    }
+    assert_eq!(waited, 0);
+    assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 8]);
 }

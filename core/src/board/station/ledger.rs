@@ -84,8 +84,7 @@ impl Ledger {
     }
 
     /// Puts what 5041h holds into `bytes`; how many that are comes back.
-    pub fn read(&mut self, late: u32, bytes: &mut [u8]) -> Result<usize, LinkError> {
-        self.threads.are_read();
+    pub fn read(&self, late: u32, bytes: &mut [u8]) -> Result<usize, LinkError> {
         self.threads.encode(&self.certificate(late), bytes)
     }
 }

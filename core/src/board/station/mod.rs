@@ -377,14 +377,14 @@ impl Station {
         self.shelf.inbox.awaits_more()
     }
 
-    /// True where a gateway that reads the certificates of threads, and is there, would miss one if time went on: in
+    /// True where a gateway that takes the certificates of threads (5042h), and is there, would miss one if time went on: in
     /// lock-step, time waits.
     #[must_use]
     pub fn awaits_reader(&self) -> bool {
         let watch = &self.shelf.watch;
         let is_there = |gateway: HeartbeatWatch| watch.state(gateway.node).is_some();
-        let reads = self.shelf.snapshot.in_program && self.shelf.ledger.threads.is_unread();
-        reads && watch.get(0).is_some_and(is_there)
+        let full = self.shelf.snapshot.in_program && self.shelf.ledger.threads.is_full();
+        full && watch.get(0).is_some_and(is_there)
     }
 
     /// The certificates of the last threads, the newest first.

@@ -397,6 +397,7 @@ impl Shelf {
             (0x5020, 5) => self.inbox.credit().into(),
             (0x5040, 1) => self.log.newest(),
             (0x5040, 2) => self.log_from,
+            (0x5042, _) => self.ledger.threads.taken(),
             (0x5060, _) => self.snapshot.signals().into(),
             #[cfg(feature = "fd")]
             (0x1803, 1) if params.setpoint_frame() == 1 => {
@@ -474,6 +475,7 @@ impl Shelf {
                 self.drops_tap = true;
             }
             (0x5040, 2) => self.log_from = value,
+            (0x5042, _) => return self.ledger.threads.take(value),
             (0x5060, _) => {
                 let signals = Signals::from_bits(value as u16).ok_or(Abort::Value)?;
                 self.signals = Some(signals);

@@ -412,6 +412,7 @@ const LINES: &[Line] = &[
         Domain,
         Read,
     ),
+    item(0x5042, 0, "Certificates of threads taken", U32, Both),
     within(
         item(0x5060, 0, "Signals", U16, Both),
         0,

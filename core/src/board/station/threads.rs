@@ -1,8 +1,11 @@
 //! The threads and holes that were cut last, one by one: behind the certificate of the run in object 5041h [D169].
 //!
 //! A thread is one call of a threading cycle with all its passes and starts, or one hole. It begins with the first error
-//! that is measured in it. Whether all of it was cut is told by what comes next: a segment behind its last stroke, another
-//! thread, or the end of the program; where an alarm or a reset comes before, it was cut short.
+//! that is measured in it. All of it was cut where the tick has carried its last stroke to the end, and it was cut short
+//! where an alarm or a reset came before that.
+//!
+//! Reading changes nothing here, so any number may read. Whoever runs the program says how far he has got (5042h): in
+//! lock-step the board waits for him, and for nobody else [D172].
 
 use heapless::Vec;
 
@@ -10,10 +13,12 @@ use crate::board::event::Event;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
 use crate::board::ticker::State;
+use crate::bus::Abort;
 use crate::link::{
     BATCH_BYTES, Certificate, LinkError, Tally, ThreadCertificate, ThreadKind, ThreadRecord,
     ThreadState, encode_certificates,
 };
+use crate::motion::Cut;
 
 /// So many are kept; the newest may be under way.
 const KEPT: usize = 8;
@@ -32,16 +37,12 @@ pub struct Threads {
     cut: u8,
     /// An axis was held to the spindle when it was last asked.
     in_stroke: bool,
-    /// The stroke begun last is the last one of its thread.
-    last: bool,
-    /// Number of the last move in which an axis was held to the spindle.
-    number: u32,
     /// Setpoints that had come late before the newest.
     late_before: u32,
     /// Number of the newest, from 1 since power-up.
     newest: u32,
-    /// Whoever reads them knows all up to this number; `None`: nobody has read any.
-    read: Option<u32>,
+    /// Whoever runs the program has all up to this number; `None`: he has not said so.
+    taken: Option<u32>,
     /// The newest first.
     records: Vec<ThreadRecord, KEPT>,
 }
@@ -53,31 +54,41 @@ impl Threads {
         Self {
             cut: 0,
             in_stroke: false,
-            last: false,
-            number: 0,
             late_before: 0,
             newest: 0,
-            read: None,
+            taken: None,
             records: Vec::new(),
         }
     }
 
-    /// Somebody has read all that there is; what is under way will have to be read again.
-    pub fn are_read(&mut self) {
+    /// Whoever runs the program has all up to `number`.
+    ///
+    /// # Errors
+    /// [`Abort::TooHigh`]: there are not so many, or the last of them is being cut: it has to be read again.
+    pub fn take(&mut self, number: u32) -> Result<(), Abort> {
         let newest = self.records.first();
         let under_way = newest.is_some_and(|newest| newest.state == ThreadState::UnderWay);
-        self.read = Some(self.newest.saturating_sub(under_way.into()));
+        if number > self.newest.saturating_sub(under_way.into()) {
+            return Err(Abort::TooHigh);
+        }
+        self.taken = Some(number);
+        Ok(())
     }
 
-    /// Another program comes: who has read those of the last one need not read those of this.
+    /// How far whoever runs the program has got; 0 where he has not said so.
+    pub fn taken(&self) -> u32 {
+        self.taken.unwrap_or(0)
+    }
+
+    /// Another program comes: who has taken those of the last one need not take those of this.
     pub const fn await_reader(&mut self) {
-        self.read = None;
+        self.taken = None;
     }
 
-    /// The next one takes the place of one that somebody who has read those before has not read.
-    pub const fn is_unread(&self) -> bool {
-        match self.read {
-            Some(read) => self.newest.saturating_sub(read) >= KEPT as u32,
+    /// The next one takes the place of one that whoever runs the program takes, and has not taken.
+    pub const fn is_full(&self) -> bool {
+        match self.taken {
+            Some(taken) => self.newest.saturating_sub(taken) >= KEPT as u32,
             None => false,
         }
     }
@@ -110,15 +121,12 @@ impl Threads {
             self.in_stroke = false;
             self.late_before = late;
         }
-        self.last = measured.cut.last;
         let Some(newest) = self.records.first_mut() else {
             return;
         };
         let tally = &mut newest.tally;
         if !self.in_stroke {
             self.in_stroke = true;
-            // Feed hold may have left the last stroke, which is then done again.
-            newest.state = ThreadState::UnderWay;
             // A hole is one, however often the tap turns round in it.
             if newest.kind == ThreadKind::Thread || tally.passes == 0 {
                 tally.passes = tally.passes.saturating_add(1);
@@ -134,36 +142,17 @@ impl Threads {
         self.in_stroke = false;
     }
 
-    /// Takes how the machine is: behind its last stroke a thread is done as soon as the program goes on, and one in which the
-    /// machine stands on an alarm is not, unless it is one of another block.
+    /// Takes how the machine is. Its last error comes with the tick behind its end.
     pub fn go_on(&mut self, now: &Snapshot) {
-        let setpoint = &now.setpoint;
-        if setpoint.locked {
-            self.number = setpoint.number;
+        if now.setpoint.locked {
             return;
         }
-        let Some(newest) = self.records.first() else {
-            return;
-        };
-        let state = if let State::Alarm(alarm) = &now.state {
-            let line = alarm.span.line;
-            if self.last && line != 0 && line != newest.line {
-                ThreadState::Finished
-            } else {
-                ThreadState::CutShort
-            }
-        } else {
-            // A hole is left with its last stroke, whatever comes; a thread, where feed hold retracts, in the middle of one.
-            let left = setpoint.number == 0
-                && newest.kind != ThreadKind::Thread
-                && now.in_program
-                && now.takes_calls();
-            if !self.last || !left && setpoint.number <= self.number {
-                return;
-            }
-            ThreadState::Finished
-        };
-        self.end(state);
+        let Cut { number, last } = now.done;
+        if last && number == self.cut {
+            self.end(ThreadState::Finished);
+        } else if let State::Alarm(_) = now.state {
+            self.end(ThreadState::CutShort);
+        }
     }
 
     /// Takes what has happened: at the end of a program all of it was cut, and behind a reset no more of it is. Its last error
@@ -220,15 +209,17 @@ mod tests {
         }
     }
 
-    /// A stroke of three ticks in move `number`, and the tick behind it.
-    fn stroke(threads: &mut Threads, now: &mut Snapshot, cut: (u8, bool), number: u32) {
+    /// A stroke of three ticks, and the tick behind it; `ends`: the tick has carried it to its end.
+    fn stroke(threads: &mut Threads, now: &mut Snapshot, cut: (u8, bool), ends: bool) {
         for tick in 0..4_i64 {
-            now.setpoint.number = number;
             now.setpoint.locked = tick < 3;
             if tick > 0 {
                 threads.measure(&measured(cut.0, cut.1, tick.saturating_neg()), 0);
             } else {
                 threads.leave_stroke();
+            }
+            if ends && tick == 2 {
+                (now.done.number, now.done.last) = cut;
             }
             threads.go_on(now);
         }
@@ -247,23 +238,17 @@ mod tests {
     }
 
     #[test]
-    fn a_thread_is_done_when_the_program_goes_on_behind_its_last_stroke() {
+    fn a_thread_is_done_when_its_last_stroke_has_come_to_its_end() {
         use ThreadState::{CutShort, Finished, UnderWay};
         let (mut threads, mut now) = (Threads::new(), snapshot());
-        stroke(&mut threads, &mut now, (1, false), 2);
-        stroke(&mut threads, &mut now, (1, true), 5);
+        stroke(&mut threads, &mut now, (1, false), true);
+        // Left on the way, and done again.
+        stroke(&mut threads, &mut now, (1, true), false);
         assert_eq!(all(&threads), [(1, 1, UnderWay, 2)]);
-        // The way back is a move behind it.
-        now.setpoint.number = 6;
-        threads.go_on(&now);
-        assert_eq!(all(&threads), [(1, 1, Finished, 2)]);
-        // A stroke that is done again belongs to it.
-        stroke(&mut threads, &mut now, (1, true), 5);
-        assert_eq!(all(&threads), [(1, 1, UnderWay, 3)]);
-        // The next one says so, too; a move behind a stroke that is not the last does not.
-        stroke(&mut threads, &mut now, (2, false), 9);
-        now.setpoint.number = 10;
-        threads.go_on(&now);
+        stroke(&mut threads, &mut now, (1, true), true);
+        assert_eq!(all(&threads), [(1, 1, Finished, 3)]);
+        // What comes behind the end of a stroke that is not the last does not end it.
+        stroke(&mut threads, &mut now, (2, false), true);
         assert_eq!(all(&threads), [(2, 2, UnderWay, 1), (1, 1, Finished, 3)]);
         now.state = State::Alarm(Alarm::new(Code::EmergencyStop, Span::default()));
         threads.go_on(&now);
@@ -271,7 +256,7 @@ mod tests {
         // What is planned behind a reset is another one.
         now.state = State::Running;
         threads.note(&Event::Reset);
-        stroke(&mut threads, &mut now, (3, true), 2);
+        stroke(&mut threads, &mut now, (3, true), false);
         assert_eq!(
             all(&threads)[..2],
             [(3, 3, UnderWay, 1), (2, 2, CutShort, 1)]
@@ -301,67 +286,78 @@ mod tests {
         assert_eq!(all(&threads), [(1, 1, ThreadState::CutShort, 1)]);
         let tally = threads.certificates().next().unwrap().record.tally;
         assert_eq!((tally.measured, tally.largest), (4, Length::from_nm(9)));
-        // Nothing is under way: whoever reads now has read it.
-        threads.are_read();
+        // Nothing is under way: it can be taken.
+        assert_eq!(threads.take(1), Ok(()));
         for number in 2..=8 {
-            stroke(&mut threads, &mut now, (number, true), number.into());
+            stroke(&mut threads, &mut now, (number, true), true);
         }
-        assert!(!threads.is_unread());
+        assert!(!threads.is_full());
     }
 
+    /// Its own end counts, wherever the alarm says that it came from.
     #[test]
-    fn an_alarm_of_another_block_is_behind_the_last_stroke() {
-        let alarm = |line| {
-            let span = Span {
-                line,
-                ..Span::default()
-            };
-            State::Alarm(Alarm::new(Code::TapFeed, span))
-        };
-        for (last, line, state) in [
-            (true, 7, ThreadState::Finished),
-            (true, 1, ThreadState::CutShort),
-            (true, 0, ThreadState::CutShort),
-            (false, 7, ThreadState::CutShort),
+    fn an_alarm_behind_the_last_stroke_cuts_nothing_short() {
+        for (last, ends, state) in [
+            (true, true, ThreadState::Finished),
+            (true, false, ThreadState::CutShort),
+            (false, true, ThreadState::CutShort),
         ] {
-            let (mut threads, mut now) = (Threads::new(), snapshot());
-            stroke(&mut threads, &mut now, (1, last), 2);
-            now.state = alarm(line);
-            threads.go_on(&now);
-            assert_eq!(all(&threads), [(1, 1, state, 1)], "{last} {line}");
+            for line in [0, 1, 7] {
+                let (mut threads, mut now) = (Threads::new(), snapshot());
+                now.setpoint.locked = true;
+                threads.measure(&measured(1, last, 5), 0);
+                threads.go_on(&now);
+                if ends {
+                    (now.done.number, now.done.last) = (1, last);
+                }
+                // In the very next tick, in which the last error comes.
+                let span = Span {
+                    line,
+                    ..Span::default()
+                };
+                now.state = State::Alarm(Alarm::new(Code::TapFeed, span));
+                now.setpoint.locked = false;
+                threads.measure(&measured(1, last, 6), 0);
+                threads.go_on(&now);
+                assert_eq!(all(&threads), [(1, 1, state, 1)], "{last} {ends} {line}");
+            }
         }
     }
 
     #[test]
-    fn another_program_waits_for_nobody_who_has_read_the_last_one() {
+    fn another_program_waits_for_nobody_who_has_taken_those_of_the_last_one() {
         let (mut threads, mut now) = (Threads::new(), snapshot());
-        threads.are_read();
+        assert_eq!(threads.take(0), Ok(()));
         for number in 1..=8 {
-            stroke(&mut threads, &mut now, (number, true), number.into());
+            stroke(&mut threads, &mut now, (number, true), true);
         }
-        assert!(threads.is_unread());
+        assert!(threads.is_full());
         threads.await_reader();
-        assert!(!threads.is_unread());
+        assert!(!threads.is_full());
     }
 
     #[test]
-    fn the_newest_are_kept_without_gaps_and_who_reads_along_is_waited_for() {
+    fn the_newest_are_kept_without_gaps_and_who_takes_them_is_waited_for() {
         let (mut threads, mut now) = (Threads::new(), snapshot());
         for number in 1..=20 {
-            assert!(!threads.is_unread());
-            stroke(&mut threads, &mut now, (number, true), u32::from(number));
+            assert!(!threads.is_full());
+            stroke(&mut threads, &mut now, (number, true), number < 20);
         }
         let kept: Vec<u32> = all(&threads).iter().map(|thread| thread.0).collect();
         assert_eq!(kept, [20, 19, 18, 17, 16, 15, 14, 13]);
-        threads.are_read();
+        // The twentieth is under way, and there is no twenty-first.
+        assert_eq!(
+            (threads.taken(), threads.take(20)),
+            (0, Err(Abort::TooHigh))
+        );
+        assert_eq!(threads.take(21), Err(Abort::TooHigh));
+        assert_eq!((threads.take(19), threads.taken()), (Ok(()), 19));
         for number in 21..=27 {
-            assert!(!threads.is_unread(), "{number}");
-            stroke(&mut threads, &mut now, (number, true), u32::from(number));
+            assert!(!threads.is_full(), "{number}");
+            stroke(&mut threads, &mut now, (number, true), true);
         }
-        // The twentieth was under way when it was read.
-        assert!(threads.is_unread());
-        threads.are_read();
-        assert!(!threads.is_unread());
+        assert!(threads.is_full());
+        // Whoever only reads takes nothing.
         let mut bytes = [0; BATCH_BYTES];
         let run = crate::board::station::ledger::Ledger::new().certificate(0);
         let used = threads.encode(&run, &mut bytes).unwrap();
@@ -369,6 +365,8 @@ mod tests {
             .unwrap()
             .collect();
         assert_eq!(read.unwrap(), threads.certificates().collect::<Vec<_>>());
+        assert!(threads.is_full());
+        assert_eq!((threads.take(27), threads.is_full()), (Ok(()), false));
     }
 
     #[test]

@@ -42,6 +42,8 @@ impl Ticker {
             pauses_unless_hole,
             in_program,
             source,
+            // What has been cut is not undone.
+            done: _,
             detour,
             clearing,
             epoch,

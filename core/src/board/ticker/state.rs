@@ -4,7 +4,7 @@ use super::{Notice, Source, Ticker};
 use crate::alarm::Alarm;
 use crate::board::background::overridden;
 use crate::board::operator::Operator;
-use crate::motion::{Executor, Law, Task};
+use crate::motion::{Cut, Executor, Law, Task};
 use crate::program::TapSpindle;
 use crate::spindle::Observer;
 use crate::units::{Rpm, Turns};
@@ -153,5 +153,11 @@ impl Ticker {
     #[must_use]
     pub const fn in_program(&self) -> bool {
         self.in_program
+    }
+
+    /// The thread or hole of the last segment that was carried to its end, with nothing that stopped it.
+    #[must_use]
+    pub const fn done(&self) -> Cut {
+        self.done
     }
 }

@@ -391,8 +391,8 @@ impl Runner<'_> {
             }
             let fed = self.feed(&mut feeder, &mut feed)?;
             if !started && (!fed || feeder.is_over() && feed.is_empty()) {
-                // In virtual time a board waits for whoever has read them behind what came before `run`.
-                let _ = self.link.certificates()?;
+                // In virtual time the board waits from here on before it forgets one.
+                self.link.take_threads(self.ran.threads.whole())?;
                 self.link.order(Order::Run)?;
                 started = true;
             }
@@ -417,7 +417,12 @@ impl Runner<'_> {
             let (locked, line) = (status.flags.locked, self.ran.line);
             if started && self.pace.is_due(locked, line) {
                 let (_, told) = self.link.certificates()?;
-                self.pace.read(self.ran.threads.take(told), line, locked);
+                let whole = self.ran.threads.whole();
+                let new = self.ran.threads.take(told);
+                if self.ran.threads.whole() != whole {
+                    self.link.take_threads(self.ran.threads.whole())?;
+                }
+                self.pace.read(new, line, locked);
             }
             if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
                 return self.conclude(&feed);
