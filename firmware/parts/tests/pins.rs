@@ -58,7 +58,7 @@ fn no_other_file_gives_a_pin_its_mode() {
                 continue;
             }
             let text = std::fs::read_to_string(&path).expect("a source");
-            if text.contains("moder(") {
+            if text.contains(".moder()") {
                 files.push(path);
             }
         }
