@@ -1,5 +1,6 @@
 //! Whole-system tests; the tests themselves are in `tests/`.
 
+pub mod bench;
 pub mod gateway;
 pub mod hostile;
 pub mod limits;

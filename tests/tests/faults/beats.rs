@@ -7,7 +7,7 @@ use leadscrew_core::bus::{Frame, MilliRpm, NmtCommand, NodeId, SyncConsumer, Syn
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
-use crate::bench::{Bench, TAP, WORK, calm, places};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm, places};
 use leadscrew_tests::params::with;
 
 /// A machine whose board follows, and whoever gives the beat.

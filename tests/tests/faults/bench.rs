@@ -1,34 +1,23 @@
 //! A machine on a network, what is still to be handed over, and what it has done.
 
-use std::collections::VecDeque;
+use std::ops::{Deref, DerefMut};
 use std::sync::OnceLock;
 
 use leadscrew_board_sim::line::{Faults, Span};
-use leadscrew_board_sim::plant::{PlantOptions, Power};
-use leadscrew_board_sim::{Direction, Row, Sim};
+use leadscrew_board_sim::plant::Power;
+use leadscrew_board_sim::{Direction, Row};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::bus::{Frame, Scale};
 use leadscrew_core::params::Params;
-use leadscrew_core::program::{Call, Position};
 use leadscrew_core::units::Axis;
+pub use leadscrew_tests::bench::{Bench as AnyBench, WORK};
+use leadscrew_tests::bench::{Lathe, NEXT, PATIENCE};
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::limits::first_excess_with;
-use leadscrew_tests::machine::{calls, machine};
-
-/// A thread without a run-out, two passes, then a groove of one column, short ways.
-pub const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
-                        G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
 
 /// A rigid tap in one stroke.
 pub const TAP: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-12 R-5 F2000\nG80\nM30\n";
-
-/// What comes after: it must do what it would have done first.
-const NEXT: &str =
-    "M3 S600\nG0 X63 Z5\nG76 P010560 Q800 R0.1\nG76 X61 Z-4 P4000 Q4000 F1\nG0 X80 Z10\nM30\n";
-
-/// Ticks within which any stop must be over.
-const PATIENCE: u64 = 6_000;
 
 /// Ticks without an end.
 pub const fn from(tick: u64) -> Span {
@@ -46,15 +35,10 @@ pub const fn span(from: u64, ticks: u64) -> Span {
     }
 }
 
+/// A lathe on a network.
 pub struct Bench {
-    pub sim: Sim,
+    pub lathe: Lathe,
     pub gateway: Gateway,
-    pub params: Params,
-    pub waiting: VecDeque<Call>,
-    pub rows: Vec<Row>,
-    pub events: Vec<Event>,
-    pub alarm: Option<Alarm>,
-    pub ticks: u64,
     /// Where the drives of X and Z are, by tick, in nm.
     pub stood: Vec<[i64; 2]>,
     /// What the board has sent in the last tick.
@@ -64,24 +48,55 @@ pub struct Bench {
     judged: usize,
 }
 
+impl Deref for Bench {
+    type Target = Lathe;
+
+    fn deref(&self) -> &Lathe {
+        &self.lathe
+    }
+}
+
+impl DerefMut for Bench {
+    fn deref_mut(&mut self) -> &mut Lathe {
+        &mut self.lathe
+    }
+}
+
+impl AnyBench for Bench {
+    fn lathe(&self) -> &Lathe {
+        &self.lathe
+    }
+
+    fn tick(&mut self) {
+        let (lathe, sent) = (&mut self.lathe, &mut self.sent);
+        lathe.hand_over();
+        sent.clear();
+        let row = lathe.sim.step_on(&mut |direction, frame| {
+            if direction == Direction::FromBoard {
+                sent.push(*frame);
+            }
+        });
+        lathe.rows.extend(row);
+        lathe.ticks += 1;
+        let drives = self.drives();
+        self.stood.push(drives);
+        self.lathe.listen();
+        self.gateway.listen(&mut self.lathe.sim);
+    }
+}
+
 impl Bench {
     /// Switched on, and on a network that has started it.
     pub fn new(params: &Params) -> Self {
-        let mut sim = machine(params, &PlantOptions::default());
-        let gateway = Gateway::connect(&mut sim);
+        let mut lathe = Lathe::new(params);
+        let gateway = Gateway::connect(&mut lathe.sim);
         let scale = |axis| {
             Scale::new(params.drive_numerator(axis), params.drive_denominator(axis))
                 .expect("a scale")
         };
         Self {
-            sim,
+            lathe,
             gateway,
-            params: params.clone(),
-            waiting: VecDeque::new(),
-            rows: Vec::new(),
-            events: Vec::new(),
-            alarm: None,
-            ticks: 0,
             stood: Vec::new(),
             sent: Vec::new(),
             scales: [scale(Axis::X), scale(Axis::Z)],
@@ -95,19 +110,6 @@ impl Bench {
         bench.sim.spoil(faults);
         bench.load(text);
         bench
-    }
-
-    pub fn load(&mut self, text: &str) {
-        self.waiting = calls(text, &self.params).into();
-    }
-
-    pub fn state(&self) -> State {
-        self.sim.board().ticker().state()
-    }
-
-    /// Where the board says the machine is.
-    pub fn at(&self) -> Position {
-        self.sim.board().ticker().executor().position()
     }
 
     /// Where the drives of X and Z are, in nm.
@@ -125,55 +127,6 @@ impl Bench {
 
     pub fn power(&mut self, axis: Axis) -> Power {
         self.sim.plant().drive(axis).power()
-    }
-
-    pub fn tick(&mut self) {
-        while self
-            .waiting
-            .front()
-            .is_some_and(|call| self.sim.offer(call))
-        {
-            self.waiting.pop_front();
-        }
-        let sent = &mut self.sent;
-        sent.clear();
-        let row = self.sim.step_on(&mut |direction, frame| {
-            if direction == Direction::FromBoard {
-                sent.push(*frame);
-            }
-        });
-        self.rows.extend(row);
-        self.ticks += 1;
-        let drives = self.drives();
-        self.stood.push(drives);
-        while let Some(event) = self.sim.event() {
-            if let Event::Alarm(alarm) = event {
-                assert_eq!(self.alarm, None, "a second alarm without a reset");
-                self.alarm = Some(alarm);
-                self.waiting.clear();
-            }
-            self.events.push(event);
-        }
-        self.gateway.listen(&mut self.sim);
-    }
-
-    pub fn ticks(&mut self, count: u64) {
-        for _ in 0..count {
-            self.tick();
-        }
-    }
-
-    /// Ticks until `done`, at most `most`.
-    pub fn until(&mut self, what: &str, most: u64, mut done: impl FnMut(&Self) -> bool) {
-        let begun = self.ticks;
-        while !done(self) {
-            self.tick();
-            assert!(
-                self.ticks - begun <= most,
-                "{what}: still {:?} after {most} ticks",
-                self.state()
-            );
-        }
     }
 
     /// What has been done before is not looked at again.
@@ -201,9 +154,7 @@ impl Bench {
         self.until(what, within, |bench| bench.alarm.is_some());
         let alarm = self.alarm.expect("an alarm");
         assert_eq!(alarm.number(), number, "{what}");
-        self.until(what, PATIENCE, |bench| {
-            matches!(bench.state(), State::Alarm(_))
-        });
+        self.until_on_alarm(what, PATIENCE);
         assert_eq!(
             first_excess_with(&self.rows[self.judged..], &self.params, 2.0),
             None,
@@ -211,16 +162,6 @@ impl Bench {
         );
         self.stands(what);
         alarm
-    }
-
-    /// Stands for a while: the board commands no motion, and no spindle.
-    pub fn stands(&mut self, what: &str) {
-        let at = self.at();
-        for _ in 0..50 {
-            self.tick();
-            assert_eq!(self.at(), at, "{what}: it moves again");
-            assert_eq!(self.sim.spindle_command().get(), 0, "{what}: the spindle");
-        }
     }
 
     /// Nothing moves for so many ticks, whatever the board says.
@@ -265,25 +206,15 @@ impl Bench {
         self.tick();
         self.until(what, 5_000, |bench| bench.alarm.is_some());
         assert_eq!(self.alarm.map(|alarm| alarm.number()), number, "{what}");
-        self.until(what, 5_000, |bench| {
-            matches!(bench.state(), State::Alarm(_))
-        });
+        self.until_on_alarm(what, 5_000);
         self.drives_stand(what, 20);
     }
 
     /// Runs a program that must end well at `x`, `z` (nm), its drives too, and never jump on the way.
     pub fn runs(&mut self, what: &str, text: &str, x: i64, z: i64) {
         self.load(text);
-        let begun = self.ticks;
         let from = self.stood.len();
-        while !self.waiting.is_empty() || self.sim.is_busy() {
-            self.tick();
-            assert!(
-                self.ticks - begun < 60_000,
-                "{what}: stuck in {:?}",
-                self.state()
-            );
-        }
+        self.finish(what);
         self.ticks(5);
         assert_eq!(self.alarm, None, "{what}");
         assert_eq!((self.at().x.nm(), self.at().z.nm()), (x, z), "{what}");
@@ -345,11 +276,9 @@ fn phase(row: &Row) -> Option<i64> {
 pub fn calm(params: &Params, text: &str) -> Vec<Row> {
     let mut bench = Bench::new(params);
     bench.load(text);
-    while !bench.waiting.is_empty() || bench.sim.is_busy() {
-        bench.tick();
-    }
+    bench.finish("calm");
     assert_eq!(bench.alarm, None);
-    bench.rows
+    bench.lathe.rows
 }
 
 /// Places in `WORK` worth a fault: on the way, in the first stroke of the thread at three depths of it, in the groove.

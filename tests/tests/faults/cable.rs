@@ -7,7 +7,7 @@ use leadscrew_core::board::State;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
-use crate::bench::{Bench, TAP, WORK, calm, places, span};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm, places, span};
 
 /// Out for so long that it is noticed: nothing is pulled to where the board has braked to meanwhile.
 #[test]
@@ -128,9 +128,7 @@ fn a_drive_that_was_cut_off_is_not_sent_after_the_others() {
                 bench.ticks(8);
                 bench.never_jumps(&what, from, 13);
             } else {
-                bench.until(&what, 6_000, |bench| {
-                    matches!(bench.state(), State::Alarm(_))
-                });
+                bench.until_on_alarm(&what, 6_000);
                 let stood = bench.stood[from..].windows(2);
                 let steps = stood.map(|pair| (pair[1][1] - pair[0][1]).abs());
                 worst = worst.max(steps.max().unwrap_or(0));

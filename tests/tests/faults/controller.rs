@@ -9,7 +9,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 use leadscrew_tests::gateway::NODE;
 
-use crate::bench::{Bench, TAP, WORK, calm, from, places, span};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm, from, places, span};
 
 fn bus_off(ticks: leadscrew_board_sim::line::Span) -> Faults {
     Faults {
@@ -55,7 +55,7 @@ fn bus_off_anywhere_stops_lets_the_drives_go_and_comes_back_saying_so() {
                 assert_eq!(bench.power(axis), Power::Ready, "{what}: {axis:?}");
             }
             // It is to be started by somebody, then reset.
-            bench.gateway.order(&mut bench.sim, Order::Reset);
+            bench.gateway.order(&mut bench.lathe.sim, Order::Reset);
             bench.ticks(20);
             assert!(
                 matches!(bench.state(), State::Alarm(_)),

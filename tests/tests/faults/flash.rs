@@ -4,7 +4,7 @@ use leadscrew_board_sim::line::Faults;
 use leadscrew_core::board::State;
 use leadscrew_core::params::Params;
 
-use crate::bench::{Bench, TAP};
+use crate::bench::{AnyBench as _, Bench, TAP};
 
 /// Deepest point of the tap axis so far, in nm: 0 is R, below it is the hole.
 fn deepest(bench: &Bench, from: usize) -> i64 {

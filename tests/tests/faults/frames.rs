@@ -7,7 +7,7 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{BATCH, NODE, Upload};
 use leadscrew_tests::machine::calls;
 
-use crate::bench::{Bench, TAP, WORK, calm};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm};
 use leadscrew_tests::params::with;
 
 /// What a wire to the drives may do without a drive counting as silent.
@@ -122,7 +122,7 @@ fn upload(bench: &mut Bench, upload: &mut Upload) -> usize {
     while !upload.is_done() {
         let credit = loop {
             bench.ticks(2);
-            if let Ok(credit) = bench.gateway.number(&mut bench.sim, 0x5020, 5) {
+            if let Ok(credit) = bench.gateway.number(&mut bench.lathe.sim, 0x5020, 5) {
                 break credit;
             }
             failed += 1;
@@ -136,7 +136,7 @@ fn upload(bench: &mut Bench, upload: &mut Upload) -> usize {
         loop {
             let sent = bench
                 .gateway
-                .write(&mut bench.sim, BATCH, &bytes, upload.protocol);
+                .write(&mut bench.lathe.sim, BATCH, &bytes, upload.protocol);
             match sent {
                 Ok(()) => break,
                 // The board gives up a transfer that does not go on.
@@ -155,8 +155,8 @@ fn upload(bench: &mut Bench, upload: &mut Upload) -> usize {
 fn between_gateway_and_board_a_program_arrives_whole_or_not_at_all() {
     let params = Params::slant_bed();
     let mut good = Bench::new(&params);
-    Upload::new(1, &calls(WORK, &params)).feed(&mut good.gateway, &mut good.sim);
-    good.gateway.order(&mut good.sim, Order::Run);
+    Upload::new(1, &calls(WORK, &params)).feed(&mut good.gateway, &mut good.lathe.sim);
+    good.gateway.order(&mut good.lathe.sim, Order::Run);
     good.until("good", 60_000, |bench| bench.state_is_idle_again());
     for (seed, protocol) in [
         (1, SdoProtocol::Block),
@@ -190,8 +190,8 @@ fn orders_act_once_each() {
     let params = Params::slant_bed();
     let mut bench = Bench::new(&params);
     let text = "G98 G1 X40 Z-100 F500\nG1 X20 Z0\nM30\n";
-    Upload::new(1, &calls(text, &params)).feed(&mut bench.gateway, &mut bench.sim);
-    bench.gateway.order(&mut bench.sim, Order::Run);
+    Upload::new(1, &calls(text, &params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
+    bench.gateway.order(&mut bench.lathe.sim, Order::Run);
     bench.ticks(100);
     let noise = Noise {
         lose: 300,
@@ -231,14 +231,15 @@ fn a_parameter_set_arrives_whole_or_not_at_all() {
         loop {
             bench.sim.spoil(gateway(seed + 100 * failed, BAD));
             let object = Object::new(0x5010, 1);
-            let sent = bench
-                .gateway
-                .write(&mut bench.sim, object, &image, SdoProtocol::Block);
+            let sent =
+                bench
+                    .gateway
+                    .write(&mut bench.lathe.sim, object, &image, SdoProtocol::Block);
             bench.sim.spoil(Faults::NONE);
             bench.ticks(1_200);
             let force = bench
                 .gateway
-                .number(&mut bench.sim, 0x1020, 1)
+                .number(&mut bench.lathe.sim, 0x1020, 1)
                 .expect("it answers");
             let (was, is) = (u64::from(identity(&old)), u64::from(identity(&new)));
             assert!(force == was || force == is, "seed {seed}: a mixture");

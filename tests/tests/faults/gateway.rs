@@ -9,7 +9,7 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{BATCH, NODE, Upload};
 use leadscrew_tests::machine::calls;
 
-use crate::bench::{Bench, TAP, WORK, calm};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm};
 use leadscrew_tests::params::with;
 
 fn heartbeat() -> Frame {
@@ -19,8 +19,8 @@ fn heartbeat() -> Frame {
 /// Lives up to this tick of the program, then not any more.
 fn killed(params: &Params, text: &str, tick: u64) -> Bench {
     let mut bench = Bench::new(params);
-    Upload::new(1, &calls(text, params)).feed(&mut bench.gateway, &mut bench.sim);
-    bench.gateway.order(&mut bench.sim, Order::Run);
+    Upload::new(1, &calls(text, params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
+    bench.gateway.order(&mut bench.lathe.sim, Order::Run);
     while bench.ticks < tick {
         if bench.ticks.is_multiple_of(100) {
             bench.sim.receive(&heartbeat());
@@ -60,7 +60,7 @@ fn killed_in_a_thread_the_machine_holds_behind_the_stroke_stops_in_it_or_carries
                     assert_eq!(bench.gateway.status.state, BoardState::Hold, "{what}");
                     // Another one comes and goes on.
                     bench.sim.receive(&heartbeat());
-                    bench.gateway.order(&mut bench.sim, Order::Resume);
+                    bench.gateway.order(&mut bench.lathe.sim, Order::Resume);
                     bench.ticks(100);
                     assert_eq!(bench.gateway.status.state, BoardState::Run, "{what}");
                 }
@@ -153,7 +153,7 @@ fn killed_in_a_transfer_nothing_of_it_counts_and_the_next_gateway_can_work() {
             }
             bench.gateway.heard.clear();
             bench.ticks(1_100);
-            let program = bench.gateway.number(&mut bench.sim, 0x5020, 4);
+            let program = bench.gateway.number(&mut bench.lathe.sim, 0x5020, 4);
             let taken = transfer.outcome() == Some(Ok(())) || program != Ok(0);
             if !taken {
                 // It has given the client up and said so: SDO time-out.
@@ -166,14 +166,14 @@ fn killed_in_a_transfer_nothing_of_it_counts_and_the_next_gateway_can_work() {
             assert!(
                 bench
                     .gateway
-                    .read(&mut bench.sim, object, SdoProtocol::Block)
+                    .read(&mut bench.lathe.sim, object, SdoProtocol::Block)
                     .is_ok()
             );
             assert_eq!(bench.alarm, None, "{what}");
-            bench.gateway.order(&mut bench.sim, Order::Reset);
+            bench.gateway.order(&mut bench.lathe.sim, Order::Reset);
             bench.ticks(20);
-            Upload::new(2, &calls(WORK, &params)).feed(&mut bench.gateway, &mut bench.sim);
-            bench.gateway.order(&mut bench.sim, Order::Run);
+            Upload::new(2, &calls(WORK, &params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
+            bench.gateway.order(&mut bench.lathe.sim, Order::Run);
             bench.ticks(50);
             assert_eq!(bench.gateway.status.state, BoardState::Run, "{what}");
         }

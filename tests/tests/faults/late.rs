@@ -5,7 +5,7 @@ use leadscrew_core::alarm::Arg;
 use leadscrew_core::bus::{Object, SdoProtocol};
 use leadscrew_core::params::Params;
 
-use crate::bench::{Bench, WORK, calm, places, span};
+use crate::bench::{AnyBench as _, Bench, WORK, calm, places, span};
 use leadscrew_tests::params::with;
 
 fn late(tick: u64, ticks: u64) -> Faults {
@@ -31,7 +31,7 @@ fn as_many_as_may_be_late_are_counted_and_told() {
         let object = Object::new(0x5001, 6);
         let told = bench
             .gateway
-            .read(&mut bench.sim, object, SdoProtocol::Short);
+            .read(&mut bench.lathe.sim, object, SdoProtocol::Short);
         assert_eq!(told, Ok(vec![10]), "{what}");
         // Held for one period, then two steps at once; where it ends is exact.
         bench.never_jumps(&what, 0, 2);

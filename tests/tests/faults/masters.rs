@@ -6,7 +6,7 @@ use leadscrew_core::board::{Command, State};
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
 
-use crate::bench::{Bench, WORK, calm, places, span};
+use crate::bench::{AnyBench as _, Bench, WORK, calm, places, span};
 use leadscrew_tests::params::with;
 
 fn second(what: Intruder, tick: u64, ticks: u64) -> Faults {
@@ -85,7 +85,7 @@ fn what_is_said_to_the_drives_of_another_board_is_not_this_ones_affair() {
         let mut bench = Bench::at_work(&params, WORK, faults);
         bench.until("to the end", 60_000, Bench::state_is_idle_again);
         assert_eq!(bench.alarm, None);
-        bench.rows
+        bench.lathe.rows
     };
     let quiet = rows(Faults::NONE);
     for what in [

@@ -5,7 +5,7 @@ use leadscrew_core::bus::NmtState;
 use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::Gateway;
 
-use crate::bench::{Bench, TAP, WORK, calm, places};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm, places};
 
 /// The power goes after this tick and comes back.
 fn restarted(params: &Params, text: &str, tick: u64, off: u32) -> Bench {
@@ -19,7 +19,7 @@ fn restarted(params: &Params, text: &str, tick: u64, off: u32) -> Bench {
         .restart_board(params, off)
         .expect("it starts again");
     bench.judge_from_here();
-    bench.gateway = Gateway::connect(&mut bench.sim);
+    bench.gateway = Gateway::connect(&mut bench.lathe.sim);
     assert_eq!(
         bench.gateway.heartbeats,
         [NmtState::BootUp],

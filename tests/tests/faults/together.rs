@@ -7,7 +7,7 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::limits::first_excess;
 
-use crate::bench::{Bench, TAP, WORK, calm};
+use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm};
 use leadscrew_tests::params::with;
 
 /// Another thread than in `WORK`, at another speed.

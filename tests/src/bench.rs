@@ -1,0 +1,195 @@
+//! A machine at work, tick by tick, and what a bench does with it whatever stands around it.
+//!
+//! Time goes by in [`Bench::tick`] alone. What goes wrong, and what is to come of it, is the tests' affair.
+
+use std::collections::VecDeque;
+
+use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::{Row, Sim};
+use leadscrew_core::alarm::Alarm;
+use leadscrew_core::board::{Event, State};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::{Call, Position};
+
+use crate::machine::{calls, machine};
+
+/// A thread without a run-out, two passes, then a groove of one column, short ways.
+pub const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
+                        G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
+
+/// What comes after: it must do what it would have done first. It ends at X 40 mm (radius), Z 10 mm.
+pub const NEXT: &str =
+    "M3 S600\nG0 X63 Z5\nG76 P010560 Q800 R0.1\nG76 X61 Z-4 P4000 Q4000 F1\nG0 X80 Z10\nM30\n";
+
+/// Ticks within which any stop must be over: the deepest retract, a rapid out, two seconds for the spindle.
+pub const PATIENCE: u64 = 6_000;
+
+/// Ticks after which a program counts as stuck.
+const LONGEST: u64 = 60_000;
+
+/// A machine, what is still to be handed over, and what it has done.
+pub struct Lathe {
+    /// The machine.
+    pub sim: Sim,
+    /// What it was made with.
+    pub params: Params,
+    /// Calls that it had no room for yet.
+    pub waiting: VecDeque<Call>,
+    /// Every tick whose truth is known.
+    pub rows: Vec<Row>,
+    /// What the board said.
+    pub events: Vec<Event>,
+    /// The alarm it stands on; whoever resets the machine clears this.
+    pub alarm: Option<Alarm>,
+    /// How many there were.
+    pub ticks: u64,
+}
+
+impl Lathe {
+    /// Just switched on.
+    #[must_use]
+    pub fn new(params: &Params) -> Self {
+        Self {
+            sim: machine(params, &PlantOptions::default()),
+            params: params.clone(),
+            waiting: VecDeque::new(),
+            rows: Vec::new(),
+            events: Vec::new(),
+            alarm: None,
+            ticks: 0,
+        }
+    }
+
+    /// The program to do next.
+    pub fn load(&mut self, text: &str) {
+        self.waiting = calls(text, &self.params).into();
+    }
+
+    /// What the machine is doing.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.sim.board().ticker().state()
+    }
+
+    /// Where the board says the machine is.
+    #[must_use]
+    pub fn at(&self) -> Position {
+        self.sim.board().ticker().executor().position()
+    }
+
+    /// Hands over as many calls as there is room for.
+    pub fn hand_over(&mut self) {
+        let sim = &mut self.sim;
+        while self.waiting.front().is_some_and(|call| sim.offer(call)) {
+            self.waiting.pop_front();
+        }
+    }
+
+    /// Takes what the board has said in a tick. With an alarm the program is over.
+    ///
+    /// # Panics
+    /// At a second alarm without a reset between them.
+    pub fn listen(&mut self) {
+        while let Some(event) = self.sim.event() {
+            if let Event::Alarm(alarm) = event {
+                assert_eq!(self.alarm, None, "a second alarm without a reset");
+                self.alarm = Some(alarm);
+                self.waiting.clear();
+            }
+            self.events.push(event);
+        }
+    }
+}
+
+/// A lathe, and whatever stands around it.
+pub trait Bench {
+    /// The lathe on it.
+    fn lathe(&self) -> &Lathe;
+
+    /// One tick of everything.
+    fn tick(&mut self);
+
+    /// So many ticks.
+    fn ticks(&mut self, count: u64) {
+        for _ in 0..count {
+            self.tick();
+        }
+    }
+
+    /// Ticks until the machine has nothing to do or stands on an alarm.
+    ///
+    /// # Panics
+    /// Where that does not come.
+    fn finish(&mut self, what: &str) {
+        let begun = self.lathe().ticks;
+        while !self.lathe().waiting.is_empty() || self.lathe().sim.is_busy() {
+            self.tick();
+            let lathe = self.lathe();
+            assert!(
+                lathe.ticks - begun < LONGEST,
+                "{what}: stuck in {:?}",
+                lathe.state()
+            );
+        }
+    }
+
+    /// Ticks until `done`, at most `most`.
+    ///
+    /// # Panics
+    /// Where it takes longer.
+    fn until(&mut self, what: &str, most: u64, mut done: impl FnMut(&Self) -> bool)
+    where
+        Self: Sized,
+    {
+        let begun = self.lathe().ticks;
+        while !done(self) {
+            self.tick();
+            let lathe = self.lathe();
+            assert!(
+                lathe.ticks - begun <= most,
+                "{what}: still {:?} after {most} ticks",
+                lathe.state()
+            );
+        }
+    }
+
+    /// Ticks until the machine stands on an alarm that has come.
+    ///
+    /// # Panics
+    /// Where it does not come to rest in time.
+    fn until_on_alarm(&mut self, what: &str, most: u64)
+    where
+        Self: Sized,
+    {
+        self.until(what, most, |bench| {
+            matches!(bench.lathe().state(), State::Alarm(_))
+        });
+    }
+
+    /// Stands for a while: the board commands no motion, and no spindle.
+    ///
+    /// # Panics
+    /// Where it does.
+    fn stands(&mut self, what: &str) {
+        let at = self.lathe().at();
+        for _ in 0..50 {
+            self.tick();
+            let lathe = self.lathe();
+            assert_eq!(lathe.at(), at, "{what}: it moves again");
+            assert_eq!(lathe.sim.spindle_command().get(), 0, "{what}: the spindle");
+        }
+    }
+}
+
+impl Bench for Lathe {
+    fn lathe(&self) -> &Lathe {
+        self
+    }
+
+    fn tick(&mut self) {
+        self.hand_over();
+        self.rows.extend(self.sim.step());
+        self.ticks += 1;
+        self.listen();
+    }
+}

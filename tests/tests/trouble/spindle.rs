@@ -1,0 +1,151 @@
+//! A spindle that does not turn as it should, and an encoder that does not count as it should.
+
+use leadscrew_board_sim::{Doing, Row};
+use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
+use leadscrew_tests::bench::{Bench, Lathe, NEXT, PATIENCE, WORK};
+
+use crate::bench::{Recovers, calm, places, stride};
+
+/// The first tick of the n-th row held to the helix.
+fn locked(rows: &[Row], nth: usize) -> u64 {
+    let row = rows.iter().filter(|row| row.error.is_some()).nth(nth);
+    row.expect("a locked row").tick
+}
+
+/// From the tick of an alarm on the axes brake by time: no tick in which they stand and then go on.
+fn brakes_at_once(rows: &[Row], params: &Params, what: &str) {
+    let first = rows.iter().position(|row| row.doing == Doing::Alarm);
+    let first = first.unwrap_or_else(|| panic!("{what}: no row of the alarm"));
+    let tick = f64::from(params.tick_us()) * 1e-6;
+    for axis in [Axis::X, Axis::Z] {
+        let limit = params.acceleration(axis).nm_per_s2() as f64 * tick * tick + 2.0;
+        for window in rows[first - 2..].windows(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| match axis {
+                Axis::X => window[i].position.x.nm(),
+                _ => window[i].position.z.nm(),
+            });
+            let second = (c - 2 * b + a) as f64;
+            assert!(
+                second.abs() <= limit,
+                "{what}: {axis:?} accelerates by {second} nm at {}",
+                window[2].tick
+            );
+        }
+    }
+}
+
+/// Disturbs the spindle in a stroke: percent, and the alarm that must come within so many ticks.
+fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
+    let params = Params::slant_bed();
+    let calm = calm(&params);
+    for nth in (0..600).step_by(stride(37, 199)) {
+        let tick = locked(&calm, nth);
+        let what = format!("spindle at {percent} % from {tick} on");
+        let mut bench = Lathe::new(&params);
+        bench.load(WORK);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        bench.sim.plant().spindle().disturb(percent);
+        bench.until(&what, within, |bench| bench.alarm.is_some());
+        assert_eq!(
+            bench.alarm.map(|alarm| alarm.number()),
+            Some(alarm),
+            "{what}"
+        );
+        bench.until_on_alarm(&what, PATIENCE);
+        brakes_at_once(&bench.rows, &params, &what);
+        bench.stands(&what);
+        bench.sim.plant().spindle().disturb(100);
+        bench.reset(&what);
+        bench.stands(&what);
+        bench.next(&what);
+    }
+}
+
+#[test]
+fn a_spindle_that_stops_in_a_stroke() {
+    spindle_trouble(0, 4250, 2_000);
+}
+
+#[test]
+fn a_spindle_that_reverses_in_a_stroke() {
+    spindle_trouble(-100, 4250, 2_000);
+}
+
+#[test]
+fn a_spindle_far_too_fast_in_a_stroke() {
+    spindle_trouble(400, 4257, 2_000);
+}
+
+/// The index and the counts disagree: at once in a stroke, before the next one otherwise.
+#[test]
+fn an_encoder_that_slips_anywhere_and_the_next_program() {
+    let params = Params::slant_bed();
+    let calm = calm(&params);
+    for tick in places(&calm, stride(11, 293)) {
+        let what = format!("slip at {tick}");
+        let mut bench = Lathe::new(&params);
+        bench.load(WORK);
+        bench.until(&what, tick, |bench| bench.ticks == tick);
+        let before = bench.rows.len();
+        bench.sim.plant().encoder().slip(40);
+        bench.finish(&what);
+        if bench.alarm.is_some() {
+            assert_eq!(
+                bench.alarm.map(|alarm| alarm.number()),
+                Some(4261),
+                "{what}"
+            );
+            bench.stands(&what);
+            bench.reset(&what);
+        } else {
+            // Nothing was cut by the wrong angle.
+            let worst = bench.rows[before..]
+                .iter()
+                .filter_map(|row| row.error)
+                .map(|error| error.nm().abs())
+                .max();
+            assert!(
+                worst.is_none_or(|worst| worst <= 1_000),
+                "{what}: {worst:?}"
+            );
+        }
+        bench.next(&what);
+    }
+}
+
+#[test]
+fn an_encoder_without_index_is_an_alarm_in_time() {
+    let params = Params::slant_bed();
+    let mut bench = Lathe::new(&params);
+    bench.sim.plant().encoder().break_index(true);
+    bench.load(
+        "M3 S600\nG4 P2000\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nM30\n",
+    );
+    bench.until("ready", 5_000, |bench| {
+        bench.sim.board().ticker().executor().thread().is_none()
+            && bench
+                .rows
+                .last()
+                .is_some_and(|row| row.line == 5 && row.position.x.nm() < 31_000_000)
+            && bench.at().x.nm() < 30_200_000
+    });
+    let reached = bench.ticks;
+    bench.until("no index", 1_300, |bench| bench.alarm.is_some());
+    // Two turns at 600 rpm and a second.
+    assert!(
+        (1_190..1_260).contains(&(bench.ticks - reached)),
+        "{}",
+        bench.ticks - reached
+    );
+    assert_eq!(bench.alarm.map(|alarm| alarm.number()), Some(4260));
+    bench.until_on_alarm("stop", 50);
+    bench.sim.plant().encoder().break_index(false);
+    bench.reset("no index");
+    bench.next("no index");
+    // And lost later on, the counts still right: the next stroke does not begin.
+    bench.sim.plant().encoder().break_index(true);
+    bench.load(NEXT);
+    bench.finish("lost");
+    assert_eq!(bench.alarm.map(|alarm| alarm.number()), Some(4260));
+}
