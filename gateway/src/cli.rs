@@ -65,8 +65,8 @@ pub struct Global {
     /// `ip link set can0 type can bitrate …`.
     #[arg(long, global = true, value_name = "KBIT", value_parser = bit_rate)]
     pub bitrate: Option<BitRate>,
-    /// CANopen node of the board, 1 to 126 [default: 1]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=126))]
+    /// CANopen node of the board, 1 to 127 [default: 1]; 127 is the gateway's own number, and no board has it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=127))]
     pub node: Option<u8>,
     /// Parameter file of the machine (repeatable; later files win)
     #[arg(long, global = true, value_name = "FILE")]
@@ -98,7 +98,13 @@ pub struct Global {
     #[arg(long, global = true)]
     pub json: bool,
     /// Seed of every noise source
-    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "N",
+        default_value_t = 1,
+        allow_negative_numbers = true
+    )]
     pub seed: u64,
     /// Where the machine powers up, in machine coordinates, X a diameter: `X=100,Z=50`
     #[arg(
@@ -131,6 +137,20 @@ impl Global {
     #[must_use]
     pub fn node(&self) -> NodeId {
         self.node.and_then(NodeId::new).unwrap_or(NodeId::BOARD)
+    }
+
+    /// The same where a board is to be talked to.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for the number that this side has itself [D175].
+    pub fn board(&self) -> Outcome<NodeId> {
+        match self.node() {
+            NodeId::GATEWAY => Err(Failure::Usage(both!(
+                "`--node 127` is this side's own number on the bus; boards have 1 to 126",
+                "`--node 127` 是本机在总线上的节点号；控制板的节点号为 1 至 126"
+            ))),
+            node => Ok(node),
+        }
     }
 
     /// The bit rate for an adapter.
@@ -228,7 +248,8 @@ pub enum Command {
         /// Which one
         #[arg(value_enum)]
         what: OverrideName,
-        /// Percent
+        /// Whole percent: feed 0 to 150, rapid 0 to 100, spindle 50 to 120
+        #[arg(allow_negative_numbers = true)]
         percent: Percent,
     },
     /// Set an input (needs a real bus)
@@ -347,7 +368,7 @@ pub struct Simulate {
     #[command(flatten)]
     pub drive: Drive,
     /// Fail (exit 1) when the worst synchronism error of a thread or a hole is above this many micrometres
-    #[arg(long, value_name = "UM")]
+    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
     pub tolerance: Option<Tolerance>,
 }
 
@@ -410,7 +431,7 @@ pub struct Run {
     #[command(flatten)]
     pub drive: Drive,
     /// Fail (exit 1) when the worst synchronism error of a thread or a hole is above this many micrometres
-    #[arg(long, value_name = "UM")]
+    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
     pub tolerance: Option<Tolerance>,
 }
 

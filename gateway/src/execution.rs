@@ -1,13 +1,11 @@
 //! What `simulate`, `plot` and `run` have in common: check all of it, run it on the machine, judge it, tell the result.
 
-use std::io::{self, Write as _};
-
 use crate::checking::{self, Detail, Report};
 use crate::cli::Drive;
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
-use crate::json::Json;
 use crate::machine::{self, Ended, Observer};
+use crate::output;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::threads::Above;
@@ -119,8 +117,7 @@ impl<'a> Execution<'a> {
     }
 
     fn print_json(&self, summary: &Summary, ok: bool) -> Outcome {
-        let mut json = Json::new();
-        json.object(|json| {
+        output::json(|json| {
             json.flag("ok", ok);
             summary.fields(json);
             self.ended.threads.fields(json);
@@ -132,11 +129,6 @@ impl<'a> Execution<'a> {
             json.array_at("warnings", |json| {
                 warnings.for_each(|d| json.object(|json| d.fields(json, true)))
             });
-        });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        io::stdout()
-            .write_all(&bytes)
-            .map_err(|error| Failure::stdout(&error))
+        })
     }
 }

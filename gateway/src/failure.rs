@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use leadscrew_can::CanError;
 use leadscrew_core::alarm::Lang;
 
+use crate::output;
 use crate::words::{Both, both, pick};
 
 /// A command's result.
@@ -37,7 +38,7 @@ pub enum Failure {
 impl Failure {
     /// A file that could not be read or written.
     pub fn file(doing: Doing, path: impl fmt::Display, error: &io::Error) -> Self {
-        let reason = reason(error);
+        let reason = reason(error, doing);
         let doing = doing.words();
         Self::Usage(both!(
             "cannot {en} `{path}`: {why}",
@@ -63,7 +64,7 @@ impl Failure {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::ReaderGone
         } else {
-            let reason = reason(error);
+            let reason = reason(error, Doing::Write);
             Self::Usage(both!(
                 "cannot write to standard output: {why}",
                 "无法写入标准输出：{reason}",
@@ -73,8 +74,9 @@ impl Failure {
         }
     }
 
-    /// Tells what is still to be told, and gives the exit code.
-    pub fn report(&self, lang: Lang) -> ExitCode {
+    /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result, which is
+    /// this failure where nothing has been written there.
+    pub fn report(&self, lang: Lang, json: bool) -> ExitCode {
         let (code, text) = match self {
             Self::Wrong => (1, None),
             Self::WrongBecause(text) => (1, Some(text.get(lang))),
@@ -95,6 +97,16 @@ impl Failure {
         if let Some(text) = text {
             // A closed standard error leaves nobody to tell.
             let _ = writeln!(io::stderr(), "{}{text}", pick(lang, "error: ", "错误："));
+        }
+        if json && *self != Self::ReaderGone && !output::is_written() {
+            // Standard output that cannot be written has been told of, or is what is told.
+            let _ = output::json(|o| {
+                o.flag("ok", false);
+                o.integer("exit", i64::from(code));
+                if let Some(text) = text {
+                    o.text("error", text);
+                }
+            });
         }
         ExitCode::from(code)
     }
@@ -119,11 +131,29 @@ impl Doing {
 }
 
 /// The system's words without its error number.
-fn reason(error: &io::Error) -> Both {
-    match error.kind() {
-        io::ErrorKind::NotFound => both!("there is no such file", "没有这个文件"),
-        io::ErrorKind::PermissionDenied => both!("permission denied", "没有权限"),
-        io::ErrorKind::IsADirectory => both!("is a directory", "这是一个文件夹"),
-        _ => Both::same(error.to_string()),
+fn reason(error: &io::Error, doing: Doing) -> Both {
+    match (error.kind(), doing) {
+        (io::ErrorKind::NotFound, Doing::Read) => both!("there is no such file", "没有这个文件"),
+        // A file that is written is made: what is missing is where it would be.
+        (io::ErrorKind::NotFound, Doing::Write) => {
+            both!("there is no such folder", "没有这个文件夹")
+        }
+        (io::ErrorKind::PermissionDenied, _) => both!("permission denied", "没有权限"),
+        (io::ErrorKind::IsADirectory, _) => both!("is a directory", "这是一个文件夹"),
+        (io::ErrorKind::NotADirectory, _) => {
+            both!(
+                "what should be a folder is a file",
+                "路径中有一段不是文件夹"
+            )
+        }
+        (io::ErrorKind::StorageFull, _) => both!("no space is left there", "存储空间已满"),
+        (io::ErrorKind::ReadOnlyFilesystem, _) => {
+            both!("nothing can be written there", "该处只读，不能写入")
+        }
+        _ => {
+            let words = error.to_string();
+            let end = words.find(" (os error").unwrap_or(words.len());
+            Both::same(&words[..end])
+        }
     }
 }

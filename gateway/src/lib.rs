@@ -2,7 +2,7 @@
 //!
 //! One file a command ([`commands`]); what several share has a room of its own: words for alarms ([`diagnostics`]), both
 //! languages of all other words ([`words`]), the
-//! move list's formats ([`movelist`]), exact numbers ([`number`]) and JSON ([`json`]). Data goes to standard output,
+//! move list's formats ([`movelist`]), exact numbers ([`number`]), JSON ([`json`]) and standard output ([`output`]). Data goes there,
 //! words for people to standard error.
 //!
 //! A program file becomes a stream of events ([`program`]); [`checking`] looks at all of it without a machine, and
@@ -26,6 +26,7 @@ pub mod link;
 pub mod machine;
 pub mod movelist;
 pub mod number;
+pub mod output;
 pub mod params;
 pub mod plot;
 pub mod program;

@@ -9,6 +9,6 @@ fn main() -> ExitCode {
     let cli = cli::Cli::parse();
     match commands::dispatch(&cli) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(cli.global.lang()),
+        Err(failure) => failure.report(cli.global.lang(), cli.global.json),
     }
 }

@@ -1,6 +1,6 @@
 //! What every command starts from: the machine's parameters, the language, and whether colour is welcome.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use leadscrew_board_sim::plant::Flash;
@@ -18,8 +18,11 @@ use crate::commands::board;
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
+use crate::output;
 use crate::params::{self, Loaded};
 use crate::state::{StateFile, stored_set};
+use crate::threads::Threads;
+use crate::trace::Summary;
 use crate::words::both;
 
 /// The start of a command.
@@ -46,23 +49,28 @@ pub struct Setup<'a> {
 impl<'a> Setup<'a> {
     /// Loads what the options name, and tells what is wrong with it. The set of the board, real or simulated,
     /// lies below it.
-    pub fn new(global: &'a Global) -> Outcome<Self> {
-        Self::over(global, board::base(global)?)
+    pub fn new(global: &'a Global, answer: Answer) -> Outcome<Self> {
+        Self::of(global, board::base(global, answer)?, None, answer)
     }
 
     /// The same over a set that is known already; `None`: the built-in machine.
     pub fn over(global: &'a Global, base: Option<Params>) -> Outcome<Self> {
-        Self::of(global, base, None)
+        Self::of(global, base, None, Answer::Parameters)
     }
 
     /// The same for a simulated machine that is to run with `drive`'s tick.
     pub fn with_drive(global: &'a Global, drive: &Drive) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
-        Self::of(global, None, tick)
+        Self::of(global, None, tick, Answer::Run)
     }
 
     /// A set that is stored in the flash of a simulated board is that board's own, as with a real one [D107].
-    fn of(global: &'a Global, base: Option<Params>, last: Option<String>) -> Outcome<Self> {
+    fn of(
+        global: &'a Global,
+        base: Option<Params>,
+        last: Option<String>,
+        answer: Answer,
+    ) -> Outcome<Self> {
         let kept = match &global.state {
             None => None,
             Some(path) => {
@@ -76,7 +84,9 @@ impl<'a> Setup<'a> {
             None => None,
         };
         let base = base.or_else(|| stored.clone());
-        let params = load_over(global, base, last)?.params;
+        let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
+        let loaded = params::load_over(base, &global.params, &set, global.lang())?;
+        let params = told_good_in(global, loaded, answer)?.params;
         if let (Some(path), Some(stored)) = (&global.state, stored)
             && identity(&stored) != identity(&params)
         {
@@ -161,16 +171,9 @@ fn signals(global: &Global) -> Signals {
 
 /// The parameters that the options make, with everything that is wrong with them told; wrong ones end the command.
 pub fn load(global: &Global) -> Outcome<Loaded> {
-    load_over(global, board::base(global)?, None)
-}
-
-/// The same over another set than the built-in machine's, and with one more `--set` at the end.
-fn load_over(global: &Global, base: Option<Params>, last: Option<String>) -> Outcome<Loaded> {
-    let set: Vec<String> = global.set.iter().cloned().chain(last).collect();
-    told_good(
-        global,
-        params::load_over(base, &global.params, &set, global.lang())?,
-    )
+    let base = board::base(global, Answer::Parameters)?;
+    let loaded = params::load_over(base, &global.params, &global.set, global.lang())?;
+    told_good(global, loaded)
 }
 
 /// Files and options by themselves: what is wrong with them over whatever set needs no board to be told.
@@ -178,26 +181,85 @@ fn load_over(global: &Global, base: Option<Params>, last: Option<String>) -> Out
 /// # Errors
 /// A file that cannot be read; mistakes in it, which have been told.
 pub fn alone(global: &Global, files: &[PathBuf], set: &[String]) -> Outcome<Loaded> {
+    alone_in(global, files, set, Answer::Parameters)
+}
+
+/// The same where `--json` has the form of another command's result.
+///
+/// # Errors
+/// As [`alone`].
+pub fn alone_in(
+    global: &Global,
+    files: &[PathBuf],
+    set: &[String],
+    answer: Answer,
+) -> Outcome<Loaded> {
     let loaded = params::load(files, set, global.lang())?;
     // What the cross-checks find may be otherwise over another set.
     let wrong = |d: &Diagnostic| !d.warning && d.number < 4420;
     if loaded.diagnostics.iter().any(wrong) {
-        return told_good(global, loaded);
+        return told_good_in(global, loaded, answer);
     }
     Ok(loaded)
 }
 
 /// The set, with what is wrong with it told; a wrong one ends the command.
 pub fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
+    told_good_in(global, loaded, Answer::Parameters)
+}
+
+/// The same where `--json` has the form of another command's result.
+fn told_good_in(global: &Global, loaded: Loaded, answer: Answer) -> Outcome<Loaded> {
     loaded.tell(colour());
     if loaded.is_good() {
         return Ok(loaded);
     }
-    if global.json {
-        let written = std::io::stdout().write_all(&loaded.report());
-        written.map_err(|error| Failure::stdout(&error))?;
+    if global.json || answer == (Answer::Moves { jsonl: true }) {
+        answer.refused(&loaded)?;
     }
     Err(Failure::Wrong)
+}
+
+/// The form of a command's machine-readable result, which it also has where wrong parameters let nothing begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// `ok`, `alarms` and `warnings` alone.
+    Parameters,
+    /// That of `check`: no file has been looked at.
+    Check,
+    /// Lines, as those of `expand`; `jsonl` where that is the format without `--json`, too.
+    Moves {
+        /// `--format jsonl`.
+        jsonl: bool,
+    },
+    /// That of `simulate` and `run`: nothing has moved.
+    Run,
+}
+
+impl Answer {
+    fn refused(self, loaded: &Loaded) -> Outcome {
+        if let Self::Moves { .. } = self {
+            // Warnings first: an alarm is the last line.
+            for (key, warning) in [("warning", true), ("alarm", false)] {
+                for told in loaded.diagnostics.iter().filter(|d| d.warning == warning) {
+                    output::json(|o| o.object_at(key, |o| told.fields(o, true)))?;
+                }
+            }
+            return Ok(());
+        }
+        output::json(|o| {
+            o.flag("ok", false);
+            match self {
+                Self::Parameters | Self::Moves { .. } => {}
+                Self::Check => o.array_at("files", |_| {}),
+                Self::Run => {
+                    Summary::new(loaded.params.tick_us()).fields(o);
+                    Threads::default().fields(o);
+                }
+            }
+            loaded.report_fields(o);
+        })
+    }
 }
 
 /// <https://no-color.org>: any non-empty `NO_COLOR` switches colour off.

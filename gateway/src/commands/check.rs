@@ -1,12 +1,10 @@
 //! `check`: everything that can be known before a machine is switched on.
 
-use std::io::{self, Write as _};
-
 use crate::checking::{self, Detail, Report, plural};
 use crate::cli::Check;
 use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
-use crate::json::Json;
+use crate::output;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::words::both;
@@ -26,20 +24,14 @@ pub fn run(setup: &Setup, args: &Check) -> Outcome {
         |report: &Report| !report.alarms.is_empty() || (args.strict && report.lead_in_too_short);
     let ok = !reports.iter().any(|(_, report)| fails(report));
     if setup.global.json {
-        let mut json = Json::new();
-        json.object(|json| {
+        output::json(|json| {
             json.flag("ok", ok);
             json.array_at("files", |json| {
                 for (source, report) in &reports {
                     json.object(|json| report.fields(source, json));
                 }
             });
-        });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        io::stdout()
-            .write_all(&bytes)
-            .map_err(|error| Failure::stdout(&error))?;
+        })?;
     }
     if ok { Ok(()) } else { Err(Failure::Wrong) }
 }
@@ -84,7 +76,5 @@ fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
         text.push_str(cycle.text().get(lang));
         text.push('\n');
     }
-    io::stdout()
-        .write_all(text.as_bytes())
-        .map_err(|error| Failure::stdout(&error))
+    output::write(text.as_bytes())
 }

@@ -1,7 +1,5 @@
 //! `expand`: the move list, streamed.
 
-use std::io::{self, Write};
-
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::cycle;
 use leadscrew_core::program::{Call, Event, Position};
@@ -12,6 +10,7 @@ use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::json::Json;
 use crate::movelist;
+use crate::output;
 use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -45,7 +44,6 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
         setup,
         source,
         format,
-        to: io::stdout().lock(),
         buffer: Vec::with_capacity(CHUNK + 1024),
         moves: 0,
         at: options.position,
@@ -58,18 +56,17 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
 }
 
 /// The list being printed.
-struct List<'a, W> {
+struct List<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
     format: Format,
-    to: W,
     buffer: Vec<u8>,
     moves: u64,
     at: Position,
     hole: Hole,
 }
 
-impl<W: Write> List<'_, W> {
+impl List<'_> {
     fn all(&mut self, program: &mut Program) -> Outcome {
         loop {
             let next = program
@@ -142,11 +139,11 @@ impl<W: Write> List<'_, W> {
     }
 
     fn flush(&mut self) -> Outcome {
-        let result = self
-            .to
-            .write_all(&self.buffer)
-            .and_then(|()| self.to.flush());
+        if self.buffer.is_empty() {
+            return Ok(());
+        }
+        let written = output::write(&self.buffer);
         self.buffer.clear();
-        result.map_err(|error| Failure::stdout(&error))
+        written
     }
 }

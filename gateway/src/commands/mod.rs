@@ -16,9 +16,9 @@ mod unavailable;
 use leadscrew_can::Address;
 use leadscrew_core::bus::Order;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, Format};
 use crate::failure::Outcome;
-use crate::setup::Setup;
+use crate::setup::{Answer, Setup};
 
 /// Does what was typed.
 pub fn dispatch(cli: &Cli) -> Outcome {
@@ -26,8 +26,11 @@ pub fn dispatch(cli: &Cli) -> Outcome {
     match &cli.command {
         Command::Completions { shell } => completions::print(*shell),
         Command::Params { command } => params::run(&cli.global, command),
-        Command::Check(args) => check::run(&Setup::new(&cli.global)?, args),
-        Command::Expand(args) => expand::run(&Setup::new(&cli.global)?, args),
+        Command::Check(args) => check::run(&Setup::new(&cli.global, Answer::Check)?, args),
+        Command::Expand(args) => {
+            let jsonl = args.format == Some(Format::Jsonl);
+            expand::run(&Setup::new(&cli.global, Answer::Moves { jsonl })?, args)
+        }
         Command::Simulate(args) => {
             simulate::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
         }

@@ -13,7 +13,7 @@ use leadscrew_core::params::Params;
 use crate::cli::Record;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
-use crate::json::Json;
+use crate::output;
 use crate::params;
 use crate::recording::{Format, Recording};
 use crate::setup::{Setup, told_good};
@@ -149,8 +149,7 @@ impl Watch {
     fn conclude(&self, setup: &Setup, path: &str, dropped: u64) -> Outcome {
         let health = &self.health;
         if setup.global.json {
-            let mut json = Json::new();
-            json.object(|o| {
+            return output::json(|o| {
                 o.flag("ok", dropped == 0);
                 for (key, count) in [
                     ("packets", health.frames),
@@ -161,11 +160,6 @@ impl Watch {
                     o.integer(key, i64::try_from(count).unwrap_or(i64::MAX));
                 }
             });
-            let mut bytes = json.into_bytes();
-            bytes.push(b'\n');
-            return io::stdout()
-                .write_all(&bytes)
-                .map_err(|error| Failure::stdout(&error));
         }
         let lost = if dropped > 0 {
             both!(

@@ -9,7 +9,8 @@ use super::{board, expand, run};
 use crate::cli::{Drive, Global};
 use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
-use crate::setup::Setup;
+use crate::output;
+use crate::setup::{Answer, Setup};
 use crate::source::SourceFile;
 use crate::state::StateFile;
 use crate::tapping;
@@ -43,7 +44,8 @@ pub fn retract(global: &Global, wish: Wish) -> Outcome {
     let record = state.journal(&state.load()?)?;
     let source = text(record.as_ref(), wish);
     if global.dry_run {
-        return show(global, &Setup::new(global)?, &source);
+        let answer = Answer::Moves { jsonl: false };
+        return show(global, &Setup::new(global, answer)?, &source);
     }
     run::carry_out(global, &source, None, &Drive::default(), None)
 }
@@ -135,9 +137,9 @@ fn no_entry() -> Failure {
 
 fn tell_dropped(global: &Global) -> Outcome {
     if global.json {
-        return board::print_json(|json| json.flag("ok", true));
+        return output::json(|json| json.flag("ok", true));
     }
-    board::print(
+    output::write(
         pick(
             global.lang(),
             "dropped: no tap is in a hole any more, as far as the board knows\n",

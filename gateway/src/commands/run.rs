@@ -1,7 +1,7 @@
 //! `run`: check all of a program, upload it, run it, tell the result.
 
 use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal as _, Write as _};
+use std::io::{self, BufWriter, IsTerminal as _};
 use std::path::Path;
 use std::time::Duration;
 
@@ -17,6 +17,7 @@ use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::interrupt;
 use crate::machine::Observer;
+use crate::output;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
@@ -106,9 +107,7 @@ pub fn carry_out(
         text.push_str(&summary.hash());
         text.push('\n');
         text.push_str(&execution.threads());
-        std::io::stdout()
-            .write_all(text.as_bytes())
-            .map_err(|error| Failure::stdout(&error))?;
+        output::write(text.as_bytes())?;
     }
     verdict
 }

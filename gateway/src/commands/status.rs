@@ -1,12 +1,10 @@
 //! `status`: one look at the board; with `sim`, at what its flash remembers.
 
-use std::io::Write as _;
-
 use leadscrew_core::link::identity;
 
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
-use crate::json::Json;
+use crate::output;
 use crate::state::StateFile;
 use crate::tapping;
 use crate::words::{both, pick};
@@ -28,8 +26,7 @@ pub fn run(global: &Global) -> Outcome {
         Err(failure) => return Err(failure),
     };
     let text = if global.json {
-        let mut json = Json::new();
-        json.object(|json| {
+        output::line(|json| {
             json.flag("ok", true);
             json.text("bus", "sim");
             match &stored {
@@ -40,10 +37,7 @@ pub fn run(global: &Global) -> Outcome {
                 json.text("parameters_alarm", words.get(global.lang()));
             }
             tapping::fields(record.as_ref(), json);
-        });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        bytes
+        })
     } else {
         let mut text = match record.filter(|record| record.in_hole) {
             Some(record) => tapping::text(&record, global.lang()),
@@ -55,7 +49,5 @@ pub fn run(global: &Global) -> Outcome {
         }
         text.into_bytes()
     };
-    std::io::stdout()
-        .write_all(&text)
-        .map_err(|error| Failure::stdout(&error))
+    output::write(&text)
 }

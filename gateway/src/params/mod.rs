@@ -26,6 +26,7 @@ use leadscrew_core::units::Axis;
 use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
 use crate::json::Json;
+use crate::output;
 use crate::words::pick;
 
 pub use file::read;
@@ -164,14 +165,10 @@ impl Loaded {
 
     /// `{"ok", "alarms", "warnings"}`: the result in the machine format.
     pub fn report(&self) -> Vec<u8> {
-        let mut json = Json::new();
-        json.object(|o| {
+        output::line(|o| {
             o.flag("ok", self.is_good());
             self.report_fields(o);
-        });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        bytes
+        })
     }
 
     /// `"alarms"` and `"warnings"` of it.

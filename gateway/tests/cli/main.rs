@@ -87,6 +87,7 @@ fn cases(kind: &str) -> Vec<String> {
 
 mod check;
 mod expand;
+mod json;
 mod kept;
 mod machine;
 mod recovery;

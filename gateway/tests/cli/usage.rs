@@ -140,6 +140,64 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
+fn what_cannot_be_written_says_what_is_missing() {
+    for (args, why) in [
+        (
+            &["simulate", "examples/shaft.nc", "-o", "/no/such/x.csv"][..],
+            "error: cannot write `/no/such/x.csv`: there is no such folder\n",
+        ),
+        (
+            &["run", "examples/shaft.nc", "--record", "README.md/x.log"],
+            "error: cannot write `README.md/x.log`: what should be a folder is a file\n",
+        ),
+        (
+            &["simulate", "examples/g84-tap.nc", "-o", "/dev/full"],
+            "error: cannot write `/dev/full`: no space is left there\n",
+        ),
+    ] {
+        let output = leadscrew(args);
+        assert_eq!(code(&output), 2, "{args:?}");
+        assert_eq!(stderr(&output), why, "{args:?}");
+    }
+}
+
+#[test]
+fn a_negative_figure_is_answered_as_a_figure() {
+    for (args, why) in [
+        (
+            &["run", "examples/shaft.nc", "--tolerance", "-1"][..],
+            "a tolerance is not negative",
+        ),
+        (
+            &["override", "feed", "-5"],
+            "expected a whole number of percent",
+        ),
+        (&["check", "examples/shaft.nc", "--seed", "-1"], "--seed"),
+    ] {
+        let output = leadscrew(args);
+        let told = stderr(&output);
+        assert_eq!(code(&output), 2, "{args:?}");
+        assert!(told.contains(why) && !told.contains("unexpected"), "{told}");
+    }
+}
+
+/// [D175]
+#[test]
+fn the_number_of_this_side_is_no_boards() {
+    let output = leadscrew(&["check", "examples/shaft.nc", "--node", "127"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for args in [&["status"][..], &["run", "examples/shaft.nc"]] {
+        let bus = ["--node", "127", "--bus", "slcan:unix:/no/such"];
+        let output = leadscrew(&[args, &bus].concat());
+        assert_eq!(code(&output), 2, "{args:?}: {}", stderr(&output));
+        assert!(
+            stderr(&output).contains("this side's own number"),
+            "{args:?}"
+        );
+    }
+}
+
+#[test]
 fn completions_exist_for_the_usual_shells() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let output = leadscrew(&["completions", shell]);

@@ -9,7 +9,7 @@ use super::open;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::link::{Inside, Link};
-use crate::setup::{Setup, alone};
+use crate::setup::{Answer, Setup, alone_in};
 use crate::state::{StateFile, stored_set};
 use crate::words::{Both, both};
 
@@ -44,7 +44,7 @@ impl Greeted {
                 let state = StateFile::new(path);
                 let flash = state.load_or_new()?;
                 let inside = simulated(global, flash.clone())?;
-                let link = Link::on(Box::new(inside.clone()), global.node());
+                let link = Link::on(Box::new(inside.clone()), global.board()?);
                 (link, Some((inside, state, flash)))
             }
             _ => (open(global)?, None),
@@ -141,7 +141,7 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
     let mut sim = Sim::power_up(&Params::slant_bed(), &PlantOptions::default(), flash)
         .map(Box::new)
         .map_err(told)?;
-    sim.join(global.node())
+    sim.join(global.board()?)
         .map_err(|alarm| told(SimError::Board(alarm)))?;
     let tick_us = sim.tick_us();
     Ok(Inside::new(sim, tick_us))
@@ -152,8 +152,8 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
 ///
 /// # Errors
 /// No bus, no board, another version; a file that is no flash; files or options that are wrong over whatever set.
-pub fn base(global: &Global) -> Outcome<Option<Params>> {
-    alone(global, &global.params, &global.set)?;
+pub fn base(global: &Global, answer: Answer) -> Outcome<Option<Params>> {
+    alone_in(global, &global.params, &global.set, answer)?;
     if global.bus == Address::Sim {
         let Some(path) = &global.state else {
             return Ok(None);

@@ -10,8 +10,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::BoardState;
 
 use crate::cli::Global;
-use crate::failure::{Failure, Outcome};
-use crate::json::Json;
+use crate::failure::Outcome;
 use crate::link::Link;
 use crate::words::pick;
 
@@ -23,7 +22,11 @@ pub use status::status;
 
 /// The bus and the number of the options; nothing has been said yet.
 pub fn open(global: &Global) -> Outcome<Link> {
-    Ok(Link::open(&global.bus, global.node(), global.bit_rate()?)?)
+    Ok(Link::open(
+        &global.bus,
+        global.board()?,
+        global.bit_rate()?,
+    )?)
 }
 
 /// What the machine is doing, for people.
@@ -54,21 +57,4 @@ pub const fn state_name(state: BoardState) -> &'static str {
         BoardState::Stopping => "stopping",
         BoardState::Alarm => "alarm",
     }
-}
-
-/// Prints one object as a line.
-pub fn print_json(fill: impl FnOnce(&mut Json)) -> Outcome {
-    let mut json = Json::new();
-    json.object(fill);
-    let mut bytes = json.into_bytes();
-    bytes.push(b'\n');
-    print(&bytes)
-}
-
-/// Prints to standard output.
-pub fn print(bytes: &[u8]) -> Outcome {
-    use std::io::Write as _;
-    std::io::stdout()
-        .write_all(bytes)
-        .map_err(|error| Failure::stdout(&error))
 }

@@ -3,10 +3,11 @@
 
 use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order};
 
-use super::{open, print, print_json, state_name, state_words};
+use super::{open, state_name, state_words};
 use crate::cli::{Global, OverrideName};
 use crate::failure::{Failure, Outcome};
 use crate::link::Link;
+use crate::output;
 use crate::values::{Percent, SetSignal};
 use crate::words::both;
 
@@ -22,7 +23,7 @@ fn tell(global: &Global, link: &Link) -> Outcome {
     let status = link.seen.status.unwrap_or_default();
     let line = link.seen.place.map(|place| place.line);
     if global.json {
-        return print_json(|json| {
+        return output::json(|json| {
             json.flag("ok", true);
             json.integer("node", i64::from(link.node().get()));
             json.text("state", state_name(status.state));
@@ -51,7 +52,7 @@ fn tell(global: &Global, link: &Link) -> Outcome {
         en = place.en,
         zh = place.zh
     );
-    print(text.get(lang).as_bytes())
+    output::write(text.get(lang).as_bytes())
 }
 
 /// Sets an override.
@@ -80,7 +81,7 @@ pub fn levels(global: &Global, what: OverrideName, percent: Percent) -> Outcome 
     // A level has no count: the board itself says what it is now.
     let now = link.read_number(Object::new(0x5000, sub))?;
     if global.json {
-        return print_json(|json| {
+        return output::json(|json| {
             json.flag("ok", now == u64::from(wanted));
             json.integer("node", i64::from(link.node().get()));
             json.text("override", name);
@@ -92,7 +93,7 @@ pub fn levels(global: &Global, what: OverrideName, percent: Percent) -> Outcome 
         "节点 {node}：{name} 倍率 {now} %\n",
         node = link.node().get()
     );
-    print(text.get(global.lang()).as_bytes())
+    output::write(text.get(global.lang()).as_bytes())
 }
 
 /// Sets an input; the others stay.
@@ -104,7 +105,7 @@ pub fn signal(global: &Global, set: SetSignal) -> Outcome {
     link.set_signals(signals)?;
     let level = u8::from(set.level);
     if global.json {
-        return print_json(|json| {
+        return output::json(|json| {
             json.flag("ok", true);
             json.integer("node", i64::from(link.node().get()));
             json.text("signal", set.signal.name());
@@ -117,5 +118,5 @@ pub fn signal(global: &Global, set: SetSignal) -> Outcome {
         node = link.node().get(),
         name = set.signal.name()
     );
-    print(text.get(global.lang()).as_bytes())
+    output::write(text.get(global.lang()).as_bytes())
 }

@@ -10,7 +10,7 @@ use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{Certificate, Logged, Status};
 
-use super::{Machine, print, print_json, state_words};
+use super::{Machine, state_words};
 use crate::checking::Report;
 use crate::cli::{Drive, Global};
 use crate::diagnostics::{self, Diagnostic};
@@ -18,13 +18,14 @@ use crate::execution::tell_report;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::feeder::{Feeder, placed};
 use crate::interrupt;
-use crate::link::{Feed, Link};
+use crate::link::{Feed, Link, alarm_words};
 use crate::number;
-use crate::setup::{Setup, alone};
+use crate::output;
+use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
 use crate::threads::Threads;
 use crate::values::Tolerance;
-use crate::words::{both, pick};
+use crate::words::{Both, both, pick};
 
 /// Between two looks at what the board says, while nothing can be fed.
 const LOOK: Duration = Duration::from_millis(5);
@@ -85,14 +86,14 @@ pub fn run(
     source
         .open()
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
-    alone(global, &global.params, &global.set)?;
+    alone_in(global, &global.params, &global.set, Answer::Run)?;
     interrupt::watch();
     let machine = Machine::meet(global)?;
     let mut setup = Setup::over(global, Some(machine.params.clone()))?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
     let status = link.status()?;
-    ready(&status.state, &link, global)?;
+    ready(&status, &link, global)?;
     setup.position = Some(status.position);
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
     let report = tell_report(&setup, source)?;
@@ -171,22 +172,30 @@ pub fn run(
             en = error.en,
             zh = error.zh
         );
-        print(text.get(setup.lang).as_bytes())?;
-        print(ran.threads.text(setup.lang).as_bytes())?;
+        output::write(text.get(setup.lang).as_bytes())?;
+        output::write(ran.threads.text(setup.lang).as_bytes())?;
     }
     verdict
 }
 
 /// A board that cannot take a program now.
-fn ready(state: &BoardState, link: &Link, global: &Global) -> Outcome {
+fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
     let node = link.node().get();
     let lang = global.lang();
-    match state {
+    match status.state {
         BoardState::Idle => Ok(()),
-        BoardState::Alarm => Err(Failure::MachineBecause(both!(
-            "node {node} stands on an alarm: `leadscrew status` shows it; mend its cause, then `leadscrew reset`",
-            "节点 {node} 处于报警状态：用 `leadscrew status` 查看，排除原因后执行 `leadscrew reset`"
-        ))),
+        BoardState::Alarm => {
+            let alarm = status
+                .alarm
+                .as_ref()
+                .map_or_else(Both::default, alarm_words);
+            Err(Failure::MachineBecause(both!(
+                "node {node} stands on an alarm: {en}; it takes programs again behind `leadscrew reset`",
+                "节点 {node} 处于报警状态：{zh}；执行 `leadscrew reset` 后才接受程序",
+                en = alarm.en,
+                zh = alarm.zh
+            )))
+        }
         BoardState::Starting => Err(Failure::Bus(both!(
             "node {node} is still starting its drives: try again when they are on",
             "节点 {node} 还在启动驱动器：请等驱动器就绪后重试"
@@ -194,7 +203,7 @@ fn ready(state: &BoardState, link: &Link, global: &Global) -> Outcome {
         other => Err(Failure::Bus(both!(
             "node {node} is busy ({state}): wait for its program to end, or `leadscrew reset` it",
             "节点 {node} 正忙（{state}）：请等它的程序结束，或用 `leadscrew reset` 复位",
-            state = state_words(*other, lang)
+            state = state_words(other, lang)
         ))),
     }
 }
@@ -252,7 +261,7 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
 /// The contract's object. The path is that of the moves: known where all of them were carried out.
 fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
     let figures = Figures::of(ran, setup);
-    print_json(|json| {
+    output::json(|json| {
         json.flag("ok", ok);
         json.text("bus", &setup.global.bus.to_string());
         json.number("moves", ran.moves);
@@ -434,7 +443,7 @@ impl Runner<'_> {
     /// that it watches. One that has ended meanwhile has left the machine elsewhere.
     fn still_ready(&mut self) -> Outcome {
         let now = self.link.status()?;
-        ready(&now.state, self.link, self.setup.global)?;
+        ready(&now, self.link, self.setup.global)?;
         let place = |status: &Status| (status.program, status.next_call, status.position);
         if place(&now) != place(&self.checked) {
             let node = self.link.node().get();

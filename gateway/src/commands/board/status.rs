@@ -7,12 +7,13 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::Status;
 use leadscrew_core::signals::Signals;
 
-use super::{open, print, print_json, state_name, state_words};
+use super::{open, state_name, state_words};
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::Outcome;
 use crate::link::Link;
 use crate::number;
+use crate::output;
 use crate::source::SourceFile;
 use crate::tapping;
 use crate::words::{both, pick};
@@ -31,7 +32,7 @@ pub fn status(global: &Global) -> Outcome {
         Diagnostic::new(&alarm, &source, lang, false)
     });
     if global.json {
-        return print_json(|json| {
+        return output::json(|json| {
             json.flag("ok", true);
             json.text("bus", &global.bus.to_string());
             json.integer("node", i64::from(node));
@@ -78,7 +79,7 @@ pub fn status(global: &Global) -> Outcome {
     if let Some(record) = record.filter(|record| record.in_hole) {
         text.push_str(&tapping::text(&record, lang));
     }
-    print(text.as_bytes())?;
+    output::write(text.as_bytes())?;
     // Programs name the board they mean.
     if global.node.is_none() {
         tell_others(&mut link, lang)?;
@@ -94,7 +95,7 @@ fn tell_others(link: &mut Link, lang: Lang) -> Outcome {
             "此总线上还有：节点 {other}（`leadscrew status --node {other}`）\n",
             other = other.get()
         );
-        print(told.get(lang).as_bytes())?;
+        output::write(told.get(lang).as_bytes())?;
     }
     Ok(())
 }

@@ -3,10 +3,9 @@
 use leadscrew_core::params::Params;
 
 use super::home::Home;
-use super::print;
 use crate::cli::{Diff, Global};
 use crate::failure::{Failure, Outcome};
-use crate::json::Json;
+use crate::output;
 use crate::params::difference::{self, Change, DriveChange, changes};
 use crate::params::{self};
 use crate::setup::{alone, told_good};
@@ -43,18 +42,14 @@ fn tell(global: &Global, changes: &[Change], drives: &[DriveChange]) -> Outcome 
     let lang = global.lang();
     let same = changes.is_empty() && drives.is_empty();
     if global.json {
-        let mut json = Json::new();
-        json.object(|o| {
+        output::json(|o| {
             o.flag("ok", true);
             difference::fields(o, changes, drives);
-        });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        print(&bytes)?;
+        })?;
     } else if same {
-        print(pick(lang, "no difference\n", "没有差别\n").as_bytes())?;
+        output::write(pick(lang, "no difference\n", "没有差别\n").as_bytes())?;
     } else {
-        print(difference::text(changes, drives, lang).as_bytes())?;
+        output::write(difference::text(changes, drives, lang).as_bytes())?;
     }
     if same { Ok(()) } else { Err(Failure::Wrong) }
 }

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params};
 
-use super::{json_list, print, unit_text};
+use super::{json_list, unit_text};
 use crate::cli::Global;
 use crate::failure::Outcome;
+use crate::output;
 use crate::params::drives::KNOWN;
 use crate::params::{CHAPTERS, meaning, name, value_text};
 use crate::setup;
@@ -15,13 +16,13 @@ use crate::setup;
 /// Prints the manual.
 pub fn run(global: &Global, eds: bool) -> Outcome {
     if eds {
-        return print(super::eds::sheet().as_bytes());
+        return output::write(super::eds::sheet().as_bytes());
     }
     if global.json {
         let loaded = setup::load(global)?;
-        return print(&json_list(Entry::all().iter(), &loaded, global.lang()));
+        return output::write(&json_list(Entry::all().iter(), &loaded, global.lang()));
     }
-    print(markdown(global.lang()).as_bytes())
+    output::write(markdown(global.lang()).as_bytes())
 }
 
 const INTRO_EN: &str = "# Parameters

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, FindError, Params};
 
-use super::{json_list, print};
+use super::json_list;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
+use crate::output;
 use crate::params::{Loaded, meaning, name, unknown_key, value_text};
 use crate::setup;
 use crate::words::Both;
@@ -33,13 +34,13 @@ pub fn run(global: &Global, keys: &[String]) -> Outcome {
     }
     let loaded = setup::load(global)?;
     if global.json {
-        return print(&json_list(entries.into_iter(), &loaded, lang));
+        return output::write(&json_list(entries.into_iter(), &loaded, lang));
     }
     let mut out = String::new();
     for entry in entries {
         describe(&mut out, entry, &loaded, lang);
     }
-    print(out.as_bytes())
+    output::write(out.as_bytes())
 }
 
 fn describe(out: &mut String, entry: &Entry, loaded: &Loaded, lang: Lang) {

@@ -3,9 +3,10 @@
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Entry;
 
-use super::{json_list, print};
+use super::json_list;
 use crate::cli::Global;
 use crate::failure::Outcome;
+use crate::output;
 use crate::params::{Loaded, meaning, name, value_text};
 use crate::setup;
 
@@ -16,14 +17,14 @@ pub fn run(global: &Global, filter: Option<&str>) -> Outcome {
     let wanted = filter.unwrap_or_default().to_lowercase();
     let entries = Entry::all().iter().filter(|e| matches(e, &wanted));
     if global.json {
-        return print(&json_list(entries, &loaded, lang));
+        return output::write(&json_list(entries, &loaded, lang));
     }
     let rows: Vec<_> = entries.map(|e| row(e, &loaded, lang)).collect();
     let head = match lang {
         Lang::En => ["No.", "alias", "name", "value", "meaning"],
         Lang::Zh => ["号", "别号", "名称", "值", "含义"],
     };
-    print(table(&head.map(String::from), &rows).as_bytes())
+    output::write(table(&head.map(String::from), &rows).as_bytes())
 }
 
 fn matches(entry: &Entry, wanted: &str) -> bool {

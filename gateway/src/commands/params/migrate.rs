@@ -3,10 +3,9 @@
 
 use std::fmt::Write as _;
 
-use super::print;
 use crate::cli::{Global, Migrate};
 use crate::failure::{Doing, Failure, Outcome};
-use crate::json::Json;
+use crate::output;
 use crate::params::schema::{MIGRATIONS, Migrated, SCHEMA, Unmigratable, migrate};
 use crate::params::{self};
 use crate::replace::replace;
@@ -31,16 +30,16 @@ pub fn run(global: &Global, args: &Migrate) -> Outcome {
         Err(Unmigratable::Unreadable) => {
             // The reader of files says where and why.
             let loaded = params::load_text(&name, &text, lang);
-            loaded.tell(setup::colour());
+            setup::told_good(global, loaded)?;
             return Err(Failure::Wrong);
         }
     };
     // What the new file says is looked at like any other.
     let loaded = params::load_text(&name, &migrated.text, lang);
     if global.json {
-        print(&report(&migrated, &loaded, lang))?;
+        output::write(&report(&migrated, &loaded, lang))?;
     } else {
-        print(words(&migrated, lang).as_bytes())?;
+        output::write(words(&migrated, lang).as_bytes())?;
         loaded.tell(setup::colour());
     }
     if let Some(path) = &args.output {
@@ -86,8 +85,7 @@ fn report(
     loaded: &params::Loaded,
     lang: leadscrew_core::alarm::Lang,
 ) -> Vec<u8> {
-    let mut json = Json::new();
-    json.object(|o| {
+    output::line(|o| {
         o.flag("ok", loaded.is_good());
         o.integer("from", i64::from(migrated.from));
         o.integer("to", i64::from(migrated.to));
@@ -102,8 +100,5 @@ fn report(
             }
         });
         loaded.report_fields(o);
-    });
-    let mut bytes = json.into_bytes();
-    bytes.push(b'\n');
-    bytes
+    })
 }

@@ -14,14 +14,13 @@ mod restore;
 mod validate;
 mod write;
 
-use std::io::Write as _;
-
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Params, Part};
 
 use crate::cli::{Global, ParamsCommand};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::json::Json;
+use crate::output;
 use crate::params::{Loaded, meaning};
 
 /// Does what was typed.
@@ -38,13 +37,6 @@ pub fn run(global: &Global, command: &ParamsCommand) -> Outcome {
         ParamsCommand::Diff(args) => diff::run(global, args),
         ParamsCommand::Migrate(args) => migrate::run(global, args),
     }
-}
-
-fn print(bytes: &[u8]) -> Outcome {
-    std::io::stdout()
-        .lock()
-        .write_all(bytes)
-        .map_err(|error| Failure::stdout(&error))
 }
 
 /// The unit as a table shows it: a diameter says that it is one.
@@ -100,15 +92,11 @@ fn json(json: &mut Json, entry: &Entry, loaded: &Loaded, lang: Lang) {
 
 /// `{"params":[…]}` of some entries.
 fn json_list<'a>(entries: impl Iterator<Item = &'a Entry>, loaded: &Loaded, lang: Lang) -> Vec<u8> {
-    let mut out = Json::new();
-    out.object(|o| {
+    output::line(|o| {
         o.array_at("params", |list| {
             for entry in entries {
                 json(list, entry, loaded, lang);
             }
         });
-    });
-    let mut bytes = out.into_bytes();
-    bytes.push(b'\n');
-    bytes
+    })
 }

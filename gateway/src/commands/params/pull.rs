@@ -6,10 +6,11 @@ use leadscrew_core::link::identity;
 use leadscrew_core::params::Params;
 
 use super::home::Home;
-use super::{json_list, print};
+use super::json_list;
 use crate::cli::{Global, Pull};
 use crate::diagnostics::say;
 use crate::failure::{Doing, Failure, Outcome};
+use crate::output;
 use crate::params::difference::changes;
 use crate::params::{self, Loaded, edit, whole};
 use crate::replace::replace;
@@ -41,7 +42,7 @@ pub fn run(global: &Global, args: &Pull) -> Outcome {
     }
     if global.json && args.output.is_none() {
         let loaded = Loaded::of(params);
-        return print(&json_list(
+        return output::write(&json_list(
             leadscrew_core::params::Entry::all().iter(),
             &loaded,
             global.lang(),
@@ -60,7 +61,7 @@ pub fn run(global: &Global, args: &Pull) -> Outcome {
         global.lang(),
     );
     let Some(path) = &args.output else {
-        return print(text.as_bytes());
+        return output::write(text.as_bytes());
     };
     put(path, &text)?;
     told(global, path, &home.name())

@@ -21,13 +21,13 @@ use leadscrew_core::bus::Order;
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, PASSWORD_KEPT, Params};
 
-use super::{drive, print};
+use super::drive;
 use crate::cli::{Global, Push};
 use crate::commands::board::{Greeted, Machine};
 use crate::diagnostics::say;
 use crate::failure::{Failure, Outcome};
-use crate::json::Json;
 use crate::link::{Link, Trouble};
+use crate::output;
 use crate::params::difference::{self, Change, DriveChange, changes};
 use crate::params::{self, Loaded};
 use crate::setup::{alone, told_good};
@@ -248,19 +248,15 @@ pub fn tell(global: &Global, done: &Done) -> Outcome {
     }
     let same = done.changes.is_empty() && done.drives.is_empty() && !done.restored;
     if global.json {
-        let mut json = Json::new();
-        json.object(|o| {
+        return output::json(|o| {
             o.flag("ok", true);
             o.flag("done", !global.dry_run && !same);
             o.text("parameters", &format!("{:08x}", done.identity));
             difference::fields(o, &done.changes, &done.drives);
         });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        return print(&bytes);
     }
     if same {
-        return print(pick(lang, "nothing to change\n", "无需更改\n").as_bytes());
+        return output::write(pick(lang, "nothing to change\n", "无需更改\n").as_bytes());
     }
     let mut text = difference::text(&done.changes, &done.drives, lang);
     let identity = done.identity;
@@ -276,5 +272,5 @@ pub fn tell(global: &Global, done: &Done) -> Outcome {
         )
     };
     text.push_str(end.get(lang));
-    print(text.as_bytes())
+    output::write(text.as_bytes())
 }

@@ -3,9 +3,9 @@
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Entry;
 
-use super::print;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
+use crate::output;
 use crate::{params, setup};
 
 /// Tells everything that is wrong; exit 1 where an alarm is among it.
@@ -13,7 +13,7 @@ pub fn run(global: &Global) -> Outcome {
     let lang = global.lang();
     let loaded = params::load(&global.params, &global.set, lang)?;
     if global.json {
-        print(&loaded.report())?;
+        output::write(&loaded.report())?;
     } else {
         loaded.tell(setup::colour());
         if loaded.is_good() {
@@ -27,7 +27,7 @@ pub fn run(global: &Global) -> Outcome {
                     format!("正确：共 {all} 个值，其中 {set} 个在此设定，其余为内置机床的值\n")
                 }
             };
-            print(line.as_bytes())?;
+            output::write(line.as_bytes())?;
         }
     }
     if loaded.is_good() {

@@ -2,11 +2,10 @@
 
 use leadscrew_can::Address;
 
-use super::print;
 use super::push::{self, Wish};
 use crate::cli::{Global, Write};
 use crate::failure::{Doing, Failure, Outcome};
-use crate::json::Json;
+use crate::output;
 use crate::params::difference::{self, changes};
 use crate::params::{self, edit};
 use crate::replace::replace;
@@ -48,17 +47,13 @@ fn into_file(global: &Global, set: &[String]) -> Outcome {
     }
     let changes = changes(&before.params, &after.params);
     if global.json {
-        let mut json = Json::new();
-        json.object(|o| {
+        return output::json(|o| {
             o.flag("ok", true);
             difference::fields(o, &changes, &[]);
         });
-        let mut bytes = json.into_bytes();
-        bytes.push(b'\n');
-        return print(&bytes);
     }
     if changes.is_empty() {
-        return print(pick(lang, "no difference\n", "没有差别\n").as_bytes());
+        return output::write(pick(lang, "no difference\n", "没有差别\n").as_bytes());
     }
-    print(difference::text(&changes, &[], lang).as_bytes())
+    output::write(difference::text(&changes, &[], lang).as_bytes())
 }

@@ -1,0 +1,46 @@
+//! Standard output: results, for people or for programs. Remembers whether anything has gone there, so that `--json` gives
+//! its one result also where a command ends before it has come to one.
+
+use std::io::{self, Write as _};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::failure::{Failure, Outcome};
+use crate::json::Json;
+
+/// One for the process, as standard output is.
+static WRITTEN: AtomicBool = AtomicBool::new(false);
+
+/// Writes to standard output.
+///
+/// # Errors
+/// Standard output that cannot be written, or that nobody reads any more.
+pub fn write(bytes: &[u8]) -> Outcome {
+    WRITTEN.store(true, Ordering::Relaxed);
+    let mut to = io::stdout().lock();
+    let written = to.write_all(bytes).and_then(|()| to.flush());
+    written.map_err(|error| Failure::stdout(&error))
+}
+
+/// Writes one object as a line.
+///
+/// # Errors
+/// As [`write`].
+pub fn json(fill: impl FnOnce(&mut Json)) -> Outcome {
+    write(&line(fill))
+}
+
+/// One object as a line.
+#[must_use]
+pub fn line(fill: impl FnOnce(&mut Json)) -> Vec<u8> {
+    let mut json = Json::new();
+    json.object(fill);
+    let mut bytes = json.into_bytes();
+    bytes.push(b'\n');
+    bytes
+}
+
+/// Something has been written.
+#[must_use]
+pub fn is_written() -> bool {
+    WRITTEN.load(Ordering::Relaxed)
+}
