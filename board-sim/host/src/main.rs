@@ -36,7 +36,7 @@ fn main() -> ExitCode {
     interrupt::watch();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(Lang::En),
+        Err(failure) => failure.report(Lang::En, false),
     }
 }
 
