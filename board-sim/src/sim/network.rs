@@ -1,9 +1,10 @@
 //! The machine with a network: whoever else is on the bus with it.
 
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::bus::{Frame, NodeId, Periods};
+use leadscrew_core::bus::{FdFrame, Frame, NodeId, Periods};
 
 use super::{SYNCS, Sim};
+use crate::line::Way;
 
 impl Sim {
     /// The board joins a network as `node`; from now on every tick lets its station go on.
@@ -33,6 +34,16 @@ impl Sim {
         } else {
             self.receive_on_bad_wire(frame);
         }
+    }
+
+    /// Somebody else's frame of CAN FD reaches the board and the drives.
+    pub fn receive_fd(&mut self, frame: &FdFrame) {
+        let (wire, plant, board) = (&mut self.wire, &mut self.plant, &mut self.board);
+        wire.pass_together(Way::In, frame, |frame| {
+            plant.tell_together(frame);
+            board.receive_fd(frame);
+        });
+        self.keep();
     }
 
     pub(super) fn hear(&mut self, frame: &Frame) {

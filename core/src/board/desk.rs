@@ -22,6 +22,8 @@ use super::station::Station;
 use super::store::{Content, Region, StoreError, StoreRequest};
 use super::ticker::Notice;
 use crate::alarm::Alarm;
+#[cfg(feature = "fd")]
+use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::journal::TapRecord;
 use crate::motion::{Epoch, Limits};
@@ -172,6 +174,12 @@ impl Desk {
     #[must_use]
     pub fn receive(&mut self, frame: &Frame) -> bool {
         !self.station.receive(frame, &self.params)
+    }
+
+    /// Takes a frame of CAN FD from the bus.
+    #[cfg(feature = "fd")]
+    pub fn receive_fd(&mut self, frame: &FdFrame) {
+        self.station.receive_fd(frame, &self.params);
     }
 
     /// Lets the station go on: `elapsed` periods after the last call; `measured` as the [`Reference`](super::Reference) says of

@@ -11,8 +11,11 @@ use super::queue::{Detours, Segments};
 use super::reference::Reference;
 use super::{Board, Contacts, Snapshot};
 use crate::alarm::Alarm;
+#[cfg(feature = "fd")]
+use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods, SyncHeard};
 use crate::motion::Setpoint;
+use crate::params::Params;
 
 impl Board {
     /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
@@ -30,6 +33,12 @@ impl Board {
         self.ticker.follow(heard);
     }
 
+    /// The parameter set in force.
+    #[must_use]
+    pub const fn params(&self) -> &Params {
+        self.desk.params()
+    }
+
     /// Takes a frame from the bus. True where it is not for the board as a node: it belongs to the next
     /// [`tick`](Self::tick).
     #[must_use]
@@ -37,6 +46,13 @@ impl Board {
         let not_taken = self.desk.receive(frame);
         self.carry_out();
         not_taken
+    }
+
+    /// Takes a frame of CAN FD from the bus.
+    #[cfg(feature = "fd")]
+    pub fn receive_fd(&mut self, frame: &FdFrame) {
+        self.desk.receive_fd(frame);
+        self.carry_out();
     }
 
     /// Lets the station go on: `elapsed` periods after the last call, behind the tick that gave `setpoint`. True where a

@@ -2,10 +2,14 @@
 
 use super::nodes::DriveNodes;
 use crate::alarm::{Alarm, Arg, Code};
+#[cfg(feature = "fd")]
+use crate::bus::Setpoints;
 use crate::bus::{
     BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, SyncSource,
     is_sync,
 };
+#[cfg(feature = "fd")]
+use crate::units::Axis;
 
 /// What is wrong with the bus. Each is a controlled stop with an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +75,20 @@ impl Intrusion {
             true => Self::Network(victim),
             false => Self::Setpoint(victim),
         })
+    }
+
+    /// Setpoints by their identifier, classical or in a frame of CAN FD: those of one drive, or those of all in the one frame of
+    /// `board`, where that sends one (9031). Who speaks to all is told by the first of them, X.
+    #[cfg(feature = "fd")]
+    #[must_use]
+    pub fn of_setpoints(id: CobId, drives: &DriveNodes, board: Option<NodeId>) -> Option<Self> {
+        let node = match id.service()? {
+            (Service::Rpdo1 | Service::Rpdo2, node) => node,
+            _ if board.is_some_and(|board| id == Setpoints::cob_id(board)) => drives.axis(Axis::X),
+            _ => return None,
+        };
+        let letter = drives.letter(node)?;
+        Some(Self::Setpoint(Victim { letter, node }))
     }
 }
 
@@ -165,6 +183,32 @@ mod tests {
         let node = NodeId::new(48).unwrap();
         let moved = Intrusion::Setpoint(Victim { node, ..Z });
         assert_eq!(of(&setpoint(node)), Some(moved));
+    }
+
+    #[cfg(feature = "fd")]
+    #[test]
+    fn the_frame_for_all_drives_is_said_by_their_own_board() {
+        let drives = DriveNodes::of(&Params::slant_bed());
+        let (first, second) = (Some(NodeId::BOARD), NodeId::new(2));
+        for (id, board, victim) in [
+            (0x481, first, Some(X)),
+            (0x482, second, Some(X)),
+            // Of another board, or where each drive has a frame of its own; and a drive's own fourth one.
+            (0x482, first, None),
+            (0x481, None, None),
+            (0x490, first, None),
+            (0x211, first, Some(Z)),
+            (0x311, None, Some(Z)),
+            (0x411, first, None),
+        ] {
+            let id = CobId::new(id).unwrap();
+            let expected = victim.map(Intrusion::Setpoint);
+            assert_eq!(
+                Intrusion::of_setpoints(id, &drives, board),
+                expected,
+                "{id:?}"
+            );
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
     Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
     BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy,
-    ErrorCounts, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand,
+    ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand,
     NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand, SpindleDemand,
     Statusword, SyncHeard, SyncProducer,
 };
@@ -284,6 +284,12 @@ impl<T: Any, E: Any> Any for Result<T, E> {
 impl Any for CobId {
     fn any() -> Self {
         Self::new(any()).unwrap_or(Self::SYNC)
+    }
+}
+
+impl Any for FdFrame {
+    fn any() -> Self {
+        Self::from(&Frame::any())
     }
 }
 

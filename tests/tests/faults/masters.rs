@@ -3,7 +3,7 @@
 use leadscrew_board_sim::line::{Faults, Intruder};
 use leadscrew_core::alarm::Arg;
 use leadscrew_core::board::{Command, State};
-use leadscrew_core::bus::NodeId;
+use leadscrew_core::bus::{CobId, FdFrame, Frame, NodeId};
 use leadscrew_core::params::Params;
 
 use crate::bench::{AnyBench as _, Bench, WORK, calm, places, span};
@@ -57,6 +57,49 @@ fn another_that_moves_a_drive_is_named_with_the_drive() {
         );
         bench.reset(&what);
         bench.next(&what);
+    }
+}
+
+/// Where all drives get one frame (9031), that one has another sender: in CAN FD, or as a classical frame that reaches X alone.
+#[test]
+fn another_that_sends_the_frame_for_all_drives_is_told_by_the_first_of_them() {
+    let params = with(&[("9031", 1)]);
+    let tick = places(&calm(&params, WORK))[2];
+    let at = |id| CobId::new(id).expect("an identifier");
+    let of_fd = |id| FdFrame::new(at(id), &[0; 24], true).expect("a length");
+    for classical in [false, true] {
+        for (id, heard) in [(0x481, true), (0x482, false)] {
+            let what = format!("{id:03X}h, classical: {classical}");
+            let mut bench = Bench::at_work(&params, WORK, Faults::NONE);
+            bench.until(&what, tick, |bench| bench.ticks == tick);
+            if classical {
+                let frame = Frame::new(at(id), &[0; 6]).expect("a length");
+                bench.sim.receive(&frame);
+            } else {
+                bench.sim.receive_fd(&of_fd(id));
+            }
+            if !heard {
+                bench.until(&what, 60_000, Bench::state_is_idle_again);
+                assert_eq!(bench.alarm, None, "{what}");
+                continue;
+            }
+            let alarm = bench.stops_with(&what, 4374, 3);
+            assert_eq!(alarm.args[..2], [Arg::Letter(b'X'), Arg::Int(16)], "{what}");
+            bench.reset(&what);
+            bench.next(&what);
+        }
+    }
+    // A drive's own setpoints, at another format; and the frame for all where nobody listens to it.
+    for (frame, id, heard) in [(1, 0x211, true), (0, 0x211, true), (0, 0x481, false)] {
+        let mut bench = Bench::at_work(&with(&[("9031", frame)]), WORK, Faults::NONE);
+        bench.until("at work", tick, |bench| bench.ticks == tick);
+        bench.sim.receive_fd(&of_fd(id));
+        if heard {
+            bench.stops_with("of Z", 4374, 3);
+        } else {
+            bench.until("nobody's", 60_000, Bench::state_is_idle_again);
+            assert_eq!(bench.alarm, None);
+        }
     }
 }
 

@@ -3,8 +3,12 @@
 
 use super::Station;
 use crate::board::event::Command;
+#[cfg(feature = "fd")]
+use crate::board::nodes::DriveNodes;
 use crate::board::ticker::State;
 use crate::board::trouble::{BusTrouble, Intrusion};
+#[cfg(feature = "fd")]
+use crate::bus::CobId;
 use crate::bus::{BusState, Controller, Periods};
 use crate::params::Params;
 
@@ -45,6 +49,13 @@ impl Station {
         if !matches!(intrusion, Intrusion::Network(_)) || !self.shelf.snapshot.is_at_rest() {
             self.tell_trouble(Some(BusTrouble::Intruder(intrusion)));
         }
+    }
+
+    /// What a frame of this identifier from somebody else tells the board's drives.
+    #[cfg(feature = "fd")]
+    pub(super) fn setpoints_of_others(&self, id: CobId, params: &Params) -> Option<Intrusion> {
+        let together = (params.setpoint_frame() == 1).then(|| self.node());
+        Intrusion::of_setpoints(id, &DriveNodes::of(params), together)
     }
 
     /// The first trouble stays until it is reset; what is still there then is told again.

@@ -51,6 +51,8 @@ use super::snapshot::Snapshot;
 use super::store::{Region, StoreError, StoreRequest};
 use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
+#[cfg(feature = "fd")]
+use crate::bus::FdFrame;
 use crate::bus::{
     BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
     HeartbeatWatch, NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
@@ -257,7 +259,10 @@ impl Station {
             return false;
         }
         let source = SyncSource::of(params.sync_source());
-        if let Some(intrusion) = Intrusion::of(frame, &DriveNodes::of(params), source) {
+        let intrusion = Intrusion::of(frame, &DriveNodes::of(params), source);
+        #[cfg(feature = "fd")]
+        let intrusion = intrusion.or_else(|| self.setpoints_of_others(frame.id(), params));
+        if let Some(intrusion) = intrusion {
             self.resist(intrusion);
         }
         if frame.id() == CobId::NMT {
@@ -304,6 +309,16 @@ impl Station {
             _ => {}
         }
         true
+    }
+
+    /// Takes a frame of CAN FD. Nothing in one is for a board; it can be setpoints of somebody else for its drives.
+    #[cfg(feature = "fd")]
+    pub fn receive_fd(&mut self, frame: &FdFrame, params: &Params) {
+        if self.has_joined()
+            && let Some(intrusion) = self.setpoints_of_others(frame.id(), params)
+        {
+            self.resist(intrusion);
+        }
     }
 
     /// Takes what has happened in the tick: every event, in order.

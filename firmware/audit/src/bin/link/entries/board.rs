@@ -58,6 +58,7 @@ fn board() {
     sink(board.join(any()));
     while any() {
         sink(board.receive(&any()));
+        board.receive_fd(&any());
         sink(board.serve(any(), &output.setpoint));
         sink((board.transmit(), board.awaits_program()));
         sink(board.station().threads().last());
