@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use leadscrew_board_sim::plant::{DriveOptions, Plant, PlantOptions, Trouble};
-use leadscrew_core::alarm::Code;
+use leadscrew_board_sim::keep;
+use leadscrew_board_sim::plant::{DriveOptions, Flash, Plant, PlantOptions, Trouble};
+use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{Board, Command, Event, Output, State};
 use leadscrew_core::bus::{
     CobId, DriveCommand, FdFrame, Frame, Mapped, NmtCommand, NodeId, Service, Setpoints,
@@ -13,14 +14,22 @@ use leadscrew_core::units::{Axis, Length};
 use leadscrew_tests::machine::calls;
 use leadscrew_tests::params::with;
 
-/// A thread, a tap with spindle 1, and one with spindle 3 where there is one.
-const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q3000 F1\nG0 X0 Z5\nM5\n\
-                    G84 Z-12 R-3 F600 S600\nG80\nG0 X70 Z8\nM30\n";
+/// A thread and a rigid tap.
+const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q3000 F1\nG0 X0 Z5\nM5\nM29 S600\n\
+                    G84 Z-12 R-3 F600\nG80\nG0 X70 Z8\nM30\n";
+
+fn flash() -> Flash {
+    let mut flash = Flash::erased();
+    flash.power(true);
+    flash
+}
 
 /// A board and what is around it.
 struct Bench {
     board: Board,
     plant: Plant,
+    /// Of the board: a tap is entered there.
+    flash: Flash,
     answers: Vec<Frame>,
     output: Output,
     waiting: Vec<Call>,
@@ -44,6 +53,7 @@ impl Bench {
         Self {
             board: Board::new(&params, None, None).unwrap(),
             plant: Plant::new(&params, &options).unwrap(),
+            flash: flash(),
             answers: Vec::new(),
             output: Output::default(),
             waiting,
@@ -57,7 +67,8 @@ impl Bench {
         together.frame(NodeId::BOARD)
     }
 
-    fn tick(&mut self) {
+    /// A period; what the board has said of it.
+    fn tick(&mut self) -> Vec<Event> {
         while self
             .waiting
             .last()
@@ -68,6 +79,7 @@ impl Bench {
         while self.board.background() {}
         let sample = self.plant.advance();
         self.board.tick(sample, &self.answers, &mut self.output);
+        keep(&mut self.board, &mut self.flash);
         self.answers.clear();
         let answers = &mut self.answers;
         self.plant
@@ -75,11 +87,13 @@ impl Bench {
         if let Some(frame) = self.frame() {
             self.plant.tell_together(&frame);
         }
-        while let Some(event) = self.board.event() {
+        let events: Vec<Event> = core::iter::from_fn(|| self.board.event()).collect();
+        for event in &events {
             if let Event::Alarm(alarm) = event {
                 self.alarm = Some(alarm.code);
             }
         }
+        events
     }
 }
 
@@ -176,6 +190,7 @@ fn a_program_is_the_same_with_one_frame_for_all_whatever_drives_there_are() {
             alone.waiting.is_empty() && !alone.board.is_busy(),
             "it ends"
         );
+        assert_eq!([alone.alarm, together.alarm], [None; 2]);
         let frame = together.frame().unwrap();
         assert_eq!((frame.id().get(), frame.payload().len()), (0x481, bytes));
     }
@@ -209,6 +224,56 @@ fn a_drive_that_fails_stops_both_alike_and_a_reset_brings_both_up_again() {
         });
         assert_eq!(stood[0], stood[1], "{trouble:?}");
     }
+}
+
+/// Drives that tell 8220h of each frame, since it is longer than what they map: the machine does what it does, nothing is said
+/// of it, and a drive that fails is named with its own code.
+#[test]
+fn drives_that_tell_of_every_frame_that_it_is_longer_do_no_harm() {
+    let run = |tells_longer| {
+        let mut bench = Bench::new(&[("9031", 1)]);
+        let drives = DriveOptions {
+            transmission: 1,
+            tells_longer,
+            ..DriveOptions::default()
+        };
+        let options = PlantOptions {
+            drives,
+            ..PlantOptions::default()
+        };
+        bench.plant = Plant::new(bench.board.params(), &options).unwrap();
+        let (mut rows, mut told, mut events) = (Vec::new(), 0, Vec::new());
+        for tick in 0..30_000 {
+            if tick == 29_000 {
+                let z = bench.plant.drive(Axis::Z);
+                z.trouble(Trouble::Fault(0x7305));
+            }
+            told += bench
+                .answers
+                .iter()
+                .filter(|frame| matches!(frame.id().service(), Some((Service::Emcy, _))))
+                .count();
+            events.extend(bench.tick());
+            rows.push((bench.output.setpoint, bench.plant.truth().positions));
+        }
+        (rows, told, events)
+    };
+    let (quiet, none, events) = run(false);
+    let (rows, told, same) = run(true);
+    assert_eq!(none, 1, "the fault of Z");
+    // X, Z and C, and with three of four spindles also the first three, in every period.
+    assert!(told > 3 * 29_000, "{told}");
+    assert!(rows == quiet);
+    assert_eq!(events, same);
+    let alarms = events.iter().filter_map(|event| match event {
+        Event::Alarm(alarm) => Some(alarm),
+        _ => None,
+    });
+    let [alarm] = alarms.collect::<Vec<_>>()[..] else {
+        panic!("{events:?}");
+    };
+    assert_eq!(alarm.code, Code::DriveFault);
+    assert_eq!(alarm.args[3], Arg::Hex(0x7305));
 }
 
 #[test]

@@ -83,6 +83,9 @@ pub struct Common {
     /// Time constant of the drives' following lag, in SYNC periods
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub lag: u16,
+    /// Drives tell emergency 8220h of every frame with their setpoint that is longer than what they map
+    #[arg(long)]
+    pub tells_longer: bool,
 }
 
 /// A board.
@@ -261,6 +264,7 @@ impl Common {
                 start: 0,
                 settling: self.settling,
                 lag: self.lag,
+                tells_longer: self.tells_longer,
             },
             ..PlantOptions::default()
         }

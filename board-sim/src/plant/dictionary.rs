@@ -36,12 +36,40 @@ pub(super) struct Settings {
     status: Pdo<2>,
     /// 1800h:06h.
     start: u8,
+    /// 6007h: what NMT stop makes it do.
+    stop: StopOption,
     /// 607Fh.
     velocity: u32,
     /// 6083h.
     acceleration: u32,
     /// 60C2h.
     period: (u8, i8),
+}
+
+/// What a drive with torque does where NMT stops it, as CiA 402 has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StopOption {
+    /// It goes on with what it was told last.
+    None,
+    /// It is in fault.
+    Fault,
+    /// No voltage.
+    Voltage,
+    /// Quick stop.
+    QuickStop,
+}
+
+impl StopOption {
+    fn of(value: u32) -> Result<Self, Abort> {
+        match value as u16 as i16 {
+            0 => Ok(Self::None),
+            1 => Ok(Self::Fault),
+            2 => Ok(Self::Voltage),
+            3 => Ok(Self::QuickStop),
+            ..0 => Err(Abort::TooLow),
+            4.. => Err(Abort::TooHigh),
+        }
+    }
 }
 
 /// A PDO's communication and mapping.
@@ -183,6 +211,7 @@ impl Settings {
             spindle: Pdo::new(Service::Rpdo2, node, 1, &SpindleCommand::MAPPING),
             status: Pdo::new(Service::Tpdo1, node, transmission, &DriveStatus::MAPPING),
             start,
+            stop: StopOption::QuickStop,
             velocity: 10_000_000,
             acceleration: 100_000_000,
             period: (1, -3),
@@ -228,14 +257,23 @@ impl Settings {
         &self,
         id: CobId,
         payload: &[u8],
-    ) -> Option<Result<[u8; 6], TooShort>> {
+    ) -> Option<Result<Commanded, TooShort>> {
         if !self.command.works() || self.command.cob_id != u32::from(id.get()) {
             return None;
         }
-        let own = payload
+        let split = payload
             .get(self.command.before()..)
-            .and_then(|rest| rest.first_chunk().copied());
-        Some(own.ok_or(TooShort))
+            .and_then(|rest| rest.split_first_chunk());
+        let commanded = split.map(|(own, behind)| Commanded {
+            own: *own,
+            more: !behind.is_empty(),
+        });
+        Some(commanded.ok_or(TooShort))
+    }
+
+    /// What NMT stop makes it do.
+    pub(super) const fn stop(&self) -> StopOption {
+        self.stop
     }
 
     /// It listens to what a spindle is told.
@@ -252,6 +290,15 @@ impl Settings {
     pub(super) const fn start(&self) -> u8 {
         self.start
     }
+}
+
+/// What a drive takes of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Commanded {
+    /// The six bytes.
+    pub(super) own: [u8; 6],
+    /// The frame is longer than what it maps.
+    pub(super) more: bool,
 }
 
 /// A frame that ends before what a drive takes of it.
@@ -304,6 +351,7 @@ impl Dictionary<'_> {
             (0x1800, 6) => Ok((1, u32::from(settings.start))),
             (0x1800, sub) => settings.status.told(6, sub),
             (0x1A00, sub) => settings.status.mapped(sub),
+            (0x6007, 0) => Ok((2, settings.stop as u32)),
             (0x6040, 0) => Ok((2, u32::from(now.control))),
             (0x6041, 0) => Ok((2, u32::from(now.status))),
             (0x6060 | 0x6061, 0) => Ok((1, u32::from(now.mode))),
@@ -315,8 +363,8 @@ impl Dictionary<'_> {
             (0x60C2, 1) => Ok((1, u32::from(settings.period.0))),
             (0x60C2, 2) => Ok((1, u32::from(settings.period.1 as u8))),
             (
-                0x1000 | 0x1001 | 0x1010 | 0x1018 | 0x6040 | 0x6041 | 0x6060 | 0x6061 | 0x6064
-                | 0x607A | 0x607F | 0x6083 | 0x60C2,
+                0x1000 | 0x1001 | 0x1010 | 0x1018 | 0x6007 | 0x6040 | 0x6041 | 0x6060 | 0x6061
+                | 0x6064 | 0x607A | 0x607F | 0x6083 | 0x60C2,
                 _,
             ) => Err(Abort::NoSubIndex),
             _ => Err(Abort::NoObject),
@@ -344,6 +392,7 @@ impl Dictionary<'_> {
             (0x1600, sub) => settings.command.map(sub, value, &DriveCommand::MAPPING)?,
             (0x1601, sub) => settings.spindle.map(sub, value, &SpindleCommand::MAPPING)?,
             (0x1A00, sub) => settings.status.map(sub, value, &DriveStatus::MAPPING)?,
+            (0x6007, 0) => settings.stop = StopOption::of(value)?,
             (0x607F, 0) => settings.velocity = within(value, 1, 100_000_000)?,
             (0x6083, 0) => settings.acceleration = within(value, 1, 1_000_000_000)?,
             (0x60C2, 1) => settings.period.0 = within(value, 1, 255)? as u8,

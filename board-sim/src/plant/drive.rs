@@ -4,7 +4,7 @@
 //! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers. What it is set up with
 //! can be read and written by SDO.
 
-use super::dictionary::{Dictionary, Now, Settings, TooShort};
+use super::dictionary::{Commanded, Dictionary, Now, Settings, StopOption, TooShort};
 use super::follower::Follower;
 use super::power::Power;
 use leadscrew_core::bus::{
@@ -17,6 +17,8 @@ const PATIENCE: Periods = Periods::new(1000);
 
 /// Emergency of a PDO that is shorter than its mapping, as CiA 301 has it.
 const PDO_LENGTH: u16 = 0x8210;
+/// Emergency of one that is longer, where a drive tells of that.
+const PDO_TOO_LONG: u16 = 0x8220;
 
 /// What is wrong with a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +50,8 @@ pub struct DriveOptions {
     pub settling: u16,
     /// Time constant of its following lag in SYNC periods.
     pub lag: u16,
+    /// It tells of each frame with its command that is longer than what it maps (8220h), as CiA 301 lets it.
+    pub tells_longer: bool,
 }
 
 impl Default for DriveOptions {
@@ -58,6 +62,7 @@ impl Default for DriveOptions {
             start: 0,
             settling: 0,
             lag: 0,
+            tells_longer: false,
         }
     }
 }
@@ -92,8 +97,8 @@ pub struct Drive {
     value: [u8; 4],
     /// The last frame with its command ended before it.
     too_short: bool,
-    /// That is still to be told.
-    tells_short: bool,
+    /// The emergency about the length of a frame that is still to be told.
+    tells_length: Option<u16>,
 }
 
 impl Drive {
@@ -130,7 +135,7 @@ impl Drive {
             kept: settings,
             value: [0; 4],
             too_short: false,
-            tells_short: false,
+            tells_length: None,
         }
     }
 
@@ -252,12 +257,17 @@ impl Drive {
         match self.settings.command_in(id, payload) {
             None => return false,
             Some(Err(TooShort)) => {
-                self.tells_short |= !self.too_short;
+                if !self.too_short {
+                    self.tells_length = Some(PDO_LENGTH);
+                }
                 self.too_short = true;
             }
-            Some(Ok(own)) => {
+            Some(Ok(Commanded { own, more })) => {
                 self.command = Setpoints::command(&own, 0);
                 self.too_short = false;
+                if more && self.options.tells_longer {
+                    self.tells_length = Some(PDO_TOO_LONG);
+                }
             }
         }
         true
@@ -317,14 +327,20 @@ impl Drive {
         }
     }
 
-    /// What it was told does not count any more, and no SYNC is waited for: with torque it stops by its quick stop, as 6007h = 3
-    /// has it.
+    /// What it was told does not count any more, and no SYNC is waited for: with torque it does what 6007h says. Where that is
+    /// nothing, it goes on with what it was told last.
     fn stop_by_itself(&mut self) {
+        let power = match self.settings.stop() {
+            StopOption::None => return,
+            StopOption::Fault => Power::Fault,
+            StopOption::Voltage => Power::Disabled,
+            StopOption::QuickStop => Power::QuickStop,
+        };
         self.command = None;
         self.spindle.velocity = MilliRpm::STOPPED;
         self.next_spindle = self.spindle;
         if self.power == Power::Enabled {
-            self.power = Power::QuickStop;
+            self.power = power;
             self.follower.stop();
         }
     }
@@ -347,9 +363,9 @@ impl Drive {
             send(abort);
         }
         self.server = server;
-        if core::mem::take(&mut self.tells_short) {
+        if let Some(code) = self.tells_length.take() {
             let emcy = Emcy {
-                code: PDO_LENGTH,
+                code,
                 register: Emcy::GENERIC,
                 detail: [0; 5],
             };

@@ -16,6 +16,8 @@ pub struct Emcy {
 impl Emcy {
     /// Error code "device specific" of CiA 301: the board's own alarms, whose number is in the detail.
     pub const DEVICE_SPECIFIC: u16 = 0xFF00;
+    /// High byte of the codes of CiA 301 for what is wrong with frames: 82xxh, "protocol error".
+    pub const PROTOCOL: u16 = 0x82;
     /// Error register: bit 0 is set with every error.
     pub const GENERIC: u8 = 0x01;
     /// Error register bit 7: maker's own.

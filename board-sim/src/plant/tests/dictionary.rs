@@ -7,8 +7,9 @@ use std::vec::Vec;
 
 use super::super::*;
 use leadscrew_core::bus::{
-    Abort, CobId, DriveStatus, Emcy, Mapped, NmtCommand, NmtState, NodeId, Object, SdoBuffer,
-    SdoDownload, SdoError, SdoProtocol, SdoUpload, Setpoints, SyncProducer,
+    Abort, CobId, Controlword, DriveStatus, Emcy, Mapped, Mode, NmtCommand, NmtState, NodeId,
+    Object, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload, Setpoints, SpindleCommand,
+    SyncProducer,
 };
 use leadscrew_core::params::Entry;
 
@@ -296,6 +297,96 @@ fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_i
     };
     bench.plant.exchange(&[alone.frame(z)], |_| {});
     assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5679));
+}
+
+/// What is behind its own bytes is nothing to it; a drive may tell of that all the same, each time.
+#[test]
+fn a_drive_that_is_made_so_tells_of_every_frame_that_is_longer_than_its_mapping() {
+    let mut params = Params::slant_bed();
+    params.set(Entry::find_text("9031").unwrap(), 1).unwrap();
+    for tells_longer in [false, true] {
+        let drives = DriveOptions {
+            tells_longer,
+            ..DriveOptions::default()
+        };
+        let options = PlantOptions {
+            drives,
+            ..PlantOptions::default()
+        };
+        let mut bench = Bench {
+            plant: Plant::new(&params, &options).unwrap(),
+            sync: SyncProducer::new(),
+        };
+        bench.tick();
+        bench.nmt(NmtCommand::Start);
+        let id = CobId::new(0x481).unwrap();
+        let mut told = |bytes: usize| {
+            let frame = FdFrame::new(id, &[0; 64][..bytes], true).unwrap();
+            bench.plant.tell_together(&frame);
+            let heard = bench.tick();
+            let emergencies = heard.iter().filter_map(Emcy::decode);
+            let told = emergencies.map(|(node, emcy)| (node.get(), emcy.code));
+            told.collect::<Vec<_>>()
+        };
+        let longer = |nodes: &[u8]| -> Vec<(u8, u16)> {
+            let told = nodes.iter().filter(|_| tells_longer);
+            told.map(|node| (*node, 0x8220)).collect()
+        };
+        // Of X, Z, C and spindle 1 the last ends with the frame.
+        let short = [(33, 0x8210), (34, 0x8210), (35, 0x8210)];
+        assert_eq!(told(24), [longer(&[16, 17, 18]), short.to_vec()].concat());
+        for _ in 0..3 {
+            assert_eq!(told(24), longer(&[16, 17, 18]));
+        }
+    }
+}
+
+/// 6007h: what a drive does that is stopped by NMT, without a SYNC.
+#[test]
+fn a_drive_that_is_stopped_by_nmt_does_what_it_is_set_up_for() {
+    let spindle = NodeId::SPINDLE_1;
+    for (option, power, speed) in [
+        (0, Power::Enabled, 500_000),
+        (1, Power::Fault, 0),
+        (2, Power::Disabled, 0),
+        (3, Power::QuickStop, 0),
+    ] {
+        let mut bench = Bench::new();
+        assert_eq!(bench.read(spindle, 0x6007, 0), Ok(3), "as delivered");
+        assert_eq!(bench.write(spindle, 0x6007, 0, option, 2), Ok(()));
+        assert_eq!(bench.read(spindle, 0x6007, 0), Ok(option));
+        bench.nmt(NmtCommand::Start);
+        let speed_told = SpindleCommand {
+            mode: Mode::Velocity,
+            velocity: MilliRpm::new(500_000),
+        };
+        for control in [0x06, 0x07, 0x0F] {
+            let command = leadscrew_core::bus::DriveCommand {
+                control: Controlword::from_raw(control),
+                target: Increments::new(0),
+            };
+            let frames = [command.frame(spindle), speed_told.frame(spindle)];
+            bench.plant.exchange(&frames, |_| {});
+            bench.tick();
+        }
+        let drive = bench.plant.spindle_drive();
+        assert_eq!(drive.velocity(), MilliRpm::new(500_000));
+        bench.nmt(NmtCommand::Stop);
+        let drive = bench.plant.spindle_drive();
+        assert_eq!(
+            (drive.power(), drive.velocity()),
+            (power, MilliRpm::new(speed)),
+            "{option}"
+        );
+        bench.tick();
+        let drive = bench.plant.spindle_drive();
+        assert_eq!(drive.power(), power, "{option}, at the next SYNC");
+    }
+    let mut bench = Bench::new();
+    for (value, abort) in [(4, Abort::TooHigh), (0xFFFF, Abort::TooLow)] {
+        assert_eq!(bench.write(spindle, 0x6007, 0, value, 2), Err(abort));
+    }
+    assert_eq!(bench.read(spindle, 0x6007, 1), Err(Abort::NoSubIndex));
 }
 
 #[test]

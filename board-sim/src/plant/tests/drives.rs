@@ -311,6 +311,7 @@ fn whatever_happens_no_axis_jumps() {
                 start: 0,
                 settling: round % 7,
                 lag: 0,
+                tells_longer: false,
             },
             ..standing_at(1000, -1000)
         });

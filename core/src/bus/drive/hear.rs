@@ -28,10 +28,18 @@ impl DriveMaster {
         }
         match service {
             Service::Heartbeat => NmtState::decode(frame).map(|(_, state)| self.hear_state(state)),
-            Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.error_code = emcy.code),
+            Service::Emcy => Emcy::decode(frame).map(|(_, emcy)| self.hear_error(emcy.code)),
             _ => None,
         }
         .is_some()
+    }
+
+    /// What a drive finds wrong with frames (82xxh) it may tell of each of them: that does not take the place of another error,
+    /// which would be its fault's.
+    const fn hear_error(&mut self, code: u16) {
+        if self.error_code == 0 || code >> 8 != Emcy::PROTOCOL {
+            self.error_code = code;
+        }
     }
 
     fn hear(&mut self, status: DriveStatus) {

@@ -278,6 +278,39 @@ fn a_fault_that_stays_is_named() {
     assert_eq!(m.alarm().unwrap().number(), 4356);
 }
 
+/// What is wrong with the length of a frame may be told in every period, and is not why a drive goes into fault.
+#[test]
+fn what_a_drive_says_of_frames_does_not_hide_why_it_is_in_fault() {
+    let told = |codes: &[u16]| {
+        let mut m = enabled();
+        for code in codes {
+            let emcy = Emcy {
+                code: *code,
+                register: 0x11,
+                detail: [0; 5],
+            };
+            assert!(m.receive(&emcy.frame(NODE)));
+        }
+        answer(&mut m, 0x0218, 1300);
+        let failure = m.failure();
+        let Some(DriveFailure::Fault { code, .. }) = failure else {
+            panic!("{failure:?}");
+        };
+        code
+    };
+    for (codes, code) in [
+        (&[0x8220, 0x8220][..], 0x8220),
+        (&[0x8220, 0x7305, 0x8220, 0x8210], 0x7305),
+        (&[0x7305, 0x8220], 0x7305),
+        (&[0x7305, 0x2310], 0x2310),
+        // Its error is gone: the next one counts.
+        (&[0x7305, 0, 0x8220], 0x8220),
+        (&[0x8220, 0x8130], 0x8130),
+    ] {
+        assert_eq!(told(codes), code, "{codes:04X?}");
+    }
+}
+
 #[test]
 fn leaving_operation_enabled_by_itself_is_a_loss() {
     for status in [0x0250, 0x0231, 0x0233, 0x0217, 0x0200, 0x0221 & 0xFFBE] {
