@@ -230,7 +230,7 @@ impl Machine {
     /// once.
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
         let has_power = self.has_power();
-        let mut heard = Vec::new();
+        let (mut heard, mut heard_fd) = (Vec::new(), Vec::new());
         let follows = self.follows();
         let (line, beat_of_bus) = (&mut self.line, &mut self.beat_of_bus);
         let (beside, told) = (&self.beside, &mut self.told);
@@ -238,7 +238,8 @@ impl Machine {
             let frame = match sent {
                 Heard::Frame(frame) => frame,
                 Heard::Fd(frame) => {
-                    // Of CAN FD there is only what another board tells all of its drives.
+                    line.pass_together(Way::In, frame, |frame| heard_fd.push(*frame));
+                    // What another board tells all of its drives.
                     if let Some((Service::Tpdo4, board)) = frame.id().service()
                         && beside.contains(&board)
                     {
@@ -267,6 +268,12 @@ impl Machine {
         for frame in &heard {
             beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
             self.hear(frame, has_power)?;
+        }
+        for frame in &heard_fd {
+            self.plant.tell_together(frame);
+            if has_power {
+                self.board.receive_fd(frame);
+            }
         }
         if beat {
             self.beat = Some((self.ticks, Instant::now()));
@@ -489,6 +496,8 @@ impl Machine {
         let Some(frame) = together.and_then(|together| together.frame(self.node)) else {
             return Ok(());
         };
+        // They may have come with a set that was pushed.
+        self.wire.use_fd(self.board.params().fd_kbit())?;
         let (line, plant, wire) = (&mut self.line, &mut self.plant, &mut self.wire);
         line.pass_together(Way::Setpoints, &frame, |frame| plant.tell_together(frame));
         let mut sent = Ok(());

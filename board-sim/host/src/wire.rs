@@ -20,6 +20,8 @@ pub enum Heard<'a> {
 /// A bus.
 pub struct Wire {
     can: Box<dyn Can>,
+    /// Of the data of frames of CAN FD, in kbit/s; `None` where none are sent.
+    fd_kbit: Option<u32>,
     heard: Vec<Received>,
     controller: Controller,
     /// Frames sent, and received.
@@ -34,16 +36,26 @@ impl Wire {
         let rate = BitRate::of_kbit(kbit).ok_or_else(|| {
             Failure::WrongBecause(Both::same(format!("no adapter has {kbit} kbit/s (9020)")))
         })?;
-        let mut can = leadscrew_can::open(address, rate).map_err(Failure::bus)?;
+        let mut wire = Self::on(leadscrew_can::open(address, rate).map_err(Failure::bus)?);
         if params.setpoint_frame() == 1 {
-            can.use_fd(params.fd_kbit()).map_err(Failure::bus)?;
+            wire.use_fd(params.fd_kbit())?;
         }
-        Ok(Self::on(can))
+        Ok(wire)
+    }
+
+    /// From now on it carries frames of CAN FD with their data at so many kbit/s; an adapter is told where that is new.
+    pub fn use_fd(&mut self, kbit: u32) -> Outcome {
+        if self.fd_kbit != Some(kbit) {
+            self.can.use_fd(kbit).map_err(Failure::bus)?;
+            self.fd_kbit = Some(kbit);
+        }
+        Ok(())
     }
 
     fn on(can: Box<dyn Can>) -> Self {
         Self {
             can,
+            fd_kbit: None,
             heard: Vec::new(),
             controller: Controller::default(),
             counts: [0; 2],

@@ -216,6 +216,26 @@ impl Slcan {
         result
     }
 
+    /// Waits until what was sent has been acknowledged: an acknowledgement looks like the answer to a command.
+    fn settle(&mut self) -> Result<(), CanError> {
+        let deadline = Instant::now() + ANSWER;
+        let mut early = std::mem::take(&mut self.early);
+        let mut result = Ok(());
+        while self.under_way > 0 && result.is_ok() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            result = match self.wait(left) {
+                Ok(_) if left.is_zero() => Err(CanError::Stuck {
+                    name: self.name.clone(),
+                }),
+                Ok(true) => self.hear(&mut early),
+                Ok(false) => Ok(()),
+                Err(error) => Err(error),
+            };
+        }
+        self.early = early;
+        result
+    }
+
     fn write(&mut self, bytes: &[u8]) -> Result<(), CanError> {
         self.stream
             .write_all(bytes)
@@ -293,6 +313,7 @@ impl Can for Slcan {
         let Some(rate) = fd::rate(data_kbit) else {
             return Err(refused);
         };
+        self.settle()?;
         self.command("C", &Request::Close)?;
         match self.ask("Y", rate.as_bytes()) {
             Ok(()) => {}

@@ -241,6 +241,31 @@ fn an_adapter_that_knows_fd_frames_is_told_their_rate_and_carries_them_between_o
     std::fs::remove_file(path).unwrap();
 }
 
+/// A set with another rate comes into force while frames are under way: what acknowledges them is not taken for the answer to a
+/// command, nor lost to the count of what the adapter still has.
+#[test]
+fn the_rate_can_change_while_frames_are_under_way() {
+    let path = path("rate");
+    let listener = UnixListener::bind(&path).unwrap();
+    let server = std::thread::spawn(move || serve_fd(listener.accept().unwrap().0).join().unwrap());
+    let mut can = Slcan::open(&Address::Unix(path.clone()), BitRate::M1).unwrap();
+    let few: Vec<Frame> = (0..5).map(|n| frame(0x181, &[n])).collect();
+    let mut heard: Vec<Received> = Vec::new();
+    for round in 0..40 {
+        can.send(&few).unwrap();
+        can.use_fd(if round % 2 == 0 { 2000 } else { 5000 })
+            .unwrap();
+    }
+    while heard.len() < 200 {
+        assert!(can.receive(&mut heard, Duration::from_secs(10)).unwrap() > 0);
+    }
+    drop(can);
+    let told = server.join().unwrap();
+    let rates = told.iter().filter(|line| line.starts_with('Y')).count();
+    assert_eq!(rates, 40);
+    std::fs::remove_file(path).unwrap();
+}
+
 #[test]
 fn an_adapter_that_knows_no_fd_frames_says_so() {
     let path = path("classical");
