@@ -894,6 +894,14 @@ codes! {
     /// The set is stored, and the mark that would tell of its damage is not.
     ParametersUnmarked = 4973, "the parameter set is stored; the note which set is the newest could not be stored", "check the board's storage, then write the set again",
         "参数集已保存，但未能记下哪一份最新", "请检查控制板的存储器，然后重新写入参数集";
+    /// A board that follows SYNC, and a drive that would not stop without it; its name.
+    DriveGoesOn = 4974, "drive {0} goes on where the SYNC that this board follows (9029 = 1) stays away: its 6007h is 0, no action",
+        "write `abort_connection_option = 3` (quick stop), or 2 (no voltage)",
+        "本控制板跟随他方的 SYNC（9029 = 1），而 SYNC 中断时驱动器 {0} 会继续运行：其 6007h 为 0（不动作）", "请写 `abort_connection_option = 3`（快速停止）或 2（断开电压）";
+    /// The same, where its section does not say what it does; its name.
+    DriveStopUnsaid = 4975, "nothing says that drive {0} stops where the SYNC that this board follows (9029 = 1) stays away: its section has no 6007h",
+        "write `abort_connection_option = 3` (quick stop), or 2 (no voltage)",
+        "本控制板跟随他方的 SYNC（9029 = 1），但未说明 SYNC 中断时驱动器 {0} 会停止：其参数段中没有 6007h", "请写 `abort_connection_option = 3`（快速停止）或 2（断开电压）";
     /// A speed beyond what a setpoint can step: axis, tick in µs.
     RapidBeyondTick = 4964, "in one tick of {1} µs {0} cannot go as far as its rapid rate (1420.{0}) asks, and moves slower",
         "make the tick (9000) shorter, or lower 1420.{0}",

@@ -433,6 +433,55 @@ fn drive_sections_are_read_in_order() {
     assert_eq!(found, expected);
 }
 
+/// Every drive's place in the one frame (9031), as the board has it; the same in a frame of its own is a conflict.
+#[test]
+fn a_drive_section_can_have_any_place_in_the_frame_for_all() {
+    use drives::{DriveName, command_mapping, mapping_literal};
+    let board = load_texts(&["9031 = 1\n9014 = 4\n"], &[]).params;
+    for drive in DriveName::ALL {
+        let mapping = command_mapping(drive, &board);
+        let text = format!(
+            "9031 = 1\n[drive.{drive}]\nrpdo1_cob_id = 0x481\nrpdo1 = {}\n",
+            mapping_literal(&mapping)
+        );
+        assert_eq!(told(&load_texts(&[&text], &[])), [""; 0], "{text}");
+        let alone = load_texts(&[&text.replace("9031 = 1", "9031 = 0")], &[]);
+        assert!(!alone.is_good(), "{text}");
+    }
+}
+
+#[test]
+fn where_a_board_follows_a_drive_that_would_go_on_without_sync_is_told_of() {
+    let warning = |text: &str| told(&load_texts(&[text], &[]));
+    let remedy = "write `abort_connection_option = 3` (quick stop), or 2 (no voltage)";
+    assert_eq!(
+        warning("9029 = 1\n[drive.S1]\nmax_torque = 1\nabort_connection_option = 0\n"),
+        [format!(
+            "1.toml:4:27-28 4974 drive S1 goes on where the SYNC that this board follows (9029 = 1) stays away: its 6007h is 0, \
+             no action / {remedy}"
+        )]
+    );
+    assert_eq!(
+        warning("9029 = 1\n[drive.S1]\nmax_torque = 1\n[drive.X]\n\"6007\" = 3\n"),
+        [format!(
+            "1.toml:3:14-15 4975 nothing says that drive S1 stops where the SYNC that this board follows (9029 = 1) stays away: \
+             its section has no 6007h / {remedy}"
+        )]
+    );
+    for option in [1, 2, 3, -1] {
+        let text = format!("9029 = 1\n[drive.S1]\nabort_connection_option = {option}\n");
+        assert_eq!(warning(&text), [""; 0], "{option}");
+    }
+    // Not where the board gives the beat, nor of drives that the file does not know.
+    for text in [
+        "[drive.S1]\nabort_connection_option = 0\n",
+        "[drive.S1]\nmax_torque = 1\n",
+        "9029 = 1\n",
+    ] {
+        assert_eq!(warning(text), [""; 0], "{text}");
+    }
+}
+
 #[test]
 fn every_mistake_in_a_drive_section_has_its_place_its_cause_and_its_remedy() {
     for (file, expected) in [
@@ -468,8 +517,13 @@ fn every_mistake_in_a_drive_section_has_its_place_its_cause_and_its_remedy() {
         ),
         (
             "[drive.X]\nrpdo1 = [\"6040/9\"]",
-            "1.toml:2:9-19 4453 drive X: `rpdo1` cannot be `[\"6040/9\"]` / write objects with their bits, 64 at most: \
+            "1.toml:2:9-19 4453 drive X: `rpdo1` cannot be `[\"6040/9\"]` / write objects with their bits, 512 at most: \
              `[\"6040/16\", \"607A/32\"]`",
+        ),
+        (
+            "[drive.X]\nrpdo2 = [\"6060/8\", \"60FF/32\", \"607A/32\"]",
+            "1.toml:2:9-41 4453 drive X: `rpdo2` cannot be `[\"6060/8\", \"60FF/32\", \"607A/32\"]` / write objects with their \
+             bits, 64 at most: `[\"6040/16\", \"607A/32\"]`",
         ),
         (
             "[drive.X]\ninterpolation_period = \"257 µs\"",

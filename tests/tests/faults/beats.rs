@@ -3,7 +3,9 @@
 use leadscrew_board_sim::plant::{FineTurns, Power, Trouble};
 use leadscrew_core::alarm::Arg;
 use leadscrew_core::board::{Command, State};
-use leadscrew_core::bus::{Frame, MilliRpm, NmtCommand, NodeId, SyncConsumer, SyncProducer};
+use leadscrew_core::bus::{
+    CobId, Frame, MilliRpm, NmtCommand, NodeId, Service, SyncConsumer, SyncProducer,
+};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
@@ -278,6 +280,42 @@ fn a_spindle_does_not_turn_on_without_a_beat() {
                 followed.reset_and_next(&what);
             }
         }
+    }
+}
+
+/// By 6007h of its drive: 0 lets it turn until the reset, which is what a machine file is warned of (4974); of a fault the first
+/// reset is told, and the second one acts.
+#[test]
+fn what_a_spindle_does_without_a_beat_is_what_its_drive_is_set_up_for() {
+    for (option, power, turns_on) in [
+        (0, Power::Enabled, true),
+        (1, Power::Fault, false),
+        (2, Power::Disabled, false),
+        (3, Power::QuickStop, false),
+    ] {
+        let what = format!("6007h = {option}");
+        let mut followed = Followed::at_work(WORK);
+        let request = [0x2B, 0x07, 0x60, 0, option, 0, 0, 0];
+        let at = CobId::of(Service::SdoRequest, NodeId::SPINDLE_1);
+        let frame = Frame::new(at, &request).expect("eight bytes");
+        followed.bench.sim.receive(&frame);
+        followed.until_tick(900);
+        followed.ticks_without(3);
+        assert_eq!(followed.bench.alarm.expect("an alarm").number(), 4379);
+        followed.ticks_without(1_000);
+        let truth = followed.bench.sim.plant().truth();
+        assert_eq!(truth.speed != MilliRpm::STOPPED, turns_on, "{what}");
+        let drive = followed.bench.sim.plant().spindle_drive();
+        assert_eq!(drive.power(), power, "{what}");
+        followed.ticks(600);
+        if option == 1 {
+            followed.bench.sim.command(Command::Reset);
+            followed.bench.alarm = None;
+            followed.ticks(200);
+            let alarm = followed.bench.alarm.expect("that it is in fault");
+            assert_eq!((alarm.number(), alarm.args[0]), (4357, Arg::Letter(b'S')));
+        }
+        followed.reset_and_next(&what);
     }
 }
 

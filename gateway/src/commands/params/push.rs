@@ -149,6 +149,7 @@ fn replace(link: &mut Link, wanted: &Params, password: Option<u32>) -> Outcome<O
     let old = link.before(wanted)?;
     drive::check_periods(link, &[], &old, wanted)?;
     drive::check_setpoints(link, &[], &old, wanted)?;
+    done.notes = drive::going_on(link, &[], &old, wanted)?;
     link.commit(wanted)?;
     done.changes = changes(&old, wanted);
     Ok(Some(done))
@@ -183,6 +184,7 @@ fn carry_out(
     };
     drive::check_periods(link, &wanted.drives, &old, &wanted.params)?;
     drive::check_setpoints(link, &wanted.drives, &old, &wanted.params)?;
+    done.notes = drive::going_on(link, &wanted.drives, &old, &wanted.params)?;
     if global.dry_run || done.changes.is_empty() && done.drives.is_empty() {
         return Ok(done);
     }
@@ -202,7 +204,8 @@ fn carry_out(
     }
     let alarmed = link.status()?.alarm.is_some();
     if !pending.is_empty() {
-        done.notes = drive::apply(link, &pending, &mut || bar.inc(1))?;
+        done.notes
+            .extend(drive::apply(link, &pending, &mut || bar.inc(1))?);
         if let Err(trouble) = link.wait_at_rest() {
             return Err(drive::only_drives(trouble.into()));
         }

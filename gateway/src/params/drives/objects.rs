@@ -295,6 +295,14 @@ pub const KNOWN: &[Known] = &[
         "首次发送 TPDO1 时的 SYNC 计数",
     ),
     known(
+        "abort_connection_option",
+        0x6007,
+        0,
+        Kind::I16,
+        "What it does when the connection is lost or NMT stops it: 0 nothing, 1 fault, 2 no voltage, 3 quick stop",
+        "通信中断或被 NMT 停止时的动作：0 无，1 故障，2 断开电压，3 快速停止",
+    ),
+    known(
         "quick_stop_option",
         0x605A,
         0,
@@ -430,6 +438,8 @@ pub const PERIOD: &str = "interpolation_period";
 pub const PERIOD_VALUE: Object = Object::new(0x60C2, 1);
 /// 60C2h:02h.
 pub const PERIOD_EXPONENT: Object = Object::new(0x60C2, 2);
+/// 6007h.
+pub const STOP: Object = Object::new(0x6007, 0);
 /// 1800h:02h.
 pub const RATE: Object = Object::new(0x1800, 2);
 

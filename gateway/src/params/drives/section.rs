@@ -13,6 +13,9 @@ use crate::diagnostics::Place;
 use crate::params::Loader;
 use crate::params::file::{Source, in_order};
 
+/// Of RPDO1.
+const COMMAND_MAPPING: u16 = 0x1600;
+
 type Key<'a, 'i> = &'a Spanned<DeString<'i>>;
 type Value<'a, 'i> = &'a Spanned<DeValue<'i>>;
 
@@ -188,8 +191,16 @@ impl Section<'_, '_> {
                 .collect::<Option<Vec<_>>>(),
             _ => None,
         };
-        // A PDO has eight bytes, and no object in it is shorter than one.
-        let fits = |list: &Vec<Mapped>| Mapped::bytes(list) <= 8 && list.len() <= 8;
+        // What a drive takes of the frame with all setpoints stands behind those of others (9031); no other PDO is longer than
+        // eight bytes. No object is shorter than one.
+        let room = match mapping {
+            COMMAND_MAPPING => 64,
+            _ => 8,
+        };
+        let fits = |list: &Vec<Mapped>| {
+            let bytes = usize::from(Mapped::bytes(list));
+            bytes <= room && list.len() <= room
+        };
         match objects.filter(fits) {
             Some(objects) => self.push(
                 Wanted::Mapping {
@@ -202,12 +213,11 @@ impl Section<'_, '_> {
             ),
             None => {
                 let shown = format!("`{}`", place_text(&place));
-                self.wrong(
-                    name,
-                    &shown,
-                    "objects with their bits, 64 at most: `[\"6040/16\", \"607A/32\"]`",
-                    &place,
+                let expected = format!(
+                    "objects with their bits, {} at most: `[\"6040/16\", \"607A/32\"]`",
+                    8 * room
                 );
+                self.wrong(name, &shown, &expected, &place);
             }
         }
     }

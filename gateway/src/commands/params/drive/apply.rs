@@ -377,7 +377,7 @@ fn unkept(pending: &Pending) -> Failure {
 
 impl Link {
     /// Reads an object that a node may not have; `None` where it does not have it, or says nothing.
-    fn ask(&mut self, node: NodeId, object: Object) -> LinkResult<Option<Vec<u8>>> {
+    pub(super) fn ask(&mut self, node: NodeId, object: Object) -> LinkResult<Option<Vec<u8>>> {
         match self.read_of(node, object) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(Trouble::Transfer {

@@ -2,6 +2,7 @@
 
 mod apply;
 mod setpoints;
+mod stop;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +17,7 @@ use crate::words::{Both, both};
 
 pub use apply::{apply, check_periods, only_drives, with_drives};
 pub use setpoints::check_setpoints;
+pub use stop::going_on;
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]
