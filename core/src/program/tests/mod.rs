@@ -9,16 +9,19 @@ mod alarms;
 mod calls;
 mod cycles;
 mod forms;
+mod in_phase;
 mod ordinary_taps;
 mod parameters;
 mod random;
 mod returns;
+mod rigid;
 mod taps;
 
 use super::*;
 use crate::alarm::{Alarm, Span};
 use crate::params::Params;
-use crate::units::{Length, Remainder, Rpm};
+use crate::units::{CentiRpm, Length, Remainder, Rpm};
+use parameters::machine;
 use std::vec::Vec;
 
 /// Everything `text` yields, and the alarm that ends it.
@@ -95,4 +98,27 @@ impl Random {
             .wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % limit
     }
+}
+
+/// The calls of a right program on the built-in machine with these values, and the numbers of its warnings.
+fn kinds_on(values: &[(&str, &str)], text: &str) -> (Vec<CallKind>, Vec<u16>) {
+    let params = machine(values);
+    let (events, alarm) = read_with(text.as_bytes(), &params, Options::default());
+    assert_eq!(alarm, None, "{text}");
+    let (mut kinds, mut warnings) = (Vec::new(), Vec::new());
+    for event in events {
+        match event {
+            Event::Call(call) => kinds.push(call.kind),
+            Event::Warning(alarm) => warnings.push(alarm.number()),
+        }
+    }
+    (kinds, warnings)
+}
+
+fn lead_of(call: &TapCall) -> (i64, i64) {
+    (call.lead.value.numerator(), call.lead.value.denominator())
+}
+
+fn rpm(value: i32) -> CentiRpm {
+    CentiRpm::of_rpm(Rpm::new(value))
 }

@@ -1,22 +1,8 @@
 //! G84 and G88 without rigid mode: the spindle turns by M03 or M04, and S is its own.
 
-use super::parameters::machine;
 use super::*;
 use crate::alarm::Code;
-use crate::units::{CentiRpm, Millis};
-
-fn kinds_on(values: &[(&str, &str)], text: &str) -> (Vec<CallKind>, Vec<u16>) {
-    let (events, alarm) = read_with(text.as_bytes(), &machine(values), Options::default());
-    assert_eq!(alarm, None, "{text}");
-    let (mut kinds, mut warnings) = (Vec::new(), Vec::new());
-    for event in events {
-        match event {
-            Event::Call(call) => kinds.push(call.kind),
-            Event::Warning(alarm) => warnings.push(alarm.number()),
-        }
-    }
-    (kinds, warnings)
-}
+use crate::units::Millis;
 
 fn taps(text: &str) -> Vec<TapCall> {
     let tap = |kind| match kind {
@@ -24,14 +10,6 @@ fn taps(text: &str) -> Vec<TapCall> {
         _ => None,
     };
     kinds_on(&[], text).0.into_iter().filter_map(tap).collect()
-}
-
-fn lead_of(call: &TapCall) -> (i64, i64) {
-    (call.lead.value.numerator(), call.lead.value.denominator())
-}
-
-fn rpm(value: i32) -> CentiRpm {
-    CentiRpm::of_rpm(Rpm::new(value))
 }
 
 #[test]
