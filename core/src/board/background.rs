@@ -25,7 +25,7 @@ use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, d
 use crate::params::Params;
 use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::signals::Signals;
-use crate::units::{CentiRpm, Rpm};
+use crate::units::CentiRpm;
 
 /// What planning depends on besides the program.
 #[derive(Clone, Copy, Debug)]
@@ -386,14 +386,6 @@ impl Background {
             ..Stops::default()
         }
     }
-}
-
-/// A spindle speed at an override, ties away from zero.
-#[must_use]
-pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
-    let scaled = i64::from(rpm.get()).saturating_mul(i64::from(percent));
-    let rounded = scaled.saturating_add(50_i64.saturating_mul(scaled.signum())) / 100;
-    Rpm::new(i32::try_from(rounded).unwrap_or(0))
 }
 
 /// Lets the oldest call go. Its copy, which the queue gives back, lies in no other frame.

@@ -17,9 +17,10 @@ use super::kept::{Held, PowerUp};
 use super::operator::Operator;
 use super::queue::{Calls, DetourIn, SegmentIn};
 use super::reference::Measured;
+use super::request::{Content, StoreRequest};
 use super::snapshot::Snapshot;
 use super::station::Station;
-use super::store::{Content, Region, StoreError, StoreRequest};
+use super::store::{Region, StoreError};
 use super::ticker::Notice;
 use crate::alarm::Alarm;
 #[cfg(feature = "fd")]

@@ -5,18 +5,21 @@
 use heapless::Vec;
 
 use super::nodes::DriveNodes;
-use super::spindles::Spindles;
-use super::ticker::FRAMES;
+use super::spindles::{Spindle, Spindles};
 use crate::alarm::Alarm;
 use crate::bus::{
-    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, MilliRpm, Periods,
-    Scale, SyncProducer, SyncSource, Told,
+    DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, Periods, Scale,
+    SyncProducer, SyncSource, Told,
 };
 #[cfg(feature = "fd")]
 use crate::bus::{Phase, Service, Setpoints, Step};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
-use crate::units::{Angle, Axis, Length, Turns};
+use crate::units::{Angle, Axis, Length};
+
+/// Frames a board sends in one period at most: SYNC, for each of three axes a start and an RPDO1, and for each of two
+/// spindles those and an RPDO2.
+pub const FRAMES: usize = 16;
 
 /// A status comes every fourth SYNC; three of them missing is silence.
 const SILENCE: Periods = Periods::new(12);
@@ -80,15 +83,6 @@ pub(super) struct Drives {
     /// What all of them are told in one frame, where the parameters say so; otherwise each has one of its own.
     #[cfg(feature = "fd")]
     together: Option<Setpoints>,
-}
-
-/// What the spindle is to do at the next SYNC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Spindle {
-    /// Turn at a speed.
-    Speed(MilliRpm),
-    /// Be at an angle.
-    Angle(Turns),
 }
 
 impl Drives {

@@ -5,6 +5,7 @@ use super::trouble::BusTrouble;
 use crate::alarm::Code;
 use crate::motion::Rate;
 use crate::signals::Signals;
+use crate::units::Rpm;
 
 /// The operator's settings. They hold for the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,4 +182,12 @@ const fn clamp(percent: u8, low: u8, high: u8) -> u8 {
     } else {
         percent
     }
+}
+
+/// A spindle speed at an override, ties away from zero.
+#[must_use]
+pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
+    let scaled = i64::from(rpm.get()).saturating_mul(i64::from(percent));
+    let rounded = scaled.saturating_add(50_i64.saturating_mul(scaled.signum())) / 100;
+    Rpm::new(i32::try_from(rounded).unwrap_or(0))
 }

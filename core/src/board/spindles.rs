@@ -4,7 +4,6 @@
 //! one in a period, so that the bus and the tick carry one more drive and not three [D91]. Spindle 1 has its encoder on the
 //! board; for the others what their drive tells counts. Knows nothing of taps or programs.
 
-use super::drives::Spindle;
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveMaster, Frame, Increments, MilliRpm, NodeId, Periods, SpindleDemand,
@@ -12,6 +11,15 @@ use crate::bus::{
 };
 use crate::program::TapSpindle;
 use crate::units::{Divisor, Turns, signed_product};
+
+/// What the spindle is to do at the next SYNC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spindle {
+    /// Turn at a speed.
+    Speed(MilliRpm),
+    /// Be at an angle.
+    Angle(Turns),
+}
 
 /// Periods from one turn of a spindle that is not selected to its next.
 const ROUND: u32 = 4;

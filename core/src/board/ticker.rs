@@ -27,12 +27,13 @@ use self::journal::Journal;
 use self::state::{Mode, Then};
 pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
-use super::drives::{Drives, Figures, Spindle};
+use super::drives::{Drives, FRAMES, Figures};
 use super::event::{Command, Event};
 use super::kept::Found;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
+use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
 #[cfg(feature = "fd")]
 use crate::bus::Setpoints;
@@ -44,10 +45,6 @@ use crate::program::{Position, TapSpindle};
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::units::{Axis, Rpm, Ticks};
-
-/// Frames a board sends in one period at most: SYNC, for each of three axes a start and an RPDO1, and for each of two
-/// spindles those and an RPDO2.
-pub const FRAMES: usize = 16;
 
 /// What the tick has to say to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,10 +7,18 @@
 use super::Stage;
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
 use super::taper::{Taper, flip, quotient};
-use super::thread::Pass;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{CutIn, RunOut, ThreadCall};
 use crate::units::{Length, signed_product};
+
+/// One pass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pass {
+    pub(crate) number: u32,
+    pub(crate) depth: Length,
+    /// Rough or finish.
+    pub(crate) stroke: Stage,
+}
 
 /// A point of a thread in nanometres, as the thread sees it: mirrored threads have the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

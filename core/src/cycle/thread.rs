@@ -5,7 +5,7 @@
 use super::depth::{Depths, MOST_PASSES};
 use super::helix::{Helix, TURN_UDEG};
 use super::refuse::refuse_thread;
-use super::shape::{Corners, Place, Point, Shape};
+use super::shape::{Corners, Pass, Place, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
 use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::program::{ThreadCall, ThreadCycle, start_angle};
@@ -71,15 +71,6 @@ struct Passes {
     height: Length,
     finish_left: u8,
     number: u32,
-}
-
-/// One pass.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pass {
-    pub(crate) number: u32,
-    pub(crate) depth: Length,
-    /// Rough or finish.
-    pub(crate) stroke: Stage,
 }
 
 /// What a thread cycle amounts to, for reports and for checks of physics.

@@ -1,10 +1,21 @@
 //! Ordinary tapping against the machine: the way to get onto the lead (cycles.md section 8).
 
-use super::tap::TapJoin;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::FloatPlan;
 use crate::program::TapCall;
 use crate::units::{CentiRpm, Length};
+
+/// How the axis of an ordinary tap gets onto the lead, and leaves it: R has to lie `lead_in` before the material, or the
+/// holder has to take what the axis is ahead [D93].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TapJoin {
+    /// From R to where the axis is on the lead.
+    pub lead_in: Length,
+    /// How far the axis is ahead of the lead before, at most.
+    pub ahead: Length,
+    /// Getting onto the lead takes more than a quarter of the depth.
+    pub warning: Option<Alarm>,
+}
 
 pub(super) fn join(call: &TapCall, plan: &FloatPlan, span: Span) -> TapJoin {
     let total = (call.bottom.value - call.level.value).abs();

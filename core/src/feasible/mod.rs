@@ -13,8 +13,9 @@ mod tests;
 mod thread;
 mod time;
 
+pub use float::TapJoin;
 pub use limits::within_limits;
-pub use tap::{TapJoin, TapReport, tap, tap_return, tap_spindle};
+pub use tap::{TapReport, tap, tap_return, tap_spindle};
 pub(crate) use tap::{tap_can_begin, tap_strokes};
 pub use thread::{
     FINDINGS, ThreadFindings, ThreadReport, rpm_max, thread, thread_can_run, thread_findings,

@@ -1,7 +1,7 @@
 //! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth
 //! (cycles.md section 8).
 
-use super::float::{faster, join};
+use super::float::{TapJoin, faster, join};
 use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{MoveKind, Stage, TapMove, TapMoves, refuse_tap};
 use crate::motion::{FloatPlan, Limits, PathRate, stroke};
@@ -10,7 +10,7 @@ use crate::program::{
     Call, CallKind, SpindleCall, SpindleMode, TapAxis, TapCall, TapMode, TapSpindle,
 };
 use crate::signals::Signals;
-use crate::units::{Axis, CentiRpm, Feed, Lead, Length, Rpm, mul_div, narrow_div, product, signed};
+use crate::units::{Axis, CentiRpm, Feed, Lead, Rpm, mul_div, narrow_div, product, signed};
 
 /// What a tapping cycle does on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,18 +22,6 @@ pub struct TapReport {
     /// Ordinary tapping: how the axis gets onto the lead.
     pub join: Option<TapJoin>,
     /// S is not reached in any infeed.
-    pub warning: Option<Alarm>,
-}
-
-/// How the axis of an ordinary tap gets onto the lead, and leaves it: R has to lie `lead_in` before the material, or the
-/// holder has to take what the axis is ahead [D93].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TapJoin {
-    /// From R to where the axis is on the lead.
-    pub lead_in: Length,
-    /// How far the axis is ahead of the lead before, at most.
-    pub ahead: Length,
-    /// Getting onto the lead takes more than a quarter of the depth.
     pub warning: Option<Alarm>,
 }
 

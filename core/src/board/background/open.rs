@@ -1,7 +1,8 @@
 //! Taking up a call: when it may be, and refusing what cannot be done before any of its moves.
 
-use super::{Background, Settings, overridden};
+use super::{Background, Settings};
 use crate::alarm::{Alarm, Span, heed};
+use crate::board::operator::overridden;
 use crate::cycle::{Context, Move, MoveKind, Moves, TapMoves};
 use crate::feasible::{self, TapReport};
 use crate::motion::{Action, FloatPlan, Plan, Stops};

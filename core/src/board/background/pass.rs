@@ -1,7 +1,8 @@
 //! A pass of a thread: planned with all its strokes, queued together with its retract.
 
-use super::{Background, Settings, overridden};
+use super::{Background, Settings};
 use crate::alarm::{Alarm, heed};
+use crate::board::operator::overridden;
 use crate::cycle::{Move, MoveKind, Moves};
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
 use crate::program::Position;

@@ -5,6 +5,8 @@
 //! parameters, made of the parameter table: No. is index 2000h + No., an axis is a sub-index (1 X, 2 Z, 3 C), the bits of
 //! a number are one byte.
 
+use super::item::Name;
+pub use super::item::{Access, Initial, Item, Kind};
 use super::table::{NAMES, ROWS, Row};
 use crate::bus::{Abort, Object};
 use crate::params::{Entry, Part};
@@ -16,69 +18,7 @@ const HIGHEST: &str = "highest sub-index";
 /// Index of parameter 0.
 pub const PARAMETERS: u16 = 0x2000;
 
-/// How a value travels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// UNSIGNED8.
-    U8,
-    /// UNSIGNED16.
-    U16,
-    /// UNSIGNED32.
-    U32,
-    /// UNSIGNED64.
-    U64,
-    /// INTEGER16.
-    I16,
-    /// INTEGER32.
-    I32,
-    /// INTEGER64.
-    I64,
-    /// VISIBLE_STRING.
-    Text,
-    /// DOMAIN.
-    Domain,
-}
-
 impl Kind {
-    /// Index of the data type in CiA 301.
-    #[must_use]
-    pub const fn code(self) -> u16 {
-        match self {
-            Self::I16 => 0x03,
-            Self::I32 => 0x04,
-            Self::U8 => 0x05,
-            Self::U16 => 0x06,
-            Self::U32 => 0x07,
-            Self::Text => 0x09,
-            Self::Domain => 0x0F,
-            Self::I64 => 0x15,
-            Self::U64 => 0x1B,
-        }
-    }
-
-    /// Bytes of a number; `None` where the length is the value's own.
-    #[must_use]
-    pub const fn bytes(self) -> Option<usize> {
-        match self {
-            Self::U8 => Some(1),
-            Self::U16 | Self::I16 => Some(2),
-            Self::U32 | Self::I32 => Some(4),
-            Self::U64 | Self::I64 => Some(8),
-            Self::Text | Self::Domain => None,
-        }
-    }
-
-    /// The number that `raw`, little-endian with zeros behind, means.
-    #[must_use]
-    pub const fn number(self, raw: [u8; 8]) -> i64 {
-        let raw = i64::from_le_bytes(raw);
-        match self {
-            Self::I16 => raw as i16 as i64,
-            Self::I32 => raw as i32 as i64,
-            _ => raw,
-        }
-    }
-
     fn of_entry(entry: &Entry) -> Self {
         // The largest and the smallest integer stand for "none".
         if entry.none().is_some() {
@@ -91,78 +31,6 @@ impl Kind {
             _ => Self::I64,
         }
     }
-}
-
-/// Who may read and write.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Access {
-    /// Never changes.
-    Const,
-    /// Read only.
-    Read,
-    /// Write only.
-    Write,
-    /// Both.
-    Both,
-}
-
-impl Access {
-    /// The word for it in an EDS.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Const => "const",
-            Self::Read => "ro",
-            Self::Write => "wo",
-            Self::Both => "rw",
-        }
-    }
-}
-
-/// The value after power-up, where it is known beforehand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Initial {
-    /// Not known beforehand.
-    Unknown,
-    /// A number.
-    Number(i64),
-    /// The node's number plus this.
-    OfNode(u32),
-    /// A text.
-    Text(&'static str),
-}
-
-/// Where the name of an item is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Name {
-    /// With this line of the table.
-    Line(usize),
-    /// It is the highest sub-index of an object.
-    Highest,
-    /// It is an axis of a parameter.
-    Axis(Axis),
-    /// With the parameter.
-    Parameter,
-}
-
-/// One sub-index of the dictionary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Item {
-    /// Where.
-    pub object: Object,
-    pub(super) name: Name,
-    /// How it travels.
-    pub kind: Kind,
-    /// Who may do what.
-    pub access: Access,
-    /// The smallest and the largest number; `None`: all that the kind has.
-    pub range: Option<(i64, i64)>,
-    /// The value after power-up.
-    pub initial: Initial,
-    /// It stands in a PDO, or may.
-    pub mappable: bool,
-    /// The parameter behind it; of a number with bits, the first of them.
-    pub entry: Option<&'static Entry>,
 }
 
 impl Item {

@@ -13,7 +13,8 @@
 
 use crate::alarm::{Alarm, Code};
 use crate::board::kept::{Found, KeptSet, Mark, PowerUp, Shelved, Slot};
-use crate::board::store::{Content, Region, StoreError, StoreRequest};
+use crate::board::request::{Content, StoreRequest};
+use crate::board::store::{Region, StoreError};
 use crate::bus::Abort;
 use crate::link::identity;
 use crate::params::Params;

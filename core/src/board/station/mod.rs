@@ -26,6 +26,7 @@ pub mod dictionary;
 mod door;
 mod health;
 mod inbox;
+mod item;
 mod keeper;
 mod ledger;
 mod log;
@@ -47,8 +48,9 @@ use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::nodes::DriveNodes;
 use super::reference::Measured;
+use super::request::StoreRequest;
 use super::snapshot::Snapshot;
-use super::store::{Region, StoreError, StoreRequest};
+use super::store::{Region, StoreError};
 use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
 #[cfg(feature = "fd")]

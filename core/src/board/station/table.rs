@@ -1,6 +1,6 @@
 //! The objects of a board that are no parameters, in one list.
 
-use super::dictionary::{Access, Initial, Item, Kind, Name};
+use super::item::{Access, Initial, Item, Kind, Name};
 use crate::board::station::inbox::PROGRAM_BYTES;
 use crate::bus::{
     BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, NodeId, Object, PdoCommunication,

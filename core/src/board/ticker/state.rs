@@ -2,8 +2,7 @@
 
 use super::{Notice, Source, Ticker};
 use crate::alarm::Alarm;
-use crate::board::background::overridden;
-use crate::board::operator::Operator;
+use crate::board::operator::{Operator, overridden};
 use crate::motion::{Cut, Executor, Law, Task};
 use crate::program::TapSpindle;
 use crate::spindle::Observer;
