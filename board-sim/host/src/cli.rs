@@ -25,6 +25,7 @@ Examples:
   board-sim --bus vcan0 --lockstep                          the same in virtual time, for tests
   board-sim --bus vcan0 --drives elsewhere                  with the axis drives in another process:
   board-sim drives --bus vcan0
+  board-sim drives --bus can0 --axes X,C --spindles           beside a real board that has its drive of Z, and no other yet
   board-sim --bus vcan0 --node 2 --params second.toml       a further board, with 9029 = 1 and drives of its own
   board-sim --bus vcan0 --trouble X=fault:7305@4000         a drive that fails four seconds after the start
   board-sim --bus vcan0 --bus-off 4000..4500                its controller leaves the bus, and comes back
@@ -55,7 +56,7 @@ pub struct Cli {
 /// What else there is.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// The drives of the axes alone, for a board in another process
+    /// Drives alone, for a board in another process or a real one: of the axes, and of spindles
     Drives(Drives),
 }
 
@@ -183,9 +184,12 @@ pub struct Drives {
     /// The machine and the bus.
     #[command(flatten)]
     pub common: Common,
-    /// Which axes
+    /// Which axes: `X,C`, or `elsewhere` for none
     #[arg(long, value_name = "AXES", default_value = "X,Z,C")]
     pub axes: Here,
+    /// The drives of the spindles as well, as many as 9014 says there are. They turn in taps, and not for M3
+    #[arg(long)]
+    pub spindles: bool,
     /// Number of the board that is their master: where setpoints come in one frame (9031), that is the board's
     #[arg(long, value_name = "NODE", default_value = "1", value_parser = board_node)]
     pub board: NodeId,

@@ -1,12 +1,14 @@
-//! The drives of the axes alone: they hear what a board elsewhere tells them, move at its SYNC, and answer.
+//! Drives alone: they hear what a board elsewhere tells them, move at its SYNC, and answer.
 
 use std::time::Duration;
 
 use leadscrew::failure::{Failure, Outcome};
 use leadscrew::interrupt;
 use leadscrew::words::Both;
-use leadscrew_board_sim::plant::{Drive, axis_drive};
-use leadscrew_core::bus::is_sync;
+use leadscrew_board_sim::plant::{Drive, PlantError, Tapper, axis_drive, tapper};
+use leadscrew_core::bus::{Frame, is_sync};
+use leadscrew_core::params::Params;
+use leadscrew_core::program::TapSpindle;
 use leadscrew_core::units::Axis;
 
 use crate::cli::{Drives, Here};
@@ -16,40 +18,76 @@ use crate::wire::{Heard, Wire};
 /// How long to listen before a look at whether the user wants to end.
 const PATIENCE: Duration = Duration::from_millis(200);
 
+/// One of them.
+enum One {
+    Axis(Box<Drive>),
+    Spindle(Box<Tapper>),
+}
+
+impl One {
+    fn drive(&mut self) -> &mut Drive {
+        match self {
+            Self::Axis(drive) => drive,
+            Self::Spindle(spindle) => spindle.drive(),
+        }
+    }
+
+    fn sync(&mut self, send: impl FnMut(Frame)) {
+        match self {
+            Self::Axis(drive) => drive.sync(None, send),
+            Self::Spindle(spindle) => {
+                spindle.advance();
+                spindle.sync(send);
+            }
+        }
+    }
+}
+
+/// Those that are wanted.
+fn wanted(args: &Drives, params: &Params) -> Result<Vec<One>, PlantError> {
+    let Here(here) = args.axes;
+    let plant = args.plant();
+    let axes = Axis::ALL.into_iter().zip(here).filter(|(_, here)| *here);
+    let mut all: Vec<One> = axes
+        .map(|(axis, _)| axis_drive(params, &plant, axis).map(|drive| One::Axis(Box::new(drive))))
+        .collect::<Result<_, _>>()?;
+    if args.spindles {
+        for spindle in TapSpindle::ALL.iter().take(params.tap_spindles().into()) {
+            let spindle = tapper(params, &plant, *spindle)?;
+            all.push(One::Spindle(Box::new(spindle)));
+        }
+    }
+    Ok(all)
+}
+
 /// Runs until the user ends it.
 pub fn run(args: &Drives) -> Outcome {
     let params = args.common.load()?;
-    let Here(here) = args.axes;
-    let mut drives = Axis::ALL
-        .into_iter()
-        .zip(here)
-        .filter(|(_, here)| *here)
-        .map(|(axis, _)| axis_drive(&params, &args.plant(), axis))
-        .collect::<Result<Vec<Drive>, _>>()
-        .map_err(|error| {
-            let reason = format!("the parameters make no drive: {error:?}");
-            Failure::WrongBecause(Both::same(reason))
-        })?;
+    let mut drives = wanted(args, &params).map_err(|error| {
+        let reason = format!("the parameters make no drive: {error:?}");
+        Failure::WrongBecause(Both::same(reason))
+    })?;
     let mut wire = Wire::open(args.common.address(), &params)?;
     let nodes: Vec<String> = drives
-        .iter()
-        .map(|drive| drive.node().get().to_string())
+        .iter_mut()
+        .map(|drive| drive.drive().node().get().to_string())
         .collect();
     say(&format!("drives {} on {}", nodes.join(", "), wire.name()));
     let mut answers = Vec::new();
     while !interrupt::requested() {
         // Whatever came at once is answered at once, SYNC by SYNC.
         wire.listen(PATIENCE, |_, heard| {
-            for drive in &mut drives {
+            for one in &mut drives {
                 match heard {
                     Heard::Frame(frame) if is_sync(frame) => {
-                        drive.sync(None, |answer| answers.push(answer));
+                        one.sync(|answer| answers.push(answer));
                     }
                     Heard::Frame(frame) => {
+                        let drive = one.drive();
                         drive.receive(frame);
                         drive.serve(frame, |answer| answers.push(answer));
                     }
-                    Heard::Fd(frame) => drive.receive_fd(frame),
+                    Heard::Fd(frame) => one.drive().receive_fd(frame),
                 }
             }
         })?;

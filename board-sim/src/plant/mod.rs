@@ -139,29 +139,14 @@ impl Plant {
         let zero = Increments::new(0);
         // A spindle drive reports its encoder; this follower never moves.
         let still = Follower::new(zero, 0, 1, 0).ok_or(PlantError::Encoder)?;
-        let position = Follower::new(
-            zero,
-            params.latency_us(Axis::Z),
-            params.tick_us(),
-            options.drives.lag,
-        )
-        .ok_or(PlantError::Latency(Axis::Z))?;
+        let position = spindle_follower(params, options)?;
         let nodes = DriveNodes::of(params);
         let first = nodes.spindle(TapSpindle::First);
-        let tapper = |spindle, place| {
-            let node = nodes.spindle(spindle);
-            let per_turn = params.spindle_increments();
-            let mut tapper =
-                Tapper::new(node, staggered(options, place), position, still, per_turn);
-            let drive = set_up(*tapper.drive(), params, options, usize::from(place));
-            *tapper.drive() = drive.for_spindle();
-            tapper
-        };
         Ok(Self {
             tappers: [
-                tapper(TapSpindle::Second, 4),
-                tapper(TapSpindle::Third, 5),
-                tapper(TapSpindle::Fourth, 6),
+                tapper(params, options, TapSpindle::Second)?,
+                tapper(params, options, TapSpindle::Third)?,
+                tapper(params, options, TapSpindle::Fourth)?,
             ],
             present: usize::from(params.tap_spindles()).saturating_sub(1),
             tick_ns: u64::from(params.tick_us()).wrapping_mul(1000),
@@ -399,6 +384,38 @@ pub fn axis_drive(
     let place = axis as u8;
     let drive = Drive::new(node, staggered(options, place), follower);
     Ok(set_up(drive, params, options, usize::from(place)))
+}
+
+/// The drive of a spindle that turns in position mode only, and what turns with it, just switched on. Spindle 1 has more than
+/// that in a whole plant: here it stands in for one, towards a board elsewhere.
+///
+/// # Errors
+/// The parameters make no drive.
+pub fn tapper(
+    params: &Params,
+    options: &PlantOptions,
+    spindle: TapSpindle,
+) -> Result<Tapper, PlantError> {
+    let node = DriveNodes::of(params).spindle(spindle);
+    let place = (spindle as u8).wrapping_add(3);
+    let position = spindle_follower(params, options)?;
+    let still = Follower::new(Increments::new(0), 0, 1, 0).ok_or(PlantError::Encoder)?;
+    let drive = staggered(options, place);
+    let mut tapper = Tapper::new(node, drive, position, still, params.spindle_increments());
+    let drive = set_up(*tapper.drive(), params, options, usize::from(place));
+    *tapper.drive() = drive.for_spindle();
+    Ok(tapper)
+}
+
+/// What follows the targets of a spindle in position mode: as late as Z's drive.
+fn spindle_follower(params: &Params, options: &PlantOptions) -> Result<Follower, PlantError> {
+    Follower::new(
+        Increments::new(0),
+        params.latency_us(Axis::Z),
+        params.tick_us(),
+        options.drives.lag,
+    )
+    .ok_or(PlantError::Latency(Axis::Z))
 }
 
 /// A drive as it is set up for the machine it is delivered for; `place`: of its setpoints, where these come in one frame.

@@ -1,4 +1,4 @@
-//! A spindle that only taps: a drive in position mode, and what turns with it. It has no encoder on the board; its drive
+//! A spindle that only taps, or stands in for another one: a drive in position mode, and what turns with it. It has no encoder on the board; its drive
 //! tells where it is, zero at power-up.
 
 use super::drive::{Drive, DriveOptions};
@@ -6,7 +6,7 @@ use super::follower::Follower;
 use super::spindle::FineTurns;
 use leadscrew_core::bus::{Frame, Increments, NodeId};
 
-/// One of the spindles from 2 on.
+/// One of the spindles from 2 on, or what stands in for the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Tapper {
     drive: Drive,
@@ -35,7 +35,7 @@ impl Tapper {
     }
 
     /// The time up to the next SYNC: in position mode it goes where the target latched there says.
-    pub(super) fn advance(&mut self) {
+    pub fn advance(&mut self) {
         let before = self.position.fine();
         match self.drive.coming_target() {
             Some(target) if self.drive.is_positioning() => {
@@ -51,7 +51,7 @@ impl Tapper {
     }
 
     /// A SYNC.
-    pub(super) fn sync(&mut self, send: impl FnMut(Frame)) {
+    pub fn sync(&mut self, send: impl FnMut(Frame)) {
         self.drive.turns(self.turning);
         self.drive.sync(Some(self.actual()), send);
     }

@@ -1,3 +1,4 @@
 mod dictionary;
 mod drives;
 mod spindle;
+mod stand_ins;

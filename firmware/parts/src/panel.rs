@@ -119,6 +119,7 @@ pub struct Switches<C, S, L> {
     spindle: S,
     light: L,
     clamps: bool,
+    spins: bool,
 }
 
 impl<C: OutputPin, S: OutputPin, L: OutputPin> Switches<C, S, L> {
@@ -129,6 +130,7 @@ impl<C: OutputPin, S: OutputPin, L: OutputPin> Switches<C, S, L> {
             spindle,
             light,
             clamps: false,
+            spins: false,
         }
     }
 
@@ -148,12 +150,14 @@ impl<C: OutputPin, S: OutputPin, L: OutputPin> Switches<C, S, L> {
         self.clamps
     }
 
-    /// The machine's state. The spindle is enabled as soon as its drive is brought up, and stays so on an alarm: it may hold a
-    /// tap in its hole. The light is on while the machine is up and has no alarm.
+    /// The machine's state. The spindle is enabled as soon as its drive is up, and stays so on an alarm: it may hold a tap in
+    /// its hole. An alarm that the board comes up with does not enable it. The light is on while the machine is up and has no
+    /// alarm.
     pub fn show(&mut self, state: &State) {
-        let up = !matches!(state, State::Starting);
         let well = matches!(state, State::Idle | State::Running | State::Held);
-        let _ = self.spindle.set_state(up.into());
+        let stops = matches!(state, State::Stopping(_) | State::Alarm(_));
+        self.spins = well || self.spins && stops;
+        let _ = self.spindle.set_state(self.spins.into());
         let _ = self.light.set_state(well.into());
     }
 }
@@ -284,6 +288,9 @@ mod tests {
             (spindle.0.get(), light.0.get())
         };
         assert_eq!(shown(State::Starting), (false, false));
+        // The stop circuit is open when it comes up: no drive has been brought up yet.
+        assert_eq!(shown(State::Alarm(alarm)), (false, false));
+        assert_eq!(shown(State::Stopping(Outcome::Reset)), (false, false));
         assert_eq!(shown(State::Idle), (true, true));
         assert_eq!(shown(State::Running), (true, true));
         assert_eq!(shown(State::Stopping(Outcome::Alarm(alarm))), (true, false));
