@@ -1,7 +1,8 @@
 //! Clocks: 170 MHz from the 24 MHz crystal of the board.
 //!
 //! The crystal, not the oscillator inside the chip: a CAN bit of 1 Mbit/s allows its ends to differ by less than that
-//! oscillator may be off. Without the crystal nothing starts.
+//! oscillator may be off. Without the crystal nothing starts. Where it stops, the chip goes on by the other one and raises the
+//! non-maskable interrupt, which ends the program ([`flash`](crate::flash)): time is not what it was, and the bus is dead.
 //!
 //! The tree of clocks is set up by `embassy-stm32`, whatever ran before and left on: a mistake in it would show on a desk
 //! alone. It ends at half the speed; the manual wants a microsecond of that before the whole. Timers and CAN controller are
@@ -56,6 +57,7 @@ pub fn start() {
     while pac::FLASH.acr().read().latency() != Latency::WS4 {}
     cortex_m::asm::delay(CORE_MHZ);
     pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV1));
+    pac::RCC.cr().modify(|w| w.set_csson(true));
     pac::RCC.apb1enr1().modify(|w| {
         w.set_tim2en(true);
         w.set_tim3en(true);

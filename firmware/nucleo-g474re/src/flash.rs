@@ -162,6 +162,6 @@ unsafe fn NonMaskableInt() {
         cortex_m::asm::dsb();
         return;
     }
-    // The program itself cannot be read: nothing that is known still holds.
+    // The program itself cannot be read, or the crystal has stopped: nothing that is known still holds.
     panic!("non-maskable interrupt");
 }

@@ -5,7 +5,7 @@
 //! | priority | runs | owns |
 //! |---|---|---|
 //! | fault | the end: a record, and a new start ([`fault`]) | – |
-//! | NMI | a word of the flash that cannot be read ([`flash`]) | a flag |
+//! | NMI | a word of the flash that cannot be read ([`flash`]); the end, where the crystal stops | a flag |
 //! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, watchdog, its end of the rings |
 //! | 1 | FDCAN1: frames in and out ([`wire`]) | the controller, its ends of the rings |
 //! | thread | [`BackgroundSide`], storage, switches | flash, its ends of the rings |

@@ -10,7 +10,7 @@ use embassy_stm32::pac::flash::vals::Latency;
 use embassy_stm32::pac::gpio::regs::{Afr, Moder, Ospeedr, Pupdr};
 use embassy_stm32::pac::gpio::vals;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
-use embassy_stm32::pac::rcc::regs::{Apb1enr1, Ccipr, Cfgr, Csr};
+use embassy_stm32::pac::rcc::regs::{Apb1enr1, Ccipr, Cfgr, Cr as Oscillators, Csr};
 use embassy_stm32::pac::rcc::vals::{Fdcansel, Hpre};
 use embassy_stm32::pac::timer::regs::{
     CcerGp16, CcmrInput2ch, Cr1Core, Cr2Gp16, DierBasicNoCr2, EgrCore, SmcrGp16, SrCore, SrGp16,
@@ -78,6 +78,7 @@ means! {
 means! {
     Apb1enr1(1 << 25 | 1 << 4 | 1 << 3), w => w.fdcanen() && w.tim6en() && w.tim5en();
     Apb1enr1(1 << 1 | 1), w => w.tim3en() && w.tim2en();
+    Oscillators(1 << 19), w => w.csson();
     Ccipr(0), w => matches!(w.fdcansel(), Fdcansel::HSE);
     Cfgr(0b0000 << 4), w => matches!(w.hpre(), Hpre::DIV1);
     Cfgr(0b1000 << 4), w => matches!(w.hpre(), Hpre::DIV2);

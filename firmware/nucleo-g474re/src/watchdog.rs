@@ -5,7 +5,7 @@ use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
 /// It bites behind this time without being fed.
 const PATIENCE_MS: u32 = 100;
-/// Its clock, within a twelfth over voltage and temperature: 29.5 to 34 kHz.
+/// Its clock, within a tenth over voltage and temperature.
 const CLOCK_HZ: u32 = 32_000;
 /// The clock is divided by so much.
 const DIVIDED: u32 = 4;
