@@ -10,9 +10,9 @@ use leadscrew_core::board::{BusTrouble, Command, Intrusion, StoreError, Victim};
 use leadscrew_core::bus::{
     Abort, BlockSize, BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus,
     BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy,
-    ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode, NmtCommand,
-    NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand, SpindleDemand,
-    Statusword, SyncHeard, SyncProducer,
+    ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode,
+    NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand,
+    SpindleDemand, Statusword, SyncHeard, SyncProducer,
 };
 use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::journal::{TapHole, TapRecord};
