@@ -30,10 +30,12 @@ mod item;
 mod keeper;
 mod ledger;
 mod log;
+mod obey;
 mod ring;
 mod served;
 mod shelf;
 mod table;
+mod tell;
 mod threads;
 
 pub use inbox::PROGRAM_BYTES;
@@ -43,7 +45,7 @@ pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 use heapless::Deque;
 
 use self::served::Served;
-use self::shelf::{Shelf, Told};
+use self::shelf::Shelf;
 use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::nodes::DriveNodes;
@@ -56,9 +58,8 @@ use crate::alarm::{Alarm, Code};
 #[cfg(feature = "fd")]
 use crate::bus::FdFrame;
 use crate::bus::{
-    BlockSize, BoardCommand, BusState, CobId, Controller, Cycle, Emcy, Frame, HeartbeatEvent,
-    HeartbeatWatch, NmtEvent, NmtSlave, NmtState, NodeId, OrderGate, Periods, SdoServer, Service,
-    SyncSource,
+    BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave, NmtState,
+    NodeId, OrderGate, Periods, SdoServer, Service, SyncSource,
 };
 use crate::link::ThreadCertificate;
 use crate::params::Params;
@@ -73,31 +74,6 @@ const ANSWERS: usize = 16;
 const PATIENCE_MS: u32 = 1000;
 /// Drives that get a setpoint in every tick: X, Z, C and one spindle.
 const DRIVES: u32 = 4;
-/// Emergency codes of CiA 301: "voltage inside the device", "internal software", "CAN in error passive mode", "heartbeat
-/// error", "recovered from bus-off".
-const VOLTAGE: u16 = 0x3200;
-const SOFTWARE: u16 = 0x6100;
-const ERROR_PASSIVE: u16 = 0x8120;
-const HEARTBEAT_ERROR: u16 = 0x8130;
-const RECOVERED: u16 = 0x8140;
-
-/// What a running program does when the gateway is lost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Loss {
-    Hold,
-    Stop,
-    CarryOn,
-}
-
-impl Loss {
-    const fn of(params: &Params) -> Self {
-        match params.gateway_loss() {
-            0 => Self::Hold,
-            1 => Self::Stop,
-            _ => Self::CarryOn,
-        }
-    }
-}
 
 /// A board's side of the bus, but for its drives.
 // What is large last, as everywhere on this way.
@@ -433,196 +409,5 @@ impl Station {
     /// A parameter set that is to come into force: the owner restarts the application with it. The machine stands.
     pub fn take_params(&mut self) -> Option<&Params> {
         self.shelf.take_params()
-    }
-
-    /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
-    pub fn transmit(&mut self) -> Option<Frame> {
-        if self.controller.state == BusState::Off {
-            return None;
-        }
-        self.urgent.pop_front().or_else(|| self.answers.pop_front())
-    }
-
-    fn say(&mut self, frame: Frame) {
-        // A bus that takes nothing: what is newer counts.
-        if self.urgent.is_full() {
-            self.urgent.pop_front();
-        }
-        let _ = self.urgent.push_back(frame);
-    }
-
-    fn answer(&mut self, frame: Frame) {
-        // One client waits for one answer; only blocks are longer, and they ask for room first.
-        let _ = self.answers.push_back(frame);
-    }
-
-    fn obey(&mut self, event: NmtEvent, params: &Params) {
-        match event {
-            NmtEvent::Entered(NmtState::Stopped) => {
-                self.halt();
-                self.end_transfer(params);
-            }
-            NmtEvent::Entered(_) => {}
-            NmtEvent::ResetNode => {
-                self.halt();
-                self.end_transfer(params);
-                self.restarts = true;
-            }
-            NmtEvent::ResetCommunication => {
-                self.end_transfer(params);
-                self.shelf.reset_communication(params);
-                let boot_up = self.nmt.boot();
-                self.say(boot_up);
-            }
-        }
-    }
-
-    /// A controlled stop, if anything moves or is about to.
-    fn halt(&mut self) {
-        self.shelf.inbox.close();
-        if !self.shelf.snapshot.is_at_rest() {
-            self.shelf.command(Command::Halt(Code::NetworkStop));
-        }
-    }
-
-    fn end_transfer(&mut self, params: &Params) {
-        let mut served = Served {
-            shelf: &mut self.shelf,
-            params,
-        };
-        self.sdo.reset(&mut served);
-        self.answers.clear();
-    }
-
-    /// The application begins anew, with the set in force if there is no other.
-    fn restart(&mut self, params: &Params) {
-        self.restarts = false;
-        self.shelf.reset_communication(params);
-        self.shelf.begin_anew(params);
-        let boot_up = self.nmt.boot();
-        self.say(boot_up);
-    }
-
-    fn command_of(&mut self, frame: &Frame) {
-        if !self.shelf.pdos.command().is_valid() {
-            return;
-        }
-        let Some((count, order, settings)) = BoardCommand::raw(frame) else {
-            return;
-        };
-        let shelf = &mut self.shelf;
-        // The objects from 5000h:03 on, one byte each.
-        for (sub, value) in (3..).zip(settings) {
-            shelf.setting(sub, *value);
-        }
-        if let Some(order) = self.gate.take(count, order) {
-            // One that is refused stands in the event log.
-            shelf.order(order);
-        }
-        shelf.count = self.gate.count();
-    }
-
-    /// The gateway is not there any more.
-    fn lose(&mut self, params: &Params) {
-        if !self.shelf.snapshot.in_program {
-            return;
-        }
-        let loss = Loss::of(params);
-        if loss == Loss::Stop {
-            // Its alarm makes an emergency message of its own.
-            self.shelf.command(Command::Halt(Code::GatewayLost));
-            return;
-        }
-        if loss == Loss::Hold {
-            self.shelf.command(Command::Hold);
-        }
-        self.shelf.warn(Code::GatewayLost);
-        self.shelf.emcy.raise(Emcy {
-            code: HEARTBEAT_ERROR,
-            ..Emcy::of_alarm(Code::GatewayLost.number())
-        });
-    }
-
-    fn tell_alarms(&mut self) {
-        let code = self.shelf.snapshot.alarm().map(|alarm| alarm.code);
-        if self.told == code {
-            return;
-        }
-        self.told = code;
-        match code {
-            Some(code) => {
-                let mut emcy = Emcy::of_alarm(code.number());
-                emcy.code = match code {
-                    Code::GatewayLost => HEARTBEAT_ERROR,
-                    Code::BusPassive => ERROR_PASSIVE,
-                    Code::BusOff => RECOVERED,
-                    Code::PowerDropped => VOLTAGE,
-                    Code::FirmwareHung
-                    | Code::FirmwareFault
-                    | Code::FirmwarePanic
-                    | Code::FirmwareStack
-                    | Code::FailsAgain => SOFTWARE,
-                    _ => emcy.code,
-                };
-                if let Code::BusPassive | Code::BusOff = code {
-                    let errors = self.controller.errors;
-                    let [low, high, ..] = emcy.detail;
-                    emcy.detail = [low, high, errors.sending, errors.receiving, 0];
-                }
-                self.shelf.emcy.raise(emcy);
-            }
-            None => self.shelf.emcy.clear(),
-        }
-    }
-
-    fn transfer(&mut self, elapsed: Periods, params: &Params) {
-        let mut served = Served {
-            shelf: &mut self.shelf,
-            params,
-        };
-        if let Some(abort) = self.sdo.elapse(elapsed, &mut served) {
-            let _ = self.answers.push_back(abort);
-        }
-        while !self.answers.is_full()
-            && let Some(segment) = self.sdo.poll(&mut served)
-        {
-            let _ = self.answers.push_back(segment);
-        }
-    }
-
-    fn beat(&mut self, elapsed: Periods, params: &Params) {
-        if self.shelf.heartbeat.elapse(elapsed) {
-            let heartbeat = self.nmt.heartbeat();
-            self.say(heartbeat);
-        }
-        if !self.shelf.watch.elapse(elapsed).is_empty() {
-            self.lose(params);
-        }
-        self.shelf.emcy.elapse(elapsed);
-        if self.nmt.state().allows_emcy()
-            && self.controller.state != BusState::Off
-            && let Some(frame) = self.shelf.emcy.poll()
-        {
-            self.say(frame);
-        }
-    }
-
-    fn tell_status(&mut self, elapsed: Periods, params: &Params) {
-        if !self.nmt.state().allows_pdo() {
-            return;
-        }
-        for (place, told) in Told::ALL.into_iter().enumerate() {
-            let (Some(pdo), Some(since)) = (self.shelf.pdos.sent(place), self.since.get_mut(place))
-            else {
-                break;
-            };
-            *since = since.plus(elapsed);
-            let period = Periods::from_ms(pdo.event_ms().into(), params.tick_us());
-            if pdo.is_valid() && pdo.event_ms() != 0 && period.is_some_and(|p| *since >= p) {
-                *since = Periods::new(0);
-                let frame = self.shelf.tell(told);
-                self.say(frame);
-            }
-        }
     }
 }

@@ -1,0 +1,124 @@
+//! What a station says by itself, and what waits to be sent: answers, heartbeats, emergencies, statuses.
+//!
+//! Nothing that comes is read here.
+
+use super::Station;
+use super::served::Served;
+use super::shelf::Told;
+use crate::alarm::Code;
+use crate::bus::{BusState, Emcy, Frame, Periods};
+use crate::params::Params;
+
+/// Emergency codes of CiA 301: "voltage inside the device", "internal software", "CAN in error passive mode", "heartbeat
+/// error", "recovered from bus-off".
+const VOLTAGE: u16 = 0x3200;
+const SOFTWARE: u16 = 0x6100;
+const ERROR_PASSIVE: u16 = 0x8120;
+pub(super) const HEARTBEAT_ERROR: u16 = 0x8130;
+const RECOVERED: u16 = 0x8140;
+
+impl Station {
+    /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        if self.controller.state == BusState::Off {
+            return None;
+        }
+        self.urgent.pop_front().or_else(|| self.answers.pop_front())
+    }
+
+    pub(super) fn say(&mut self, frame: Frame) {
+        // A bus that takes nothing: what is newer counts.
+        if self.urgent.is_full() {
+            self.urgent.pop_front();
+        }
+        let _ = self.urgent.push_back(frame);
+    }
+
+    pub(super) fn answer(&mut self, frame: Frame) {
+        // One client waits for one answer; only blocks are longer, and they ask for room first.
+        let _ = self.answers.push_back(frame);
+    }
+
+    pub(super) fn tell_alarms(&mut self) {
+        let code = self.shelf.snapshot.alarm().map(|alarm| alarm.code);
+        if self.told == code {
+            return;
+        }
+        self.told = code;
+        match code {
+            Some(code) => {
+                let mut emcy = Emcy::of_alarm(code.number());
+                emcy.code = match code {
+                    Code::GatewayLost => HEARTBEAT_ERROR,
+                    Code::BusPassive => ERROR_PASSIVE,
+                    Code::BusOff => RECOVERED,
+                    Code::PowerDropped => VOLTAGE,
+                    Code::FirmwareHung
+                    | Code::FirmwareFault
+                    | Code::FirmwarePanic
+                    | Code::FirmwareStack
+                    | Code::FailsAgain => SOFTWARE,
+                    _ => emcy.code,
+                };
+                if let Code::BusPassive | Code::BusOff = code {
+                    let errors = self.controller.errors;
+                    let [low, high, ..] = emcy.detail;
+                    emcy.detail = [low, high, errors.sending, errors.receiving, 0];
+                }
+                self.shelf.emcy.raise(emcy);
+            }
+            None => self.shelf.emcy.clear(),
+        }
+    }
+
+    pub(super) fn transfer(&mut self, elapsed: Periods, params: &Params) {
+        let mut served = Served {
+            shelf: &mut self.shelf,
+            params,
+        };
+        if let Some(abort) = self.sdo.elapse(elapsed, &mut served) {
+            let _ = self.answers.push_back(abort);
+        }
+        while !self.answers.is_full()
+            && let Some(segment) = self.sdo.poll(&mut served)
+        {
+            let _ = self.answers.push_back(segment);
+        }
+    }
+
+    pub(super) fn beat(&mut self, elapsed: Periods, params: &Params) {
+        if self.shelf.heartbeat.elapse(elapsed) {
+            let heartbeat = self.nmt.heartbeat();
+            self.say(heartbeat);
+        }
+        if !self.shelf.watch.elapse(elapsed).is_empty() {
+            self.lose(params);
+        }
+        self.shelf.emcy.elapse(elapsed);
+        if self.nmt.state().allows_emcy()
+            && self.controller.state != BusState::Off
+            && let Some(frame) = self.shelf.emcy.poll()
+        {
+            self.say(frame);
+        }
+    }
+
+    pub(super) fn tell_status(&mut self, elapsed: Periods, params: &Params) {
+        if !self.nmt.state().allows_pdo() {
+            return;
+        }
+        for (place, told) in Told::ALL.into_iter().enumerate() {
+            let (Some(pdo), Some(since)) = (self.shelf.pdos.sent(place), self.since.get_mut(place))
+            else {
+                break;
+            };
+            *since = since.plus(elapsed);
+            let period = Periods::from_ms(pdo.event_ms().into(), params.tick_us());
+            if pdo.is_valid() && pdo.event_ms() != 0 && period.is_some_and(|p| *since >= p) {
+                *since = Periods::new(0);
+                let frame = self.shelf.tell(told);
+                self.say(frame);
+            }
+        }
+    }
+}
