@@ -35,11 +35,29 @@ pub enum Address {
 
 /// A text that names no bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WrongAddress(String);
+pub struct WrongAddress {
+    english: String,
+    chinese: String,
+}
+
+impl WrongAddress {
+    fn new(english: impl Into<String>, chinese: impl Into<String>) -> Self {
+        Self {
+            english: english.into(),
+            chinese: chinese.into(),
+        }
+    }
+
+    /// The same in Chinese.
+    #[must_use]
+    pub fn chinese(&self) -> &str {
+        &self.chinese
+    }
+}
 
 impl fmt::Display for WrongAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
+        f.write_str(&self.english)
     }
 }
 
@@ -61,14 +79,22 @@ impl FromStr for Address {
             && name.len() <= 15
             && !name.contains(|c: char| c == '/' || c == ':' || c.is_whitespace());
         if !possible {
-            let hint = if name.starts_with("/dev/") {
-                format!("; did you mean `slcan:{name}`?")
+            let (hint, chinese_hint) = if name.starts_with("/dev/") {
+                (
+                    format!("; did you mean `slcan:{name}`?"),
+                    format!("；是否要写 `slcan:{name}`？"),
+                )
             } else {
-                String::new()
+                (String::new(), String::new())
             };
-            return Err(WrongAddress(format!(
-                "expected `sim`, an interface such as `can0`, `socketcan:can0`, or `slcan:/dev/ttyACM0`{hint}"
-            )));
+            return Err(WrongAddress::new(
+                format!(
+                    "expected `sim`, an interface such as `can0`, `socketcan:can0`, or `slcan:/dev/ttyACM0`{hint}"
+                ),
+                format!(
+                    "应为 `sim`、接口名（如 `can0`、`socketcan:can0`）或 `slcan:/dev/ttyACM0`{chinese_hint}"
+                ),
+            ));
         }
         Ok(Self::SocketCan(name.to_owned()))
     }
@@ -77,9 +103,12 @@ impl FromStr for Address {
 fn adapter(target: &str) -> Result<Address, WrongAddress> {
     if let Some(place) = target.strip_prefix("tcp:") {
         let wrong = || {
-            WrongAddress(format!(
-                "`slcan:tcp:{place}`: expected host and port, as `slcan:tcp:localhost:3000`"
-            ))
+            WrongAddress::new(
+                format!(
+                    "`slcan:tcp:{place}`: expected host and port, as `slcan:tcp:localhost:3000`"
+                ),
+                format!("`slcan:tcp:{place}`：应写主机和端口，如 `slcan:tcp:localhost:3000`"),
+            )
         };
         let (host, port) = place.rsplit_once(':').ok_or_else(wrong)?;
         let port = port.parse().map_err(|_| wrong())?;
@@ -93,8 +122,9 @@ fn adapter(target: &str) -> Result<Address, WrongAddress> {
     }
     if let Some(path) = target.strip_prefix("unix:") {
         if path.is_empty() {
-            return Err(WrongAddress(
-                "`slcan:unix:` wants the path of a socket behind it".into(),
+            return Err(WrongAddress::new(
+                "`slcan:unix:` wants the path of a socket behind it",
+                "`slcan:unix:` 后面要写套接字的路径",
             ));
         }
         return Ok(Address::Unix(path.into()));
@@ -104,16 +134,17 @@ fn adapter(target: &str) -> Result<Address, WrongAddress> {
         Some((path, baud)) => match baud.parse() {
             Ok(baud) if baud > 0 => (path, baud),
             _ => {
-                return Err(WrongAddress(format!(
-                    "`{baud}` is no baud rate; expected `slcan:{path}@115200`"
-                )));
+                return Err(WrongAddress::new(
+                    format!("`{baud}` is no baud rate; expected `slcan:{path}@115200`"),
+                    format!("`{baud}` 不是波特率；应写成 `slcan:{path}@115200`"),
+                ));
             }
         },
     };
     if path.is_empty() {
-        return Err(WrongAddress(
-            "`slcan:` wants a device (`/dev/ttyACM0`), `tcp:HOST:PORT` or `unix:PATH` behind it"
-                .into(),
+        return Err(WrongAddress::new(
+            "`slcan:` wants a device (`/dev/ttyACM0`), `tcp:HOST:PORT` or `unix:PATH` behind it",
+            "`slcan:` 后面要写设备（`/dev/ttyACM0`）、`tcp:HOST:PORT` 或 `unix:PATH`",
         ));
     }
     Ok(Address::Serial {

@@ -1,5 +1,7 @@
 //! What can be typed: commands, options, and their help. Parsing only; nothing is done here.
 
+mod examples;
+
 use std::path::PathBuf;
 
 use clap::builder::Styles;
@@ -11,7 +13,7 @@ use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 
 use crate::failure::{Failure, Outcome};
-use crate::values::{At, Percent, Ripple, SetSignal, Tolerance};
+use crate::values::{At, Mistake, Percent, Ripple, SetSignal, Tolerance, mistake};
 use crate::words::both;
 
 const STYLES: Styles = Styles::styled()
@@ -20,25 +22,9 @@ const STYLES: Styles = Styles::styled()
     .literal(AnsiColor::Cyan.on_default().bold())
     .placeholder(AnsiColor::Cyan.on_default());
 
-const EXAMPLES: &str = "\
-Examples:
-  leadscrew check examples/o0013-g76-m68x6.nc      find mistakes before anything moves
-  leadscrew expand examples/o0013-g76-m68x6.nc     see every move of the cycle
-  leadscrew plot examples/shaft.nc -o shaft.svg    a picture of path, speed and synchronism
-  leadscrew run examples/shaft.nc                  run it on the simulated machine
-  leadscrew simulate PROG -o setpoints.csv         the setpoints, tick by tick
-
-Exit codes:
-  0    done, warnings included
-  1    the program or the parameters are wrong, or a check asked for has failed
-  2    the command line is wrong
-  3    no bus, no board, or the link was lost
-  4    the machine stopped on an alarm while running
-  130  interrupted; the board was brought to a controlled stop first";
-
 /// Lathe threading and grooving cycles: from program text to drive setpoints.
 #[derive(Debug, Parser)]
-#[command(name = "leadscrew", version, about = "Lathe threading and grooving cycles: from program text to drive setpoints", after_help = EXAMPLES, styles = STYLES, max_term_width = 110)]
+#[command(name = "leadscrew", version, about = "Lathe threading and grooving cycles: from program text to drive setpoints", after_help = examples::ALL, styles = STYLES, max_term_width = 110)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -126,10 +112,14 @@ pub struct Global {
 }
 
 /// A bit rate that a Lawicel adapter can be set to.
-fn bit_rate(text: &str) -> Result<BitRate, String> {
-    let kbit = text.parse().map_err(|_| "expected kbit/s, as `500`")?;
-    BitRate::of_kbit(kbit)
-        .ok_or_else(|| "an adapter has 10, 20, 50, 100, 125, 250, 500, 800 and 1000 kbit/s".into())
+fn bit_rate(text: &str) -> Result<BitRate, Mistake> {
+    let rate = text.parse().ok().and_then(BitRate::of_kbit);
+    rate.ok_or_else(|| {
+        mistake!(
+            "an adapter has 10, 20, 50, 100, 125, 250, 500, 800 and 1000 kbit/s",
+            "适配器的波特率有 10、20、50、100、125、250、500、800 和 1000 kbit/s"
+        )
+    })
 }
 
 impl Global {
@@ -208,22 +198,22 @@ pub enum LangName {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Verify programs against parameters and physics, without a machine
-    #[command(after_help = CHECK_EXAMPLES)]
+    #[command(after_help = examples::CHECK)]
     Check(Check),
     /// Print the move list
-    #[command(after_help = EXPAND_EXAMPLES)]
+    #[command(after_help = examples::EXPAND)]
     Expand(Expand),
     /// Compute the setpoints, tick by tick, in virtual time
-    #[command(after_help = SIMULATE_EXAMPLES)]
+    #[command(after_help = examples::SIMULATE)]
     Simulate(Simulate),
     /// Draw the X–Z tool path, and speed and synchronism over time
-    #[command(after_help = PLOT_EXAMPLES)]
+    #[command(after_help = examples::PLOT)]
     Plot(Plot),
     /// Check all of a program, upload it and run it
-    #[command(after_help = RUN_EXAMPLES)]
+    #[command(after_help = examples::RUN)]
     Run(Run),
     /// The parameter table: what there is, what it is set to, whether it can work
-    #[command(after_help = PARAMS_EXAMPLES)]
+    #[command(after_help = examples::PARAMS)]
     Params {
         /// What to do with it
         #[command(subcommand)]
@@ -232,18 +222,25 @@ pub enum Command {
     /// One look at the board; with `sim`, at what the flash in `--state` remembers
     ///
     /// Without `--node` it names the other boards on the bus, too, which takes as long as they are silent at a time.
+    #[command(after_help = examples::STATUS)]
     Status,
     /// A live view of the board (needs a real bus)
+    #[command(after_help = examples::MONITOR)]
     Monitor,
     /// Feed hold (needs a real bus)
+    #[command(after_help = examples::HOLD)]
     Hold,
     /// Go on after a hold (needs a real bus)
+    #[command(after_help = examples::RESUME)]
     Resume,
     /// Reset the board (needs a real bus)
+    #[command(after_help = examples::RESET)]
     Reset,
     /// Controlled stop (needs a real bus)
+    #[command(after_help = examples::STOP)]
     Stop,
     /// Set an override (needs a real bus)
+    #[command(after_help = examples::OVERRIDE)]
     Override {
         /// Which one
         #[arg(value_enum)]
@@ -253,6 +250,7 @@ pub enum Command {
         percent: Percent,
     },
     /// Set an input (needs a real bus)
+    #[command(after_help = examples::SIGNAL)]
     Signal {
         /// `NAME=0` or `NAME=1`
         #[arg(value_name = "NAME=0|1")]
@@ -261,7 +259,7 @@ pub enum Command {
     /// Brings a tap out of its hole in phase, the same as G30 P99
     ///
     /// With `--dry-run` it only shows what would move.
-    #[command(after_help = RETRACT_EXAMPLES)]
+    #[command(after_help = examples::RETRACT)]
     Retract {
         /// Spindle speed in turns per minute
         #[arg(long, value_name = "RPM", conflicts_with = "discard", value_parser = clap::value_parser!(u32).range(1..=9999))]
@@ -271,32 +269,16 @@ pub enum Command {
         discard: bool,
     },
     /// Capture the bus into a file, until Ctrl-C
-    #[command(after_help = RECORD_EXAMPLES)]
+    #[command(after_help = examples::RECORD)]
     Record(Record),
     /// Print a completion script for a shell
-    #[command(
-        after_help = "Example:\n  leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew"
-    )]
+    #[command(after_help = examples::COMPLETIONS)]
     Completions {
         /// Which shell
         #[arg(value_enum)]
         shell: clap_complete::Shell,
     },
 }
-
-const RETRACT_EXAMPLES: &str = "\
-Examples:
-  leadscrew status --state board.flash              is a tap in a hole?
-  leadscrew retract --dry-run --state board.flash   what would move
-  leadscrew retract --speed 200 --state board.flash
-  leadscrew retract --discard --state board.flash   the tap was taken out by hand";
-
-const CHECK_EXAMPLES: &str = "\
-Examples:
-  leadscrew check part.nc
-  leadscrew check --strict *.nc            a lead-in that is too short fails too
-  leadscrew check --json part.nc           for editors and scripts
-  leadscrew check --set 1430.Z=4000 part.nc";
 
 /// `check`.
 #[derive(Args, Debug)]
@@ -308,12 +290,6 @@ pub struct Check {
     #[arg(long)]
     pub strict: bool,
 }
-
-const EXPAND_EXAMPLES: &str = "\
-Examples:
-  leadscrew expand part.nc
-  leadscrew expand part.nc --format jsonl | jq 'select(.cycle == \"G76\")'
-  leadscrew expand part.nc --format csv > moves.csv";
 
 /// `expand`.
 #[derive(Args, Debug)]
@@ -348,13 +324,6 @@ pub struct Drive {
     pub tick_us: Option<u32>,
 }
 
-const SIMULATE_EXAMPLES: &str = "\
-Examples:
-  leadscrew simulate part.nc                                    only the summary
-  leadscrew simulate part.nc -o setpoints.csv
-  leadscrew simulate part.nc --spindle-ripple 10@5 --tolerance 1.3
-  leadscrew simulate part.nc --at X=100,Z=50 --json";
-
 /// `simulate`.
 #[derive(Args, Debug)]
 pub struct Simulate {
@@ -372,11 +341,6 @@ pub struct Simulate {
     pub tolerance: Option<Tolerance>,
 }
 
-const PLOT_EXAMPLES: &str = "\
-Examples:
-  leadscrew plot examples/shaft.nc -o shaft.svg
-  leadscrew plot part.nc -o part.svg --spindle-ripple 10@5";
-
 /// `plot`.
 #[derive(Args, Debug)]
 pub struct Plot {
@@ -391,13 +355,6 @@ pub struct Plot {
     pub drive: Drive,
 }
 
-const RECORD_EXAMPLES: &str = "\
-Examples:
-  leadscrew record --bus can0 -o bus.log           what candump writes and canplayer, Wireshark and python-can read
-  leadscrew record --bus can0 -o setpoints.csv     setpoints, actual positions and events
-  leadscrew record --bus can0 --params a.toml --further b.toml -o both.csv     of two boards
-  leadscrew record --bus slcan:/dev/ttyACM0 -o bus.log --count 1000";
-
 /// `record`.
 #[derive(Args, Debug)]
 pub struct Record {
@@ -411,12 +368,6 @@ pub struct Record {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub count: Option<u64>,
 }
-
-const RUN_EXAMPLES: &str = "\
-Examples:
-  leadscrew run examples/shaft.nc
-  leadscrew run part.nc --tolerance 1.0 --json
-  leadscrew run part.nc --spindle-ripple 10@5 --tolerance 1.3";
 
 /// `run`.
 #[derive(Args, Debug)]
@@ -446,66 +397,52 @@ pub enum OverrideName {
     Spindle,
 }
 
-const PARAMS_EXAMPLES: &str = "\
-Examples:
-  leadscrew params list thread                             all that have `thread` in their name or meaning
-  leadscrew params get 1420.X --params lathe.toml          one value, and where it was set
-  leadscrew params validate --params lathe.toml            find mistakes in a machine file
-  leadscrew params docs > parameters.md                    the manual of all parameters
-  leadscrew params pull -o lathe.toml --bus can0           a board's set as a file
-  leadscrew params diff lathe.toml --bus can0              what pushing it would change
-  leadscrew params push lathe.toml --bus can0              all of it, or nothing
-  leadscrew params set 1420.X=11000 --bus can0             one value
-
-A machine file is TOML, one value a line, keys by number or name, values with their unit:
-  \"1420.X\" = \"12000 mm/min\"
-  acceleration.Z = \"3 m/s²\"
-  182.7 = 1";
-
 /// `params`.
 #[derive(Debug, Subcommand)]
 pub enum ParamsCommand {
     /// Print all parameters with their values
+    #[command(after_help = examples::LIST)]
     List {
         /// Only those with this in their number, name or meaning
         #[arg(value_name = "TEXT")]
         filter: Option<String>,
     },
     /// Print single parameters, with range and source
+    #[command(after_help = examples::GET)]
     Get {
         /// Number or name, with or without its bit or axis
         #[arg(required = true, value_name = "NO[.BIT|.AXIS]")]
         keys: Vec<String>,
     },
     /// Check the set that `--params` and `--set` make
+    #[command(after_help = examples::VALIDATE)]
     Validate,
     /// Print the manual of all parameters as Markdown
+    #[command(after_help = examples::DOCS)]
     Docs {
         /// The board's electronic data sheet (EDS) for CANopen tools
         #[arg(long)]
         eds: bool,
     },
     /// Write values: to a board, to the simulated flash in `--state`, or into the one file of `--params`
-    #[command(name = "set")]
+    #[command(name = "set", after_help = examples::WRITE)]
     Write(Write),
     /// Fetch the set of a board as a machine file
+    #[command(after_help = examples::PULL)]
     Pull(Pull),
     /// Send machine files to a board, and the drives' own objects to the drives: all or nothing
-    #[command(after_help = PUSH_EXAMPLES)]
+    #[command(after_help = examples::PUSH)]
     Push(Push),
     /// Take the last good set before the stored one back into force
+    #[command(after_help = examples::RESTORE)]
     Restore(Restore),
     /// Compare: the board with a file, two files, or the board with the built-in machine
+    #[command(after_help = examples::DIFF)]
     Diff(Diff),
     /// Bring a file of an older version of the table up to date
+    #[command(after_help = examples::MIGRATE)]
     Migrate(Migrate),
 }
-
-const PUSH_EXAMPLES: &str = "\
-Examples:
-  leadscrew params push lathe.toml --bus can0 --dry-run    what would change
-  leadscrew params push lathe.toml --bus can0
-  leadscrew params push lathe.toml --state board.flash     the simulated board's flash";
 
 /// `params set`.
 #[derive(Args, Debug)]

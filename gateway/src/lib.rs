@@ -24,6 +24,7 @@ pub mod json;
 pub mod length;
 pub mod link;
 pub mod machine;
+pub mod mistyped;
 pub mod movelist;
 pub mod number;
 pub mod output;

@@ -3,10 +3,14 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use leadscrew::{cli, commands};
+use leadscrew::{cli, commands, mistyped};
 
 fn main() -> ExitCode {
-    let cli = cli::Cli::parse();
+    let typed: Vec<_> = std::env::args_os().collect();
+    let cli = match cli::Cli::try_parse_from(&typed) {
+        Ok(cli) => cli,
+        Err(error) => return mistyped::report(&error, &typed),
+    };
     match commands::dispatch(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(cli.global.lang(), cli.global.json),

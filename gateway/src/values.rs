@@ -1,33 +1,58 @@
 //! Values on the command line that have a form of their own. Exact: decimals are read as integers, never as floats.
 
+use std::fmt;
 use std::str::FromStr;
 
 use leadscrew_core::signals::Signal;
 
+use crate::words::{Both, both};
+
+/// Why a value cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mistake(pub Both);
+
+impl fmt::Display for Mistake {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.en)
+    }
+}
+
+impl std::error::Error for Mistake {}
+
+/// `Mistake` of both texts.
+macro_rules! mistake {
+    ($($words:tt)*) => { Mistake(both!($($words)*)) };
+}
+pub(crate) use mistake;
+
 /// Reads a decimal as an integer with `decimals` digits after the point; refuses more digits than that.
-fn decimal(text: &str, decimals: usize) -> Result<i64, String> {
+fn decimal(text: &str, decimals: usize) -> Result<i64, Mistake> {
     let (negative, digits) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
         None => (false, text.strip_prefix('+').unwrap_or(text)),
     };
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
     let fraction = fraction.trim_end_matches('0');
+    let no_number = || mistake!("`{text}` is not a number", "`{text}` 不是数字");
     if whole.is_empty() && fraction.is_empty() && !digits.contains('0') {
-        return Err(format!("`{text}` is not a number"));
+        return Err(no_number());
     }
     if fraction.len() > decimals {
-        return Err(format!("`{text}` has more than {decimals} decimals"));
+        return Err(mistake!(
+            "`{text}` has more than {decimals} decimals",
+            "`{text}` 的小数超过 {decimals} 位"
+        ));
     }
     let mut value: i64 = 0;
     let padding = std::iter::repeat_n(b'0', decimals - fraction.len());
     for byte in whole.bytes().chain(fraction.bytes()).chain(padding) {
         if !byte.is_ascii_digit() {
-            return Err(format!("`{text}` is not a number"));
+            return Err(no_number());
         }
         value = value
             .checked_mul(10)
             .and_then(|v| v.checked_add(i64::from(byte - b'0')))
-            .ok_or_else(|| format!("`{text}` is too large"))?;
+            .ok_or_else(|| mistake!("`{text}` is too large", "`{text}` 太大"))?;
     }
     Ok(if negative { -value } else { value })
 }
@@ -44,32 +69,46 @@ pub struct At {
 }
 
 impl FromStr for At {
-    type Err = String;
+    type Err = Mistake;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Mistake> {
         let mut at = Self::default();
         let mut seen = Vec::new();
         for part in text.split(',') {
             let (axis, value) = part.split_once('=').ok_or_else(|| {
-                format!("`{part}`: expected `X=100,Z=50` (X is a diameter, in mm)")
+                mistake!(
+                    "`{part}`: expected `X=100,Z=50` (X is a diameter, in mm)",
+                    "`{part}`：应写成 `X=100,Z=50`（X 为直径，单位 mm）"
+                )
             })?;
             let axis = axis.trim().to_ascii_uppercase();
             let value = decimal(value.trim(), 6)?;
             if value.abs() > 1 << 42 {
-                return Err(format!("`{part}` is outside of any machine"));
+                return Err(mistake!(
+                    "`{part}` is outside of any machine",
+                    "`{part}` 超出任何机床的范围"
+                ));
             }
             match axis.as_str() {
                 // A diameter in nanometres is twice the radius; an odd one has no radius.
                 "X" if value % 2 != 0 => {
-                    return Err(format!("`{part}`: half of it is no whole nanometre"));
+                    return Err(mistake!(
+                        "`{part}`: half of it is no whole nanometre",
+                        "`{part}`：它的一半不是整数纳米"
+                    ));
                 }
                 "X" => at.x_nm = value / 2,
                 "Z" => at.z_nm = value,
                 "C" => at.c_udeg = value,
-                _ => return Err(format!("there is no axis `{axis}`: X, Z and C are")),
+                _ => {
+                    return Err(mistake!(
+                        "there is no axis `{axis}`: X, Z and C are",
+                        "没有轴 `{axis}`：只有 X、Z 和 C"
+                    ));
+                }
             }
             if seen.contains(&axis) {
-                return Err(format!("`{axis}` stands there twice"));
+                return Err(mistake!("`{axis}` stands there twice", "`{axis}` 写了两次"));
             }
             seen.push(axis);
         }
@@ -87,19 +126,25 @@ pub struct SetSignal {
 }
 
 impl FromStr for SetSignal {
-    type Err = String;
+    type Err = Mistake;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Mistake> {
         let (name, level) = match text.split_once('=') {
             Some((name, "0")) => (name, false),
             Some((name, "1")) => (name, true),
-            _ => return Err("expected `NAME=0` or `NAME=1`".into()),
+            _ => {
+                return Err(mistake!(
+                    "expected `NAME=0` or `NAME=1`",
+                    "应写成 `NAME=0` 或 `NAME=1`"
+                ));
+            }
         };
         match Signal::find(name) {
             Some(signal) => Ok(Self { signal, level }),
-            None => Err(format!(
-                "there is no signal `{name}`; there are {}",
-                Signal::ALL.map(Signal::name).join(", ")
+            None => Err(mistake!(
+                "there is no signal `{name}`; there are {all}",
+                "没有信号 `{name}`；有 {all}",
+                all = Signal::ALL.map(Signal::name).join(", ")
             )),
         }
     }
@@ -115,23 +160,33 @@ pub struct Ripple {
 }
 
 impl FromStr for Ripple {
-    type Err = String;
+    type Err = Mistake;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (percent, hz) = text
-            .split_once('@')
-            .ok_or("expected PERCENT@HZ, for example `10@5`")?;
+    fn from_str(text: &str) -> Result<Self, Mistake> {
+        let (percent, hz) = text.split_once('@').ok_or_else(|| {
+            mistake!(
+                "expected PERCENT@HZ, for example `10@5`",
+                "应写成 PERCENT@HZ，例如 `10@5`"
+            )
+        })?;
         let milli_percent = decimal(percent.trim_end_matches('%'), 3)?;
         let milli_hz = decimal(hz, 3)?;
         if !(0..=90_000).contains(&milli_percent) {
-            return Err(format!("{percent} % is outside 0 to 90 %"));
+            return Err(mistake!(
+                "{percent} % is outside 0 to 90 %",
+                "{percent} % 超出 0 至 90 %"
+            ));
         }
         if !(10..=1_000_000).contains(&milli_hz) {
-            return Err(format!("{hz} Hz is outside 0.01 to 1000 Hz"));
+            return Err(mistake!(
+                "{hz} Hz is outside 0.01 to 1000 Hz",
+                "{hz} Hz 超出 0.01 至 1000 Hz"
+            ));
         }
+        // Both are within their bounds by now.
         Ok(Self {
-            milli_percent: u32::try_from(milli_percent).map_err(|e| e.to_string())?,
-            milli_hz: u32::try_from(milli_hz).map_err(|e| e.to_string())?,
+            milli_percent: u32::try_from(milli_percent).unwrap_or_default(),
+            milli_hz: u32::try_from(milli_hz).unwrap_or_default(),
         })
     }
 }
@@ -144,12 +199,12 @@ pub struct Tolerance {
 }
 
 impl FromStr for Tolerance {
-    type Err = String;
+    type Err = Mistake;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Mistake> {
         let pm = decimal(text, 6)?;
         if pm < 0 {
-            return Err("a tolerance is not negative".into());
+            return Err(mistake!("a tolerance is not negative", "公差不能为负"));
         }
         Ok(Self { pm })
     }
@@ -160,12 +215,15 @@ impl FromStr for Tolerance {
 pub struct Percent(pub u16);
 
 impl FromStr for Percent {
-    type Err = String;
+    type Err = Mistake;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Mistake> {
         match text.trim_end_matches('%').parse() {
             Ok(percent) => Ok(Self(percent)),
-            Err(_) => Err("expected a whole number of percent, as `80`".into()),
+            Err(_) => Err(mistake!(
+                "expected a whole number of percent, as `80`",
+                "应为整数百分比，如 `80`"
+            )),
         }
     }
 }
@@ -229,7 +287,7 @@ mod tests {
         for wrong in ["", "G61.2", "G61.2=2", "G61.2=", "=1", "G61.2=10"] {
             assert!(wrong.parse::<SetSignal>().is_err(), "{wrong}");
         }
-        let told = "SWS5=1".parse::<SetSignal>().unwrap_err();
+        let told = "SWS5=1".parse::<SetSignal>().unwrap_err().to_string();
         for signal in Signal::ALL {
             assert!(told.contains(signal.name()), "{told}");
         }

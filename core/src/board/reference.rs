@@ -4,7 +4,7 @@
 use super::ticker::Ticker;
 use crate::link::ThreadKind;
 use crate::motion::{Cut, Law, Setpoint, Task};
-use crate::program::{Position, TapAxis};
+use crate::program::{Position, TapAxis, TapSpindle};
 use crate::units::Length;
 
 /// What the next measured angle is judged by; nothing at first.
@@ -86,6 +86,8 @@ impl Reference {
         if setpoint.locked
             && let Some(task) = head
             && let Some(law) = ticker.law(head)
+            // No encoder on the board measures the spindles that only tap [D91].
+            && (ticker.tap_spindle() == TapSpindle::First || !matches!(law, Law::Tap(_)))
         {
             self.0 = Some(Held {
                 law,

@@ -49,7 +49,7 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
         at: options.position,
         hole: Hole::new(setup.tap),
     };
-    movelist::header(format, &mut list.buffer);
+    movelist::header(format, setup.lang, &mut list.buffer);
     let result = list.all(&mut program);
     list.flush()?;
     result
@@ -103,6 +103,7 @@ impl List<'_> {
             self.moves += 1;
             movelist::push(
                 self.format,
+                self.setup.lang,
                 &mut self.buffer,
                 self.moves,
                 &step,
@@ -131,6 +132,10 @@ impl List<'_> {
             self.buffer.extend_from_slice(&json.into_bytes());
             self.buffer.push(b'\n');
         } else {
+            if self.format == Format::Text && self.moves == 0 && !diagnostic.warning {
+                // A table without a line needs no heading.
+                self.buffer.clear();
+            }
             // What has happened before comes first, also where both go to one terminal.
             self.flush()?;
             diagnostics::print(&diagnostic, self.setup.colour);

@@ -5,6 +5,7 @@ mod csv;
 mod jsonl;
 mod text;
 
+use leadscrew_core::alarm::Lang;
 use leadscrew_core::cycle::{Cycle, Move, MoveKind, Stage};
 use leadscrew_core::program::{Aux, FeedRate, Position, SpindleMode};
 use leadscrew_core::units::Rpm;
@@ -178,9 +179,9 @@ fn stage_name(stage: Stage) -> &'static str {
 }
 
 /// Appends the header of a format that has one.
-pub fn header(format: Format, out: &mut Vec<u8>) {
+pub fn header(format: Format, lang: Lang, out: &mut Vec<u8>) {
     match format {
-        Format::Text => text::header(out),
+        Format::Text => text::header(lang, out),
         Format::Jsonl => {}
         Format::Csv => csv::header(out),
     }
@@ -188,10 +189,10 @@ pub fn header(format: Format, out: &mut Vec<u8>) {
 
 /// Appends move number `n`. `origin` turns machine into work coordinates.
 #[inline]
-pub fn push(format: Format, out: &mut Vec<u8>, n: u64, step: &Move, origin: &Position) {
+pub fn push(format: Format, lang: Lang, out: &mut Vec<u8>, n: u64, step: &Move, origin: &Position) {
     let row = Row::new(n, step, origin);
     match format {
-        Format::Text => text::row(out, &row),
+        Format::Text => text::row(lang, out, &row),
         Format::Jsonl => jsonl::row(out, &row),
         Format::Csv => csv::row(out, &row),
     }
@@ -250,7 +251,14 @@ mod tests {
 
     fn text(format: Format, step: &Move) -> String {
         let mut out = Vec::new();
-        push(format, &mut out, 12, step, &at(1_000_000, 1_000_000));
+        push(
+            format,
+            Lang::En,
+            &mut out,
+            12,
+            step,
+            &at(1_000_000, 1_000_000),
+        );
         String::from_utf8(out).unwrap()
     }
 
@@ -300,7 +308,7 @@ mod tests {
     #[test]
     fn csv_has_a_field_for_each_column() {
         let mut header_line = Vec::new();
-        header(Format::Csv, &mut header_line);
+        header(Format::Csv, Lang::En, &mut header_line);
         let header_line = String::from_utf8(header_line).unwrap();
         assert_eq!(
             header_line,

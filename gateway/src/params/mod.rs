@@ -248,6 +248,7 @@ impl Loaded {
             .iter()
             .filter(|entry| numbers(alarm.code).contains(&entry.no))
             .filter_map(|entry| Some((is_axis(entry), self.sources.get(&key(entry))?)))
+            .filter(|(is_axis, _)| *is_axis || alarm.code == Code::RampTooLong)
             .max_by_key(|(is_axis, source)| (*is_axis, source.order))
             .map(|(_, source)| source);
         source.map_or_else(

@@ -581,3 +581,22 @@ fn identifiers_of_a_drive_go_with_the_number_of_the_same_set() {
     let good = "rpdo1_cob_id = 0x214\nrpdo2_cob_id = 0x80000314\ntpdo1_cob_id = 0x40000194";
     assert_eq!(told_of(good), [""; 0]);
 }
+
+#[test]
+fn a_condition_of_one_axis_is_not_told_of_another_axis_value() {
+    let mut board = Params::slant_bed();
+    let tick = Entry::find_text("9000").unwrap();
+    board.set(tick, 4000).unwrap();
+    let set = ["1420.X=9000".to_owned()];
+    let loaded = load_over(Some(board), &[], &set, Lang::En).unwrap();
+    let rapid: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .filter(|d| d.number == 4964)
+        .collect();
+    let [told] = rapid.as_slice() else {
+        panic!("{rapid:?}")
+    };
+    assert!(told.message.contains("1420.C"), "{}", told.message);
+    assert_eq!(told.file, "the board's parameters");
+}

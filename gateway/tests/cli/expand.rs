@@ -148,3 +148,48 @@ fn the_three_formats_list_the_same_moves() {
     let columns = csv.lines().next().unwrap().matches(',').count();
     assert!(csv.lines().all(|line| line.matches(',').count() == columns));
 }
+
+#[test]
+fn the_table_is_in_the_language_asked_for() {
+    let output = leadscrew(&["expand", "examples/g84-tap.nc", "--lang", "zh"]);
+    assert_eq!(
+        stdout(&output),
+        "  序号  行号  循环  刀次 阶段      类型             X           Z          说明\n\
+         \x20    1     3                       快速       50            0\n\
+         \x20    2     4                       主轴       50            0         1000 r/min  刚性\n\
+         \x20    3     5  G84      1 攻丝      攻丝       50          -50         深度 50  导程 2  25 转  1000 r/min\n\
+         \x20    4     5  G84      1 暂停      暂停       50          -50         深度 50  3000 ms\n\
+         \x20    5     5  G84      1 退出      攻丝       50            0         深度 0  导程 2  -25 转  -1000 r/min\n\
+         \x20    6     6                       主轴       50            0         0 r/min\n\
+         \x20    7     7                       辅助       50            0         M30\n"
+    );
+    // No stage and no kind is left without its word.
+    for example in [
+        "g78-two-start",
+        "o0008-g75-grooves",
+        "g84-bolt-circle",
+        "g84-peck",
+        "shaft",
+    ] {
+        let output = leadscrew(&["expand", &format!("examples/{example}.nc"), "--lang", "zh"]);
+        for line in stdout(&output).lines() {
+            assert!(
+                !line.contains(|c: char| c.is_ascii_lowercase() && !"mrins/".contains(c)),
+                "{line}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_table_of_nothing_has_no_heading() {
+    let output = leadscrew(&["expand", "tests/golden/none.nc"]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    let folder = crate::Folder::new("no-moves");
+    let program = folder.file("wrong.nc");
+    std::fs::write(&program, "G33 Z5 F1\n").unwrap();
+    let output = leadscrew(&["expand", &program]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (1, ""));
+    let output = leadscrew(&["expand", &program, "--format", "csv"]);
+    assert_eq!(stdout(&output).lines().count(), 1);
+}

@@ -162,3 +162,21 @@ fn an_ordinary_tap_is_judged_by_the_measured_spindle() {
     let output = leadscrew(&["check", "examples/g84-floating.nc"]);
     assert!(stdout(&output).contains("mm before the material; up to 400 rpm"));
 }
+
+/// Spindles 2 to 4 have no encoder on the board: what it measures of spindle 1 says nothing of their holes.
+#[test]
+fn nothing_is_measured_of_a_hole_that_another_spindle_taps() {
+    let folder = Folder::new("unmeasured");
+    let program = folder.file("hole.nc");
+    let hole =
+        |spindle| format!("G98 G0 X40 Z5\nM29 S600\nG84 Z-12 R-3 P500 F600 E{spindle}\nG80\nM30\n");
+    std::fs::write(&program, hole(1)).unwrap();
+    let told = simulated(&[&program, "--tolerance", "1"]);
+    assert_eq!(told["threads"][0]["kind"], "rigid_tap");
+    std::fs::write(&program, hole(2)).unwrap();
+    let told = simulated(&[&program, "--tolerance", "1"]);
+    assert_eq!(told["threads"], Value::Array(vec![]));
+    // The simulation knows its angle all the same.
+    assert_eq!(told["sync_error_um"]["max"], 0);
+    assert_eq!(told["tap"]["turns_deep"], 14);
+}

@@ -29,7 +29,81 @@ fn help_and_version_are_on_every_command() {
         let help = leadscrew(&[command, "--help"]);
         assert_eq!(code(&help), 0, "{command}: {}", stderr(&help));
         assert!(stdout(&help).contains("Usage:"), "{command}");
+        assert!(stdout(&help).contains("Example"), "{command}");
     }
+    for verb in [
+        "list", "get", "set", "pull", "push", "diff", "validate", "migrate", "docs", "restore",
+    ] {
+        let help = leadscrew(&["params", verb, "--help"]);
+        assert_eq!(code(&help), 0, "{verb}: {}", stderr(&help));
+        let example = format!("  leadscrew params {verb}");
+        assert!(stdout(&help).contains(&example), "{verb}");
+    }
+}
+
+#[test]
+fn a_command_line_that_cannot_be_read_is_answered_in_the_language_asked_for() {
+    let shaft = "examples/shaft.nc";
+    for (args, words) in [
+        (&["check"][..], "缺少：<PROG>..."),
+        (&["chek", shaft], "没有命令 `chek`；是否要写 `check`？"),
+        (
+            &["check", shaft, "--nod", "5"],
+            "没有选项或参数 `--nod`；是否要写 `--node`？",
+        ),
+        (
+            &["check", shaft, "--node", "200"],
+            "`--node <N>` 不能是 `200`：范围是 1 至 127",
+        ),
+        (
+            &["check", shaft, "--at", "Y=1"],
+            "`--at <X=…,Z=…>` 不能是 `Y=1`：没有轴 `Y`：只有 X、Z 和 C",
+        ),
+        (
+            &["check", shaft, "--bus", "slcan:unix:"],
+            "`--bus <BUS>` 不能是 `slcan:unix:`：`slcan:unix:` 后面要写套接字的路径",
+        ),
+        (
+            &["check", shaft, "--dialect", "x"],
+            "`--dialect <DIALECT>` 不能是 `x`；可用：gsk980td gsk988",
+        ),
+        (
+            &["retract", "--speed", "1", "--discard"],
+            "`--speed <RPM>` 不能与 `--discard` 一起用",
+        ),
+        (
+            &["check", shaft, "--seed", "1", "--seed", "2"],
+            "`--seed <N>` 只能写一次",
+        ),
+        (
+            &["params", "diff", "a", "b", "c"],
+            "`[FILE]...` 的值太多：`c`",
+        ),
+        (&["params"], "缺少命令"),
+    ] {
+        let output = leadscrew(&[args, &["--lang", "zh", "--json"]].concat());
+        assert_eq!(code(&output), 2, "{args:?}");
+        assert_eq!(
+            stderr(&output),
+            format!("错误：{words}\n\n更多说明请用 `--help` 查看。\n")
+        );
+        let told: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        assert_eq!(told["ok"], false, "{args:?}");
+        assert_eq!(told["exit"], 2, "{args:?}");
+        assert_eq!(told["error"], words, "{args:?}");
+    }
+    // In English the parser has words of its own.
+    let output = leadscrew(&["check", shaft, "--at", "Y=1", "--json"]);
+    let told: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let words = "invalid value 'Y=1' for '--at <X=…,Z=…>': there is no axis `Y`: X, Z and C are";
+    assert_eq!(told["error"], words);
+    assert!(stderr(&output).starts_with(&format!("error: {words}\n")));
+    // Without it nothing is on standard output.
+    assert!(
+        leadscrew(&["check", shaft, "--at", "Y=1"])
+            .stdout
+            .is_empty()
+    );
 }
 
 #[test]

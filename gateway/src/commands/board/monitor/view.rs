@@ -188,7 +188,8 @@ fn spindle_lines(view: &View) -> Vec<Line<'static>> {
     let mut lines = Vec::new();
     if let Some(spindle) = view.spindle {
         let speed = number::rounded::<3>(i64::from(spindle.speed.get()), 1);
-        lines.push(Line::raw(format!("{speed:>10} rpm")));
+        let unit = pick(view.lang, "rpm", "r/min");
+        lines.push(Line::raw(format!("{speed:>10} {unit}")));
     }
     if let Some(status) = &view.status {
         let text = both!(

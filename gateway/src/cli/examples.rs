@@ -1,0 +1,174 @@
+//! What stands below the help of each command: lines that can be typed as they are.
+
+/// Of the program itself.
+pub(super) const ALL: &str = "\
+Examples:
+  leadscrew check examples/o0013-g76-m68x6.nc      find mistakes before anything moves
+  leadscrew expand examples/o0013-g76-m68x6.nc     see every move of the cycle
+  leadscrew plot examples/shaft.nc -o shaft.svg    a picture of path, speed and synchronism
+  leadscrew run examples/shaft.nc                  run it on the simulated machine
+  leadscrew simulate PROG -o setpoints.csv         the setpoints, tick by tick
+
+Exit codes:
+  0    done, warnings included
+  1    the program or the parameters are wrong, or a check asked for has failed
+  2    the command line is wrong
+  3    no bus, no board, or the link was lost
+  4    the machine stopped on an alarm while running
+  130  interrupted; the board was brought to a controlled stop first";
+
+pub(super) const RETRACT: &str = "\
+Examples:
+  leadscrew status --state board.flash              is a tap in a hole?
+  leadscrew retract --dry-run --state board.flash   what would move
+  leadscrew retract --speed 200 --state board.flash
+  leadscrew retract --discard --state board.flash   the tap was taken out by hand";
+
+pub(super) const CHECK: &str = "\
+Examples:
+  leadscrew check part.nc
+  leadscrew check --strict *.nc            a lead-in that is too short fails too
+  leadscrew check --json part.nc           for editors and scripts
+  leadscrew check --set 1430.Z=4000 part.nc";
+
+pub(super) const EXPAND: &str = "\
+Examples:
+  leadscrew expand part.nc
+  leadscrew expand part.nc --format jsonl | jq 'select(.cycle == \"G76\")'
+  leadscrew expand part.nc --format csv > moves.csv";
+
+pub(super) const SIMULATE: &str = "\
+Examples:
+  leadscrew simulate part.nc                                    only the summary
+  leadscrew simulate part.nc -o setpoints.csv
+  leadscrew simulate part.nc --spindle-ripple 10@5 --tolerance 1.3
+  leadscrew simulate part.nc --at X=100,Z=50 --json";
+
+pub(super) const PLOT: &str = "\
+Examples:
+  leadscrew plot examples/shaft.nc -o shaft.svg
+  leadscrew plot part.nc -o part.svg --spindle-ripple 10@5";
+
+pub(super) const RECORD: &str = "\
+Examples:
+  leadscrew record --bus can0 -o bus.log           what candump writes and canplayer, Wireshark and python-can read
+  leadscrew record --bus can0 -o setpoints.csv     setpoints, actual positions and events
+  leadscrew record --bus can0 --params a.toml --further b.toml -o both.csv     of two boards
+  leadscrew record --bus slcan:/dev/ttyACM0 -o bus.log --count 1000";
+
+pub(super) const RUN: &str = "\
+Examples:
+  leadscrew run examples/shaft.nc
+  leadscrew run part.nc --tolerance 1.0 --json
+  leadscrew run part.nc --spindle-ripple 10@5 --tolerance 1.3";
+
+pub(super) const PARAMS: &str = "\
+Examples:
+  leadscrew params list thread                             all that have `thread` in their name or meaning
+  leadscrew params get 1420.X --params lathe.toml          one value, and where it was set
+  leadscrew params validate --params lathe.toml            find mistakes in a machine file
+  leadscrew params docs > parameters.md                    the manual of all parameters
+  leadscrew params pull -o lathe.toml --bus can0           a board's set as a file
+  leadscrew params diff lathe.toml --bus can0              what pushing it would change
+  leadscrew params push lathe.toml --bus can0              all of it, or nothing
+  leadscrew params set 1420.X=11000 --bus can0             one value
+
+A machine file is TOML, one value a line, keys by number or name, values with their unit:
+  \"1420.X\" = \"12000 mm/min\"
+  acceleration.Z = \"3 m/s²\"
+  182.7 = 1";
+
+pub(super) const PUSH: &str = "\
+Examples:
+  leadscrew params push lathe.toml --bus can0 --dry-run    what would change
+  leadscrew params push lathe.toml --bus can0
+  leadscrew params push lathe.toml --state board.flash     the simulated board's flash";
+
+pub(super) const STATUS: &str = "\
+Examples:
+  leadscrew status --bus can0                  state, place, spindle, alarm, a tap in its hole
+  leadscrew status --bus can0 --node 2 --json    for programs
+  leadscrew status --state board.flash           what a simulated board has kept";
+
+pub(super) const MONITOR: &str = "\
+Example:
+  leadscrew monitor --bus can0     q ends the view";
+
+pub(super) const HOLD: &str = "\
+Example:
+  leadscrew hold --bus can0     a stroke that cuts a thread is finished first";
+
+pub(super) const RESUME: &str = "\
+Example:
+  leadscrew resume --bus can0     behind a hold, M00 or M01";
+
+pub(super) const RESET: &str = "\
+Example:
+  leadscrew reset --bus can0     forgets the program, and leaves an alarm whose cause is gone";
+
+pub(super) const STOP: &str = "\
+Example:
+  leadscrew stop --bus can0     all axes at once, alarm 4300; behind it `leadscrew reset`";
+
+pub(super) const OVERRIDE: &str = "\
+Examples:
+  leadscrew override feed 80 --bus can0
+  leadscrew override rapid 25 --bus can0
+  leadscrew override spindle 110 --bus can0";
+
+pub(super) const SIGNAL: &str = "\
+Example:
+  leadscrew signal G61.2=1 --bus can0     the next tap is left hand";
+
+pub(super) const LIST: &str = "\
+Examples:
+  leadscrew params list                        the built-in machine
+  leadscrew params list thread --lang zh
+  leadscrew params list --bus can0 --json      those of a board";
+
+pub(super) const GET: &str = "\
+Examples:
+  leadscrew params get 1420.X
+  leadscrew params get rapid_rate 182.7 --params lathe.toml";
+
+pub(super) const VALIDATE: &str = "\
+Examples:
+  leadscrew params validate --params lathe.toml
+  leadscrew params validate --params lathe.toml --set 1420.X=9000 --json";
+
+pub(super) const DOCS: &str = "\
+Examples:
+  leadscrew params docs > parameters.md
+  leadscrew params docs --eds > leadscrew.eds";
+
+pub(super) const WRITE: &str = "\
+Examples:
+  leadscrew params set 1420.X=11000 --bus can0
+  leadscrew params set rapid_rate.X=11m/min 182.7=1 --params lathe.toml
+  leadscrew params set 9027=20 --state board.flash";
+
+pub(super) const PULL: &str = "\
+Examples:
+  leadscrew params pull --bus can0 -o lathe.toml
+  leadscrew params pull --bus can0 --into lathe.toml     keeps its comments";
+
+pub(super) const RESTORE: &str = "\
+Examples:
+  leadscrew params restore --bus can0
+  leadscrew params restore --bus can0 --dry-run     what would change";
+
+pub(super) const DIFF: &str = "\
+Examples:
+  leadscrew params diff lathe.toml --bus can0     what pushing it would change
+  leadscrew params diff old.toml new.toml
+  leadscrew params diff --bus can0                a board against the built-in machine";
+
+pub(super) const MIGRATE: &str = "\
+Examples:
+  leadscrew params migrate old.toml                what would change
+  leadscrew params migrate old.toml -o new.toml";
+
+pub(super) const COMPLETIONS: &str = "\
+Examples:
+  leadscrew completions bash > ~/.local/share/bash-completion/completions/leadscrew
+  leadscrew completions fish > ~/.config/fish/completions/leadscrew.fish";

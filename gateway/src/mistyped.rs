@@ -1,0 +1,136 @@
+//! What is said of a command line that cannot be read: in the language that it asks for, and as the one result where it asks
+//! for `--json`. In English the words are those of the parser.
+
+use std::error::Error as _;
+use std::ffi::OsString;
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use clap::Error;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use leadscrew_can::WrongAddress;
+
+use crate::output;
+use crate::values::Mistake;
+
+/// Prints the help or the version that was asked for, or what is wrong, and gives the exit code.
+#[must_use]
+pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
+    if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        // A closed stream leaves nobody to tell.
+        let _ = error.print();
+        return exit(error);
+    }
+    let chinese = is_chinese(typed).then(|| chinese(error)).flatten();
+    match &chinese {
+        Some(words) => {
+            let _ = writeln!(
+                io::stderr(),
+                "错误：{words}\n\n更多说明请用 `--help` 查看。"
+            );
+        }
+        None => {
+            let _ = error.print();
+        }
+    }
+    if typed.iter().any(|word| word == "--json") {
+        let words = chinese.unwrap_or_else(|| english(error));
+        let _ = output::json(|o| {
+            o.flag("ok", false);
+            o.integer("exit", i64::from(error.exit_code()));
+            o.text("error", &words);
+        });
+    }
+    exit(error)
+}
+
+fn exit(error: &Error) -> ExitCode {
+    u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from)
+}
+
+/// `--lang zh` is there; a command line that cannot be read has no options that could be asked.
+fn is_chinese(typed: &[OsString]) -> bool {
+    let two = typed
+        .windows(2)
+        .any(|two| two[0] == "--lang" && two[1] == "zh");
+    two || typed.iter().any(|word| word == "--lang=zh")
+}
+
+/// The first paragraph of what the parser says, without its heading.
+fn english(error: &Error) -> String {
+    let text = error.render().to_string();
+    let words = text.strip_prefix("error: ").unwrap_or(&text);
+    let end = words.find("\n\n").unwrap_or(words.len());
+    words[..end].trim_end().to_owned()
+}
+
+/// The same in Chinese; `None` for what the parser alone has words for.
+fn chinese(error: &Error) -> Option<String> {
+    let of = |kind| {
+        error.get(kind).map(|value| match value {
+            ContextValue::String(text) => text.clone(),
+            ContextValue::Strings(texts) => texts.join(" "),
+            other => other.to_string(),
+        })
+    };
+    let argument = || of(ContextKind::InvalidArg);
+    let value = || of(ContextKind::InvalidValue).filter(|value| !value.is_empty());
+    let hint = |kind| of(kind).map_or(String::new(), |hint| format!("；是否要写 `{hint}`？"));
+    Some(match error.kind() {
+        ErrorKind::InvalidValue => {
+            let all =
+                of(ContextKind::ValidValue).map_or(String::new(), |all| format!("；可用：{all}"));
+            match value() {
+                Some(value) => format!("`{}` 不能是 `{value}`{all}", argument()?),
+                None => format!("`{}` 缺少值{all}", argument()?),
+            }
+        }
+        ErrorKind::ValueValidation => {
+            let value = value().unwrap_or_default();
+            format!("`{}` 不能是 `{value}`：{}", argument()?, reason(error))
+        }
+        ErrorKind::UnknownArgument => {
+            format!(
+                "没有选项或参数 `{}`{}",
+                argument()?,
+                hint(ContextKind::SuggestedArg)
+            )
+        }
+        ErrorKind::InvalidSubcommand => format!(
+            "没有命令 `{}`{}",
+            of(ContextKind::InvalidSubcommand)?,
+            hint(ContextKind::SuggestedSubcommand)
+        ),
+        ErrorKind::MissingRequiredArgument => format!("缺少：{}", argument()?),
+        ErrorKind::MissingSubcommand => "缺少命令".into(),
+        ErrorKind::ArgumentConflict => match of(ContextKind::PriorArg) {
+            Some(other) if Some(&other) != argument().as_ref() => {
+                format!("`{}` 不能与 `{other}` 一起用", argument()?)
+            }
+            _ => format!("`{}` 只能写一次", argument()?),
+        },
+        ErrorKind::TooManyValues => format!("`{}` 的值太多：`{}`", argument()?, value()?),
+        ErrorKind::TooFewValues | ErrorKind::WrongNumberOfValues => {
+            format!("`{}` 的值的个数不对", argument()?)
+        }
+        ErrorKind::InvalidUtf8 => "命令行中有不是 UTF-8 的字符".into(),
+        _ => return None,
+    })
+}
+
+/// Why a value is refused: in words of ours, or of the parser's numbers.
+fn reason(error: &Error) -> String {
+    let Some(source) = error.source() else {
+        return "无效".into();
+    };
+    if let Some(mistake) = source.downcast_ref::<Mistake>() {
+        return mistake.0.zh.clone();
+    }
+    if let Some(wrong) = source.downcast_ref::<WrongAddress>() {
+        return wrong.chinese().to_owned();
+    }
+    match source.to_string().split_once(" is not in ") {
+        Some((_, range)) => format!("范围是 {}", range.replace("..=", " 至 ")),
+        None => "不是这里可用的整数".into(),
+    }
+}
