@@ -1,14 +1,17 @@
 //! What `simulate`, `plot` and `run` have in common: check all of it, run it on the machine, judge it, tell the result.
 
+use leadscrew_core::link::identity;
+
 use crate::checking::{self, Detail, Report};
 use crate::cli::Drive;
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
 use crate::machine::{self, Ended, Observer};
+use crate::origin::Origin;
 use crate::output;
 use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::threads::Above;
+use crate::synchronism::Synchronism;
 use crate::trace::Summary;
 use crate::values::Tolerance;
 use crate::words::{Both, both};
@@ -101,14 +104,15 @@ impl<'a> Execution<'a> {
     /// Why a tolerance is not met: by what the board has measured of a thread, or by what the simulation knows.
     fn above(&self, summary: &Summary, tolerance: Tolerance) -> Option<Both> {
         let mut above = self.ended.threads.above(tolerance);
-        if let Some((worst_nm, line)) = summary.above(tolerance) {
-            let above = above.get_or_insert_with(|| Above {
-                worst_nm,
-                lines: vec![line],
-            });
-            above.worst_nm = above.worst_nm.max(worst_nm);
+        if let Some(truly) = summary.above(tolerance) {
+            above.get_or_insert_default().join(&truly);
         }
         above.map(|above| above.words(tolerance))
+    }
+
+    /// The errors of synchronism as the board has measured them.
+    pub fn measured(&self) -> Synchronism {
+        self.ended.threads.measured()
     }
 
     /// The threads, for a person: a line each.
@@ -119,7 +123,7 @@ impl<'a> Execution<'a> {
     fn print_json(&self, summary: &Summary, ok: bool) -> Outcome {
         output::json(|json| {
             json.flag("ok", ok);
-            summary.fields(json);
+            summary.fields(&self.measured(), json);
             self.ended.threads.fields(json);
             let alarms = self.report.alarms.iter().chain(&self.ended.alarms);
             let warnings = self.report.warnings.iter().chain(&self.ended.warnings);
@@ -129,6 +133,12 @@ impl<'a> Execution<'a> {
             json.array_at("warnings", |json| {
                 warnings.for_each(|d| json.object(|json| d.fields(json, true)))
             });
+            let origin = Origin {
+                program: self.source.name(),
+                parameters: identity(&self.setup.params),
+                board: None,
+            };
+            origin.fields(json);
         })
     }
 }

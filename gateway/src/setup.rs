@@ -21,6 +21,7 @@ use crate::hole::Hole;
 use crate::output;
 use crate::params::{self, Loaded};
 use crate::state::{StateFile, stored_set};
+use crate::synchronism::Synchronism;
 use crate::threads::Threads;
 use crate::trace::Summary;
 use crate::words::both;
@@ -253,7 +254,7 @@ impl Answer {
                 Self::Parameters | Self::Moves { .. } => {}
                 Self::Check => o.array_at("files", |_| {}),
                 Self::Run => {
-                    Summary::new(loaded.params.tick_us()).fields(o);
+                    Summary::new(loaded.params.tick_us()).fields(&Synchronism::default(), o);
                     Threads::default().fields(o);
                 }
             }

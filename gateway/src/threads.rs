@@ -4,11 +4,11 @@
 use std::collections::BTreeMap;
 
 use leadscrew_core::alarm::Lang;
-use leadscrew_core::link::{Tally, ThreadCertificate, ThreadKind, ThreadRecord, ThreadState};
+use leadscrew_core::link::{ThreadCertificate, ThreadKind, ThreadRecord, ThreadState};
 
 use crate::json::Json;
 use crate::number;
-use crate::trace::error;
+use crate::synchronism::Synchronism;
 use crate::values::Tolerance;
 use crate::words::{Both, both, pick};
 
@@ -80,7 +80,7 @@ impl Threads {
     /// The lines of those whose largest error is above `tolerance`, each once, and that error.
     pub fn above(&self, tolerance: Tolerance) -> Option<Above> {
         let largest = |record: &&ThreadRecord| record.tally.largest.nm();
-        let beyond = |record: &&ThreadRecord| largest(record).saturating_mul(1000) > tolerance.pm;
+        let beyond = |record: &&ThreadRecord| tolerance.is_below(largest(record));
         let mut lines = Vec::new();
         let mut worst = None;
         for record in self.records.values().filter(beyond) {
@@ -90,6 +90,15 @@ impl Threads {
             worst = worst.max(Some(largest(&record)));
         }
         worst.map(|worst_nm| Above { worst_nm, lines })
+    }
+
+    /// Their errors as the board has measured them, together.
+    pub fn measured(&self) -> Synchronism {
+        let mut all = Synchronism::default();
+        for record in self.records.values() {
+            all.add(&record.tally);
+        }
+        all
     }
 
     /// `threads` and `threads_missing` of a result.
@@ -131,6 +140,14 @@ pub struct Above {
 }
 
 impl Above {
+    /// And what another judge has found.
+    pub fn join(&mut self, other: &Self) {
+        self.worst_nm = self.worst_nm.max(other.worst_nm);
+        self.lines.extend(&other.lines);
+        self.lines.sort_unstable();
+        self.lines.dedup();
+    }
+
     /// Why a tolerance is not met.
     pub fn words(&self, tolerance: Tolerance) -> Both {
         let named: Vec<String> = self.lines.iter().take(NAMED).map(u32::to_string).collect();
@@ -160,12 +177,6 @@ impl Above {
     }
 }
 
-/// Root mean square of the errors, in picometres.
-fn rms_pm(tally: &Tally) -> i64 {
-    let nm = (tally.squares as f64 / f64::from(tally.measured.max(1))).sqrt();
-    (nm * 1000.0).round() as i64
-}
-
 const fn kind(kind: ThreadKind) -> &'static str {
     match kind {
         ThreadKind::Thread => "thread",
@@ -190,10 +201,7 @@ fn fields(json: &mut Json, number: u32, record: &ThreadRecord) {
     json.text("state", state(record.state));
     json.number("passes", tally.passes);
     json.number("measured", tally.measured);
-    json.object_at("sync_error_um", |json| {
-        json.decimal::<3>("max", tally.largest.nm());
-        json.decimal::<6>("rms", rms_pm(tally));
-    });
+    Synchronism::from(tally).field("sync_error_um", json);
     json.number("late", tally.late);
 }
 
@@ -219,7 +227,8 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
         ThreadState::Finished => Both::default(),
         ThreadState::CutShort => state(", cut short", "，中途停止"),
     };
-    let worst = error(tally.largest.nm());
+    let errors = Synchronism::from(tally);
+    let worst = errors.worst();
     let late = match tally.late {
         0 => Both::default(),
         late => both!(", {late} setpoints late", "，迟到设定值 {late} 个"),
@@ -235,7 +244,7 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
         state_zh = state.zh,
         worst_en = worst.en,
         worst_zh = worst.zh,
-        rms = number::rounded::<6>(rms_pm(tally), 3),
+        rms = errors.rms(),
         ticks = tally.measured,
         late_en = late.en,
         late_zh = late.zh
@@ -245,6 +254,7 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use leadscrew_core::link::Tally;
     use leadscrew_core::units::Length;
 
     fn thread(number: u32, line: u32, state: ThreadState, nm: i64) -> ThreadCertificate {

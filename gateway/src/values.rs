@@ -210,6 +210,14 @@ impl FromStr for Tolerance {
     }
 }
 
+impl Tolerance {
+    /// An error that is larger.
+    #[must_use]
+    pub const fn is_below(self, error_nm: i64) -> bool {
+        error_nm.saturating_mul(1000) > self.pm
+    }
+}
+
 /// A whole percentage; how far each override goes is not known here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Percent(pub u16);

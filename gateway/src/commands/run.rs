@@ -97,7 +97,8 @@ pub fn carry_out(
         };
         let (name, summary) = (source.name(), &watcher.summary);
         let line = summary.line(setup.lang);
-        let mut text = format!("{name}: {word}: {line}\n");
+        let measured = execution.measured().as_measured(setup.lang);
+        let mut text = format!("{name}: {word}: {line}{measured}\n");
         if let Some(taps) = summary.taps() {
             text.push_str(pick(setup.lang, "taps ", "攻丝 "));
             text.push_str(taps.get(setup.lang));

@@ -45,7 +45,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
         csv.finish().map_err(cannot)?;
     }
     if !setup.global.json {
-        diagnostics::say(&summary.text(setup.lang));
+        diagnostics::say(&summary.text(&execution.measured(), setup.lang));
         diagnostics::say(&execution.threads());
     }
     execution.conclude(&summary, args.tolerance)

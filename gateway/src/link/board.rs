@@ -12,7 +12,9 @@ use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 
 use super::{Link, LinkResult, Trouble};
+use crate::origin::BoardName;
 
+const SOFTWARE: Object = Object::new(0x100A, 0);
 const SERIAL: Object = Object::new(0x1018, 4);
 pub(super) const PRODUCT: Object = Object::new(0x1018, 2);
 pub(super) const PARAMETERS: Object = Object::new(0x1020, 1);
@@ -179,6 +181,19 @@ impl Link {
             }),
             Err(_) => Err(self.strange(RECORD)),
         }
+    }
+
+    /// Its name, for whoever keeps a result.
+    ///
+    /// # Errors
+    /// The board does not answer.
+    pub fn board_name(&mut self) -> LinkResult<BoardName> {
+        let serial = self.read_number(SERIAL)?;
+        Ok(BoardName {
+            node: self.node().get(),
+            serial: u32::try_from(serial).map_err(|_| self.strange(SERIAL))?,
+            version: String::from_utf8(self.read(SOFTWARE)?).map_err(|_| self.strange(SOFTWARE))?,
+        })
     }
 
     /// CRC-32 of the parameter set in force.

@@ -10,7 +10,7 @@ mod taps;
 pub use csv::Csv;
 pub use hash::SetpointHash;
 pub use peaks::{Peak, Peaks};
-pub use summary::{Summary, error};
+pub use summary::Summary;
 pub use taps::Taps;
 
 use leadscrew_board_sim::Doing;

@@ -1,10 +1,14 @@
 //! The closing summary of a run: figures, certificate and hash.
 
+use std::collections::BTreeMap;
+
 use leadscrew_core::alarm::Lang;
 
 use super::{Peaks, Setpoint, SetpointHash, Taps};
 use crate::json::Json;
 use crate::number;
+use crate::synchronism::Synchronism;
+use crate::threads::Above;
 use crate::values::Tolerance;
 use crate::words::{Both, both, pick};
 
@@ -16,11 +20,10 @@ pub struct Summary {
     moves: u64,
     last: Option<(i64, i64)>,
     path_nm: f64,
-    locked: u64,
-    error_max_nm: i64,
-    /// Where that was.
-    error_line: u32,
-    error_squares: f64,
+    /// By the true angle of the spindle.
+    errors: Synchronism,
+    /// The largest of these errors, by line.
+    worst: BTreeMap<u32, i64>,
     peaks: Peaks,
     taps: Taps,
     hash: SetpointHash,
@@ -35,10 +38,8 @@ impl Summary {
             moves: 0,
             last: None,
             path_nm: 0.0,
-            locked: 0,
-            error_max_nm: 0,
-            error_line: 0,
-            error_squares: 0.0,
+            errors: Synchronism::default(),
+            worst: BTreeMap::new(),
             peaks: Peaks::default(),
             taps: Taps::default(),
             hash: SetpointHash::default(),
@@ -54,32 +55,33 @@ impl Summary {
             self.path_nm += ((point.x_nm - x) as f64).hypot((point.z_nm - z) as f64);
         }
         if let Some(error) = point.error_nm {
-            self.locked += 1;
-            if error.abs() > self.error_max_nm {
-                (self.error_max_nm, self.error_line) = (error.abs(), point.line);
-            }
-            self.error_squares += (error as f64) * (error as f64);
+            self.errors.push(error);
+            let worst = self.worst.entry(point.line).or_default();
+            *worst = error.abs().max(*worst);
         }
         self.taps.push(point.tap);
         self.hash.push(point);
         self.peaks.push(point)
     }
 
-    /// The worst synchronism error in nanometres, and its line, where it is above `tolerance`.
-    pub fn above(&self, tolerance: Tolerance) -> Option<(i64, u32)> {
-        let above = self.error_max_nm.saturating_mul(1000) > tolerance.pm;
-        above.then_some((self.error_max_nm, self.error_line))
+    /// The lines in which the true error is above `tolerance`, and the largest of all.
+    pub fn above(&self, tolerance: Tolerance) -> Option<Above> {
+        let beyond = |(_, nm): &(&u32, &i64)| tolerance.is_below(**nm);
+        let lines: Vec<u32> = self
+            .worst
+            .iter()
+            .filter(beyond)
+            .map(|(line, _)| *line)
+            .collect();
+        (!lines.is_empty()).then_some(Above {
+            worst_nm: self.errors.worst_nm,
+            lines,
+        })
     }
 
     /// The hash of the setpoints.
     pub fn hash(&self) -> String {
         self.hash.text()
-    }
-
-    /// Root mean square of the error in picometres.
-    fn error_rms_pm(&self) -> i64 {
-        let nm = (self.error_squares / self.locked.max(1) as f64).sqrt();
-        (nm * 1000.0).round() as i64
     }
 
     fn path(&self) -> i64 {
@@ -90,22 +92,15 @@ impl Summary {
         i64::try_from(self.ticks.saturating_mul(u64::from(self.tick_us))).unwrap_or(i64::MAX)
     }
 
-    /// The contract's fields, without the brackets around them.
-    pub fn fields(&self, json: &mut Json) {
+    /// The contract's fields, without the brackets around them, and the errors as the board has `measured` them.
+    pub fn fields(&self, measured: &Synchronism, json: &mut Json) {
         json.integer("moves", i64::try_from(self.moves).unwrap_or(i64::MAX));
         json.integer("ticks", i64::try_from(self.ticks).unwrap_or(i64::MAX));
         json.decimal::<6>("time_s", self.time_us());
         json.decimal::<6>("path_mm", self.path());
         json.text("setpoint_hash", &self.hash.text());
-        json.object_at("sync_error_um", |json| {
-            if self.locked == 0 {
-                json.null("max");
-                json.null("rms");
-            } else {
-                json.decimal::<3>("max", self.error_max_nm);
-                json.decimal::<6>("rms", self.error_rms_pm());
-            }
-        });
+        self.errors.field("sync_error_um", json);
+        measured.field("measured_error_um", json);
         self.taps.fields(json, self.tick_us);
         json.object_at("peak", |json| {
             for (axis, peak) in ["x", "z", "c"].into_iter().zip(self.peaks.overall()) {
@@ -147,9 +142,9 @@ impl Summary {
         )
         .get(lang)
         .to_owned();
-        if self.locked > 0 {
-            let rms = number::rounded::<6>(self.error_rms_pm(), 3);
-            let worst = error(self.error_max_nm);
+        if self.errors.ticks > 0 {
+            let rms = self.errors.rms();
+            let worst = self.errors.worst();
             let worst = worst.get(lang);
             let synchronism = both!(
                 " · worst synchronism error {worst} µm ({rms} µm RMS)",
@@ -165,8 +160,8 @@ impl Summary {
         self.taps.words(self.tick_us)
     }
 
-    /// For a person: a few lines with a table of peaks.
-    pub fn text(&self, lang: Lang) -> String {
+    /// For a person: a few lines with a table of peaks; the errors as the board has `measured` them, too.
+    pub fn text(&self, measured: &Synchronism, lang: Lang) -> String {
         let (moves, ticks, tick) = (self.moves, self.ticks, self.tick_us);
         let time = number::rounded::<6>(self.time_us(), 6);
         let path = number::rounded::<6>(self.path(), 3);
@@ -176,14 +171,18 @@ impl Summary {
         )
         .get(lang)
         .to_owned();
-        let synchronism = if self.locked > 0 {
-            let worst = error(self.error_max_nm);
-            let worst = worst.get(lang);
-            let rms = number::rounded::<6>(self.error_rms_pm(), 3);
-            let locked = self.locked;
+        let synchronism = if self.errors.ticks > 0 {
+            let (errors, locked) = (&self.errors, self.errors.ticks);
+            let ([true_worst, worst], [true_rms, rms]) = (
+                [errors.worst(), measured.worst()],
+                [errors.rms(), measured.rms()],
+            );
+            let (true_worst, worst) = (true_worst.get(lang), worst.get(lang));
             both!(
-                "synchronism worst {worst} µm, {rms} µm RMS over {locked} locked ticks\n",
-                "同步        最大误差 {worst} µm，均方根 {rms} µm，锁定 {locked} 个周期\n"
+                "synchronism worst {true_worst} µm, {true_rms} µm RMS over {locked} locked ticks, by the spindle's true angle\n\
+                 measured    worst {worst} µm, {rms} µm RMS, by the angle that the board measures\n",
+                "同步        最大误差 {true_worst} µm，均方根 {true_rms} µm，锁定 {locked} 个周期，按主轴真实角度\n\
+                 测得        最大误差 {worst} µm，均方根 {rms} µm，按控制板测得的角度\n"
             )
         } else {
             both!(
@@ -205,7 +204,7 @@ impl Summary {
             "\n峰值              速度 mm/min         加速度 m/s²  加加速度 m/s³\n",
         ));
         self.peak_rows(&mut text, "", &self.peaks.free);
-        if self.locked > 0 {
+        if self.errors.ticks > 0 {
             self.peak_rows(
                 &mut text,
                 pick(lang, " locked", " 锁定"),
@@ -229,17 +228,6 @@ impl Summary {
             );
             text.push_str(&row);
         }
-    }
-}
-
-/// An error in micrometres for a person; the simulation tells nanometres apart.
-pub fn error(nm: i64) -> Both {
-    match nm {
-        0 => Both {
-            en: "below 0.001".into(),
-            zh: "小于 0.001".into(),
-        },
-        nm => Both::same(number::text::<3>(nm)),
     }
 }
 
@@ -271,7 +259,13 @@ mod tests {
             });
         }
         assert_eq!(summary.above(Tolerance { pm: 400_000 }), None);
-        assert_eq!(summary.above(Tolerance { pm: 399_999 }), Some((400, 7)));
+        assert_eq!(
+            summary.above(Tolerance { pm: 399_999 }),
+            Some(Above {
+                worst_nm: 400,
+                lines: vec![7]
+            })
+        );
         assert_eq!(
             summary.line(Lang::En),
             "1 moves · 0.002 s · path 0.01 mm · worst synchronism error 0.4 µm (0.354 µm RMS)"
@@ -281,7 +275,7 @@ mod tests {
             "移动 1 段 · 0.002 s · 路径 0.01 mm · 最大同步误差 0.4 µm（均方根 0.354 µm）"
         );
         let mut json = Json::new();
-        json.object(|json| summary.fields(json));
+        json.object(|json| summary.fields(&Synchronism::default(), json));
         let value: serde_json::Value = serde_json::from_slice(&json.into_bytes()).unwrap();
         assert_eq!(value["path_mm"], 0.01);
         assert_eq!(value["sync_error_um"]["max"], 0.4);

@@ -3,6 +3,7 @@
 use super::TapPlace;
 use crate::json::Json;
 use crate::number;
+use crate::synchronism::micrometres;
 use crate::words::{Both, both};
 
 /// The most a tap moves in the first tick of a stroke, which begins at rest.
@@ -78,7 +79,7 @@ impl Taps {
         let turns = number::rounded::<6>(self.turns_urev, 3);
         let travel = number::rounded::<6>(self.travel_nm, 3);
         let rpm = number::rounded::<6>(self.fastest(tick_us), 0);
-        let skew = super::summary::error(self.skew_nm);
+        let skew = micrometres(self.skew_nm);
         Some(both!(
             "{deep} turns deep; {turns} turns and {travel} mm in and out; up to {rpm} rpm; \
              worst skew of axis and spindle {en} µm",

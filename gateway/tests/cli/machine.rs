@@ -221,6 +221,77 @@ fn tolerance_is_a_verdict() {
     );
 }
 
+/// The simulation knows where the spindle truly is, the board where it measures it: both are told, each by its name, and the
+/// tolerance judges the worse.
+#[test]
+fn the_true_error_and_the_measured_one_are_told_apart() {
+    let worst = |told: &Value, field: &str| told[field]["max"].as_f64().unwrap();
+    for (args, truly_worse) in [
+        // A virtual gear: no error at all, but for what the board cannot measure.
+        (&["examples/g84-tap.nc"][..], false),
+        (&[THREAD, "--spindle-ripple", "10@5"][..], true),
+    ] {
+        let told = result(&[&["simulate", "--json"], args].concat());
+        let (truly, measured) = (
+            worst(&told, "sync_error_um"),
+            worst(&told, "measured_error_um"),
+        );
+        assert!(truly != measured, "{told}");
+        assert_eq!(truly > measured, truly_worse, "{told}");
+        let threads = told["threads"].as_array().unwrap();
+        let of_threads = threads.iter().map(|thread| worst(thread, "sync_error_um"));
+        assert_eq!(of_threads.fold(0.0, f64::max), measured);
+        let ran = result(&[&["run", "--json"], args].concat());
+        for field in ["sync_error_um", "measured_error_um", "threads"] {
+            assert_eq!(ran[field], told[field]);
+        }
+        let line = threads[0]["line"].as_u64().unwrap();
+        for command in ["simulate", "run"] {
+            let with = |tolerance: f64| {
+                let tolerance = format!("{tolerance:.3}");
+                leadscrew(&[&[command, "--tolerance", &tolerance], args].concat())
+            };
+            assert_eq!(code(&with(truly.max(measured))), 0);
+            let between = f64::midpoint(truly, measured);
+            let refused = with(between);
+            assert_eq!(code(&refused), 1, "{command} {between}");
+            let words = stderr(&refused);
+            assert!(words.contains(&format!(" µm: line {line}")), "{words}");
+        }
+        let words = stderr(&leadscrew(&[&["simulate"], args].concat()));
+        assert!(
+            words.contains("locked ticks, by the spindle's true angle\nmeasured    worst "),
+            "{words}"
+        );
+        let words = stdout(&leadscrew(&[&["run"], args].concat()));
+        let line = words.lines().next().unwrap();
+        assert!(
+            line.contains(&format!(", as measured {measured} µm (")),
+            "{words}"
+        );
+    }
+    let nothing = result(&["simulate", "examples/o0008-g75-grooves.nc", "--json"]);
+    assert!(nothing["measured_error_um"]["max"].is_null(), "{nothing}");
+}
+
+#[test]
+fn a_result_says_which_program_it_is_of_and_which_parameters() {
+    let told = result(&["simulate", THREAD, "--json"]);
+    assert_eq!(told["program"], THREAD);
+    assert_eq!(told["gateway"], env!("CARGO_PKG_VERSION"));
+    assert!(
+        told["board"].is_null() && told["started"].is_null(),
+        "{told}"
+    );
+    let parameters = told["parameters"].as_str().unwrap();
+    assert_eq!(parameters.len(), 8);
+    assert_eq!(result(&["run", THREAD, "--json"])["parameters"], parameters);
+    assert_ne!(
+        result(&["simulate", THREAD, "--json", "--set", "9007=12"])["parameters"],
+        parameters
+    );
+}
+
 /// Of three threads the one in the middle is cut faster than the spindle's ripple allows for.
 #[test]
 fn each_thread_is_judged_by_itself() {

@@ -20,9 +20,11 @@ use crate::feeder::{Feeder, placed};
 use crate::interrupt;
 use crate::link::{Feed, Link, alarm_words};
 use crate::number;
+use crate::origin::Origin;
 use crate::output;
 use crate::setup::{Answer, Setup, alone_in};
 use crate::source::SourceFile;
+use crate::synchronism::Synchronism;
 use crate::threads::Threads;
 use crate::values::Tolerance;
 use crate::words::{Both, both, pick};
@@ -96,10 +98,15 @@ pub fn run(
     ready(&status, &link, global)?;
     setup.position = Some(status.position);
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
+    let origin = Origin {
+        program: source.name(),
+        parameters: status.parameters,
+        board: Some((link.board_name()?, SystemTime::now())),
+    };
     let report = tell_report(&setup, source)?;
     if !report.alarms.is_empty() {
         if global.json {
-            result(&setup, &report, &Ran::default(), false)?;
+            result(&setup, &report, &Ran::default(), &origin, false)?;
         }
         return Err(Failure::Wrong);
     }
@@ -140,7 +147,7 @@ pub fn run(
         within(&ran, tolerance)
     };
     if global.json {
-        result(&setup, &report, &ran, verdict.is_ok())?;
+        result(&setup, &report, &ran, &origin, verdict.is_ok())?;
     } else {
         let word = match &verdict {
             Ok(()) => pick(setup.lang, "done", "完成"),
@@ -149,14 +156,16 @@ pub fn run(
             Err(_) => pick(setup.lang, "stopped", "已停止"),
         };
         let figures = Figures::of(&ran, &setup);
-        let error = match figures.error {
-            Some((worst, rms)) => both!(
-                " · worst synchronism error {worst} µm ({rms} µm RMS)",
-                " · 最大同步误差 {worst} µm（均方根 {rms} µm）",
-                worst = number::text::<3>(worst),
-                rms = number::rounded::<6>(rms, 3)
-            ),
-            None => both!("", ""),
+        let error = if figures.errors.ticks > 0 {
+            let (worst, rms) = (figures.errors.worst(), figures.errors.rms());
+            both!(
+                " · worst synchronism error {worst_en} µm ({rms} µm RMS), as measured",
+                " · 测得的最大同步误差 {worst_zh} µm（均方根 {rms} µm）",
+                worst_en = worst.en,
+                worst_zh = worst.zh
+            )
+        } else {
+            both!("", "")
         };
         let text = both!(
             "{name}: {word}: {moves} moves · {time} s · {late} setpoints late{en}\nsetpoints {hash}\n",
@@ -174,6 +183,9 @@ pub fn run(
         );
         output::write(text.get(setup.lang).as_bytes())?;
         output::write(ran.threads.text(setup.lang).as_bytes())?;
+        if let Some(line) = origin.line() {
+            output::write(line.get(setup.lang).as_bytes())?;
+        }
     }
     verdict
 }
@@ -214,8 +226,8 @@ struct Figures {
     ticks: u64,
     time_us: i64,
     hash: Option<String>,
-    /// Largest error in nanometres, root mean square in picometres.
-    error: Option<(i64, i64)>,
+    /// As the board has measured them.
+    errors: Synchronism,
 }
 
 impl Figures {
@@ -227,13 +239,11 @@ impl Figures {
             .ticks
             .saturating_mul(u64::from(setup.params.tick_us()));
         let hash = certificate.setpoint_hash;
-        let measured = certificate.measured;
-        let rms = (certificate.squares as f64 / measured.max(1) as f64).sqrt() * 1000.0;
         Self {
             ticks: certificate.ticks,
             time_us: i64::try_from(time).unwrap_or(i64::MAX),
             hash: hash.map(|hash| format!("{hash:016x}")),
-            error: (measured > 0).then(|| (certificate.largest.nm(), rms.round() as i64)),
+            errors: certificate.into(),
         }
     }
 }
@@ -245,8 +255,7 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     };
     let mut above = ran.threads.above(tolerance);
     if let Some(run) = &ran.certificate
-        && run.measured > 0
-        && run.largest.nm().saturating_mul(1000) > tolerance.pm
+        && tolerance.is_below(run.largest.nm())
     {
         // Of one whose own certificate is missing, the run tells.
         let above = above.get_or_insert_default();
@@ -259,7 +268,7 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
 }
 
 /// The contract's object. The path is that of the moves: known where all of them were carried out.
-fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
+fn result(setup: &Setup, report: &Report, ran: &Ran, origin: &Origin, ok: bool) -> Outcome {
     let figures = Figures::of(ran, setup);
     output::json(|json| {
         json.flag("ok", ok);
@@ -276,16 +285,9 @@ fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
             Some(hash) => json.text("setpoint_hash", hash),
             None => json.null("setpoint_hash"),
         }
-        json.object_at("sync_error_um", |json| match figures.error {
-            Some((worst, rms)) => {
-                json.decimal::<3>("max", worst);
-                json.decimal::<6>("rms", rms);
-            }
-            None => {
-                json.null("max");
-                json.null("rms");
-            }
-        });
+        // A machine knows no other than the measured ones.
+        figures.errors.field("sync_error_um", json);
+        figures.errors.field("measured_error_um", json);
         json.integer("late", i64::from(ran.late));
         ran.threads.fields(json);
         for (key, first, then) in [
@@ -298,6 +300,7 @@ fn result(setup: &Setup, report: &Report, ran: &Ran, ok: bool) -> Outcome {
                 }
             });
         }
+        origin.fields(json);
     })
 }
 

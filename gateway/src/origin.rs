@@ -1,0 +1,152 @@
+//! Where a result comes from: which program, on which board with which parameters, and when. What a shop keeps with a part.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::json::Json;
+use crate::words::{Both, both};
+
+/// The board that has carried a program out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BoardName {
+    /// Its number on the bus.
+    pub node: u8,
+    /// 1018h:04.
+    pub serial: u32,
+    /// Of its software: 100Ah.
+    pub version: String,
+}
+
+/// Where a result comes from.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    /// The program's name, as it was typed.
+    pub program: String,
+    /// CRC-32 of the parameter set in force: 1020h.
+    pub parameters: u32,
+    /// A board, and when it began; none for a simulation, which is the same at any time.
+    pub board: Option<(BoardName, SystemTime)>,
+}
+
+impl Origin {
+    /// `program`, `parameters`, `gateway`, `board` and `started`.
+    pub fn fields(&self, json: &mut Json) {
+        json.text("program", &self.program);
+        json.text("parameters", &format!("{:08x}", self.parameters));
+        json.text("gateway", env!("CARGO_PKG_VERSION"));
+        let Some((board, started)) = &self.board else {
+            json.null("board");
+            json.null("started");
+            return;
+        };
+        json.object_at("board", |json| {
+            json.number("node", board.node);
+            json.text("serial", &format!("{:08x}", board.serial));
+            json.text("version", &board.version);
+        });
+        json.text("started", &utc(*started));
+    }
+
+    /// A line for a person, where a board has carried it out.
+    pub fn line(&self) -> Option<Both> {
+        let (board, started) = self.board.as_ref()?;
+        let started = utc(*started);
+        let (parameters, node, serial, version) =
+            (self.parameters, board.node, board.serial, &board.version);
+        Some(both!(
+            "board node {node}, serial number {serial:08x}, version {version}, parameters {parameters:08x}; started {started}\n",
+            "控制板 节点 {node}，序列号 {serial:08x}，版本 {version}，参数集 {parameters:08x}；开始于 {started}\n"
+        ))
+    }
+}
+
+/// `2026-11-22T01:38:03Z`.
+fn utc(time: SystemTime) -> String {
+    let seconds = time
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default()
+        .as_secs();
+    let (days, second) = (seconds / 86_400, seconds % 86_400);
+    // Counted from 1 March 0000: the day that comes every four years is the last of its year then.
+    let days = days + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (month, next) = if month < 10 {
+        (month + 3, 0)
+    } else {
+        (month - 9, 1)
+    };
+    format!(
+        "{:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
+        era * 400 + year + next,
+        second / 3600,
+        second / 60 % 60,
+        second % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn told(origin: &Origin) -> serde_json::Value {
+        let mut json = Json::new();
+        json.object(|json| origin.fields(json));
+        serde_json::from_slice(&json.into_bytes()).unwrap()
+    }
+
+    #[test]
+    fn a_time_is_told_in_the_calendar() {
+        // As `date -u -d @…` says.
+        for (seconds, text) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (951_868_800, "2000-03-01T00:00:00Z"),
+            (1_795_311_483, "2026-11-22T01:38:03Z"),
+            (1_798_761_599, "2026-12-31T23:59:59Z"),
+            (1_798_761_600, "2027-01-01T00:00:00Z"),
+            (4_107_542_399, "2100-02-28T23:59:59Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(seconds)), text);
+        }
+    }
+
+    #[test]
+    fn a_result_says_where_it_comes_from() {
+        let mut origin = Origin {
+            program: "shaft.nc".into(),
+            parameters: 0xA5,
+            board: None,
+        };
+        assert_eq!(origin.line(), None);
+        let simulated = told(&origin);
+        assert_eq!(
+            simulated,
+            serde_json::json!({
+                "program": "shaft.nc", "parameters": "000000a5", "gateway": env!("CARGO_PKG_VERSION"),
+                "board": null, "started": null
+            })
+        );
+        let board = BoardName {
+            node: 3,
+            serial: 0x1234,
+            version: "0.1.0".into(),
+        };
+        origin.board = Some((board, UNIX_EPOCH + Duration::from_secs(1)));
+        let real = told(&origin);
+        assert_eq!(real["started"], "1970-01-01T00:00:01Z");
+        assert_eq!(
+            real["board"],
+            serde_json::json!({"node": 3, "serial": "00001234", "version": "0.1.0"})
+        );
+        assert_eq!(
+            origin.line().unwrap().en,
+            "board node 3, serial number 00001234, version 0.1.0, parameters 000000a5; started 1970-01-01T00:00:01Z\n"
+        );
+    }
+}
