@@ -141,8 +141,10 @@ pub fn controller() -> Controller {
     leadscrew_parts::controller(FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
 }
 
-/// Takes part again after bus-off: behind 129 times eleven recessive bits.
+/// Takes part again after bus-off: behind 129 times eleven recessive bits, and with nothing of what was to be sent before, which
+/// the controller forgets as CCE is set. It clears that together with INIT.
 pub fn rejoin() {
+    FDCAN1.cccr().modify(|w| w.set_cce(true));
     FDCAN1.cccr().modify(|w| w.set_init(false));
 }
 
