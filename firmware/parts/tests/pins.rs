@@ -10,6 +10,16 @@ const PAGE: &str = include_str!("../../../docs/hardware.md");
 /// Pins with an owner of their own: debug probe and its serial line, crystal, boot pin.
 const TAKEN: [&str; 8] = ["PA2", "PA3", "PA13", "PA14", "PB3", "PB8", "PF0", "PF1"];
 
+/// What pins are connected to within the chip, by the data sheet's table of alternate functions: channels 1 to 3 of TIM2, and
+/// receive and transmit of FDCAN1.
+const CONNECTED: [(&str, &str); 5] = [
+    ("PA0", "TIM2"),
+    ("PA1", "TIM2"),
+    ("PA11", "FDCAN"),
+    ("PA12", "FDCAN"),
+    ("PB10", "TIM2"),
+];
+
 /// The rows of a table of pins.
 fn rows(text: &str) -> Vec<&str> {
     text.lines()
@@ -38,6 +48,60 @@ fn used(text: &str) -> Vec<String> {
             })
         })
         .collect()
+}
+
+/// Every pin that `setter` is called for, with what it is given. A register for half a port says which half.
+fn given(text: &str, setter: &str) -> Vec<(String, String)> {
+    let (mut port, mut first) = ("", 0);
+    let mut given = Vec::new();
+    for line in text.lines() {
+        if let Some((_, behind)) = line.split_once("GPIO") {
+            port = behind.get(..1).unwrap_or_default();
+            first = if line.contains(".afr(1)") { 8 } else { 0 };
+        }
+        let Some((_, call)) = line.split_once(setter) else {
+            continue;
+        };
+        let (pin, rest) = call.split_once(", ").expect("a pin");
+        let pin: u8 = match pin.split_once(" - ") {
+            Some((pin, minus)) => {
+                assert_eq!(minus.parse(), Ok(first));
+                pin.parse().expect("a number")
+            }
+            None => pin.parse::<u8>().expect("a number") + first,
+        };
+        let (value, _) = rest.split_once(')').expect("a value");
+        given.push((format!("P{port}{pin}"), value.to_owned()));
+    }
+    given.sort_unstable();
+    given
+}
+
+#[test]
+fn pins_are_connected_as_the_data_sheet_has_it() {
+    let expected = CONNECTED.map(|(pin, to)| (pin.to_owned(), to.to_owned()));
+    assert_eq!(given(PINS, "set_afr("), expected);
+    for number in ["const TIM2: u8 = 1;", "const FDCAN: u8 = 9;"] {
+        assert!(PINS.contains(number), "{number}");
+    }
+}
+
+#[test]
+fn what_may_be_open_is_pulled_up_and_nothing_else() {
+    let mut open: Vec<&str> = rows(PINS)
+        .into_iter()
+        .filter(|row| {
+            ["pull-up", "closed", "from"]
+                .iter()
+                .any(|word| row.contains(&format!("| {word}")))
+        })
+        .map(pin)
+        .collect();
+    open.sort_unstable();
+    let pulled = given(PINS, "set_pupdr(");
+    assert!(pulled.iter().all(|(_, how)| how == "Pupdr::PULL_UP"));
+    let pulled: Vec<&str> = pulled.iter().map(|(pin, _)| pin.as_str()).collect();
+    assert_eq!(pulled, open);
 }
 
 #[test]
