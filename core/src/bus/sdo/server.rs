@@ -330,12 +330,13 @@ impl SdoServer {
         self.object = Object::new(0, 0);
     }
 
-    /// True for what may be the rest of a block that was broken off. A request to read is let through: it does no harm,
-    /// and a client that begins anew has its answer.
+    /// True for what may be the rest of a block that was broken off. A request to read is let through, and one to write in
+    /// blocks, which changes nothing by itself: they do no harm, and a client that begins anew has its answer.
     fn swallows(&mut self, bytes: &Bytes) -> bool {
         let [head, _, _, _, rest @ ..] = *bytes;
         if self.state != State::Swallow
             || head >> 5 == ABORT >> 5
+            || head >> 5 == 6 && head & 1 == 0
             || head == BARE_UPLOAD && rest == [0; 4]
         {
             return false;

@@ -93,9 +93,15 @@ impl SdoServer {
         if number == 0 || number > most {
             return Err(Abort::Sequence);
         }
+        let over = last || number == most;
         if number == self.transfer.number.saturating_add(1) {
             if let Some(before) = self.transfer.held {
-                self.sum_and_hand_on(piece(&before, 0), objects)?;
+                let handed_on = self.sum_and_hand_on(piece(&before, 0), objects);
+                if handed_on.is_err() && over {
+                    // Nothing more of it comes that would have to be swallowed.
+                    self.state = State::Taken;
+                }
+                handed_on?;
             }
             self.transfer.held = Some(*bytes);
             self.transfer.number = number;
@@ -103,7 +109,7 @@ impl SdoServer {
                 self.state = State::Taken;
             }
         }
-        if !last && number < most {
+        if !over {
             return Ok(false);
         }
         reply[0] = reply::BLOCK_DOWNLOAD_ANSWER;

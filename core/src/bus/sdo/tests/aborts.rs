@@ -369,6 +369,43 @@ fn the_rest_of_a_broken_block_is_no_command() {
     }
 }
 
+/// Where nothing more of a block can come, the next request has its answer, whatever it is; and a write in blocks always has:
+/// by itself it changes nothing.
+#[test]
+fn who_begins_anew_behind_a_refusal_is_answered() {
+    let begin = [0xC6, 0x10, 0x50, 0x00, 9, 0, 0, 0];
+    let first = [1, 1, 2, 3, 4, 5, 6, 7];
+    let write_long = [0x23, 0x10, 0x20, 0x01, 9, 9, 9, 9];
+    // Refused at the last segment of all, and at the last of a block of two.
+    for (most, last) in [(127, 0x82), (2, 0x02)] {
+        let block = BlockSize::new(most).unwrap();
+        let mut server = SdoServer::new(NODE, Periods::new(1000), block);
+        let mut shelf = Shelf::new();
+        let _ = server.receive(&request(begin), &mut shelf);
+        assert_eq!(server.receive(&request(first), &mut shelf), None);
+        let refused = server.receive(&request([last, 8, 9, 0, 0, 0, 0, 0]), &mut shelf);
+        assert_eq!(refused, Some(abort(PICKY, Abort::Value)), "{last:02X}h");
+        assert!(!shelf.is_write_open());
+        let done = server.receive(&request(write_long), &mut shelf);
+        assert_eq!(done, Some(reply([0x60, 0x10, 0x20, 1, 0, 0, 0, 0])));
+    }
+    // In the middle, where the rest may still come; and behind silence.
+    for silent in [false, true] {
+        let mut server = server();
+        let mut shelf = Shelf::new();
+        let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
+        if silent {
+            assert!(server.elapse(Periods::new(1001), &mut shelf).is_some());
+        } else {
+            let _ = server.receive(&request([0x00; 8]), &mut shelf);
+        }
+        assert_eq!(server.receive(&request(write_long), &mut shelf), None);
+        let again = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
+        assert_eq!(again, Some(reply([0xA4, 0x20, 0x50, 0, 127, 0, 0, 0])));
+        assert_eq!(shelf.values[&LONG], [1, 2, 3, 4]);
+    }
+}
+
 /// The last segment of a write, C1h, looks like the command that ends it.
 #[test]
 fn the_last_segment_twice_is_not_the_end() {
