@@ -638,3 +638,6 @@ pub fn say(text: &str) {
     // A closed standard error leaves nobody to tell.
     let _ = writeln!(io::stderr(), "board-sim: {text}");
 }
+
+#[cfg(test)]
+mod tests;
