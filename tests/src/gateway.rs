@@ -10,6 +10,8 @@ use leadscrew_core::bus::{
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, encode_call};
 use leadscrew_core::program::Call;
 
+use crate::transfer::Transfer;
+
 /// The board's number in these tests.
 pub const NODE: NodeId = NodeId::BOARD;
 /// Batches of calls.
@@ -87,6 +89,12 @@ impl Gateway {
     ) -> Result<(), SdoError> {
         let now = Duration::ZERO;
         let mut transfer = SdoDownload::new(NODE, object, data, protocol, PATIENCE, now);
+        self.carry(sim, &mut transfer)
+    }
+
+    /// Carries a transfer to its end while no time goes by.
+    fn carry(&mut self, sim: &mut Sim, transfer: &mut impl Transfer) -> Result<(), SdoError> {
+        let now = Duration::ZERO;
         loop {
             while let Some(frame) = transfer.poll(now) {
                 self.sent += 1;
@@ -122,25 +130,7 @@ impl Gateway {
         let mut room = vec![0; 1 << 16];
         let mut sink = SdoBuffer::new(&mut room);
         let mut transfer = SdoUpload::new(NODE, object, &mut sink, protocol, PATIENCE, now);
-        let outcome = loop {
-            while let Some(frame) = transfer.poll(now) {
-                self.sent += 1;
-                sim.receive(&frame);
-            }
-            if let Some(outcome) = transfer.outcome() {
-                break outcome;
-            }
-            sim.settle();
-            let mut answered = false;
-            while let Some(frame) = sim.transmit() {
-                self.note(&frame);
-                transfer.receive(&frame, now);
-                answered = true;
-            }
-            if !answered {
-                return Err(SdoError::TimedOut);
-            }
-        };
+        let outcome = self.carry(sim, &mut transfer);
         outcome.map(|()| sink.bytes().to_vec())
     }
 

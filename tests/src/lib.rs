@@ -10,3 +10,4 @@ pub mod params;
 pub mod random;
 pub mod soak;
 pub mod stream;
+mod transfer;

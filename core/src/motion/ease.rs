@@ -6,10 +6,15 @@
 //! image of the same curve brakes. Threads use it on the long axis (join, brake) and on the short one (run-in, run-out).
 
 use super::wide::{mul_div_up, root_mul_div_up};
-use crate::units::{mul_div, size};
+use crate::units::{Length, mul_div, size};
 
 /// A length in 2⁻¹⁶ nm: what the laws of a thread are computed in before the one rounding to a setpoint.
 pub(crate) type Fine = i64;
+
+/// Whole nanometres, rounded to the nearest.
+pub(super) const fn whole(fine: Fine) -> Length {
+    Length::from_nm(fine.wrapping_add(1 << 15) >> 16)
+}
 
 /// Speed, acceleration and jerk in nm/s, nm/s², nm/s³.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::call::{Hand, TapSpindle};
+use super::tapper::{Hand, TapSpindle};
 
 /// Who says which hand a tap has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]

@@ -28,6 +28,7 @@ mod tap_mode;
 mod tap_notes;
 mod tap_return;
 mod tap_speed;
+mod tapper;
 #[cfg(test)]
 mod tests;
 mod thread;
@@ -40,3 +41,4 @@ pub use lexer::MAX_LINE;
 pub use options::{Dialect, Options};
 pub use reader::{Events, Reader};
 pub use tap_notes::{Extraction, LengthUnit, Plane, TapNotes};
+pub use tapper::{Hand, TapSpindle};

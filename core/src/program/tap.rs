@@ -5,8 +5,7 @@ use core::num::NonZeroU8;
 
 use super::block::{Block, Letters, Word, g_arg};
 use super::call::{
-    CallKind, Hand, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
-    TapSpindle,
+    CallKind, Position, TapAxis, TapCall, TapCycle, TapForm, TapMode, TapPeck, TapRepeat,
 };
 use super::choice::HandChoice;
 use super::codes::{Known, MGroup, m_code};
@@ -18,6 +17,7 @@ use super::state::{AXES, State};
 use super::tap_mode::{locked, rigid_code};
 use super::tap_notes::{Plane, TapNotes};
 use super::tap_speed::Turning;
+use super::tapper::{Hand, TapSpindle};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Length, Millis, Rpm};
 

@@ -6,12 +6,13 @@
 //! without rigid mode is ordinary tapping: the spindle turns by M03 or M04 and its S.
 
 use super::block::{Block, Letters, Word, g_arg};
-use super::call::{SpindleCall, TapCall, TapSpindle};
+use super::call::{SpindleCall, TapCall};
 use super::choice::{Selection, SpindleChoice};
 use super::codes::{Group, MGroup};
 use super::plan::Plan;
 use super::state::{AXES, State};
 use super::tap::Kept;
+use super::tapper::TapSpindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::params::Params;
 use crate::units::Rpm;

@@ -13,7 +13,7 @@ use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::{Event, State};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardState, BoardStatus, Frame, NmtCommand, NmtState, NodeId, Object,
-    Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoSink, SdoUpload,
+    Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
 };
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
@@ -23,6 +23,7 @@ use super::trouble::OF_BUS;
 use super::watch::Watch;
 use crate::gateway::NODE;
 use crate::random::Random;
+use crate::transfer::Transfer;
 
 /// An answer of the board may take so long, in virtual time; a lost frame costs as much.
 const PATIENCE: Duration = Duration::from_millis(60);
@@ -555,40 +556,5 @@ impl Bench {
     /// The gateway reads that the machine does this.
     pub fn says(&self, state: BoardState) -> bool {
         self.status.state == state
-    }
-}
-
-/// Either way.
-trait Transfer {
-    fn poll(&mut self, now: Duration) -> Option<Frame>;
-    fn receive(&mut self, frame: &Frame, now: Duration);
-    fn outcome(&self) -> Option<Result<(), SdoError>>;
-}
-
-impl Transfer for SdoDownload<'_> {
-    fn poll(&mut self, now: Duration) -> Option<Frame> {
-        SdoDownload::poll(self, now)
-    }
-
-    fn receive(&mut self, frame: &Frame, now: Duration) {
-        SdoDownload::receive(self, frame, now);
-    }
-
-    fn outcome(&self) -> Option<Result<(), SdoError>> {
-        SdoDownload::outcome(self)
-    }
-}
-
-impl<S: SdoSink + ?Sized> Transfer for SdoUpload<'_, S> {
-    fn poll(&mut self, now: Duration) -> Option<Frame> {
-        SdoUpload::poll(self, now)
-    }
-
-    fn receive(&mut self, frame: &Frame, now: Duration) {
-        SdoUpload::receive(self, frame, now);
-    }
-
-    fn outcome(&self) -> Option<Result<(), SdoError>> {
-        SdoUpload::outcome(self)
     }
 }

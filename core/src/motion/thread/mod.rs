@@ -24,6 +24,7 @@
 //! `H`, `B` and the corners are planned in the background ([`ThreadPlan`]) for the faster of commanded and measured
 //! speed with a margin; the tick ([`ThreadRun`]) only evaluates.
 
+mod helix;
 mod pace;
 mod path;
 mod plan;
@@ -31,8 +32,7 @@ mod ramp;
 mod run;
 mod shape;
 
-pub use path::Helix;
-pub(super) use path::HelixTravel;
+pub use helix::Helix;
+pub(super) use helix::HelixTravel;
 pub use plan::ThreadPlan;
-pub(super) use plan::whole;
 pub use run::{Phase, Retract, ThreadPoint, ThreadRun};

@@ -1,10 +1,9 @@
 //! How fast a pass goes, and what that makes of its ends: the ramps of run-in, run-out and retract.
 
-use super::plan::{Ramp, whole};
-use super::ramp::{Corner, DIAGONAL, Machine, Slope, directed, seen, slope};
+use super::ramp::{Corner, DIAGONAL, Machine, Ramp, Slope, directed, seen, slope};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code};
-use crate::motion::ease::{Ease, Fine};
+use crate::motion::ease::{Ease, Fine, whole};
 use crate::motion::lead::speed_of;
 use crate::motion::limits::bounds;
 use crate::motion::wide::mul_div_up;

@@ -1,36 +1,16 @@
 //! A pass planned: every figure the tick needs, from the moves of the pass, the axes' limits and the spindle's speed.
 
+use super::helix::HelixTravel;
 use super::pace::Pace;
-use super::path::HelixTravel;
-use super::ramp::{Slope, along, inverse};
+use super::ramp::{Ramp, Slope, inverse};
 use super::shape::Shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::Move;
-use crate::motion::ease::{Ease, Fine, Fraction};
+use crate::motion::ease::{Ease, Fine, Fraction, whole};
 use crate::motion::lead::turns_of;
 use crate::params::Params;
 use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate, Turns, mul_div, size};
-
-/// A ramp of the short axis away from (or back to) the pass's line; by itself none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Ramp {
-    /// Signed slope behind the corner; 0 for no ramp.
-    pub slope: Slope,
-    pub ease: Ease,
-    /// Run-in: where it ends; run-out: where it begins, along the long axis from the start.
-    pub at: Fine,
-}
-
-impl Ramp {
-    /// How far beside the line a run-in begins.
-    fn beside_at_start(&self) -> Fine {
-        along(
-            self.ease.at(self.at.wrapping_sub(self.ease.half())),
-            self.slope,
-        )
-    }
-}
 
 /// One pass of a thread, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -282,9 +262,4 @@ impl ThreadPlan {
     pub fn turns(&self) -> Turns {
         self.join_angle + self.done_angle
     }
-}
-
-/// Whole nanometres, rounded to the nearest.
-pub(in crate::motion) const fn whole(fine: Fine) -> Length {
-    Length::from_nm(fine.wrapping_add(1 << 15) >> 16)
 }

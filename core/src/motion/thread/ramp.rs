@@ -16,6 +16,26 @@ const SLOPE_BITS: u32 = 40;
 /// A slope of one: 45°.
 pub(crate) const DIAGONAL: u64 = 1 << SLOPE_BITS;
 
+/// A ramp of the short axis away from (or back to) the pass's line; by itself none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Ramp {
+    /// Signed slope behind the corner; 0 for no ramp.
+    pub slope: Slope,
+    pub ease: Ease,
+    /// Run-in: where it ends; run-out: where it begins, along the long axis from the start.
+    pub at: Fine,
+}
+
+impl Ramp {
+    /// How far beside the line a run-in begins.
+    pub(super) fn beside_at_start(&self) -> Fine {
+        along(
+            self.ease.at(self.at.wrapping_sub(self.ease.half())),
+            self.slope,
+        )
+    }
+}
+
 /// `way` · `slope`, rounded to the nearest 2⁻¹⁶ nm.
 pub(crate) fn along(way: Fine, slope: Slope) -> Fine {
     let wide = signed_product(way, slope);

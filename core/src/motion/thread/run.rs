@@ -1,6 +1,7 @@
 //! A pass running: the spindle's angle in, a setpoint out, once a tick. No division, no loop.
 
-use super::path::{Helix, Out};
+use super::helix::Helix;
+use super::path::Out;
 use super::plan::ThreadPlan;
 use super::ramp::along;
 use crate::alarm::{Alarm, Code};

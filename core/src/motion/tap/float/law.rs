@@ -1,9 +1,10 @@
 //! Where the tap axis stands at a spindle angle: a pure function of it, without any state.
 
+use crate::motion::ease::whole;
 use crate::motion::ease::{Ease, Fine};
 use crate::motion::lead::turns_of;
 use crate::motion::tap::Gear;
-use crate::motion::thread::{HelixTravel, whole};
+use crate::motion::thread::HelixTravel;
 use crate::program::{Hand, Position};
 use crate::units::{Lead, Length, Turns};
 

@@ -1,0 +1,81 @@
+//! The helix of a pass: the travel for an angle.
+//!
+//! Knows no pass and no axis' limits.
+
+use crate::motion::ease::{Fine, whole};
+use crate::units::{Lead, Length, Turns, narrow_div};
+
+/// The exact helix of a pass, to judge its setpoints by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Helix {
+    pub(super) travel: HelixTravel,
+    pub(super) base: Turns,
+    pub(super) start: Length,
+    pub(super) long_x: bool,
+    pub(super) backward: bool,
+    pub(super) reverse: bool,
+}
+
+impl Helix {
+    /// True where X is the long axis.
+    #[must_use]
+    pub const fn long_x(&self) -> bool {
+        self.long_x
+    }
+
+    /// Where the helix stands on the long axis at a spindle angle.
+    #[must_use]
+    pub fn at(&self, angle: Turns) -> Length {
+        let turned = if self.reverse { -angle } else { angle };
+        let way = whole(self.travel.at(turned - self.base));
+        if self.backward {
+            self.start - way
+        } else {
+            self.start + way
+        }
+    }
+}
+
+/// What turns an angle into a travel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::motion) struct HelixTravel {
+    /// Angles below and above count as these: a turn around the pass.
+    pub low: Turns,
+    pub high: Turns,
+    /// Travel per turn: whole nanometres, and the rest in 2⁻³² nm.
+    pub lead: (u64, u64),
+}
+
+impl HelixTravel {
+    /// The travel of a helix of `lead`, from a turn before `join` ahead of the start point to a turn behind `done`.
+    /// `rounding`: of the lead's denominator, what its part below a nanometre is given before it is rounded down.
+    #[inline(never)]
+    pub fn new(lead: Lead, join: Turns, done: Turns, rounding: u64) -> Self {
+        let (nm, turns) = lead.parts();
+        let whole = nm.checked_div(turns).unwrap_or(0);
+        let below = u128::from(nm.wrapping_sub(whole.wrapping_mul(turns))) << 32;
+        let rest = narrow_div(below.wrapping_add(u128::from(rounding)), turns);
+        Self {
+            low: -join - Turns::ONE,
+            high: done + Turns::ONE,
+            lead: (whole, rest.min(u64::from(u32::MAX))),
+        }
+    }
+
+    /// The helix' travel for an angle since it was at the start point.
+    pub fn at(&self, relative: Turns) -> Fine {
+        // Not `clamp`, which panics where the limits cross.
+        let relative = relative.raw().max(self.low.raw()).min(self.high.raw());
+        let turns = relative >> 32;
+        let part = (relative as u64) & 0xffff_ffff;
+        let (lead, rest) = self.lead;
+        // turns + part·2⁻³², times lead + rest·2⁻³², in 2⁻¹⁶.
+        let whole_turns = turns
+            .wrapping_mul(lead as i64)
+            .wrapping_shl(16)
+            .wrapping_add(turns.wrapping_mul(rest as i64) >> 16);
+        let within =
+            ((part >> 2).wrapping_mul(lead) >> 14).wrapping_add(part.wrapping_mul(rest) >> 48);
+        whole_turns.wrapping_add(within as i64)
+    }
+}
