@@ -28,6 +28,8 @@ use leadscrew_core::bus::{
 
 const NODE: NodeId = NodeId::BOARD;
 const TICK_US: u32 = 1000;
+/// How long an answer may take, of a computer that is busy.
+const PATIENCE_MS: u32 = 60_000;
 const ANY: Object = Object::new(0x2000, 0);
 const RANGED: Object = Object::new(0x2001, 0);
 const LOSE: Object = Object::new(0x2002, 0);
@@ -206,7 +208,7 @@ impl Node {
             stream,
             heard: Vec::new(),
             slave: NmtSlave::new(NODE),
-            server: SdoServer::new(NODE, Periods::new(1000), BlockSize::MAX),
+            server: SdoServer::new(NODE, Periods::new(PATIENCE_MS), BlockSize::MAX),
             heartbeat: HeartbeatProducer::default(),
             objects: Dictionary::new(),
             later: Vec::new(),
@@ -305,7 +307,7 @@ impl Node {
             return Ok(());
         };
         self.objects.values.insert(COPIED, vec![0; 4]);
-        let patience = Duration::from_secs(1);
+        let patience = Duration::from_millis(PATIENCE_MS.into());
         let mut data = Collected::default();
         let from = Object::new(0x2010, 0);
         let now = self.started.elapsed();

@@ -15,6 +15,8 @@ from wire import Wire
 
 ANY, RANGED, LOSE, ALARM, COPY, COPIED = 0x2000, 0x2001, 0x2002, 0x2003, 0x2004, 0x2005
 LENGTHS = [1, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890, 1778, 5000]
+# How long anything is waited for before it counts as lost.
+PATIENCE = 60
 # How long disconnecting may take.
 canopen.Network.NOTIFIER_CYCLE = 0.05
 
@@ -31,15 +33,15 @@ class NodeTest(unittest.TestCase):
         self.node = canopen.RemoteNode(1, ObjectDictionary())
         self.network.add_node(self.node)
         self.network.connect()
-        self.node.sdo.RESPONSE_TIMEOUT = 2.0
+        self.node.sdo.RESPONSE_TIMEOUT = PATIENCE
 
     def tearDown(self):
         self.network.disconnect()
-        self.assertEqual(self.program.wait(5), 0)
+        self.assertEqual(self.program.wait(PATIENCE), 0)
         self.program.stdout.close()
 
     def until(self, happened):
-        deadline = time.time() + 5
+        deadline = time.time() + PATIENCE
         while not happened():
             self.assertLess(time.time(), deadline, "it did not happen")
             time.sleep(0.005)
@@ -104,12 +106,12 @@ class NodeTest(unittest.TestCase):
     def test_network_management_and_heartbeat(self):
         self.write_word(0x1017, 20)
         nmt = self.node.nmt
-        self.assertEqual(nmt.wait_for_heartbeat(2), "PRE-OPERATIONAL")
+        self.assertEqual(nmt.wait_for_heartbeat(PATIENCE), "PRE-OPERATIONAL")
         nmt.state = "OPERATIONAL"
-        self.until(lambda: nmt.wait_for_heartbeat(2) == "OPERATIONAL")
+        self.until(lambda: nmt.wait_for_heartbeat(PATIENCE) == "OPERATIONAL")
         self.assertEqual(self.node.sdo.upload(RANGED, 0), b"\x32\x00")
         nmt.state = "STOPPED"
-        self.until(lambda: nmt.wait_for_heartbeat(2) == "STOPPED")
+        self.until(lambda: nmt.wait_for_heartbeat(PATIENCE) == "STOPPED")
         self.node.sdo.RESPONSE_TIMEOUT = 0.2
         with self.assertRaises(canopen.SdoCommunicationError):
             self.node.sdo.upload(RANGED, 0)
@@ -118,7 +120,7 @@ class NodeTest(unittest.TestCase):
         nmt.add_heartbeat_callback(states.append)
         nmt.state = "RESET COMMUNICATION"
         self.until(lambda: 0 in states)
-        self.assertEqual(nmt.wait_for_heartbeat(2), "PRE-OPERATIONAL")
+        self.assertEqual(nmt.wait_for_heartbeat(PATIENCE), "PRE-OPERATIONAL")
 
     def test_emergencies_and_their_history(self):
         self.write_word(ALARM, 317)
@@ -138,7 +140,6 @@ class NodeTest(unittest.TestCase):
     def copy(self, protocol):
         """Lets the node be the client of a server of this package's own."""
         self.write_word(COPY, protocol << 8 | 2)
-        self.node.sdo.RESPONSE_TIMEOUT = 5.0
         # The node answers when it is done.
         return int.from_bytes(self.node.sdo.upload(COPIED, 0), "little")
 

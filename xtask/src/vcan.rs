@@ -17,7 +17,7 @@ const BEGIN: &str = "-- inside: begin";
 const END: &str = "-- inside: end";
 
 /// The longest that anything may run inside.
-const LIMIT: &str = "1500";
+const LIMIT: &str = "3600";
 
 /// Where the bus is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -19,11 +19,12 @@ use crate::machine::Machine;
 /// Ticks after which the SYNC counter shows the same again.
 const TURN: u64 = SyncProducer::LAST as u64;
 
-/// A program that does not go on for so long is not waited for any more: time goes on, so that its loss is noticed.
-const LOST: Duration = Duration::from_secs(2);
+/// A program that does not go on for so long is not waited for any more: time goes on, so that its loss is noticed. The computer
+/// may have stood still [D178].
+const LOST: Duration = Duration::from_secs(5);
 
 /// How long a drive that is known to answer is waited for.
-const ANSWER: Duration = Duration::from_secs(1);
+const ANSWER: Duration = Duration::from_secs(5);
 
 /// How long a further board is waited for that is known to go on: it may be waiting for its own program.
 const NEIGHBOUR: Duration = Duration::from_secs(10);

@@ -12,14 +12,11 @@ use nix::errno::Errno;
 use nix::fcntl::OFlag;
 use nix::sys::termios::{self, BaudRate, SetArg, SpecialCharacterIndices};
 
-use super::Stream;
+use super::{ANSWER, Stream};
 use crate::{Address, CanError};
 
 /// Time for a connection to come about.
 const CONNECT: Duration = Duration::from_secs(3);
-
-/// How long a line that takes nothing is waited for.
-const STUCK: Duration = Duration::from_secs(1);
 
 /// The name to call it by, and the line.
 pub fn open(address: &Address) -> Result<(String, Box<dyn Stream>), CanError> {
@@ -38,7 +35,7 @@ pub fn open(address: &Address) -> Result<(String, Box<dyn Stream>), CanError> {
         Address::Unix(path) => {
             let name = format!("unix:{}", path.display());
             let line = UnixStream::connect(path)
-                .and_then(|line| line.set_write_timeout(Some(STUCK)).map(|()| line))
+                .and_then(|line| line.set_write_timeout(Some(ANSWER)).map(|()| line))
                 .map_err(|error| failed(&name, error))?;
             Ok((name, Box::new(line)))
         }
@@ -55,7 +52,7 @@ fn tcp(host: &str, port: u16) -> io::Result<TcpStream> {
         match TcpStream::connect_timeout(&address, CONNECT) {
             Ok(line) => {
                 line.set_nodelay(true)?;
-                line.set_write_timeout(Some(STUCK))?;
+                line.set_write_timeout(Some(ANSWER))?;
                 return Ok(line);
             }
             Err(error) => last = error,

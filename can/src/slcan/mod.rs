@@ -24,8 +24,12 @@ use crate::{Address, Can, CanError, Data, Filter, Id, Packet, Received, Stamp};
 /// Frames sent and not yet acknowledged, at most.
 const WINDOW: usize = 32;
 
-/// Time for an adapter to answer a command.
-const ANSWER: Duration = Duration::from_secs(2);
+/// Time for an adapter to answer a command, and to take what is sent. What is behind a socket is perhaps a program, and a computer
+/// may stand still for seconds [D178].
+const ANSWER: Duration = Duration::from_secs(5);
+
+/// Time for the version of one that has said something already.
+const NO_VERSION: Duration = Duration::from_secs(2);
 
 /// Time in which an adapter that was in the middle of something becomes quiet.
 const QUIET: Duration = Duration::from_millis(100);
@@ -88,7 +92,8 @@ impl Slcan {
                         break 'stale;
                     }
                     Some(heard @ Heard::Line(_)) if Reply::of(heard).is_none() => patience = QUIET,
-                    _ => {}
+                    Some(_) => patience = patience.min(NO_VERSION),
+                    None => {}
                 }
             }
         }
@@ -106,15 +111,17 @@ impl Slcan {
         self.write(line)?;
         let deadline = Instant::now() + ANSWER;
         let mut early = std::mem::take(&mut self.early);
-        let mut answered = None;
+        let (mut answered, mut over) = (None, false);
         while answered.is_none() {
             let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() || !self.wait(left)? {
+            if over || !self.wait(left)? {
                 return Err(CanError::AdapterSilent {
                     name: self.name.clone(),
                     command: name,
                 });
             }
+            // However late it is: what has come is there.
+            over = left.is_zero();
             self.take(&mut early, |reply| {
                 if answered.is_none() && matches!(reply, Reply::Done | Reply::Refused) {
                     answered = Some(*reply);
@@ -203,7 +210,7 @@ impl Slcan {
             self.under_way += room;
             result = self.write(&text);
             if result.is_ok() && self.under_way >= WINDOW {
-                result = match self.wait(Duration::from_secs(1)) {
+                result = match self.wait(ANSWER) {
                     Ok(true) => self.hear(&mut early),
                     Ok(false) => Err(CanError::Stuck {
                         name: self.name.clone(),

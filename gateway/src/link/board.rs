@@ -34,11 +34,18 @@ const SIGNALS: Object = Object::new(0x5060, 0);
 const LOG_TRIES: u32 = 5;
 /// `LSCW`.
 pub(super) const LEADSCREW: u32 = 0x4C53_4357;
-/// A status is due every 10 ms by default.
+/// A status is due every 10 ms by default; the node is started so often until one comes.
 const STATUS: Duration = Duration::from_millis(500);
 const FIRST_STATUS: Duration = Duration::from_millis(100);
+const STARTS: usize = 10;
+/// Questions whether the board is there: each is waited for as any answer.
+const GREETINGS: u32 = 5;
+/// So often have several to answer: then there are several.
+const SEVERAL: u32 = 3;
 /// An order is sent again after this long.
 const REPEAT: Duration = Duration::from_millis(20);
+/// An order that is not confirmed by then is none. The computer of a simulated board may stand still for seconds [D178].
+const CONFIRMED: Duration = Duration::from_secs(5);
 
 /// The parameter set of a board, and its identity.
 #[derive(Clone, Debug)]
@@ -55,11 +62,14 @@ impl Link {
     /// # Errors
     /// [`Trouble::NoBoard`], [`Trouble::TwoBoards`], [`Trouble::NotABoard`], [`Trouble::Version`].
     pub fn greet(&mut self) -> LinkResult {
-        // A second gateway may be talking at this very moment: what is so stays so when asked again.
-        let mut count = self.answers(SERIAL)?;
-        for _ in 0..2 {
-            if count != 1 {
-                count = self.answers(SERIAL)?;
+        // A second gateway may be talking at this very moment, and a slow board answers several questions at once: what is
+        // so stays so when asked again.
+        let (mut count, mut several) = (0, 0);
+        for _ in 0..GREETINGS {
+            count = self.answers(SERIAL)?;
+            several += u32::from(count > 1);
+            if count == 1 || several == SEVERAL {
+                break;
             }
         }
         let node = self.node().get();
@@ -99,7 +109,8 @@ impl Link {
     pub fn hear_status(&mut self) -> LinkResult {
         let before = self.seen.statuses;
         // A node that is started already has said something by then.
-        for patience in [FIRST_STATUS, STATUS, STATUS, STATUS] {
+        let further = std::iter::repeat_n(STATUS, STARTS);
+        for patience in std::iter::once(FIRST_STATUS).chain(further) {
             if patience == STATUS {
                 self.start_node()?;
             }
@@ -128,9 +139,9 @@ impl Link {
     /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times.
     fn command(&mut self, command: BoardCommand, name: &'static str) -> LinkResult {
         let node = self.node();
-        let end = Instant::now() + self.patience;
+        let end = Instant::now() + CONFIRMED;
         let mut sent = 0;
-        while Instant::now() < end {
+        while sent < 3 || Instant::now() < end {
             self.send(&[command.frame(node)])?;
             sent += 1;
             let again = Instant::now() + REPEAT;

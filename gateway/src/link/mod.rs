@@ -37,8 +37,9 @@ pub use inside::Inside;
 pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, alarm_words, reason};
 
-/// The board may be silent for so long before it counts as lost; a status comes every few milliseconds.
-const SILENCE: Duration = Duration::from_secs(2);
+/// The board may be silent for so long before it counts as lost; a status comes every few milliseconds. Nothing moves by this
+/// time, and a computer may stand still for seconds: at either end of the line [D178].
+const SILENCE: Duration = Duration::from_secs(5);
 /// Emergencies kept until somebody asks.
 const EMERGENCIES: usize = 64;
 
@@ -157,6 +158,8 @@ pub struct Link {
     opened: Instant,
     /// When its last transfer ended.
     turn_ended: Instant,
+    /// What an answer of the board takes.
+    round_trip: Duration,
     /// What has been heard.
     pub seen: Seen,
 }
@@ -198,6 +201,7 @@ impl Link {
             disturbed: false,
             opened: now,
             turn_ended: now,
+            round_trip: Duration::ZERO,
             seen: Seen::default(),
         }
     }
@@ -332,19 +336,24 @@ impl Link {
             .map(|_| ())
     }
 
-    /// The board has said nothing for too long.
+    /// The board has said nothing for too long, and nothing of it waits to be heard.
     ///
     /// # Errors
-    /// [`Trouble::Lost`].
-    pub fn check_alive(&self) -> LinkResult {
-        match self.seen.last {
-            Some(last) if last.elapsed() > SILENCE => Err(Trouble::Lost {
+    /// [`Trouble::Lost`]; the bus is gone.
+    pub fn check_alive(&mut self) -> LinkResult {
+        let is_silent = |last: Option<Instant>| last.is_some_and(|at| at.elapsed() > SILENCE);
+        if is_silent(self.seen.last) {
+            // It was perhaps this side that stood still.
+            self.idle(Duration::ZERO)?;
+        }
+        if is_silent(self.seen.last) {
+            return Err(Trouble::Lost {
                 node: self.node.get(),
                 bus: self.bus.clone(),
                 suspicion: self.health.suspicion(),
-            }),
-            _ => Ok(()),
+            });
         }
+        Ok(())
     }
 
     /// That the board has started again in the middle of something.

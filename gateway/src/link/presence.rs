@@ -36,6 +36,8 @@ const LONGEST: Duration = Duration::from_secs(2);
 const ALONE: Duration = Duration::from_millis(24);
 /// Questions to a node that does not answer: one may get lost.
 const QUESTIONS: u32 = 2;
+/// How long each of them is waited for.
+const ANSWER: Duration = Duration::from_millis(500);
 
 impl Link {
     /// Says often enough that this side is alive.
@@ -177,7 +179,7 @@ impl Link {
             if !self.wait_for_quiet(node)? {
                 return Ok(false);
             }
-            if let Some(product) = self.ask_once(node, PRODUCT, BEAT)? {
+            if let Some(product) = self.ask_once(node, PRODUCT, ANSWER)? {
                 return Ok(product == LEADSCREW.to_le_bytes());
             }
         }

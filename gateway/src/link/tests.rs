@@ -1,9 +1,12 @@
 //! Against a board inside this process.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_board_sim::stored_params;
+use leadscrew_can::Can as _;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
 use leadscrew_core::bus::{Abort, CobId, Frame, NodeId, Object, Order, Service};
@@ -26,6 +29,14 @@ fn set(values: &[(&str, i64)]) -> Params {
 fn push(link: &mut Link, params: &Params) -> super::LinkResult {
     link.stage(params)?;
     link.commit(params)
+}
+
+/// Lets so many milliseconds of the board's time go by, however many that are here.
+fn pass(link: &mut Link, ms: u64) {
+    let end = link.status().unwrap().tick + ms;
+    while link.status().unwrap().tick < end {
+        link.idle(Duration::from_millis(5)).unwrap();
+    }
 }
 
 /// A flash in which this set is stored.
@@ -173,7 +184,7 @@ fn a_password_opens_writing() {
     refused(link.stage(&wanted), Code::PasswordMissing);
     refused(link.open_parameters(4712), Code::PasswordWrong);
     // The board hears nothing for a second.
-    link.idle(Duration::from_millis(1100)).unwrap();
+    pass(&mut link, 1100);
     link.open_parameters(4711).unwrap();
     push(&mut link, &wanted).unwrap();
     let (_, kept) = stored(&inside);
@@ -214,7 +225,7 @@ fn a_staged_set_is_committed_by_its_hash_and_once() {
     // Somebody else writes a value in between, even one that is so already.
     link.stage(&new).unwrap();
     link.write(Object::new(0x2000 + 9007, 0), &[12]).unwrap();
-    link.idle(Duration::from_millis(200)).unwrap();
+    pass(&mut link, 200);
     refused(link.commit(&new), Code::StagedSetGone);
     assert_eq!(stored(&inside), (Found::Newest, old.clone()));
     // The answer is lost, and the order comes again.
@@ -330,7 +341,7 @@ fn what_somebody_else_has_changed_since_it_was_read_is_not_put_back() {
         .set(Entry::find_text("1420.X").unwrap(), 11_000_000_000)
         .unwrap();
     link.write(Object::new(0x2000 + 9007, 0), &[13]).unwrap();
-    link.idle(Duration::from_millis(200)).unwrap();
+    pass(&mut link, 200);
     refused(link.stage_over(&read, &wanted), Code::StagedSetGone);
     let (_, kept) = stored(&inside);
     assert_eq!(
@@ -423,4 +434,55 @@ fn no_more_certificates_are_taken_than_there_are_and_an_older_board_need_not_kno
     between(&inside, older, |frame| frame)
         .take_threads(0)
         .unwrap();
+}
+
+/// It is this side that stands still, not the board.
+#[test]
+fn who_stood_still_hears_what_came_meanwhile_before_he_calls_it_late() {
+    const PATIENCE: Duration = Duration::from_millis(20);
+    let inside = machine(Flash::erased());
+    let mut frames = 0;
+    let aborts = Arc::new(AtomicU32::new(0));
+    let told = aborts.clone();
+    let sent = move |frame: &Frame| {
+        frames += 1;
+        if frame.payload().first() == Some(&0x80) {
+            told.fetch_add(1, Ordering::Relaxed);
+        }
+        // In some places of any transfer.
+        if frames < 6 || frames % 50 == 0 {
+            std::thread::sleep(PATIENCE * 3);
+        }
+        Fate::Arrives
+    };
+    let mut link = between(&inside, sent, |frame| frame);
+    link.set_patience(PATIENCE);
+    let mut new = link.parameters().unwrap().params;
+    new.set(Entry::find_text("9007").unwrap(), 13).unwrap();
+    push(&mut link, &new).unwrap();
+    assert_eq!(stored(&inside).1, new);
+    assert_eq!(aborts.load(Ordering::Relaxed), 0);
+}
+
+/// One that is slow answers all questions at once, and is one board all the same.
+#[test]
+fn late_answers_are_not_those_of_a_second_board() {
+    let inside = machine(Flash::erased());
+    let mut wire = inside.clone();
+    let mut questions = 0;
+    let sent = move |frame: &Frame| {
+        if frame.payload().starts_with(&[0x40, 0x18, 0x10, 4]) {
+            questions += 1;
+            match questions {
+                1 | 2 => return Fate::Lost(None),
+                // With those from before.
+                3 => wire.send(&[*frame; 2]).unwrap(),
+                _ => {}
+            }
+        }
+        Fate::Arrives
+    };
+    let mut link = between(&inside, sent, |frame| frame);
+    link.set_patience(Duration::from_millis(20));
+    link.greet().unwrap();
 }

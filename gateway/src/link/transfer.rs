@@ -3,7 +3,10 @@
 //! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
 //! transfer. So clients listen for each other and take turns [D111]: who has had his transfer, or has only just come, waits
 //! longer for silence than who has been disturbed, and so lets him go first. What is not answered at all, without anybody
-//! else being heard, is asked twice more, and is an error then.
+//! else being heard, is asked four times more, and is an error then.
+//!
+//! What this side has not listened to is no silence: where it stood still itself, what came meanwhile is heard before the
+//! board is late [D178].
 
 use std::time::{Duration, Instant};
 
@@ -16,9 +19,13 @@ use super::{Link, LinkResult, Trouble};
 
 /// Tries where frames get lost and nobody else is heard.
 const TRIES: u32 = 12;
+/// Times that nothing comes until it is an error.
+const SILENCES: u32 = 5;
 /// Refusals until a value is refused for its own sake, where another client was heard in every transfer of it.
 const REFUSALS: u32 = 5;
-/// So long after another client's last request its transfer is over; somebody who has been disturbed goes on then.
+/// So long after another client's last request its transfer is over; somebody who has been disturbed goes on then. Like the
+/// next three it is longer by what an answer takes: where a computer is busy, or a wire slow, that is more than they are, and
+/// clients would break into each other's transfers for ever [D178].
 const QUIET: Duration = Duration::from_millis(8);
 /// Somebody who has had his turn leaves this much more to the others.
 const YIELD: Duration = Duration::from_millis(16);
@@ -36,7 +43,9 @@ const SPOILT: Duration = Duration::from_millis(60);
 /// For so long answers to a broken transfer may still come.
 const STALE: Duration = Duration::from_millis(10);
 /// With other clients in the way a transfer may take so long.
-const CONTENTION: Duration = Duration::from_secs(30);
+const CONTENTION: Duration = Duration::from_secs(60);
+/// What an answer takes is not taken for more than this.
+const SLOWEST: Duration = Duration::from_millis(500);
 /// The longest value that is read.
 const LONGEST: usize = 1 << 20;
 
@@ -247,7 +256,7 @@ impl Link {
             } else {
                 tries += 1;
                 silences += u32::from(error == SdoError::TimedOut);
-                tries == TRIES || silences == 3
+                tries == TRIES || silences == SILENCES
             };
             let again = may_go_better(error) || {
                 // A frame of somebody else may have been taken for a piece of this value, which is refused then.
@@ -278,18 +287,18 @@ impl Link {
         let seed = u64::from(std::process::id()) << 32 | u64::from(self.now().subsec_nanos());
         // The upper half of a product with an odd number depends on all of the lower.
         let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
-        let span = u64::try_from(JITTER.as_micros()).unwrap_or(1);
+        let span = u64::try_from((JITTER + self.round_trip).as_micros()).unwrap_or(1);
         Duration::from_micros(mixed % span)
     }
 
     /// Lets other clients finish, and have their turn, but not for ever.
     pub(super) fn wait_for_turn(&mut self) -> LinkResult {
         let begun = Instant::now();
-        let mut quiet = QUIET + self.jitter();
+        let mut quiet = QUIET + self.round_trip * 2 + self.jitter();
         if !self.disturbed {
-            quiet += YIELD;
+            quiet += YIELD + self.round_trip * 2;
         }
-        let end = begun + TURN + quiet;
+        let end = begun + TURN + self.round_trip * 10 + quiet;
         self.idle(Duration::ZERO)?;
         loop {
             let last = match self.seen.other_client {
@@ -316,35 +325,62 @@ impl Link {
     }
 
     fn carry_on(&mut self, transfer: &mut dyn Transfer) -> LinkResult<Result<(), SdoError>> {
-        let (began, attempt) = (self.began, Instant::now());
+        let attempt = Instant::now();
         let mut out = Vec::new();
+        // The transfer's time goes on while this side listens.
+        let mut clock = self.now();
+        let mut asked = None;
+        let answers = CobId::of(Service::SdoReply, self.node);
         loop {
-            let frames = std::iter::from_fn(|| transfer.poll(began.elapsed()));
+            let frames = std::iter::from_fn(|| transfer.poll(clock));
             out.extend(frames.take(AT_ONCE));
             if !out.is_empty() {
                 self.send(&out)?;
                 out.clear();
+                asked = Some(Instant::now());
                 continue;
             }
             if let Some(outcome) = transfer.outcome() {
                 return Ok(outcome);
             }
             // Just beyond the deadline: then the transfer says itself that it is over.
-            let mut until = began + transfer.deadline() + Duration::from_millis(1);
+            let (before, since) = (clock, Instant::now());
+            let left = transfer.deadline().saturating_sub(before);
+            let mut until = since + left + Duration::from_millis(1);
             let spoilt = self.seen.other_client.filter(|last| *last > attempt);
             if let Some(last) = spoilt {
-                until = until.min(last + SPOILT);
+                until = until.min(last + SPOILT + self.round_trip * 4);
             }
             let requests = CobId::of(Service::SdoRequest, self.node);
-            let heard = self.listen(until, &mut |frame| {
-                transfer.receive(frame, began.elapsed());
-                out.extend(transfer.poll(began.elapsed()));
+            let mut took = None;
+            let enough = self.listen(until, &mut |frame| {
+                clock = before + since.elapsed();
+                if frame.id() == answers
+                    && let Some(asked) = asked.take()
+                {
+                    took = Some(asked.elapsed());
+                }
+                transfer.receive(frame, clock);
+                out.extend(transfer.poll(clock));
                 !out.is_empty() || transfer.outcome().is_some() || frame.id() == requests
             })?;
-            if !heard && spoilt.is_some() && transfer.outcome().is_none() && out.is_empty() {
-                return Ok(Err(SdoError::TimedOut));
+            if let Some(took) = took {
+                self.note_round_trip(took);
+            }
+            if !enough {
+                clock = before + since.elapsed();
+                if spoilt.is_some() && transfer.outcome().is_none() && out.is_empty() {
+                    // Perhaps it is only slower than was thought.
+                    self.note_round_trip(self.round_trip * 2 + Duration::from_millis(1));
+                    return Ok(Err(SdoError::TimedOut));
+                }
             }
         }
+    }
+
+    /// An answer took so long: what is reckoned with is the longest of late.
+    fn note_round_trip(&mut self, took: Duration) {
+        self.round_trip = took.max(self.round_trip * 7 / 8).min(SLOWEST);
     }
 
     /// Asks for a number and counts how many answer: more than one node may have the board's number. What answers somebody

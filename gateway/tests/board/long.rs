@@ -40,6 +40,8 @@ fn a_program_of_megabytes_takes_memory_on_neither_side() {
     let simulated = json(&leadscrew(&args, "sim"));
 
     let server = Server::start(&Options {
+        // As fast as it can, without waiting for heartbeats.
+        set: vec![("9024", 0)],
         speed: 1_000_000,
         ..Options::default()
     });

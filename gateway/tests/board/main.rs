@@ -21,6 +21,9 @@ use serde_json::Value;
 
 use server::{Options, Server};
 
+/// Nothing takes so long on any computer.
+const LIMIT: Duration = Duration::from_secs(300);
+
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
@@ -35,8 +38,9 @@ fn command(args: &[&str], bus: &str) -> Command {
     command
 }
 
+#[track_caller]
 fn leadscrew(args: &[&str], bus: &str) -> Output {
-    command(args, bus).output().unwrap()
+    Run::of(command(args, bus)).end()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -72,21 +76,42 @@ fn json(output: &Output) -> Value {
         .unwrap_or_else(|error| panic!("{error}: {}{}", text(&output.stdout), text(&output.stderr)))
 }
 
+/// A board whose time goes by as it does here: whoever is slow still comes in the middle of a program of a minute.
+fn slow() -> Server {
+    Server::start(&Options {
+        speed: 1,
+        ..Options::default()
+    })
+}
+
 /// A run in the background.
 struct Run(Child);
 
 impl Run {
     fn start(program: &str, bus: &str) -> Self {
-        let child = command(&["run", program, "--json"], bus)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        Self(child)
+        Self::of(command(&["run", program, "--json"], bus))
     }
 
+    fn of(mut command: Command) -> Self {
+        let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        Self(piped.spawn().unwrap())
+    }
+
+    /// What hangs is ended, and tells what it has said.
+    #[track_caller]
     fn end(self) -> Output {
-        self.0.wait_with_output().unwrap()
+        let pid = self.0.id().to_string();
+        let (ended, end) = std::sync::mpsc::channel();
+        std::thread::spawn(move || ended.send(self.0.wait_with_output().unwrap()));
+        end.recv_timeout(LIMIT).unwrap_or_else(|_| {
+            let _ = Command::new("kill").args(["-KILL", &pid]).status();
+            let output = end.recv().unwrap();
+            panic!(
+                "it does not end: {}{}",
+                text(&output.stdout),
+                text(&output.stderr)
+            )
+        })
     }
 }
 
@@ -102,7 +127,7 @@ fn wait_for(bus: &str, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
 /// Waits until there is something.
 #[track_caller]
 fn wait_until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    let end = Instant::now() + Duration::from_secs(60);
+    let end = Instant::now() + Duration::from_secs(300);
     loop {
         if let Some(seen) = look() {
             return seen;
@@ -233,10 +258,7 @@ fn every_hole_has_its_certificate_and_is_judged_by_it() {
 
 #[test]
 fn an_operator_holds_resumes_and_sets_overrides_while_it_runs() {
-    let server = Server::start(&Options {
-        speed: 4,
-        ..Options::default()
-    });
+    let server = slow();
     let bus = server.bus();
     let run = Run::start("examples/shaft.nc", &bus);
     wait_for(&bus, "the program runs", |status| {
@@ -259,6 +281,7 @@ fn an_operator_holds_resumes_and_sets_overrides_while_it_runs() {
     assert_eq!(still["override"]["feed"], 150);
     assert_eq!(still["signals"], 1 << 4);
     good(&leadscrew(&["resume"], &bus));
+    server.hurry();
     let output = run.end();
     let ran = json(&output);
     assert_eq!(output.status.code(), Some(0), "{ran}");
@@ -269,10 +292,7 @@ fn an_operator_holds_resumes_and_sets_overrides_while_it_runs() {
 
 #[test]
 fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
-    let server = Server::start(&Options {
-        speed: 4,
-        ..Options::default()
-    });
+    let server = slow();
     let bus = server.bus();
     let run = Run::start("examples/shaft.nc", &bus);
     wait_for(&bus, "the program runs", |status| {
@@ -280,6 +300,7 @@ fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
     });
     let stopped = json(&leadscrew(&["stop", "--json"], &bus));
     assert_eq!(stopped["ok"], true);
+    server.hurry();
     let output = run.end();
     assert_eq!(output.status.code(), Some(4));
     let ran = json(&output);
@@ -316,10 +337,7 @@ fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
 
 #[test]
 fn interrupted_the_machine_is_brought_to_rest_first() {
-    let server = Server::start(&Options {
-        speed: 4,
-        ..Options::default()
-    });
+    let server = slow();
     let bus = server.bus();
     let run = Run::start("examples/shaft.nc", &bus);
     wait_for(&bus, "the program runs", |status| {
@@ -371,12 +389,14 @@ fn nobody_or_too_many_under_the_number_each_have_their_message() {
 
 #[test]
 fn a_board_that_goes_silent_is_lost() {
-    let server = Server::start(&Options {
-        speed: 4,
-        unplugged_at: Some(4_000),
-        ..Options::default()
+    let server = slow();
+    let bus = server.bus();
+    let run = Run::start("examples/shaft.nc", &bus);
+    wait_for(&bus, "the program runs", |status| {
+        status["line"].as_u64() > Some(3)
     });
-    let told = bad(&leadscrew(&["run", "examples/shaft.nc"], &server.bus()), 3);
+    server.unplug();
+    let told = bad(&run.end(), 3);
     assert!(
         told.contains("has gone silent") || told.contains("timed out, abort code 05040000h"),
         "{told}"
@@ -518,6 +538,27 @@ fn a_program_is_fed_while_others_ask_without_a_pause() {
     });
 }
 
+/// Where every answer takes longer than a transfer elsewhere, clients still let each other finish. [D178]
+#[test]
+fn clients_of_a_slow_board_do_not_break_into_each_other_s_transfers_for_ever() {
+    let server = Server::start(&Options {
+        lag: Duration::from_millis(70),
+        ..Options::default()
+    });
+    let bus = server.bus();
+    std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(|| {
+                let address = bus.parse().unwrap();
+                let mut link = Link::open(&address, NodeId::BOARD, BitRate::M1).unwrap();
+                for _ in 0..8 {
+                    link.status().unwrap();
+                }
+            });
+        }
+    });
+}
+
 /// A board that speaks another version of the link is refused before anything of it is read.
 #[test]
 fn another_version_of_the_link_is_named_with_both_versions() {
@@ -582,18 +623,20 @@ fn is_administrator() -> bool {
 
 #[test]
 fn an_entry_of_the_tap_journal_is_dropped_over_the_bus() {
-    let server = Server::start(&Options {
-        speed: 4,
-        ..Options::default()
-    });
+    let server = slow();
     let bus = server.bus();
     let refused = bad(&leadscrew(&["retract", "--discard"], &bus), 1);
     assert!(refused.contains("no tap is in a hole"), "{refused}");
-    let run = Run::start("examples/g84-tap.nc", &bus);
+    // Half a minute in the hole.
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("slow-tap.nc");
+    let text = "G98\nG0 X50 Z0\nM29 S200\nG84 Z-30 P9999 F200\nG80\nM30\n";
+    std::fs::write(&path, text).unwrap();
+    let run = Run::start(path.to_str().unwrap(), &bus);
     wait_for(&bus, "the tap is in its hole", |status| {
         status["tap"]["in_hole"] == true
     });
     good(&leadscrew(&["stop"], &bus));
+    server.hurry();
     assert_eq!(run.end().status.code(), Some(4));
     good(&leadscrew(&["reset"], &bus));
     wait_for(&bus, "it is ready again", |status| {

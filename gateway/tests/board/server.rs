@@ -3,7 +3,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -21,6 +21,9 @@ const BURST: u32 = 20;
 /// A client that is silent in a transfer for so long is not waited for any more.
 const GONE: Duration = Duration::from_secs(1);
 
+/// Virtual time for a second of real time, where nothing has to happen in between.
+const HURRY: u32 = 1000;
+
 /// What stands behind the port.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -32,22 +35,22 @@ pub struct Options {
     pub speed: u32,
     /// The key of the link that the boards claim to speak, instead of their own.
     pub key: Option<u32>,
-    /// Answers nothing from this tick on, as if unplugged.
-    pub unplugged_at: Option<u64>,
     /// The boards' flash refuses every write.
     pub flash_fails: bool,
+    /// So long passes between two looks at what clients send.
+    pub lag: Duration,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self {
             nodes: vec![1],
-            // Heartbeats come in real time, and the machine runs faster.
-            set: vec![("9024", 0)],
+            // Heartbeats come in real time, and the machine runs faster; its time waits for them.
+            set: vec![("9024", 20_000)],
             speed: 20,
             key: None,
-            unplugged_at: None,
             flash_fails: false,
+            lag: Duration::ZERO,
         }
     }
 }
@@ -65,10 +68,17 @@ pub struct Seen {
     pub clients: usize,
 }
 
+/// What is turned while it serves.
+struct Knobs {
+    ends: AtomicBool,
+    unplugged: AtomicBool,
+    speed: AtomicU32,
+}
+
 /// A server until it is dropped.
 pub struct Server {
     port: u16,
-    ends: Arc<AtomicBool>,
+    knobs: Arc<Knobs>,
     seen: Arc<Mutex<Seen>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -79,16 +89,20 @@ impl Server {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         listener.set_nonblocking(true).unwrap();
         let port = listener.local_addr().unwrap().port();
-        let ends = Arc::new(AtomicBool::new(false));
+        let knobs = Arc::new(Knobs {
+            ends: AtomicBool::new(false),
+            unplugged: AtomicBool::new(false),
+            speed: AtomicU32::new(options.speed),
+        });
         let seen = Arc::new(Mutex::new(Seen::default()));
-        let (flag, told, options) = (ends.clone(), seen.clone(), options.clone());
+        let (turned, told, options) = (knobs.clone(), seen.clone(), options.clone());
         let thread = std::thread::Builder::new()
             .stack_size(32 << 20)
-            .spawn(move || serve(&listener, &options, &flag, &told))
+            .spawn(move || serve(&listener, &options, &turned, &told))
             .unwrap();
         Self {
             port,
-            ends,
+            knobs,
             seen,
             thread: Some(thread),
         }
@@ -97,6 +111,16 @@ impl Server {
     /// The `--bus` to reach it.
     pub fn bus(&self) -> String {
         format!("slcan:tcp:127.0.0.1:{}", self.port)
+    }
+
+    /// Nothing has to happen at its time any more: what is left goes by fast.
+    pub fn hurry(&self) {
+        self.knobs.speed.store(HURRY, Ordering::Relaxed);
+    }
+
+    /// The boards answer nothing any more.
+    pub fn unplug(&self) {
+        self.knobs.unplugged.store(true, Ordering::Relaxed);
     }
 
     /// The bit rate that the last client has set its adapter to.
@@ -134,7 +158,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        self.ends.store(true, Ordering::Relaxed);
+        self.knobs.ends.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -148,6 +172,8 @@ struct Client {
     adapter: Adapter,
     lines: Lines,
     out: Vec<u8>,
+    /// The tick of its newest heartbeat.
+    beat: Option<u64>,
 }
 
 impl Client {
@@ -160,6 +186,7 @@ impl Client {
             adapter: Adapter::new(0x10, 0x10, *b"TEST"),
             lines: Lines::new(),
             out: Vec::new(),
+            beat: None,
         }
     }
 
@@ -213,7 +240,7 @@ impl Client {
     }
 }
 
-fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mutex<Seen>) {
+fn serve(listener: &TcpListener, options: &Options, knobs: &Knobs, seen: &Mutex<Seen>) {
     let mut params = Params::slant_bed();
     for (key, value) in &options.set {
         params.set(Entry::find_text(key).unwrap(), *value).unwrap();
@@ -233,23 +260,31 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
         })
         .collect();
     let mut clients: Vec<Client> = Vec::new();
-    let began = Instant::now();
-    let mut last_heard = began;
+    // Ticks without a heartbeat after which a gateway counts as lost; 0: never.
+    let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
+    let mut looked = Instant::now();
+    let mut gone_by_us = 0;
+    let mut last_heard = looked;
     let mut came = 0;
     let mut next = false;
     let mut due = 0_u64;
     let mut ticks = 0_u64;
-    while !ends.load(Ordering::Relaxed) {
+    while !knobs.ends.load(Ordering::Relaxed) {
         while let Ok((line, _)) = listener.accept() {
             came += 1;
             clients.push(Client::new(came, line));
             seen.lock().unwrap().clients = clients.len();
         }
-        let plugged = options.unplugged_at.is_none_or(|at| ticks < at);
+        let plugged = !knobs.unplugged.load(Ordering::Relaxed);
         let mut busy = false;
         let mut heard = Vec::new();
         clients.retain_mut(|client| {
             let (frames, stays) = client.hear();
+            let beats =
+                |frame: &Frame| matches!(frame.id().service(), Some((Service::Heartbeat, _)));
+            if frames.iter().any(beats) {
+                client.beat = Some(ticks);
+            }
             if let Some(rate) = client.adapter.bit_rate() {
                 seen.lock().unwrap().bit_rate = Some(rate);
             }
@@ -273,18 +308,24 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
                 }
             }
         }
-        let now = u64::try_from(began.elapsed().as_micros()).unwrap() * u64::from(options.speed)
-            / u64::from(params.tick_us());
+        let last = std::mem::replace(&mut looked, Instant::now());
+        let speed = u64::from(knobs.speed.load(Ordering::Relaxed));
+        gone_by_us += u64::try_from((looked - last).as_micros()).unwrap() * speed;
+        let now = gone_by_us / u64::from(params.tick_us());
         due = due.max(now.saturating_sub(1000));
         let mut burst = 0;
-        // Lock-step: no tick while the program's next call has not come, nor in the middle of a transfer, whose client has
-        // real time only.
-        let waits = |boards: &[Box<Sim>]| {
+        // Lock-step: no tick while the program's next call has not come, nor in the middle of a transfer, nor as long as the
+        // heartbeat of a gateway that is there would be missed: clients have real time only.
+        let waits = |boards: &[Box<Sim>], clients: &[Client], ticks: u64| {
+            let late = |client: &Client| client.beat.is_some_and(|at| ticks - at > silence / 2);
+            if silence > 0 && clients.iter().any(late) {
+                return true;
+            }
             let transfers = last_heard.elapsed() < GONE;
             let waits = |sim: &Sim| sim.awaits_program() || transfers && sim.is_transferring();
             boards.iter().any(|sim| waits(sim))
         };
-        while due < now && burst < BURST && !waits(&boards) {
+        while due < now && burst < BURST && !waits(&boards, &clients, ticks) {
             for (n, sim) in boards.iter_mut().enumerate() {
                 let row = sim.step();
                 while sim.event().is_some() {}
@@ -302,7 +343,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             due += 1;
             burst += 1;
         }
-        if waits(&boards) {
+        if waits(&boards, &clients, ticks) {
             due = due.max(now);
             // A transfer goes on without time.
             for sim in &mut boards {
@@ -313,6 +354,7 @@ fn serve(listener: &TcpListener, options: &Options, ends: &AtomicBool, seen: &Mu
             }
         }
         clients.retain_mut(Client::flush);
+        std::thread::sleep(options.lag);
         seen.lock().unwrap().clients = clients.len();
         if !busy && burst == 0 {
             std::thread::sleep(Duration::from_micros(100));

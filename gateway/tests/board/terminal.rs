@@ -53,7 +53,7 @@ impl View {
     }
 
     fn wait_until_drawing(&mut self) {
-        let end = Instant::now() + Duration::from_secs(60);
+        let end = Instant::now() + Duration::from_secs(300);
         while self.settings().local_flags.contains(LocalFlags::ICANON) {
             assert!(self.child.try_wait().unwrap().is_none(), "it has ended");
             assert!(Instant::now() < end, "it does not draw");

@@ -59,15 +59,9 @@ fn each_is_told_by_its_number_and_the_other_is_named() {
 /// [D171]
 #[test]
 fn each_board_misses_its_own_gateway_and_no_other() {
-    let server = two(vec![("9024", 2000)], 4);
+    let server = two(vec![("9024", 2000)], 1);
     let bus = server.bus();
-    let start = |program, node| {
-        let child = command(&["run", program, "--json", "--node", node], &bus)
-            .stdout(std::process::Stdio::piped())
-            .stderr(std::process::Stdio::piped())
-            .spawn();
-        Run(child.unwrap())
-    };
+    let start = |program, node| Run::of(command(&["run", program, "--json", "--node", node], &bus));
     let runs = |node| {
         wait_until(&format!("board {node} runs"), || {
             let status = status(&bus, node);
@@ -76,23 +70,26 @@ fn each_board_misses_its_own_gateway_and_no_other() {
     };
     let mut first = start("examples/shaft.nc", "1");
     runs("1");
-    let second = start("examples/o0013-g76-m68x6.nc", "2");
+    let second = start("examples/shaft.nc", "2");
     runs("2");
     first.0.kill().unwrap();
-    first.0.wait().unwrap();
+    let first = text(&first.end().stderr);
     wait_until("the board that has lost its gateway holds", || {
         (status(&bus, "1")["state"] == "hold").then_some(())
     });
     assert_eq!(status(&bus, "2")["program"], true, "the other goes on");
+    server.hurry();
     let output = second.end();
     let ran = json(&output);
     assert_eq!(output.status.code(), Some(0), "{ran}");
+    // The one that comes second, unless the first could not beat in time.
     let told = text(&output.stderr);
-    assert!(
-        told.contains("another gateway is on this bus; this one is node 124 meanwhile"),
-        "{told}"
-    );
-    let alone = command(&["run", "examples/o0013-g76-m68x6.nc", "--json"], "sim");
+    let moved = |told: &str, node| {
+        let words = format!("another gateway is on this bus; this one is node {node} meanwhile");
+        told.contains(&words)
+    };
+    assert!(moved(&told, 124) || moved(&first, 125), "{first}{told}");
+    let alone = command(&["run", "examples/shaft.nc", "--json"], "sim");
     let alone = json(&{ alone }.output().unwrap());
     assert_eq!(ran["setpoint_hash"], alone["setpoint_hash"]);
     // The next gateway of the first board is the one that it watches again.
@@ -105,7 +102,7 @@ fn each_board_misses_its_own_gateway_and_no_other() {
 fn whoever_comes_too_late_leaves_the_board_to_the_gateway_it_has() {
     let server = Server::start(&Options {
         set: vec![("9024", 2000)],
-        speed: 4,
+        speed: 1,
         ..Options::default()
     });
     let bus = server.bus();
@@ -120,7 +117,7 @@ fn whoever_comes_too_late_leaves_the_board_to_the_gateway_it_has() {
         server.was_asked(1, [0x30, 0x50, 1]).then_some(())
     });
     let text_of_second = open();
-    let first = Run::start("examples/o0013-g76-m68x6.nc", &bus);
+    let first = Run::start("examples/shaft.nc", &bus);
     wait_until("the first one runs", || {
         (status(&bus, "1")["program"] == true).then_some(())
     });
@@ -131,6 +128,7 @@ fn whoever_comes_too_late_leaves_the_board_to_the_gateway_it_has() {
     std::io::Write::write_all(&mut { text_of_second }, text).unwrap();
     let told = bad(&second.end(), 3);
     assert!(told.contains("node 1 is busy ("), "{told}");
+    server.hurry();
     let output = first.end();
     let ran = json(&output);
     assert_eq!(output.status.code(), Some(0), "{ran}");

@@ -13,10 +13,10 @@ use crate::kernel::Interface;
 pub const IMAGE: &str = "LEADSCREW_IMAGE";
 
 /// How long anything is waited for before it counts as lost.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Seconds that a command may take; what hangs is ended, and shows in its exit code 124.
-const LIMIT: &str = "300";
+const LIMIT: &str = "600";
 
 /// What carries the board's frames.
 enum Wire {

@@ -10,8 +10,8 @@ use leadscrew_core::bus::{CobId, Frame};
 /// The interface that all tests share, one after another.
 pub const INTERFACE: &str = "vcan0";
 
-/// How long anything is waited for before it counts as lost.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+/// How long anything is waited for before it counts as lost: nothing takes so long on any computer.
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// An end of the bus.
 pub fn open() -> SocketCan {
@@ -78,6 +78,22 @@ pub fn ours(name: &str) -> PathBuf {
         path.display()
     );
     path
+}
+
+/// The exit code of what must be near its end; what hangs is ended.
+#[track_caller]
+pub fn code(child: &mut Child) -> Option<i32> {
+    let started = std::time::Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status.code();
+        }
+        if started.elapsed() > PATIENCE {
+            let _ = child.kill();
+            panic!("it does not end");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// A program that runs until it is dropped.

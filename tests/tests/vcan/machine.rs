@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
-use crate::bus::{INTERFACE, PATIENCE, Running, ours, scratch};
+use crate::bus::{INTERFACE, PATIENCE, Running, code, ours, scratch};
 
 /// An example of the repository.
 pub fn example(name: &str) -> PathBuf {
@@ -78,14 +78,24 @@ impl Board {
     /// Ends it by Ctrl-C; its exit code and words.
     pub fn interrupt(mut self) -> (Option<i32>, String) {
         interrupt(&self.process.0);
-        let code = self.process.0.wait().unwrap().code();
+        let code = code(&mut self.process.0);
         (code, self.words())
     }
 
     /// Its exit code and words, where it ends by itself.
     pub fn wait(mut self) -> (Option<i32>, String) {
-        let code = self.process.0.wait().unwrap().code();
+        let code = code(&mut self.process.0);
         (code, self.words())
+    }
+
+    /// Its process stands still, as on a computer that has other things to do.
+    pub fn stand_still(&self) {
+        signal(&self.process.0, "-STOP");
+    }
+
+    /// And goes on.
+    pub fn go_on(&self) {
+        signal(&self.process.0, "-CONT");
     }
 
     /// Takes it away at once.
@@ -97,13 +107,17 @@ impl Board {
 
 /// Ctrl-C.
 pub fn interrupt(child: &Child) {
+    signal(child, "-INT");
+}
+
+fn signal(child: &Child, name: &str) {
     let pid = child.id().to_string();
-    let status = Command::new("kill").args(["-INT", &pid]).status().unwrap();
+    let status = Command::new("kill").args([name, &pid]).status().unwrap();
     assert!(status.success());
 }
 
 /// Seconds that anything may take; what hangs is ended, and shows in its exit code 124.
-const LIMIT: &str = "60";
+const LIMIT: &str = "300";
 
 /// `leadscrew`, with the bus.
 pub fn command(args: &[&str]) -> Command {

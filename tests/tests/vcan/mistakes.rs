@@ -6,7 +6,7 @@ use crate::machine::{Board, bad, example, leadscrew};
 /// `leadscrew` on another bus.
 fn on(bus: &str, args: &[&str]) -> std::process::Output {
     std::process::Command::new("timeout")
-        .arg("60")
+        .arg("300")
         .arg(ours("leadscrew"))
         .args(args)
         .args(["--bus", bus])

@@ -12,8 +12,11 @@ use crate::machine::{
     program, run, wait_for_status,
 };
 
-/// A tick at which a kernel booted as a program keeps up.
-const SLOW: [&str; 2] = ["--set", "9000=5000"];
+/// A tick at which a kernel booted as a program keeps up, and no gateway is missed because the computer stands still.
+const SLOW: [&str; 4] = ["--set", "9000=5000", "--set", "9024=0"];
+
+/// Half a minute of it in the hole: whoever is slow still comes in time.
+pub const SLOW_TAP: &str = "G98\nG0 X50 Z0\nM29 S200\nG84 Z-30 P9999 F200\nG80\nM30\n";
 
 #[test]
 fn hold_overrides_signals_and_resume_act_while_everything_is_recorded() {
@@ -24,7 +27,7 @@ fn hold_overrides_signals_and_resume_act_while_everything_is_recorded() {
         .spawn()
         .unwrap();
     eventually("the recorder listens", || sockets_on("vcan0") > before);
-    let running = run(&example("g84-tap.nc"), &[]);
+    let running = run(&program("operated.nc", SLOW_TAP), &[]);
     wait_for_status("the program runs", |status| {
         field(status, "program") == "true" && field(status, "line") != "0"
     });
@@ -66,7 +69,7 @@ fn hold_overrides_signals_and_resume_act_while_everything_is_recorded() {
 #[test]
 fn a_stop_in_a_hole_is_an_alarm_and_retract_brings_the_tap_out() {
     let _board = Board::start(&SLOW);
-    let running = run(&example("g84-tap.nc"), &[]);
+    let running = run(&program("stopped.nc", SLOW_TAP), &[]);
     // In the hole: on the way down, beyond the surface.
     wait_for_status("the tap is in its hole", |status| {
         status.contains("\"in_hole\":true")

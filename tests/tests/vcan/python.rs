@@ -14,7 +14,7 @@ pub fn given(name: &str) -> String {
 #[test]
 fn the_python_package_canopen_operates_a_board() {
     let output = Command::new("timeout")
-        .arg("300")
+        .arg("600")
         .arg(given("CANOPEN_PYTHON"))
         .args(["-B", "-m", "unittest", "on_a_bus"])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/python"))

@@ -135,8 +135,13 @@ fn fd_frames_of_others_do_no_harm() {
 
 #[test]
 fn a_gateway_that_is_killed_in_a_thread_is_missed_and_the_machine_holds() {
-    let board = Board::start(&["--set", "9000=5000"]);
-    let mut running = run(&example("o0013-g76-m68x6.nc"), &[]);
+    // Long enough for the five seconds, and whoever is slow besides.
+    let path = program(
+        "strokes.nc",
+        "M3 S300\nG0 X64 Z6\nG76 P010060 Q400 R0.1\nG76 X60 Z-60 P8000 Q2000 F1\nM30\n",
+    );
+    let board = Board::start(&["--set", "9000=5000", "--set", "9024=5000"]);
+    let mut running = run(&path, &[]);
     wait_for_status("a stroke runs", |status| {
         field(status, "state") == "run" && field(status, "sync_error_um") != "null"
     });
@@ -155,7 +160,7 @@ fn a_gateway_that_is_killed_in_a_thread_is_missed_and_the_machine_holds() {
 
 #[test]
 fn a_board_that_is_taken_away_in_mid_run_is_lost() {
-    let board = Board::start(&["--set", "9000=5000"]);
+    let board = Board::start(&["--set", "9000=5000", "--set", "9024=0"]);
     let running = run(&example("shaft.nc"), &[]);
     wait_for_status("the program runs", |status| {
         field(status, "state") == "run" && field(status, "line") != "0"

@@ -26,12 +26,17 @@ fn node(number: u8) -> NodeId {
 /// Frames to other nodes, as they were on the wire.
 type Talk = Arc<Mutex<Vec<Frame>>>;
 
-/// A board's wire on which others are, too: they say one frame after the other, and some are boards.
+/// What others say, one frame after the other.
+type Others = Box<dyn Iterator<Item = Frame> + Send>;
+
+/// A board's wire on which others are, too, and some are boards. Whoever has not listened for a while hears all at once what was
+/// said meanwhile.
 struct Wire {
     inside: Inside,
     filters: Vec<Filter>,
-    others: VecDeque<Frame>,
+    others: Others,
     next: Instant,
+    answers: VecDeque<Frame>,
     boards: Vec<NodeId>,
     talk: Talk,
 }
@@ -54,7 +59,7 @@ impl Can for Wire {
             if self.boards.contains(&to) && frame.payload().starts_with(&[0x40, 0x18, 0x10, 2]) {
                 let answer = [0x43, 0x18, 0x10, 2, b'W', b'C', b'S', b'L'];
                 let id = CobId::of(Service::SdoReply, to);
-                self.others.push_front(Frame::new(id, &answer).unwrap());
+                self.answers.push_back(Frame::new(id, &answer).unwrap());
             }
         }
         Ok(())
@@ -69,26 +74,21 @@ impl Can for Wire {
     }
 
     fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError> {
-        let before = into.len();
-        if Instant::now() >= self.next
-            && let Some(frame) = self.others.pop_front()
-        {
-            self.next = Instant::now() + PACE;
-            if matches!(frame.id().service(), Some((Service::SdoRequest, _))) {
-                self.talk.lock().unwrap().push(frame);
-            }
-            let packet = Packet::Frame(frame);
-            if Filter::any_passes(&self.filters, &packet) {
-                let time = Stamp::now();
-                into.push(Received { time, packet });
+        let (before, end) = (into.len(), Instant::now() + patience);
+        loop {
+            let now = Instant::now();
+            self.take(now, into);
+            let left = end.saturating_duration_since(now);
+            let patience = match into.len() - before {
+                0 => left.min(PACE),
+                _ => Duration::ZERO,
+            };
+            self.inside.receive(into, patience)?;
+            let count = into.len() - before;
+            if count > 0 || left.is_zero() {
+                return Ok(count);
             }
         }
-        let patience = match into.len() - before {
-            0 => patience.min(PACE),
-            _ => Duration::ZERO,
-        };
-        self.inside.receive(into, patience)?;
-        Ok(into.len() - before)
     }
 
     fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError> {
@@ -101,9 +101,30 @@ impl Can for Wire {
     }
 }
 
+impl Wire {
+    /// What has been said until now.
+    fn take(&mut self, now: Instant, into: &mut Vec<Received>) {
+        let mut said: Vec<Frame> = self.answers.drain(..).collect();
+        while now >= self.next {
+            self.next += PACE;
+            said.extend(self.others.next());
+        }
+        for frame in said {
+            if matches!(frame.id().service(), Some((Service::SdoRequest, _))) {
+                self.talk.lock().unwrap().push(frame);
+            }
+            let packet = Packet::Frame(frame);
+            if Filter::any_passes(&self.filters, &packet) {
+                let time = Stamp::now();
+                into.push(Received { time, packet });
+            }
+        }
+    }
+}
+
 /// A link to a board that beats every 10 ms, so that others are not listened for any longer; its drives have numbers that
 /// are not the usual ones.
-fn beside(others: impl IntoIterator<Item = Frame>, boards: &[NodeId]) -> (Link, Talk) {
+fn beside(others: impl Iterator<Item = Frame> + Send + 'static, boards: &[NodeId]) -> (Link, Talk) {
     let mut params = Params::slant_bed();
     for (key, raw) in [("9023", 10), ("9015.X", 40), ("9016", 50)] {
         params.set(Entry::find_text(key).unwrap(), raw).unwrap();
@@ -112,8 +133,9 @@ fn beside(others: impl IntoIterator<Item = Frame>, boards: &[NodeId]) -> (Link, 
     let wire = Wire {
         inside: machine_of(&params, Flash::erased()),
         filters: Vec::new(),
-        others: others.into_iter().collect(),
+        others: Box::new(others),
         next: Instant::now(),
+        answers: VecDeque::new(),
         boards: boards.to_vec(),
         talk: talk.clone(),
     };
@@ -130,16 +152,6 @@ fn status(number: u8) -> Frame {
         credit: 0,
     };
     status.frame(node(number))
-}
-
-/// So often that they are heard whenever it is listened for.
-fn again_and_again(frames: &[Frame]) -> Vec<Frame> {
-    frames
-        .iter()
-        .cycle()
-        .take(frames.len() * 40)
-        .copied()
-        .collect()
 }
 
 #[test]
@@ -159,7 +171,9 @@ fn a_board_at_work_and_a_drive_are_not_asked() {
         // No board.
         beat(90),
     ];
-    let (mut link, talk) = beside(again_and_again(&said), &[2, 3, 40, 52, 70].map(node));
+    // Whenever it is listened for.
+    let said = said.into_iter().cycle();
+    let (mut link, talk) = beside(said, &[2, 3, 40, 52, 70].map(node));
     assert_eq!(link.other_boards().unwrap(), [2, 3].map(node));
     let asked: std::collections::BTreeSet<u8> = talk
         .lock()
@@ -176,14 +190,15 @@ fn a_board_at_work_and_a_drive_are_not_asked() {
 fn nobody_is_asked_in_the_middle_of_somebody_else_s_transfer() {
     let beat = NmtState::Operational.frame(node(3));
     let request = CobId::of(Service::SdoRequest, node(3));
-    let block = |n: usize| {
+    let block = move |n: usize| {
         let segment = (n % 127 + 1) as u8;
         Frame::new(request, &[segment, 0, 0, 0, 0, 0, 0, 0]).unwrap()
     };
-    let said = (0..TRANSFER).flat_map(|n| {
+    let transfer = (0..TRANSFER).flat_map(move |n| {
         let beat = (n % 8 == 0).then_some(beat);
         beat.into_iter().chain([block(n)])
     });
+    let said = transfer.chain(std::iter::repeat(beat));
     let (mut link, talk) = beside(said, &[node(3)]);
     assert_eq!(link.other_boards().unwrap(), [node(3)]);
     let talk = talk.lock().unwrap();
