@@ -10,7 +10,7 @@ use leadscrew_core::program::{
 use leadscrew_core::units::Length;
 use leadscrew_core::{cycle, feasible};
 
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
 use crate::interrupt;
@@ -25,10 +25,12 @@ use crate::words::{Both, both};
 /// What is known of one program after looking at all of it.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// What stops it; the first of each kind.
+    /// What stops it: of each kind one a line, the first [`LISTED`] of them.
     pub alarms: Vec<Diagnostic>,
-    /// What is worth telling; the first of each kind.
+    /// What is worth telling, likewise.
     pub warnings: Vec<Diagnostic>,
+    /// Kinds that stand on further lines.
+    pub unlisted: Vec<Unlisted>,
     /// Its cycles, in their order.
     pub cycles: Vec<CycleReport>,
     /// Moves, as far as they could be made.
@@ -39,6 +41,35 @@ pub struct Report {
     pub tappers: [bool; 3],
     /// A lead-in is longer than what lies before the material.
     pub lead_in_too_short: bool,
+}
+
+/// Alarms or warnings of a kind that are listed, so that a program of any size has a report of bounded size.
+pub const LISTED: usize = 10;
+
+/// A kind of which there is more than is listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unlisted {
+    /// Its number.
+    pub number: u16,
+    /// It is a warning.
+    pub warning: bool,
+    /// Further lines on which it stands.
+    pub lines: u64,
+    /// The last of them.
+    last: u32,
+}
+
+impl Unlisted {
+    /// For a person.
+    #[must_use]
+    pub fn words(&self) -> Both {
+        let Self { number, lines, .. } = self;
+        both!(
+            "{number:04}: on {more}, too",
+            "{number:04}：另有 {lines} 行也有",
+            more = plural(*lines, "further line")
+        )
+    }
 }
 
 /// What a cycle needs.
@@ -123,16 +154,40 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// Keeps the first alarm or warning of each kind.
+    /// Keeps what is new on its line, and counts what is beyond the list.
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
+        let (number, line) = (alarm.number(), alarm.span.line);
+        let report = &mut self.report;
         let list = if alarm.code.is_warning() {
-            &mut self.report.warnings
+            &mut report.warnings
         } else {
-            &mut self.report.alarms
+            &mut report.alarms
         };
-        self.report.lead_in_too_short |= alarm.code == Code::LeadInLong;
-        if list.iter().all(|known| known.number != alarm.number()) {
+        report.lead_in_too_short |= alarm.code == Code::LeadInLong;
+        let mut of_kind = list.iter().filter(|known| known.number == number);
+        if of_kind.clone().any(|known| known.line == line) {
+            return;
+        }
+        if of_kind.by_ref().count() < LISTED {
             list.push(Diagnostic::new(alarm, self.source, self.setup.lang, inch));
+            return;
+        }
+        match report
+            .unlisted
+            .iter_mut()
+            .find(|kind| kind.number == number)
+        {
+            Some(kind) if kind.last == line => {}
+            Some(kind) => {
+                kind.lines += 1;
+                kind.last = line;
+            }
+            None => report.unlisted.push(Unlisted {
+                number,
+                warning: alarm.code.is_warning(),
+                lines: 1,
+                last: line,
+            }),
         }
     }
 
@@ -154,7 +209,10 @@ impl Checker<'_> {
         let params = &self.setup.params;
         let within = feasible::within_limits(moves, self.at, params);
         let time = feasible::time(moves, self.at, params);
-        if let Err(alarm) = within {
+        // Whoever stands beyond a limit has been told of the move that went there.
+        if let Err(alarm) = within
+            && moves.into_iter().any(|step| step.to != self.at)
+        {
             self.tell(&alarm, inch);
         }
         let time_us = match time {
@@ -296,12 +354,44 @@ impl Report {
         });
     }
 
-    /// `alarms` and `warnings`.
+    /// For people: what is listed, and of what there is more.
+    pub fn print(&self, setup: &Setup) {
+        for diagnostic in self.alarms.iter().chain(&self.warnings) {
+            diagnostics::print(diagnostic, setup.colour);
+        }
+        for kind in &self.unlisted {
+            diagnostics::say(&format!("{}\n", kind.words().get(setup.lang)));
+        }
+    }
+
+    /// All alarms, or all warnings, listed or not.
+    #[must_use]
+    pub fn count(&self, warning: bool) -> u64 {
+        let listed = if warning {
+            &self.warnings
+        } else {
+            &self.alarms
+        };
+        let further = self.unlisted.iter().filter(|kind| kind.warning == warning);
+        listed.len() as u64 + further.map(|kind| kind.lines).sum::<u64>()
+    }
+
+    /// `alarms` and `warnings`, and what of them is not listed.
     pub fn diagnostics(&self, json: &mut Json) {
         for (key, list) in [("alarms", &self.alarms), ("warnings", &self.warnings)] {
             json.array_at(key, |json| {
                 for diagnostic in list {
                     json.object(|json| diagnostic.fields(json, true));
+                }
+            });
+        }
+        if !self.unlisted.is_empty() {
+            json.array_at("further", |json| {
+                for kind in &self.unlisted {
+                    json.object(|json| {
+                        json.integer("no", i64::from(kind.number));
+                        json.integer("lines", i64::try_from(kind.lines).unwrap_or(i64::MAX));
+                    });
                 }
             });
         }

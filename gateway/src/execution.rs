@@ -22,9 +22,7 @@ use crate::words::{Both, both};
 /// A file that cannot be read.
 pub fn tell_report(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
     let report = checking::check(setup, source, Detail::Verdict)?;
-    for diagnostic in report.alarms.iter().chain(&report.warnings) {
-        diagnostics::print(diagnostic, setup.colour);
-    }
+    report.print(setup);
     Ok(report)
 }
 

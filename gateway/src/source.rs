@@ -1,13 +1,17 @@
 //! Programs as text: read in pieces, and read again where a message wants to show a line. Mostly files; what a command
 //! carries out of itself is a text in memory.
 
+use std::cell::Cell;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::failure::{Failure, Outcome};
 use crate::words::both;
+
+/// Where the first line begins.
+const FIRST: (u32, u64) = (1, 0);
 
 /// Longest line that is shown in a message.
 const SHOWN: u64 = 4096;
@@ -17,6 +21,9 @@ const SHOWN: u64 = 4096;
 pub struct SourceFile {
     path: PathBuf,
     text: Option<Arc<[u8]>>,
+    /// The line that was shown last, and the byte that it begins with: messages come in the order of the program, and a
+    /// long one is not read from its beginning for each of them.
+    shown: Cell<(u32, u64)>,
 }
 
 /// A program being read.
@@ -37,12 +44,25 @@ impl Read for Text {
     }
 }
 
+impl Text {
+    /// Goes on at this byte. What cannot go back (a pipe) cannot be read twice either: its lines are not shown.
+    fn seek(&mut self, byte: u64) -> io::Result<()> {
+        let to = SeekFrom::Start(byte);
+        match self {
+            Self::File(file) => file.seek(to),
+            Self::Memory(text) => text.seek(to),
+        }
+        .map(drop)
+    }
+}
+
 impl SourceFile {
     /// Names the file; it is opened when it is read.
     pub fn new(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
             text: None,
+            shown: Cell::new(FIRST),
         }
     }
 
@@ -52,6 +72,7 @@ impl SourceFile {
         Self {
             path: name.into(),
             text: Some(text.into_bytes().into()),
+            shown: Cell::new(FIRST),
         }
     }
 
@@ -86,12 +107,20 @@ impl SourceFile {
 
     /// Line `number` (from 1) without its end, at most a screenful of it; `None` where there is no such line.
     pub fn line(&self, number: u32) -> Option<Vec<u8>> {
-        let mut reader = BufReader::with_capacity(1 << 16, self.open().ok()?);
-        for _ in 1..number {
-            if reader.skip_until(b'\n').ok()? == 0 {
-                return None;
+        let mut text = self.open().ok()?;
+        let (mut at, mut begins) = self.shown.get();
+        if at > number || text.seek(begins).is_err() {
+            (at, begins) = FIRST;
+            text.seek(0).ok()?;
+        }
+        let mut reader = BufReader::with_capacity(1 << 16, text);
+        for _ in at..number {
+            match reader.skip_until(b'\n').ok()? {
+                0 => return None,
+                skipped => begins += skipped as u64,
             }
         }
+        self.shown.set((number.max(1), begins));
         let mut line = Vec::new();
         let read = reader.take(SHOWN).read_until(b'\n', &mut line).ok()?;
         if number == 0 || read == 0 {
@@ -104,5 +133,28 @@ impl SourceFile {
             line.pop();
         }
         Some(line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_the_same_in_whatever_order_lines_are_asked_for() {
+        let path = std::env::temp_dir().join(format!("leadscrew-lines-{}", std::process::id()));
+        let text: String = (1..=500).map(|n| format!("N{n} G1 X{n}\r\n")).collect();
+        std::fs::write(&path, &text).unwrap();
+        for source in [SourceFile::new(&path), SourceFile::text("memory", text)] {
+            for number in [1, 3, 2, 500, 499, 500, 500, 1, 250, 251, 501, 7] {
+                let expected = (number <= 500).then(|| format!("N{number} G1 X{number}"));
+                let line = source
+                    .line(number)
+                    .map(|line| String::from_utf8(line).unwrap());
+                assert_eq!(line, expected, "{number}");
+            }
+            assert_eq!(source.line(0), None);
+        }
+        std::fs::remove_file(&path).unwrap();
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::checking::{self, Detail, Report, plural};
 use crate::cli::Check;
-use crate::diagnostics;
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::setup::Setup;
@@ -38,10 +37,8 @@ pub fn run(setup: &Setup, args: &Check) -> Outcome {
 
 /// The diagnostics of a file, then one line about it and one for each cycle.
 fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
-    for diagnostic in report.alarms.iter().chain(&report.warnings) {
-        diagnostics::print(diagnostic, setup.colour);
-    }
-    let (alarms, warnings) = (report.alarms.len() as u64, report.warnings.len() as u64);
+    report.print(setup);
+    let (alarms, warnings) = (report.count(false), report.count(true));
     let verdict = match (alarms, warnings) {
         (0, 0) => both!("ok", "正常"),
         (0, _) => both!(

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{cases, code, golden, leadscrew, root, stderr, stdout};
+use crate::{Folder, cases, code, golden, leadscrew, root, stderr, stdout};
 
 #[test]
 fn golden_diagnostics_in_both_languages() {
@@ -138,4 +138,40 @@ fn parameters_decide() {
     ]);
     assert_eq!(code(&slow), 1);
     assert!(stderr(&slow).contains("1700 mm/min"), "{}", stderr(&slow));
+}
+
+/// Each place is told, not only the first, and no program makes a report without end.
+#[test]
+fn a_mistake_is_told_on_every_line_where_it_stands() {
+    let folder = Folder::new("every-line");
+    let program = folder.file("many.nc");
+    let thread = "G78 P020045 Q0.15 R0.5\nG78 X60 Z-60 P3 Q1.8 F3 J1.5 K2\n";
+    std::fs::write(&program, format!("G0 X80 Z10\n{}", thread.repeat(2))).unwrap();
+    let told = checked(&[&program]);
+    let lines = |told: &Value| -> Vec<u64> {
+        let alarms = told["files"][0]["alarms"].as_array().unwrap();
+        alarms
+            .iter()
+            .map(|alarm| alarm["line"].as_u64().unwrap())
+            .collect()
+    };
+    assert_eq!(lines(&told), [3, 5]);
+    assert!(told["files"][0].get("further").is_none());
+    std::fs::write(&program, format!("G0 X80 Z10\n{}", thread.repeat(14))).unwrap();
+    let told = checked(&[&program]);
+    assert_eq!(lines(&told), [3, 5, 7, 9, 11, 13, 15, 17, 19, 21]);
+    let further = serde_json::json!([{ "no": 4250, "lines": 4 }]);
+    assert_eq!(told["files"][0]["further"], further);
+    let output = leadscrew(&["check", &program]);
+    assert!(stderr(&output).ends_with("4250: on 4 further lines, too\n"));
+    assert!(
+        stdout(&output).contains(": 14 alarms; "),
+        "{}",
+        stdout(&output)
+    );
+}
+
+fn checked(args: &[&str]) -> Value {
+    let output = leadscrew(&[&["check", "--json"][..], args].concat());
+    serde_json::from_str(&stdout(&output)).unwrap()
 }
