@@ -138,6 +138,7 @@ fn carry_out(
         }
         if setup.global.cut_power == Some(tick) {
             ended.threads.take(sim.board().station().threads());
+            ended.threads.give_up();
             sim.cut_power();
             ended.cut = true;
             return Ok(ended);
@@ -180,6 +181,7 @@ fn carry_out(
         }
     }
     ended.threads.take(sim.board().station().threads());
+    ended.threads.give_up();
     let mut result = Ok(());
     sim.last_rows(|row| {
         if result.is_ok() {

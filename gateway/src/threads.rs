@@ -59,6 +59,15 @@ impl Threads {
         newest.is_some_and(|record| record.state == ThreadState::UnderWay)
     }
 
+    /// The program is given up, and nobody will say so any more: what was under way has been cut short.
+    pub fn give_up(&mut self) {
+        if let Some(record) = self.records.get_mut(&self.newest)
+            && record.state == ThreadState::UnderWay
+        {
+            record.state = ThreadState::CutShort;
+        }
+    }
+
     /// Up to this number none will be told otherwise any more.
     pub fn whole(&self) -> u32 {
         self.newest - u32::from(self.is_under_way())
@@ -284,6 +293,10 @@ mod tests {
         assert_eq!(threads.take([thread(8, 5, UnderWay, 3)]), 1);
         assert!(threads.is_under_way());
         assert_eq!(threads.whole(), 7);
+        let mut given_up = threads.clone();
+        given_up.give_up();
+        assert!(given_up.text(Lang::En).contains("cut short"));
+        assert_eq!(given_up.whole(), 8);
         assert_eq!(
             threads.take([thread(9, 6, CutShort, 5), thread(8, 5, Finished, 4)]),
             1

@@ -274,6 +274,33 @@ fn the_true_error_and_the_measured_one_are_told_apart() {
     assert!(nothing["measured_error_um"]["max"].is_null(), "{nothing}");
 }
 
+/// Nobody tells of a thread any more in which the power goes: the result says that it was cut short.
+#[test]
+fn a_thread_in_which_the_power_goes_is_cut_short() {
+    let folder = Folder::new("no-power");
+    let csv = folder.file("rows.csv");
+    assert_eq!(code(&leadscrew(&["simulate", THREAD, "-o", &csv])), 0);
+    let rows = std::fs::read_to_string(&csv).unwrap();
+    let locked = rows
+        .lines()
+        .position(|row| row.ends_with(",run,1"))
+        .unwrap();
+    let (tick, state) = ((locked + 200).to_string(), folder.file("flash.bin"));
+    let output = leadscrew(&[
+        "run",
+        THREAD,
+        "--json",
+        "--cut-power",
+        &tick,
+        "--state",
+        &state,
+    ]);
+    assert_eq!(code(&output), 4);
+    let told: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(told["threads"][0]["state"], "cut_short", "{told}");
+    assert_eq!(told["threads"][0]["passes"], 1);
+}
+
 #[test]
 fn a_result_says_which_program_it_is_of_and_which_parameters() {
     let told = result(&["simulate", THREAD, "--json"]);

@@ -808,3 +808,24 @@ fn nobody_is_waited_for_who_is_gone() {
     assert_eq!(waited, 0);
     assert_eq!(kept(&sim), [(4, RigidTap, Finished, 1); 8]);
 }
+
+/// A tap that K198 has left in its hole is not through with it, though a program ends there that no reader would let pass.
+#[test]
+fn a_hole_in_which_the_program_ends_is_not_whole() {
+    let params = Params::slant_bed();
+    let mut sim = machine(&params, &PlantOptions::default());
+    let text = "G98\nG0 X0 Z5\nM29 S600\nG84 Z-8 R-3 F600 K198\nG30 P99\nM30\n";
+    let mut waiting = calls(text, &params)
+        .into_iter()
+        .filter(|call| !matches!(call.kind, CallKind::TapReturn(_)))
+        .peekable();
+    for _ in 0..20_000 {
+        while waiting.peek().is_some_and(|call| sim.offer(call)) {
+            waiting.next();
+        }
+        sim.step();
+        while sim.event().is_some() {}
+    }
+    assert!(!sim.is_busy());
+    assert_eq!(kept(&sim), [(4, RigidTap, CutShort, 1)]);
+}

@@ -2,7 +2,7 @@
 //!
 //! A thread is one call of a threading cycle with all its passes and starts, or one hole. It begins with the first error
 //! that is measured in it. All of it was cut where the tick has carried its last stroke to the end, and it was cut short
-//! where an alarm or a reset came before that.
+//! where an alarm, a reset or the end of the program came before that.
 //!
 //! Reading changes nothing here, so any number may read. Whoever runs the program says how far he has got (5042h): in
 //! lock-step the board waits for him, and for nobody else [D172].
@@ -12,7 +12,6 @@ use heapless::Vec;
 use crate::board::event::Event;
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
-use crate::board::ticker::State;
 use crate::bus::Abort;
 use crate::link::{
     BATCH_BYTES, Certificate, LinkError, Tally, ThreadCertificate, ThreadKind, ThreadRecord,
@@ -150,18 +149,16 @@ impl Threads {
         let Cut { number, last } = now.done;
         if last && number == self.cut {
             self.end(ThreadState::Finished);
-        } else if let State::Alarm(_) = now.state {
+        } else if !now.in_program {
+            // On an alarm, behind a reset, or at the end of a program that has left a tap in its hole.
             self.end(ThreadState::CutShort);
         }
     }
 
-    /// Takes what has happened: at the end of a program all of it was cut, and behind a reset no more of it is. Its last error
-    /// may still come.
+    /// Takes what has happened: behind a reset no more of it is cut. Its last error may still come.
     pub fn note(&mut self, event: &Event) {
-        match event {
-            Event::Finished => self.end(ThreadState::Finished),
-            Event::Reset => self.end(ThreadState::CutShort),
-            _ => {}
+        if *event == Event::Reset {
+            self.end(ThreadState::CutShort);
         }
     }
 
@@ -188,7 +185,7 @@ mod tests {
 
     use super::*;
     use crate::alarm::{Alarm, Code, Span};
-    use crate::board::{Board, Contacts};
+    use crate::board::{Board, Contacts, State};
     use crate::motion::{Cut, Setpoint};
     use crate::params::Params;
     use crate::units::Length;
@@ -197,6 +194,7 @@ mod tests {
         let board = Board::new(&Params::slant_bed(), None, None).unwrap();
         let mut snapshot = Snapshot::new(board.ticker(), &Setpoint::default(), Contacts::default());
         snapshot.state = State::Running;
+        snapshot.in_program = true;
         snapshot
     }
 
@@ -250,18 +248,22 @@ mod tests {
         // What comes behind the end of a stroke that is not the last does not end it.
         stroke(&mut threads, &mut now, (2, false), true);
         assert_eq!(all(&threads), [(2, 2, UnderWay, 1), (1, 1, Finished, 3)]);
-        now.state = State::Alarm(Alarm::new(Code::EmergencyStop, Span::default()));
+        now.in_program = false;
         threads.go_on(&now);
         assert_eq!(all(&threads)[0], (2, 2, CutShort, 1));
         // What is planned behind a reset is another one.
-        now.state = State::Running;
+        now.in_program = true;
         threads.note(&Event::Reset);
         stroke(&mut threads, &mut now, (3, true), false);
         assert_eq!(
             all(&threads)[..2],
             [(3, 3, UnderWay, 1), (2, 2, CutShort, 1)]
         );
+        // The program goes on and ends at once.
+        (now.done.number, now.done.last) = (3, true);
+        now.in_program = false;
         threads.note(&Event::Finished);
+        threads.go_on(&now);
         assert_eq!(all(&threads)[0], (3, 3, Finished, 1));
         let tally = threads.certificates().next().unwrap().record.tally;
         assert_eq!((tally.measured, tally.squares), (3, 1 + 4 + 9));
@@ -278,6 +280,7 @@ mod tests {
         }
         threads.note(&Event::Reset);
         now.state = State::Idle;
+        now.in_program = false;
         now.setpoint.locked = false;
         threads.measure(&measured(1, true, 9), 0);
         threads.go_on(&now);
@@ -316,6 +319,7 @@ mod tests {
                     ..Span::default()
                 };
                 now.state = State::Alarm(Alarm::new(Code::TapFeed, span));
+                now.in_program = false;
                 now.setpoint.locked = false;
                 threads.measure(&measured(1, last, 6), 0);
                 threads.go_on(&now);
