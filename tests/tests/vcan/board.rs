@@ -7,7 +7,9 @@ use std::process::{Child, Command, Stdio};
 use leadscrew_can::{Can as _, LogReader, Packet, SocketCan};
 use leadscrew_core::bus::{CobId, FdFrame, Frame, NodeId, Service};
 
-use crate::bus::{Running, code, eventually, frame, open, ours, scratch, sockets_on, tool};
+use crate::bus::{
+    Running, code, eventually, frame, open, ours, packets, receive, scratch, sockets_on, tool,
+};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -250,6 +252,21 @@ fn setpoints_in_one_frame_of_can_fd_reach_drives_elsewhere() {
         let x: Vec<&[u8]> = here.iter().map(|frame| &frame.payload()[..6]).collect();
         assert_eq!(x, x_alone);
     }
+}
+
+/// Drives of an axis and of two spindles answer a SYNC, whoever sends it: a real board that has no such drives yet, say.
+#[test]
+fn drives_of_spindles_are_there_without_a_board() {
+    let before = sockets_on("vcan0");
+    let which = ["--axes", "Z", "--spindles", "--set", "9014=2"];
+    let drives = [&["drives", "--bus", "vcan0"], &which[..]].concat();
+    let drives = Running(board_sim(&drives));
+    eventually("the drives listen", || sockets_on("vcan0") > before);
+    let mut can = open();
+    can.send(&[frame(0x080, &[1])]).unwrap();
+    let boot_ups = [0x711, 0x720, 0x721].map(|id| Packet::Frame(frame(id, &[0])));
+    assert_eq!(packets(&receive(&mut can, 3)), boot_ups);
+    drop(drives);
 }
 
 /// Reads one expedited object of node 1.
