@@ -37,16 +37,16 @@ pub fn going_on(
         let node = drive.node.get();
         match told.and_then(|bytes| Kind::I16.decode(&bytes)) {
             Some(0) => notes.push(both!(
-                "note: drive {drive} (node {node}) goes on where the SYNC that the board follows (9029 = 1) stays away: its 6007h \
+                "drive {drive} (node {node}) goes on where the SYNC that the board follows (9029 = 1) stays away: its 6007h \
                  is 0; write `abort_connection_option = 3` in `[drive.{drive}]`",
-                "注意：控制板跟随他方的 SYNC（9029 = 1），而 SYNC 中断时驱动器 {drive}（节点 {node}）会继续运行：其 6007h 为 0；请在 \
+                "控制板跟随他方的 SYNC（9029 = 1），而 SYNC 中断时驱动器 {drive}（节点 {node}）会继续运行：其 6007h 为 0；请在 \
                  `[drive.{drive}]` 中写 `abort_connection_option = 3`"
             )),
             Some(_) => {}
             None => notes.push(both!(
-                "note: drive {drive} (node {node}) does not tell what it does where the SYNC that the board follows (9029 = 1) stays \
+                "drive {drive} (node {node}) does not tell what it does where the SYNC that the board follows (9029 = 1) stays \
                  away (6007h): look it up in its manual",
-                "注意：控制板跟随他方的 SYNC（9029 = 1），而驱动器 {drive}（节点 {node}）未说明 SYNC 中断时的动作（6007h）：请查阅其手册"
+                "控制板跟随他方的 SYNC（9029 = 1），而驱动器 {drive}（节点 {node}）未说明 SYNC 中断时的动作（6007h）：请查阅其手册"
             )),
         }
     }
