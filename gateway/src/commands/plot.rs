@@ -47,12 +47,9 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         std::fs::write(&args.output, picture.svg())
             .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
         if !setup.global.json {
-            diagnostics::say(&format!(
-                "{}: {}
-",
-                args.output.display(),
-                summary.line(setup.lang)
-            ));
+            let (output, line) = (args.output.display(), summary.line(setup.lang));
+            let told = both!("{output}: {line}\n", "{output}：{line}\n");
+            diagnostics::say(told.get(setup.lang));
         }
     }
     execution.conclude(&summary, None)

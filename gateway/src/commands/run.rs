@@ -98,7 +98,11 @@ pub fn carry_out(
         let (name, summary) = (source.name(), &watcher.summary);
         let line = summary.line(setup.lang);
         let measured = execution.measured().as_measured(setup.lang);
-        let mut text = format!("{name}: {word}: {line}{measured}\n");
+        let told = both!(
+            "{name}: {word}: {line}{measured}\n",
+            "{name}：{word}：{line}{measured}\n"
+        );
+        let mut text = told.get(setup.lang).to_owned();
         if let Some(taps) = summary.taps() {
             text.push_str(pick(setup.lang, "taps ", "攻丝 "));
             text.push_str(taps.get(setup.lang));

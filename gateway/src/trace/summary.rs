@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use leadscrew_core::alarm::Lang;
 
 use super::{Peaks, Setpoint, SetpointHash, Taps};
+use crate::checking::plural;
 use crate::json::Json;
 use crate::number;
 use crate::synchronism::Synchronism;
@@ -137,8 +138,9 @@ impl Summary {
         let time = number::rounded::<6>(self.time_us(), 3);
         let path = number::rounded::<6>(self.path(), 3);
         let mut line = both!(
-            "{moves} moves · {time} s · path {path} mm",
-            "移动 {moves} 段 · {time} s · 路径 {path} mm"
+            "{words} · {time} s · path {path} mm",
+            "移动 {moves} 段 · {time} s · 路径 {path} mm",
+            words = plural(moves, "move")
         )
         .get(lang)
         .to_owned();
@@ -268,7 +270,7 @@ mod tests {
         );
         assert_eq!(
             summary.line(Lang::En),
-            "1 moves · 0.002 s · path 0.01 mm · worst synchronism error 0.4 µm (0.354 µm RMS)"
+            "1 move · 0.002 s · path 0.01 mm · worst synchronism error 0.4 µm (0.354 µm RMS)"
         );
         assert_eq!(
             summary.line(Lang::Zh),

@@ -42,7 +42,7 @@ fn summaries_are_in_the_language_asked_for() {
     assert!(chinese.contains(line), "{chinese}");
     let ran = stdout(&leadscrew(&["run", program, "--lang", "zh"]));
     assert!(
-        ran.starts_with("examples/g84-tap.nc: 完成: 移动 7 段")
+        ran.starts_with("examples/g84-tap.nc：完成：移动 7 段")
             && ran.contains("\n攻丝 最深 25 转"),
         "{ran}"
     );

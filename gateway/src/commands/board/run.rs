@@ -11,7 +11,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{Certificate, Logged, Status};
 
 use super::{Machine, state_words};
-use crate::checking::Report;
+use crate::checking::{Report, plural};
 use crate::cli::{Drive, Global};
 use crate::diagnostics::{self, Diagnostic};
 use crate::execution::tell_report;
@@ -168,9 +168,10 @@ pub fn run(
             both!("", "")
         };
         let text = both!(
-            "{name}: {word}: {moves} moves · {time} s · {late} setpoints late{en}\nsetpoints {hash}\n",
-            "{name}: {word}: 移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n设定值校验 {hash}\n",
+            "{name}: {word}: {words} · {time} s · {late} setpoints late{en}\nsetpoints {hash}\n",
+            "{name}：{word}：移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n设定值校验 {hash}\n",
             name = source.name(),
+            words = plural(ran.moves, "move"),
             moves = ran.moves,
             time = number::rounded::<6>(figures.time_us, 3),
             late = ran.late,
