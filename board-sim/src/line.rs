@@ -1,4 +1,5 @@
-//! What goes wrong with frames between the board, its drives and everybody else: a seeded, deterministic injector of faults.
+//! What goes wrong with frames between the board, its drives and everybody else: a
+//! seeded, deterministic injector of faults.
 //!
 //! ```text
 //!           Out                        Setpoints
@@ -8,8 +9,8 @@
 //!           In                         Statuses
 //! ```
 //!
-//! Every frame passes [`Line::pass`], and comes out once, not at all, twice, or behind the next one. Time is the owner's: he
-//! calls [`Line::tick`] before each tick of the board. The same faults, seed and frames give the same.
+//! Every frame passes [`Line::pass`], and comes out once, not at all, twice, or behind the next one. Time is the
+//! owner's: he calls [`Line::tick`] before each tick of the board. The same faults, seed and frames give the same.
 //!
 //! It knows frames, and nothing of what they mean but SYNC.
 
@@ -314,8 +315,8 @@ impl Line {
         }
     }
 
-    /// The frame with all setpoints goes on its way. It is lost or late as others are; to come twice means nothing to it, and
-    /// there is none of its kind in the same period that it could come behind.
+    /// The frame with all setpoints goes on its way. It is lost or late as others are; to come twice means nothing to
+    /// it, and there is none of its kind in the same period that it could come behind.
     pub fn pass_together(&mut self, way: Way, frame: &FdFrame, mut to: impl FnMut(&FdFrame)) {
         if self.quiet {
             to(frame);

@@ -80,7 +80,8 @@ pub struct Sim {
     together: Option<FdFrame>,
     /// The line of the last tap.
     line: Option<Law>,
-    /// By how many turns the board counts ahead of the truth: an application that begins anew counts whole turns from there.
+    /// By how many turns the board counts ahead of the truth: an application that
+    /// begins anew counts whole turns from there.
     ahead: Turns,
     /// The spindles' angles at the last SYNCs, oldest first, as many as rows wait for.
     truths: Deque<[FineTurns; 4], TRUTHS>,
@@ -133,7 +134,8 @@ impl Sim {
     /// on. A parameter set that is stored in it counts; `built_in` is what the board has where there is none.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`TapJournalDamaged`](leadscrew_core::alarm::Code::TapJournalDamaged) for a flash that cannot be read.
+    /// As [`new`](Self::new); [`TapJournalDamaged`](leadscrew_core::alarm::Code::TapJournalDamaged)
+    /// for a flash that cannot be read.
     pub fn with_flash(
         built_in: &Params,
         options: &PlantOptions,

@@ -1,5 +1,5 @@
-//! The checksum of what is kept and of what is compared: CRC-32 (ISO-HDLC), bit by bit. Flash is dearer than its time, and no
-//! tick has one.
+//! The checksum of what is kept and of what is compared: CRC-32 (ISO-HDLC), bit by
+//! bit. Flash is dearer than its time, and no tick has one.
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 

@@ -74,8 +74,8 @@ impl Failure {
         }
     }
 
-    /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result, which is
-    /// this failure where nothing has been written there.
+    /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result,
+    /// which is this failure where nothing has been written there.
     pub fn report(&self, lang: Lang, json: bool) -> ExitCode {
         let (code, text) = match self {
             Self::Wrong => (1, None),

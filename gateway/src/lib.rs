@@ -2,8 +2,8 @@
 //!
 //! One file a command ([`commands`]); what several share has a room of its own: words for alarms ([`diagnostics`]), both
 //! languages of all other words ([`words`]), the
-//! move list's formats ([`movelist`]), exact numbers ([`number`]), JSON ([`json`]) and standard output ([`output`]). Data goes there,
-//! words for people to standard error.
+//! move list's formats ([`movelist`]), exact numbers ([`number`]), JSON ([`json`]) and standard output ([`output`]).
+//! Data goes there, words for people to standard error.
 //!
 //! A program file becomes a stream of events ([`program`]); [`checking`] looks at all of it without a machine, and
 //! [`execution`] runs it on one ([`machine`]) while [`trace`] watches the setpoints and [`drawing`] and [`plot`] make the

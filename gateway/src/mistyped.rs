@@ -1,5 +1,5 @@
-//! What is said of a command line that cannot be read: in the language that it asks for, and as the one result where it asks
-//! for `--json`. In English the words are those of the parser.
+//! What is said of a command line that cannot be read: in the language that it asks for, and as the one result where it
+//! asks for `--json`. In English the words are those of the parser.
 
 use std::error::Error as _;
 use std::ffi::OsString;

@@ -5,14 +5,14 @@
 //! written: never a mixture, never nothing. `sequential-storage` appends values and moves them from page to page; this room
 //! adds what it leaves to the flash below it and to the owner above it:
 //!
-//! - a word that was torn in the middle may read as an error (a real controller's ECC): [`Patient`] reads it as zeros, which
-//!   no checksum takes for a value;
+//! - a word that was torn in the middle may read as an error (a real controller's
+//!   ECC): [`Patient`] reads it as zeros, which no checksum takes for a value;
 //! - an erase that was cut may leave a page that looks open and is not empty, or two pages in use: [`Store::recover`] ends
 //!   such an erase, before anything else is done.
 //!
-//! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation. The flash is
-//! one whose operations end by themselves (simulated, or a driver that waits for its chip): `sequential-storage` would let
-//! others run meanwhile, of which there are none here.
+//! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation. The
+//! flash is one whose operations end by themselves (simulated, or a driver that waits for its chip):
+//! `sequential-storage` would let others run meanwhile, of which there are none here.
 
 mod patient;
 mod value;

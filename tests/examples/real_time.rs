@@ -1,9 +1,9 @@
-//! Whether a board in real time keeps its beat on this host: `cargo xtask bench real-time` runs this and puts what it prints
-//! into docs/performance.md.
+//! Whether a board in real time keeps its beat on this host: `cargo xtask bench real-time`
+//! runs this and puts what it prints into docs/performance.md.
 //!
-//! `real_time BOARD_SIM PROGRAM`: the real `board-sim` carries a program out in real time, on a serial-line adapter behind a
-//! TCP connection, which is this process. It notes when each SYNC arrives, and whether all setpoints of a cycle have come
-//! before the next SYNC.
+//! `real_time BOARD_SIM PROGRAM`: the real `board-sim` carries a program out in real time,
+//! on a serial-line adapter behind a TCP connection, which is this process. It notes when
+//! each SYNC arrives, and whether all setpoints of a cycle have come before the next SYNC.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;

@@ -115,7 +115,8 @@ fn hear(told: &mut HashMap<u8, [u8; 6]>, bench: &Bench) -> Vec<Frame> {
     others
 }
 
-/// Keeps the last mode and speed of each spindle: these come in every 16th period, too, counted from when its drive came up.
+/// Keeps the last mode and speed of each spindle: these come in every 16th period,
+/// too, counted from when its drive came up.
 fn speeds(told: &mut HashMap<NodeId, Frame>, bench: &Bench) {
     for frame in &bench.output.frames {
         if let Some((Service::Rpdo2, node)) = frame.id().service() {
@@ -124,8 +125,8 @@ fn speeds(told: &mut HashMap<NodeId, Frame>, bench: &Bench) {
     }
 }
 
-/// Both machines go on until `ticks` are over, from where all drives of both are enabled; `operate` is asked before each. What
-/// each drive was told last is compared in every one.
+/// Both machines go on until `ticks` are over, from where all drives of both are enabled; `operate` is asked before
+/// each. What each drive was told last is compared in every one.
 fn compare(spindles: i64, ticks: u32, mut operate: impl FnMut(&mut Bench, u32)) -> [Bench; 2] {
     let nodes: Vec<u8> = [16, 17, 18]
         .into_iter()
@@ -226,8 +227,8 @@ fn a_drive_that_fails_stops_both_alike_and_a_reset_brings_both_up_again() {
     }
 }
 
-/// Drives that tell 8220h of each frame, since it is longer than what they map: the machine does what it does, nothing is said
-/// of it, and a drive that fails is named with its own code.
+/// Drives that tell 8220h of each frame, since it is longer than what they map: the machine does what it does, nothing
+/// is said of it, and a drive that fails is named with its own code.
 #[test]
 fn drives_that_tell_of_every_frame_that_it_is_longer_do_no_harm() {
     let run = |tells_longer| {

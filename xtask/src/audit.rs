@@ -48,8 +48,8 @@ enum Outcome {
     PanicReachable,
 }
 
-/// Bytes of flash and of RAM of the image that holds what a board needs and nothing else of the core: neither the hardware's
-/// part nor stacks.
+/// Bytes of flash and of RAM of the image that holds what a board needs and nothing
+/// else of the core: neither the hardware's part nor stacks.
 pub fn of_board() -> Result<(u64, u64)> {
     let build = [
         "build",

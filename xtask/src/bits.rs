@@ -1,5 +1,5 @@
-//! The setpoints of whole programs on the emulated Cortex-M4F, as hashes held against the table under version control. A test
-//! of the workspace (`tests/tests/target.rs`) holds the host's against the same table.
+//! The setpoints of whole programs on the emulated Cortex-M4F, as hashes held against the table under version control.
+//! A test of the workspace (`tests/tests/target.rs`) holds the host's against the same table.
 
 use anyhow::{Context, Result, bail};
 

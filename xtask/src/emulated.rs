@@ -15,8 +15,8 @@ const WITH_MESSAGES: &str = "LEADSCREW_IMAGE_DEFMT";
 /// What the names of the tests begin with that need a kernel with CAN.
 const IN_KERNEL: &str = "kernel::";
 
-/// Builds the images (the one in which failures can be provoked, and the one with messages) and the tests and runs them; each
-/// line that is printed is handed to `seen`. True where they passed.
+/// Builds the images (the one in which failures can be provoked, and the one with messages) and the tests and runs
+/// them; each line that is printed is handed to `seen`. True where they passed.
 pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
     let built = emulator::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;

@@ -1,9 +1,9 @@
 //! What becomes of the address of a function that code loads into a register: is it called there and nothing else, or does
 //! somebody else get it?
 //!
-//! Where a function is called often in one place, the compiler loads its address once and calls through the register. That is
-//! known by following the register along every way through the code until it is written anew. What is not known for sure
-//! counts as handed on.
+//! Where a function is called often in one place, the compiler loads its address once and
+//! calls through the register. That is known by following the register along every way
+//! through the code until it is written anew. What is not known for sure counts as handed on.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,8 +33,8 @@ pub struct Effect {
     pub writes: u16,
 }
 
-/// True where the word at `literal`, in the function from `start` to `end`, is loaded for calls and for nothing else. `part`
-/// tells the end of what is a part of its callers and keeps to no rule of calls: it may use any register.
+/// True where the word at `literal`, in the function from `start` to `end`, is loaded for calls and for nothing else.
+/// `part` tells the end of what is a part of its callers and keeps to no rule of calls: it may use any register.
 pub fn is_only_called(
     code: &Code<'_>,
     (start, end): (u64, u64),

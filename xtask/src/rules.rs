@@ -47,6 +47,9 @@ pub fn check() -> Result<()> {
     )
 }
 
+/// Columns of the widest comment in code.
+const COMMENT_WIDTH: usize = 124;
+
 fn is_ours(name: &str) -> bool {
     let extension = Path::new(name)
         .extension()
@@ -71,6 +74,12 @@ fn complaints(name: &str, text: &str) -> Vec<(usize, String)> {
         }
         if name.ends_with(".rs") && line.trim_start().starts_with(concat!("#[ig", "nore")) {
             found.push((number, "a test that is switched off".into()));
+        }
+        if name.ends_with(".rs") && is_wide_comment(line) {
+            found.push((
+                number,
+                format!("a comment wider than {COMMENT_WIDTH} columns"),
+            ));
         }
         if is_of_a_merge(line) {
             found.push((number, "a merge that is not resolved".into()));
@@ -113,6 +122,13 @@ fn product_lines(text: &str) -> Vec<(usize, &str)> {
         }
     }
     kept
+}
+
+/// True for a comment that is too wide, but for a row of a table, which cannot go on in the next line.
+fn is_wide_comment(line: &str) -> bool {
+    let text = line.trim_start();
+    let said = text.trim_start_matches(['/', '!']).trim_start();
+    text.starts_with("//") && !said.starts_with('|') && line.chars().count() > COMMENT_WIDTH
 }
 
 /// True for the first and the last line of a place where a merge left both sides.
@@ -172,6 +188,18 @@ mod tests {
         assert!(private_path(concat!("see \"", "/home", "/", "me/x\"")).is_some());
         assert!(private_path("open /dev/ttyACM0 or /usr/share/x").is_none());
         assert!(private_path("X/Z/C and and/or/not, //! text, `/N10 G01`").is_none());
+    }
+
+    #[test]
+    fn comments_have_their_width() {
+        let wide = |line: &str| is_wide_comment(line);
+        let of = |begin: &str, width: usize| format!("{begin}{}", "ä".repeat(width - begin.len()));
+        assert!(wide(&of("    /// ", 125)) && !wide(&of("    /// ", 124)));
+        assert!(wide(&of("//! ", 125)) && wide(&of("// ", 125)));
+        assert!(!wide(&of("//! | ", 200)) && !wide(&of("let a = \"", 200)));
+        let text = format!("fn a() {{}}\n{}\n", of("// ", 125));
+        assert_eq!(complaints("a.rs", &text).len(), 1);
+        assert!(complaints("a.md", &text).is_empty());
     }
 
     #[test]

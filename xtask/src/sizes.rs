@@ -15,8 +15,8 @@ const FLASH_LIMIT: u64 = 128 * 1024;
 const RAM_LIMIT: u64 = 48 * 1024;
 /// A figure may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
-/// Who uses the stack of the image for the NUCLEO-G474RE: its start, while interrupts are masked, and behind that the rest of
-/// the thread with the interrupts on top.
+/// Who uses the stack of the image for the NUCLEO-G474RE: its start, while interrupts are masked, and behind that the
+/// rest of the thread with the interrupts on top.
 const USERS: Users = Users {
     thread: "main",
     start: "nucleo_g474re::start",

@@ -26,8 +26,8 @@ pub struct Deepest {
     pub way: Vec<(String, u64)>,
 }
 
-/// Who uses a stack: one thread, which starts with a function of its own, and interrupts, each of which interrupts all before
-/// it.
+/// Who uses a stack: one thread, which starts with a function of its own, and
+/// interrupts, each of which interrupts all before it.
 pub struct Users {
     /// The thread.
     pub thread: &'static str,

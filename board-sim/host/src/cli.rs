@@ -101,9 +101,9 @@ pub struct Board {
     /// Virtual time: a tick waits for the drives' answers and for the program, and for no clock
     #[arg(long)]
     pub lockstep: bool,
-    /// Virtual time with a further board: a tick also waits for the setpoint of this drive of its (repeatable), the last one
-    /// that it sends, to its spindle; else the next SYNC may overtake what comes behind. Of a board that has one frame for all
-    /// (9031), its own number
+    /// Virtual time with a further board: a tick also waits for the setpoint of this drive of its (repeatable), the
+    /// last one that it sends, to its spindle; else the next SYNC may overtake what comes behind. Of a board that has
+    /// one frame for all (9031), its own number
     #[arg(long, value_name = "NODE", requires = "lockstep", value_parser = drive_node)]
     pub beside: Vec<NodeId>,
     /// Where the axis drives are: `here`, `elsewhere` on the bus, or the axes whose drives are here (`X,Z`)
@@ -115,7 +115,8 @@ pub struct Board {
     /// An input from the start (repeatable)
     #[arg(long, value_name = "NAME=0|1")]
     pub signal: Vec<SetSignal>,
-    /// Trouble of a drive from a tick on (repeatable): silent, cut-off, stuck, torque-off, fault:CODE, none; or once: restart
+    /// Trouble of a drive from a tick on (repeatable): silent, cut-off, stuck,
+    /// torque-off, fault:CODE, none; or once: restart
     #[arg(long, value_name = "X|Z|C|S=WHAT@TICK")]
     pub trouble: Vec<Trouble>,
     /// The encoder loses or gains counts at a tick (repeatable)

@@ -19,8 +19,8 @@ use crate::machine::Machine;
 /// Ticks after which the SYNC counter shows the same again.
 const TURN: u64 = SyncProducer::LAST as u64;
 
-/// A program that does not go on for so long is not waited for any more: time goes on, so that its loss is noticed. The computer
-/// may have stood still [D178].
+/// A program that does not go on for so long is not waited for any more: time goes
+/// on, so that its loss is noticed. The computer may have stood still [D178].
 const LOST: Duration = Duration::from_secs(5);
 
 /// How long a drive that is known to answer is waited for.

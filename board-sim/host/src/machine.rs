@@ -312,7 +312,8 @@ impl Machine {
         self.told.len()
     }
 
-    /// True where a setpoint for this drive of another board, or of this board for all of its, has come since the last tick.
+    /// True where a setpoint for this drive of another board, or of this board for
+    /// all of its, has come since the last tick.
     pub fn has_setpoint_for(&self, node: NodeId) -> bool {
         self.told.contains(&node)
     }
@@ -505,8 +506,8 @@ impl Machine {
         sent
     }
 
-    /// The SYNCs of another board, and what the board sends, reach the drives that are here, and they answer; what is of this
-    /// machine goes out on the wire, too.
+    /// The SYNCs of another board, and what the board sends, reach the drives that are here, and they answer; what is
+    /// of this machine goes out on the wire, too.
     fn exchange(&mut self, syncs: &[Frame]) {
         let (line, plant, out, waiting) = (
             &mut self.line,

@@ -1,9 +1,9 @@
 //! Real time: a SYNC at every multiple of the period, by deadlines that never shift. A setpoint that leaves after the SYNC
 //! that is to latch it is late, and counted; the beat goes on as it was.
 //!
-//! A board that follows ticks with the SYNC that comes from the wire, by the time at which it came. One that comes before half
-//! a period is over is a second one in that period; where none has come within one and a half, there was none in it. A beat of
-//! another period than the board's own is none to follow.
+//! A board that follows ticks with the SYNC that comes from the wire, by the time at which it came. One that comes
+//! before half a period is over is a second one in that period; where none has come within one and a half, there was
+//! none in it. A beat of another period than the board's own is none to follow.
 
 use std::time::{Duration, Instant};
 
@@ -71,8 +71,9 @@ struct Grid {
     pace: Pace,
 }
 
-/// Whether the SYNCs have the board's own period: in 64 of these no more than one too many or too few. The computer may stand
-/// still in between and make up for it, so four such windows in a row have to be wrong, and one that is right is enough.
+/// Whether the SYNCs have the board's own period: in 64 of these no more than one
+/// too many or too few. The computer may stand still in between and make up for it,
+/// so four such windows in a row have to be wrong, and one that is right is enough.
 struct Pace {
     is_right: bool,
     begun: Stamp,

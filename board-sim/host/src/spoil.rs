@@ -166,7 +166,8 @@ impl FromStr for Torn {
 #[derive(clap::Args, Debug, Default)]
 #[command(next_help_heading = "Faults of the wire and of the storage")]
 pub struct Options {
-    /// Frames that are lost, in thousandths (repeatable): in (default; from others to the board), out, setpoints, statuses, all
+    /// Frames that are lost, in thousandths (repeatable): in (default; from others
+    /// to the board), out, setpoints, statuses, all
     #[arg(long, value_name = "[WAY=]PER_MILLE")]
     pub lose: Vec<Chance>,
     /// Frames that come twice
@@ -196,8 +197,8 @@ pub struct Options {
     /// The flash is worn: it refuses to erase after so many pages
     #[arg(long, value_name = "PAGES")]
     pub flash_worn: Option<u32>,
-    /// The board's power goes in a write of its flash, after so many more bytes, and is back a tenth of a second of its time
-    /// later; the torn word cannot be read, or reads half written
+    /// The board's power goes in a write of its flash, after so many more bytes, and is back a tenth of a second of its
+    /// time later; the torn word cannot be read, or reads half written
     #[arg(long, value_name = "BYTES[:half]", conflicts_with = "cut_power")]
     pub torn_write: Option<Torn>,
     /// The board loses its power, its drives do not; without an end board-sim ends there, with exit code 4

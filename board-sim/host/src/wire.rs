@@ -29,8 +29,8 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Opens the bus; an adapter at the bit rate of the parameters (9020). Where they ask for a frame of CAN FD (9031), it has to
-    /// carry such.
+    /// Opens the bus; an adapter at the bit rate of the parameters (9020). Where
+    /// they ask for a frame of CAN FD (9031), it has to carry such.
     pub fn open(address: &Address, params: &Params) -> Outcome<Self> {
         let kbit = params.bus_kbit();
         let rate = BitRate::of_kbit(kbit).ok_or_else(|| {
@@ -89,8 +89,8 @@ impl Wire {
         self.can.send_fd(&[*frame]).map_err(Failure::bus)
     }
 
-    /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came, in the order in
-    /// which they came; how many these were.
+    /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came, in the
+    /// order in which they came; how many these were.
     pub fn listen(
         &mut self,
         patience: Duration,

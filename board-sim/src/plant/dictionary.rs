@@ -1,8 +1,8 @@
 //! What a drive tells and takes by SDO: the few objects of CiA 301 and CiA 402 that a machine is set up with.
 //!
 //! PDO communication and mapping, and the interpolation period, are taken in pre-operational alone; limits in every state.
-//! The PDOs have the contents that CiA 402 gives them, and no others; the commands may come behind dummy entries, in a frame that
-//! others get theirs in, too. What was written counts until the drive starts anew;
+//! The PDOs have the contents that CiA 402 gives them, and no others; the commands may come behind dummy entries, in a
+//! frame that others get theirs in, too. What was written counts until the drive starts anew;
 //! `save` (1010h:01h) keeps it beyond that.
 
 use leadscrew_core::bus::{

@@ -327,8 +327,8 @@ impl Drive {
         }
     }
 
-    /// What it was told does not count any more, and no SYNC is waited for: with torque it does what 6007h says. Where that is
-    /// nothing, it goes on with what it was told last.
+    /// What it was told does not count any more, and no SYNC is waited for: with torque it does what 6007h says. Where
+    /// that is nothing, it goes on with what it was told last.
     fn stop_by_itself(&mut self) {
         let power = match self.settings.stop() {
             StopOption::None => return,

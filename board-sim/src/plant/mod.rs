@@ -386,8 +386,8 @@ pub fn axis_drive(
     Ok(set_up(drive, params, options, usize::from(place)))
 }
 
-/// The drive of a spindle that turns in position mode only, and what turns with it, just switched on. Spindle 1 has more than
-/// that in a whole plant: here it stands in for one, towards a board elsewhere.
+/// The drive of a spindle that turns in position mode only, and what turns with it, just switched on. Spindle 1 has
+/// more than that in a whole plant: here it stands in for one, towards a board elsewhere.
 ///
 /// # Errors
 /// The parameters make no drive.

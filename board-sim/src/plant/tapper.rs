@@ -1,5 +1,5 @@
-//! A spindle that only taps, or stands in for another one: a drive in position mode, and what turns with it. It has no encoder on the board; its drive
-//! tells where it is, zero at power-up.
+//! A spindle that only taps, or stands in for another one: a drive in position mode, and what turns with it. It has no
+//! encoder on the board; its drive tells where it is, zero at power-up.
 
 use super::drive::{Drive, DriveOptions};
 use super::follower::Follower;

@@ -93,8 +93,8 @@ impl Sim {
         x.max(z).saturating_add(self.lag)
     }
 
-    /// By how many turns the board counts ahead of the truth. Whole turns mean nothing; while an axis is held to the spindle
-    /// they stay what they were, so that one that got lost would show.
+    /// By how many turns the board counts ahead of the truth. Whole turns mean nothing; while an axis is held to the
+    /// spindle they stay what they were, so that one that got lost would show.
     pub(super) fn ahead(&mut self, locked: bool) -> Turns {
         let observer = self.board.ticker().observer();
         if !locked && observer.indexed() {

@@ -15,8 +15,8 @@ impl Sim {
         self.board.join(node)
     }
 
-    /// The SYNCs that are on the wire in the next tick, four at most, for a board that follows (9029) and its drives. From now
-    /// on there are no others: until then, another board gives one in every tick.
+    /// The SYNCs that are on the wire in the next tick, four at most, for a board that follows (9029) and its drives.
+    /// From now on there are no others: until then, another board gives one in every tick.
     pub fn beat(&mut self, syncs: &[Frame]) {
         self.beat.other = None;
         self.beat.syncs = syncs.iter().copied().take(SYNCS).collect();
@@ -85,7 +85,8 @@ impl Sim {
         self.board.awaits_program()
     }
 
-    /// True while a transfer is under way: where virtual time is fast, a client with nothing but real time needs it to wait.
+    /// True while a transfer is under way: where virtual time is fast, a client
+    /// with nothing but real time needs it to wait.
     #[must_use]
     pub const fn is_transferring(&self) -> bool {
         self.board.is_transferring()

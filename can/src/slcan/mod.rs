@@ -24,8 +24,8 @@ use crate::{Address, Can, CanError, Data, Filter, Id, Packet, Received, Stamp};
 /// Frames sent and not yet acknowledged, at most.
 const WINDOW: usize = 32;
 
-/// Time for an adapter to answer a command, and to take what is sent. What is behind a socket is perhaps a program, and a computer
-/// may stand still for seconds [D178].
+/// Time for an adapter to answer a command, and to take what is sent. What is behind a socket is perhaps a program, and
+/// a computer may stand still for seconds [D178].
 const ANSWER: Duration = Duration::from_secs(5);
 
 /// Time for the version of one that has said something already.

@@ -241,8 +241,8 @@ fn an_adapter_that_knows_fd_frames_is_told_their_rate_and_carries_them_between_o
     std::fs::remove_file(path).unwrap();
 }
 
-/// A set with another rate comes into force while frames are under way: what acknowledges them is not taken for the answer to a
-/// command, nor lost to the count of what the adapter still has.
+/// A set with another rate comes into force while frames are under way: what acknowledges them is not taken for the
+/// answer to a command, nor lost to the count of what the adapter still has.
 #[test]
 fn the_rate_can_change_while_frames_are_under_way() {
     let path = path("rate");

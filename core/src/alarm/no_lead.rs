@@ -7,8 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::units::Lead;
 
-/// A lead among the figures of an alarm: there is none. On the link figures go by their number, so its place stays, and what would
-/// stand there; in memory a numerator and a denominator would make every figure of every alarm half as long again.
+/// A lead among the figures of an alarm: there is none. On the link figures go by
+/// their number, so its place stays, and what would stand there; in memory a numerator
+/// and a denominator would make every figure of every alarm half as long again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoLead {}
 

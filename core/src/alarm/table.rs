@@ -681,8 +681,8 @@ codes! {
         "map its RPDO1 (1600h) for its own place (`params push` with its section), then reset",
         "驱动器 {0}（节点 {1}）未收到指令即进入就绪：它从合并帧中其他驱动器的位置接收设定值（{2}）", "请按其自身位置映射其 RPDO1（1600h，用 `params push` 及其驱动器段），然后复位";
 
-    /// The SYNC that the board follows has stopped, or the board has come off it; so many were without, of so many periods of so
-    /// many µs.
+    /// The SYNC that the board follows has stopped, or the board has come off it;
+    /// so many were without, of so many periods of so many µs.
     SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last {1} periods of {2} µs were without it, or each had several, or the board's own beat has come off it",
         "look at the board that gives the beat, whether a second one does, and at the wire between the two; then reset",
         "本控制板所跟随的 SYNC 已丢失：最近 {1} 个周期（每周期 {2} µs）中有 {0} 个未收到，或每周期收到多个，或本板节拍已与其失步", "请检查发出节拍的控制板、是否另有一方发出节拍，以及两者之间的接线；然后复位";

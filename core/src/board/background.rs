@@ -273,8 +273,8 @@ impl Background {
         true
     }
 
-    // What is large on the stack is kept out of each other's frames here and in the files below: the planner of a pass is at
-    // the bottom of all of them [D140].
+    // What is large on the stack is kept out of each other's frames here and in the
+    // files below: the planner of a pass is at the bottom of all of them [D140].
 
     /// Puts a segment behind what is planned and lets it all go to the queue.
     fn queue(&mut self, span: Span, stops: Stops, action: Action) {

@@ -85,7 +85,8 @@ fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call)
 
 impl Desk {
     /// As at power-up: at `position`, with the stored entry of the tap journal, and `snapshot` of the tick side.
-    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
+    // Written straight to where it will be, which the caller says: as a function of
+    // its own it would be copied there [D146].
     #[must_use]
     #[inline(always)]
     pub fn new(
@@ -183,8 +184,9 @@ impl Desk {
         self.station.receive_fd(frame, &self.params);
     }
 
-    /// Lets the station go on: `elapsed` periods after the last call; `measured` as the [`Reference`](super::Reference) says of
-    /// the last of them. True where a call went to the planner. What it asks for waits for [`carry_out`](Self::carry_out).
+    /// Lets the station go on: `elapsed` periods after the last call; `measured` as
+    /// the [`Reference`](super::Reference) says of the last of them. True where a call
+    /// went to the planner. What it asks for waits for [`carry_out`](Self::carry_out).
     pub fn serve(
         &mut self,
         elapsed: Periods,
@@ -260,8 +262,8 @@ impl Desk {
         self.station.loaded(held);
     }
 
-    /// The last write that [`store`](Self::store) asked for has been done, or could not be. A parameter set may come with it:
-    /// [`carry_out`](Self::carry_out) says so.
+    /// The last write that [`store`](Self::store) asked for has been done, or could not be. A parameter set may come
+    /// with it: [`carry_out`](Self::carry_out) says so.
     pub fn stored(
         &mut self,
         region: Region,

@@ -196,8 +196,8 @@ impl Drives {
         }
     }
 
-    /// No drive latches anything any more, for want of a SYNC: a spindle would turn on and on. So all are told to stop by what
-    /// no SYNC is needed for, and brought up anew [D166].
+    /// No drive latches anything any more, for want of a SYNC: a spindle would turn on and on. So all are told to stop
+    /// by what no SYNC is needed for, and brought up anew [D166].
     #[cold]
     #[inline(never)]
     pub(super) fn stop(&mut self) {
@@ -206,9 +206,10 @@ impl Drives {
         }
     }
 
-    /// While the machine stops on an alarm, or stands on one (`at_rest`): drives that have failed lose their torque once all
-    /// axes stand; until then they are braked with the others [D62]. Where more than one has fallen silent, the wire is
-    /// broken: these do not hear how the others brake, and must not be pulled there when it is whole again [D124].
+    /// While the machine stops on an alarm, or stands on one (`at_rest`): drives that have
+    /// failed lose their torque once all axes stand; until then they are braked with the
+    /// others [D62]. Where more than one has fallen silent, the wire is broken: these do not
+    /// hear how the others brake, and must not be pulled there when it is whole again [D124].
     #[cold]
     #[inline(never)]
     pub(super) fn let_go(&mut self, at_rest: bool) {
@@ -299,15 +300,16 @@ impl Drives {
         core::mem::take(&mut self.offsets) != [0; 3]
     }
 
-    /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose position its
-    /// drive cannot count comes back; its drive is held where it is.
+    /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose
+    /// position its drive cannot count comes back; its drive is held where it is.
     pub(super) fn send(
         &mut self,
         position: Position,
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
-        // FRAMES is more than one SYNC, two frames for each of three axes and three for each of two spindles: there is room.
+        // FRAMES is more than one SYNC, two frames for each of three axes and three
+        // for each of two spindles: there is room.
         let mut put = |frame: Frame| {
             let _ = frames.push(frame);
         };
@@ -344,9 +346,10 @@ impl Drives {
         self.together.as_ref()
     }
 
-    /// As [`enable`](Self::enable), one behind the other. In a frame for all a drive finds its setpoint by its place, and what
-    /// it says is known by its node: one that listens at another's place shows by what it says only while nobody else is on
-    /// the way. Two on the way at once would each take the other's steps for its own, and then go where that one is.
+    /// As [`enable`](Self::enable), one behind the other. In a frame for all a drive finds its
+    /// setpoint by its place, and what it says is known by its node: one that listens at
+    /// another's place shows by what it says only while nobody else is on the way. Two on the
+    /// way at once would each take the other's steps for its own, and then go where that one is.
     fn enable_in_turn(&mut self) -> bool {
         let mut drives = self.axes.iter_mut().chain(self.spindles.drives_mut());
         let Some(first) = drives.find(|drive| !drive.is_enabled()) else {
@@ -367,8 +370,8 @@ impl Drives {
 
     /// Takes the commands out of the frames of a period and puts them together; everything else stays a frame of its own. A
     /// spindle whose turn it is not in this period is told what it was told last.
-    // Behind the sending of the frames, and not another way of it: the compiler would have each of them twice, and the usual one
-    // would be the slower for it.
+    // Behind the sending of the frames, and not another way of it: the compiler
+    // would have each of them twice, and the usual one would be the slower for it.
     #[inline(never)]
     fn put_together(&mut self, frames: &mut Vec<Frame, FRAMES>) {
         let Some(together) = &mut self.together else {

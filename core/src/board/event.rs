@@ -54,8 +54,8 @@ pub enum Command {
     Stop,
     /// A stop as by [`Stop`](Self::Stop), with an alarm of its own: what watches the board asks for it.
     Halt(Code),
-    /// The same for what is wrong with the bus. Drives that cannot be reached are told to let go, so that nothing pulls them
-    /// when they can be reached again [D124].
+    /// The same for what is wrong with the bus. Drives that cannot be reached are told to let go, so that nothing pulls
+    /// them when they can be reached again [D124].
     Trouble(BusTrouble),
     /// Single block on or off.
     SingleBlock(bool),

@@ -4,7 +4,8 @@
 //! segments and makes frames. The **background** ([`Background`]) expands and plans. They are joined by single-producer
 //! queues and, the other way, by one message: start afresh from here, or plan this way. What is planned carries the
 //! [`Epoch`] it was planned in, and the tick drops what is older than its last start: so the two need
-//! not agree on the moment. Calls come in on the background's side, which heeds what the tick has said before it takes more.
+//! not agree on the moment. Calls come in on the background's side, which heeds
+//! what the tick has said before it takes more.
 //!
 //! ```text
 //!          calls          segments                       SYNC, RPDOs

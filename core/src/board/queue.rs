@@ -21,8 +21,9 @@ pub const PLANS: usize = 3;
 /// Segments of a detour: two legs and the mark behind them, what may be left of the detour before, and the place that
 /// stays empty. The tick drops what is left before it begins a leg.
 pub const DETOURS: usize = 7;
-/// Events not yet read, and the place that stays empty. Each segment makes two at most, and while the background plans, which
-/// is the longest it does without reading, no more than the segments queued are begun; what is left is for a stop.
+/// Events not yet read, and the place that stays empty. Each segment makes two at
+/// most, and while the background plans, which is the longest it does without
+/// reading, no more than the segments queued are begun; what is left is for a stop.
 pub const EVENTS: usize = 2 * (SEGMENTS - 1) + 4;
 
 /// Calls on their way to the background.

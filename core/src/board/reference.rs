@@ -67,8 +67,8 @@ impl Held {
 }
 
 impl Reference {
-    /// Behind a tick that gave `setpoint`: the error of the setpoint before, which has taken effect by now, at the angle just
-    /// measured; `None` where no axis was held to the spindle. `head`: the head of the program's queue.
+    /// Behind a tick that gave `setpoint`: the error of the setpoint before, which has taken effect by now, at the
+    /// angle just measured; `None` where no axis was held to the spindle. `head`: the head of the program's queue.
     pub fn error(
         &mut self,
         ticker: &Ticker,

@@ -257,7 +257,8 @@ impl Ticker {
         Some(place.write(Self::made(params, given, figures, remembered, tap)))
     }
 
-    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
+    // Written straight to where it will be, which the caller says: as a function of
+    // its own it would be copied there [D146].
     #[inline(always)]
     fn made(
         params: &Params,

@@ -77,8 +77,8 @@ impl Intrusion {
         })
     }
 
-    /// Setpoints by their identifier, classical or in a frame of CAN FD: those of one drive, or those of all in the one frame of
-    /// `board`, where that sends one (9031). Who speaks to all is told by the first of them, X.
+    /// Setpoints by their identifier, classical or in a frame of CAN FD: those of one drive, or those of all in the one
+    /// frame of `board`, where that sends one (9031). Who speaks to all is told by the first of them, X.
     #[cfg(feature = "fd")]
     #[must_use]
     pub fn of_setpoints(id: CobId, drives: &DriveNodes, board: Option<NodeId>) -> Option<Self> {

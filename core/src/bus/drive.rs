@@ -3,8 +3,8 @@
 //! Terms. *Enabled* means operation enabled: the drive has torque and follows its target. *Contact* is the first status
 //! of a drive that has just been started. *Demand* is the position the board wants; it reaches the drive only while it is
 //! enabled. In every other phase the target is the drive's own actual position, so that there is nothing to jump to at
-//! the moment torque comes. An enabled drive is held there until a demand takes it up at that very place (to the nanometre),
-//! and follows from then on; demands left over from before it was enabled never move it.
+//! the moment torque comes. An enabled drive is held there until a demand takes it up at that very place (to the
+//! nanometre), and follows from then on; demands left over from before it was enabled never move it.
 //!
 //! ```text
 //! offline ─enable─► contact ─► (release) ─► shutdown 0006h ─► switch on 0007h ─► enable operation 000Fh ─► enabled
@@ -173,8 +173,8 @@ impl DriveMaster {
         }
     }
 
-    /// Nothing that it is told by RPDO counts any more, for want of a SYNC: it is stopped by network management, until it is
-    /// enabled again. One that has not been started is told nothing.
+    /// Nothing that it is told by RPDO counts any more, for want of a SYNC: it is stopped by network management, until
+    /// it is enabled again. One that has not been started is told nothing.
     pub const fn stop(&mut self) {
         if !matches!(self.phase, Phase::Offline) {
             self.phase = Phase::Stopped;
@@ -183,9 +183,9 @@ impl DriveMaster {
         }
     }
 
-    /// For drives that are told in one frame: until its turn to be enabled comes it is told nothing. False, and a failure, where
-    /// one that is told nothing has got ready although another `goes`, that is, has got as far: it takes what that one is told
-    /// for its own.
+    /// For drives that are told in one frame: until its turn to be enabled comes it is told
+    /// nothing. False, and a failure, where one that is told nothing has got ready although
+    /// another `goes`, that is, has got as far: it takes what that one is told for its own.
     #[cfg(feature = "fd")]
     pub(crate) fn wait(&mut self, goes: bool) -> bool {
         match self.phase {

@@ -7,8 +7,9 @@
 //! | count of the stuff bits, CRC, and a fixed stuff bit before every four of these | 27 up to 16 bytes, 32 above | of the data |
 //! | CRC delimiter, acknowledgement, end, intermission | 13 | nominal |
 //!
-//! Before the CRC a bit is stuffed behind five equal ones. FDF and BRS are 1 and what stands between IDE and FDF, FDF and BRS
-//! is 0, so that no row of equal bits reaches over them: at worst 3 bits are stuffed before FDF, and 1 + 2 n behind BRS.
+//! Before the CRC a bit is stuffed behind five equal ones. FDF and BRS are 1 and what
+//! stands between IDE and FDF, FDF and BRS is 0, so that no row of equal bits reaches
+//! over them: at worst 3 bits are stuffed before FDF, and 1 + 2 n behind BRS.
 
 use super::frame::{CobId, Frame};
 
@@ -123,8 +124,8 @@ impl FdBits {
         }
     }
 
-    /// How many bits of `kbit` kbit/s take as long, rounded up, where the data go at `data_kbit`. All at one rate where that is
-    /// none.
+    /// How many bits of `kbit` kbit/s take as long, rounded up, where the data go
+    /// at `data_kbit`. All at one rate where that is none.
     #[must_use]
     pub const fn at(self, kbit: u32, data_kbit: u32) -> u32 {
         // Frames have some hundred bits, rates below ten thousand kbit/s.

@@ -1,9 +1,9 @@
 //! Positions on the wire: drive increments, and the exact way there from nanometres.
 //!
 //! A drive counts in increments of its own. [`Scale`] is the ratio between both as CiA 402 has it (6091h, 6092h): so many
-//! increments for so many nanometres. An increment value is made from the absolute position, or from the one before with its
-//! exact rest ([`Told`]), which is the same: nothing is lost from tick to tick, and after any path the drive stands within
-//! half an increment of the exact position.
+//! increments for so many nanometres. An increment value is made from the absolute position, or from the one before
+//! with its exact rest ([`Told`]), which is the same: nothing is lost from tick to tick, and after any path the drive
+//! stands within half an increment of the exact position.
 
 use crate::units::{narrow_div, signed_product};
 use core::num::NonZeroU32;

@@ -5,8 +5,8 @@
 //! 480h + board   X: 6040h/16 607Ah/32   Z: 6040h/16 607Ah/32   C …   spindle 1 …
 //! ```
 //!
-//! It is a TPDO of the board and the RPDO1 of every drive: a drive maps dummy entries (CiA 301) as long as what is before its
-//! own six bytes, and does not look at what is behind them.
+//! It is a TPDO of the board and the RPDO1 of every drive: a drive maps dummy entries (CiA 301) as long as what is
+//! before its own six bytes, and does not look at what is behind them.
 
 use super::fd::FdFrame;
 use super::frame::{CobId, NodeId, Service};

@@ -1,7 +1,8 @@
 //! The master of a spindle drive: that of any drive, and the speed.
 //!
-//! Mode and speed go out on change (RPDO2), and once in [`REPEAT`] periods in case that frame was lost [D125]. A drive keeps
-//! the last speed it was told, so it is told 0 before it gets torque and as soon as it has lost it: enabling never starts a spindle.
+//! Mode and speed go out on change (RPDO2), and once in [`REPEAT`] periods in case that
+//! frame was lost [D125]. A drive keeps the last speed it was told, so it is told 0
+//! before it gets torque and as soon as it has lost it: enabling never starts a spindle.
 //!
 //! For tapping it is in position mode. That mode begins where the spindle stands: [`SpindleMaster::engage`] makes the
 //! drive's own position its target, and only then is the mode told, in one period with that target.

@@ -29,8 +29,8 @@ impl SyncProducer {
     }
 }
 
-/// True where `frame` is a SYNC, with or without a counter; also one that is longer than it should be, for a drive may latch by
-/// whatever has this identifier.
+/// True where `frame` is a SYNC, with or without a counter; also one that is longer
+/// than it should be, for a drive may latch by whatever has this identifier.
 #[must_use]
 pub fn is_sync(frame: &Frame) -> bool {
     frame.id() == CobId::SYNC

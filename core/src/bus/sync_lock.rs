@@ -1,8 +1,9 @@
 //! The lock of a board's own timer to the SYNC of another one.
 //!
 //! A board that follows does not tick when SYNC comes: a frame on the wire is not stopped, SYNC waits for its end, and an
-//! encoder sampled with that jitter has its thread up to 13 µm out of place (135 µs, lead 2 mm, 3000 rpm). So its tick stays
-//! with its timer, and the timer is led to the *early edge* of the SYNCs, for a wire can only make them late [D167].
+//! encoder sampled with that jitter has its thread up to 13 µm out of place (135
+//! µs, lead 2 mm, 3000 rpm). So its tick stays with its timer, and the timer is led
+//! to the *early edge* of the SYNCs, for a wire can only make them late [D167].
 //!
 //! ```text
 //! SYNC as it is meant  │         │         │         │           the early edge, which nobody sees
@@ -10,27 +11,29 @@
 //! own beats            ╵         ╵         ╵         ╵           the length of the next period but one is what is set
 //! ```
 //!
-//! How: of the SYNCs in a window of periods the one that came earliest, seen from the own beat next to it, is the error. Half of
-//! it is made good over the next window, and a part of it goes to the rate. Windows begin short (8 periods), to pull in,
-//! and end long (64), to rest. Lengths are whole steps of the timer; what makes no step yet is carried.
+//! How: of the SYNCs in a window of periods the one that came earliest, seen from the own
+//! beat next to it, is the error. Half of it is made good over the next window, and a part
+//! of it goes to the rate. Windows begin short (8 periods), to pull in, and end long (64),
+//! to rest. Lengths are whole steps of the timer; what makes no step yet is carried.
 //!
 //! What it guarantees, whatever comes in:
 //! - a period is within 1/64 and 1/2048 of its nominal length, to a step: there is no jump, not even while it pulls in;
 //! - while it is locked, the rate is within 1/2048 (488 ppm) of the nominal one, and a phase is made good by no more than
-//!   1/16 384 of a period (61 ppm) in each where SYNC is early, by a quarter of that where it is late; a SYNC that is more than a
-//!   quarter of a period away moves nothing, one that is late among others neither, and without any it goes on at its rate;
-//! - it is locked behind six long windows in a row that were at most 1/128 of a period off. It is no more behind two in a row
-//!   (128 periods) in which none was near, or the earliest came early by more than 1/16; behind eight in which it was late by as
-//!   much, which the wire can do for a while; and where its owner [forgets](SyncLock::forget);
+//!   1/16 384 of a period (61 ppm) in each where SYNC is early, by a quarter of that
+//!   where it is late; a SYNC that is more than a quarter of a period away moves nothing,
+//!   one that is late among others neither, and without any it goes on at its rate;
+//! - it is locked behind six long windows in a row that were at most 1/128 of a period off. It is no more behind two in
+//!   a row (128 periods) in which none was near, or the earliest came early by more than 1/16; behind eight in which it
+//!   was late by as much, which the wire can do for a while; and where its owner [forgets](SyncLock::forget);
 //! - a SYNC that begins in the half of a period before a beat, or in the half behind it, counts for that beat.
 //!
-//! What it reaches in steps of 1 µs, clocks up to 200 ppm apart, from any phase (tests below): locked after 440 to 1 480 periods,
-//! and from then on its beats within 7 µs of the early edge at a period of 1 ms, 11 µs at 2 ms, with SYNC late by anything up to
-//! 135 µs, every tenth missing; that is 1.1 µm of a thread of 2 mm at 3000 rpm. Bursts in which every SYNC of 400 periods is
-//! 135 µs late move it by 12 µs at 1 ms, 23 µs at 2 ms, 92 µs at 10 ms.
+//! What it reaches in steps of 1 µs, clocks up to 200 ppm apart, from any phase (tests below): locked after 440 to 1
+//! 480 periods, and from then on its beats within 7 µs of the early edge at a period of 1 ms, 11 µs at 2 ms, with SYNC
+//! late by anything up to 135 µs, every tenth missing; that is 1.1 µm of a thread of 2 mm at 3000 rpm. Bursts in which
+//! every SYNC of 400 periods is 135 µs late move it by 12 µs at 1 ms, 23 µs at 2 ms, 92 µs at 10 ms.
 //!
-//! What it cannot know: a wire on which no SYNC of 64 periods is in time has an edge that is later. What delays each one for
-//! seconds is followed slowly, and where it then ends, SYNC is early for all the lock knows.
+//! What it cannot know: a wire on which no SYNC of 64 periods is in time has an edge that is later. What delays each
+//! one for seconds is followed slowly, and where it then ends, SYNC is early for all the lock knows.
 //!
 //! Knows no timer and no frame; stamps go in, lengths come out. No division.
 
@@ -62,8 +65,8 @@ pub struct SyncLock {
     rate: i32,
     slew: i32,
     rest: i32,
-    /// Of those near their beat in this window the SYNC that came earliest, in steps before the [`LATEST`] there can be; zero
-    /// where there was none.
+    /// Of those near their beat in this window the SYNC that came earliest, in
+    /// steps before the [`LATEST`] there can be; zero where there was none.
     earliest: i32,
     /// Periods of this window so far.
     at: u32,
@@ -103,8 +106,8 @@ impl SyncLock {
         }
     }
 
-    /// A SYNC that has been read began so many steps behind the last own beat, or before it. Before half a period it counts for
-    /// that beat, from there on for the next.
+    /// A SYNC that has been read began so many steps behind the last own beat, or before it. Before half a period it
+    /// counts for that beat, from there on for the next.
     pub fn hear(&mut self, since_steps: i32, counter: Option<u8>) {
         let half = self.nominal >> 1;
         let (count, offset) = match since_steps < half {
@@ -144,7 +147,8 @@ impl SyncLock {
         self.count > 0
     }
 
-    /// There was no SYNC for longer than can be borne: the next may have any phase. The lock begins again, at the rate it had.
+    /// There was no SYNC for longer than can be borne: the next may have any phase.
+    /// The lock begins again, at the rate it had.
     pub const fn forget(&mut self) {
         self.longer = 0;
         self.right = 0;

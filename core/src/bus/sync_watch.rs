@@ -1,9 +1,9 @@
 //! Whether the SYNC of somebody else can be followed.
 //!
 //! A board that follows tells in every period what that has brought. It *follows* once a hundred periods in a row had one
-//! SYNC each, nothing missing by the counters, and the board's own beat with it. From then on a period with none, with two or
-//! with a gap in the counters is one in which setpoints were late for their SYNC, and is counted as that; three in a row with
-//! none, eight in a row with several, or a beat that has come off, and it is lost.
+//! SYNC each, nothing missing by the counters, and the board's own beat with it. From then on a period with none, with
+//! two or with a gap in the counters is one in which setpoints were late for their SYNC, and is counted as that; three
+//! in a row with none, eight in a row with several, or a beat that has come off, and it is lost.
 //!
 //! ```text
 //!            100 periods as they should be      3 without SYNC, 8 with several, off the beat
@@ -56,11 +56,11 @@ pub struct SyncWatch {
     late: u16,
     /// Time of a period in microseconds.
     tick_us: u32,
-    /// Periods in which it has to become steady: those of two seconds, but no fewer than the own timer may take to lock, and
-    /// those that have to be steady.
+    /// Periods in which it has to become steady: those of two seconds, but no fewer
+    /// than the own timer may take to lock, and those that have to be steady.
     patience: u32,
-    /// Periods that it has waited, and SYNCs heard in them. Where it is lost: how many periods it is told of, and how many of
-    /// them were without SYNC.
+    /// Periods that it has waited, and SYNCs heard in them. Where it is lost: how
+    /// many periods it is told of, and how many of them were without SYNC.
     waited: u32,
     seen: u32,
 }
@@ -125,8 +125,8 @@ impl SyncWatch {
         self.late
     }
 
-    /// What is to be told with a verdict that is not good. Unsteady: SYNCs heard, in how many periods. Lost: periods without
-    /// one, of how many. Then the time of a period in microseconds.
+    /// What is to be told with a verdict that is not good. Unsteady: SYNCs heard, in how many periods. Lost: periods
+    /// without one, of how many. Then the time of a period in microseconds.
     #[must_use]
     pub const fn figures(&self) -> [u32; 3] {
         [self.seen, self.waited, self.tick_us]

@@ -44,8 +44,8 @@ impl TapReport {
 /// Checks a tapping cycle whose G word stands at `span`, with these signals.
 ///
 /// # Errors
-/// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with ([`Code::TapSpindleNotAvailable`]), or
-/// follow ([`Code::FloatSpindleWithoutEncoder`]);
+/// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with
+/// ([`Code::TapSpindleNotAvailable`]), or follow ([`Code::FloatSpindleWithoutEncoder`]);
 /// a rigid tap along X whose drive does not act together with the spindle's ([`Code::TapDrivesApart`]);
 /// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`], or for ordinary tapping
 /// [`FloatPlan::new`](crate::motion::FloatPlan::new), refuses.

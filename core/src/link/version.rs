@@ -54,8 +54,8 @@ impl fmt::Display for Version {
 const fn key() -> u32 {
     let key = Key::for_path::<(Call, Status, Logged, Certificate, ThreadCertificate)>("leadscrew");
     let mut hash = u64::from_le_bytes(key.to_bytes());
-    // Bits have a meaning that no type shows: a side that knows fewer of them would give the others back as it likes. FNV-1a,
-    // as above.
+    // Bits have a meaning that no type shows: a side that knows fewer of them would
+    // give the others back as it likes. FNV-1a, as above.
     hash = (hash ^ (Signals::BITS | Signals::MIRRORED) as u64).wrapping_mul(0x0000_0100_0000_01B3);
     // An alarm travels as its number, so both sides need the same list.
     let mut codes: &[Code] = Code::ALL;

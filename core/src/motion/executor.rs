@@ -178,7 +178,8 @@ impl Executor {
     };
 
     /// At rest at the machine's zero.
-    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
+    // Written straight to where it will be, which the caller says: as a function of
+    // its own it would be copied there [D146].
     #[must_use]
     #[inline(always)]
     pub const fn new(arrival: Arrival) -> Self {
@@ -384,7 +385,8 @@ impl Executor {
     /// # Errors
     /// What the spindle does not do for a stroke: [`NoIndex`](crate::alarm::Code::NoIndex),
     /// [`SpindleNotArrived`](crate::alarm::Code::SpindleNotArrived), and what
-    /// [`ThreadRun::start`] refuses. The setpoint is the first of the way to rest then; [`stop`](Self::stop) goes on with it.
+    /// [`ThreadRun::start`] refuses. The setpoint is the first of the way to rest
+    /// then; [`stop`](Self::stop) goes on with it.
     pub fn tick(
         &mut self,
         now: &Conditions<'_>,

@@ -1,10 +1,11 @@
 //! Segments in, setpoints out, one for each tick.
 //!
 //! All motion is one idea: a path parameter driven by a master, which is time or, for threads, the spindle's angle
-//! ([`ThreadPlan`], [`ThreadRun`]); a tap's spindle is geared to an axis that time drives ([`Tap`]). Where it is time, [`plan`] makes a move into a [`Path`], a speed and a ramp in the
-//! background; in the tick the [`Profile`] turns the rate the operator and the spindle leave into a distance,
-//! jerk-limited, and the path turns the distance into a position. Feed hold, override and abort
-//! are rates; nothing is replanned for them. The tick is integers, constant work and no division.
+//! ([`ThreadPlan`], [`ThreadRun`]); a tap's spindle is geared to an axis that time drives ([`Tap`]).
+//! Where it is time, [`plan`] makes a move into a [`Path`], a speed and a ramp in the background; in
+//! the tick the [`Profile`] turns the rate the operator and the spindle leave into a distance,
+//! jerk-limited, and the path turns the distance into a position. Feed hold, override and abort are
+//! rates; nothing is replanned for them. The tick is integers, constant work and no division.
 //!
 //! Knows nothing of program text, cycles' insides or the bus.
 

@@ -21,7 +21,8 @@ impl Epoch {
 }
 
 /// Which thread or hole of a program a segment belongs to: those cut by one call of a threading cycle, or on the way
-/// through one hole, have the same number. Counted from one to the next, and round: what is apart is told by it, and no more.
+/// through one hole, have the same number. Counted from one to the next, and round:
+/// what is apart is told by it, and no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut {
     /// Its number.

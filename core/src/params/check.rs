@@ -30,8 +30,8 @@ impl Params {
         self.look::<true>(report);
     }
 
-    /// `ALL`: for the warnings too. Known beforehand, for a board asks for the reasons against a set alone, and has no code for
-    /// the rest.
+    /// `ALL`: for the warnings too. Known beforehand, for a board asks for the
+    /// reasons against a set alone, and has no code for the rest.
     fn look<const ALL: bool>(&self, report: impl FnMut(Alarm)) {
         let mut reasons = Reasons::<_, ALL>(report);
         for axis in Axis::ALL {

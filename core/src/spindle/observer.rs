@@ -10,8 +10,8 @@
 //! count rose, the upper one when it fell) and the speed carries it to the instant of the sample, never beyond the
 //! count's other boundary. Without the edge's time the middle of the count is the best guess.
 //!
-//! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for that
-//! tick, and what the counter has lost or gained is told [D128].
+//! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for
+//! that tick, and what the counter has lost or gained is told [D128].
 //!
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles are 2⁻³² turns, speed and
 //! acceleration 2⁻⁴⁸ turns per tick and per tick², so no rounding accumulates that a lead could show.

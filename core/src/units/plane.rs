@@ -6,8 +6,8 @@ use super::wide::{product, signed_product};
 /// Along the first axis and along the second; each below 2⁶³.
 pub(crate) type Vector = (i64, i64);
 
-/// The sign of the cross product: positive where `to` lies from `from` less than half a turn on, from the first axis towards
-/// the second, zero where they have one line.
+/// The sign of the cross product: positive where `to` lies from `from` less than half a turn on, from the first axis
+/// towards the second, zero where they have one line.
 #[inline(never)]
 pub(crate) fn side(from: Vector, to: Vector) -> i32 {
     let cross = signed_product(from.0, to.1).wrapping_sub(signed_product(from.1, to.0));

@@ -8,8 +8,8 @@ pub(crate) fn root(square: u64) -> u64 {
     if square == 0 {
         return 0;
     }
-    // The first digit of base 2¹⁶ from the upper half, as large as it can be; the second by a division, and one less where it
-    // was too large.
+    // The first digit of base 2¹⁶ from the upper half, as large as it can be; the
+    // second by a division, and one less where it was too large.
     let shift = square.leading_zeros() & !1;
     let scaled = square.wrapping_shl(shift);
     let (upper, lower) = ((scaled >> 32) as u32, scaled as u32);
@@ -54,8 +54,8 @@ pub(crate) fn root_wide(square: u128) -> u64 {
     if upper == 0 {
         return root(square as u64);
     }
-    // Newton's steps from above, until there is none any more. The upper half of the first guess is one more than the root of
-    // the upper half.
+    // Newton's steps from above, until there is none any more. The upper half of
+    // the first guess is one more than the root of the upper half.
     let mut root = match u32::try_from(root(upper).wrapping_add(1)) {
         Ok(root) => u64::from(root) << 32,
         Err(_) => u64::MAX,

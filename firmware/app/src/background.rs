@@ -20,7 +20,8 @@ use crate::report::{Order, Report};
 /// Orders that any one piece of work asks for at most.
 const SPARE_ORDERS: usize = 3;
 
-/// What a board brings for the background. Nothing may wait longer than a few milliseconds: planning stands still meanwhile.
+/// What a board brings for the background. Nothing may wait longer than a few
+/// milliseconds: planning stands still meanwhile.
 pub trait Machine {
     /// The oldest frame from the bus not yet read. Drives' frames need not come this way.
     fn receive(&mut self) -> Option<Frame>;
@@ -162,8 +163,8 @@ impl BackgroundSide {
         worked
     }
 
-    /// Hands a call over, for a board that runs a program of its own. False, and nothing changes, where there is no room for
-    /// it now, or while the machine starts, stops or stands on an alarm.
+    /// Hands a call over, for a board that runs a program of its own. False, and nothing changes, where there is no
+    /// room for it now, or while the machine starts, stops or stands on an alarm.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
         let mut port = Port {

@@ -61,8 +61,8 @@ impl Failure {
     /// Words of a record.
     pub const WORDS: usize = 8;
 
-    /// With so many in a row the board does not move any more before somebody has switched it off for ten seconds, or reset its
-    /// processor: power that comes back sooner is a failure of its own.
+    /// With so many in a row the board does not move any more before somebody has switched it off for ten seconds, or
+    /// reset its processor: power that comes back sooner is a failure of its own.
     pub const LIMIT: u32 = 3;
 
     /// With so many in a row it fails on its way to where it could say so: the firmware does not start any more.

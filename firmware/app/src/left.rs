@@ -4,7 +4,8 @@
 //! start ─► head: whole, failures in a row ─► ticks count ─► a failure writes its record ─► reset ─► start
 //! ```
 //!
-//! The head has a checksum: memory behind a loss of power does not look like it. So it tells, too, whether the power was away.
+//! The head has a checksum: memory behind a loss of power does not look like it. So
+//! it tells, too, whether the power was away.
 
 use crate::failure::{Failure, FailureKind, checksum};
 use crate::reset::ResetCause;
@@ -62,8 +63,8 @@ impl Left {
     }
 
     /// The failure before this start, if it was one. Somebody who presses the reset button or switches on begins anew: what
-    /// was before does not count. Power that was away for a moment only does count, for that may be the supply; but not up to
-    /// where the board does not start any more: whoever switches it off and on again finds it on its alarm.
+    /// was before does not count. Power that was away for a moment only does count, for that may be the supply; but not
+    /// up to where the board does not start any more: whoever switches it off and on again finds it on its alarm.
     #[must_use]
     pub fn failure(&self, cause: ResetCause) -> Option<Failure> {
         let (untold, most) = match cause {

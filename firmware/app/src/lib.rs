@@ -47,8 +47,8 @@
 //! | reports: the tick side after each tick | tick | background | that tick's is lost; the next says how many |
 //! | the [`Ticker`](leadscrew_core::board::Ticker) itself, to be made anew with other parameters, and back | tick, background | background, tick | there is one |
 //!
-//! All of them are single-producer queues ([`Queues`]); neither side locks anything, and the tick never waits. Nothing else is
-//! shared. The parameter set belongs to the background: the tick keeps what it needs of it in its ticker.
+//! All of them are single-producer queues ([`Queues`]); neither side locks anything, and the tick never waits. Nothing
+//! else is shared. The parameter set belongs to the background: the tick keeps what it needs of it in its ticker.
 
 mod background;
 mod failure;

@@ -87,8 +87,8 @@ impl Queues {
     /// A board at power-up, in its two sides. It has joined the bus: an NMT master starts it.
     ///
     /// # Errors
-    /// [`Code::ParametersUnusable`] for a set that does not pass its own checks; [`Code::BusOverload`] where its cycle leaves
-    /// no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its number.
+    /// [`Code::ParametersUnusable`] for a set that does not pass its own checks; [`Code::BusOverload`] where its cycle
+    /// leaves no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its number.
     pub fn power_up(
         &'static mut self,
         tick: &'static mut TickPlace,
@@ -152,8 +152,8 @@ impl Queues {
     }
 }
 
-// Each is made in its place, in a function of its own: on the stack there is no room for copies of it, nor for what the other
-// needs [D146].
+// Each is made in its place, in a function of its own: on the stack there is no
+// room for copies of it, nor for what the other needs [D146].
 
 #[inline(never)]
 fn new_ticker(

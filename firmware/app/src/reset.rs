@@ -2,8 +2,8 @@
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 
-/// The flags of a reset, as the chip keeps them until they are cleared. Several are set at once: every reset pulls the reset
-/// pin, and a loss of power sets that of the brown-out detector.
+/// The flags of a reset, as the chip keeps them until they are cleared. Several are set at once: every reset pulls the
+/// reset pin, and a loss of power sets that of the brown-out detector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ResetFlags {
     /// Brown-out detector: power-up too.
@@ -35,11 +35,12 @@ pub enum ResetCause {
 }
 
 impl ResetCause {
-    /// What the flags mean; `kept`: the memory is still that of the last run, as its checksum says. The detector of the power counts
-    /// before everything, for all that follows from it is no cause; the pin last, for every cause pulls it.
+    /// What the flags mean; `kept`: the memory is still that of the last run, as its
+    /// checksum says. The detector of the power counts before everything, for all
+    /// that follows from it is no cause; the pin last, for every cause pulls it.
     ///
-    /// The detector does not say how long the power was away: the memory does. A short switching off and on again looks like a
-    /// drop, and a drop of a second or more may look like switching on.
+    /// The detector does not say how long the power was away: the memory does. A short switching off and on again looks
+    /// like a drop, and a drop of a second or more may look like switching on.
     #[must_use]
     pub const fn of(flags: ResetFlags, kept: bool) -> Self {
         if flags.brown_out && kept {
@@ -57,7 +58,8 @@ impl ResetCause {
         }
     }
 
-    /// What is told of a start that follows no failure: that somebody has reset the processor, whatever the machine was doing.
+    /// What is told of a start that follows no failure: that somebody has reset the
+    /// processor, whatever the machine was doing.
     #[must_use]
     pub fn warning(self) -> Option<Alarm> {
         match self {

@@ -2,8 +2,8 @@
 
 use crate::failure::checksum;
 
-/// The serial number of a chip with this unique number. A CRC-32 tells any two apart that differ within 32 bits in a row, as
-/// those of chips of one lot do; it is never 0, which is none.
+/// The serial number of a chip with this unique number. A CRC-32 tells any two apart that differ within 32 bits in a
+/// row, as those of chips of one lot do; it is never 0, which is none.
 #[must_use]
 pub fn serial_of(unique: [u32; 3]) -> u32 {
     checksum(&unique).max(1)

@@ -17,8 +17,8 @@ use leadscrew_core::spindle::EncoderSample;
 
 use crate::report::{Order, Report};
 
-/// Frames a tick takes from the bus at most: two of each of seven drives, and some that are for the background. What is left
-/// waits for the next.
+/// Frames a tick takes from the bus at most: two of each of seven drives, and some
+/// that are for the background. What is left waits for the next.
 const RECEIVED: usize = 24;
 
 /// SYNC periods for which the background may be silent before the watchdog is not fed any more.
@@ -41,8 +41,9 @@ pub struct Inputs {
 pub trait TickMachine {
     /// What the spindle's encoder shows at this SYNC. The first call of a tick.
     fn sample(&mut self) -> EncoderSample;
-    /// What the period that has ended has brought of the SYNC that somebody else sends, where this board's timer is led to it; its
-    /// parameters say that it is (9029). The second call of a tick, in every one. `None`: nothing to be told.
+    /// What the period that has ended has brought of the SYNC that somebody else
+    /// sends, where this board's timer is led to it; its parameters say that it is
+    /// (9029). The second call of a tick, in every one. `None`: nothing to be told.
     fn heard(&mut self) -> Option<SyncHeard> {
         None
     }
@@ -54,8 +55,8 @@ pub trait TickMachine {
     /// Sends the frames of a tick, in this order and before any other. False where some of the tick before have not left:
     /// those are dropped, and their setpoints are late.
     fn send(&mut self, frames: &[Frame]) -> bool;
-    /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not left. On a
-    /// machine without CAN FD none ever does: no drive comes up.
+    /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not
+    /// left. On a machine without CAN FD none ever does: no drive comes up.
     #[cfg(feature = "fd")]
     fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
         false
@@ -256,7 +257,8 @@ impl TickSide {
         }
     }
 
-    /// The machine stands. What is still queued belongs to the ticker that goes; nothing is planned before the new one comes.
+    /// The machine stands. What is still queued belongs to the ticker that goes;
+    /// nothing is planned before the new one comes.
     #[inline(never)]
     fn hand_over(&mut self) {
         self.ends.segments.clear();

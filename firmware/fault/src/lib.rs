@@ -1,14 +1,14 @@
 #![no_std]
 //! The end of a board's firmware: a fault of the processor, a panic, or a stack that has left its memory.
 //!
-//! Nothing that is known still holds then. All interrupts stop, and with them SYNC and setpoints: the drives stop by their own
-//! supervision. What happened is written to memory that a reset leaves as it is ([`Failure`]), and the processor starts anew;
-//! the image hands what it finds ([`left`]) to the board's power-up, which stands on an alarm until somebody has taken note.
-//! Failures in a row are counted there, too ([`begin`]).
+//! Nothing that is known still holds then. All interrupts stop, and with them SYNC and setpoints: the drives stop by
+//! their own supervision. What happened is written to memory that a reset leaves as it is ([`Failure`]), and the
+//! processor starts anew; the image hands what it finds ([`left`]) to the board's power-up, which stands on an alarm
+//! until somebody has taken note. Failures in a row are counted there, too ([`begin`]).
 //!
-//! An image that links this has no other handler of `HardFault`. Its stack lies below its data, so that it runs into memory that
-//! is not there, or into a [guard](guard_stack); its `memory.x` says where: `_stack_end` and `_stack_start`. The handler needs
-//! nothing of the old stack.
+//! An image that links this has no other handler of `HardFault`. Its stack lies below its data, so that it runs into
+//! memory that is not there, or into a [guard](guard_stack); its `memory.x` says where: `_stack_end` and
+//! `_stack_start`. The handler needs nothing of the old stack.
 
 use core::arch::naked_asm;
 use core::mem::MaybeUninit;
@@ -89,8 +89,8 @@ pub fn begin(failure: Option<&Failure>) {
     }
 }
 
-/// Lets nothing touch the 4 KiB below `_stack_end`, for memory that does not end there by itself. They begin at a multiple of
-/// their size.
+/// Lets nothing touch the 4 KiB below `_stack_end`, for memory that does not end
+/// there by itself. They begin at a multiple of their size.
 pub fn guard_stack(mpu: &mut MPU) {
     const SIZE: u32 = 4096;
     /// On, 2^(11 + 1) bytes, no access, no execution.
@@ -109,8 +109,9 @@ pub fn guard_stack(mpu: &mut MPU) {
     cortex_m::asm::isb();
 }
 
-/// For the image's handler of panics, which looks at nothing of what it is handed: so neither texts nor places of panics are in
-/// the image. What is recorded is what the stack says: the call that panicked, and that of the function it is in.
+/// For the image's handler of panics, which looks at nothing of what it is handed:
+/// so neither texts nor places of panics are in the image. What is recorded is what
+/// the stack says: the call that panicked, and that of the function it is in.
 #[unsafe(naked)]
 pub extern "C" fn panicked() -> ! {
     naked_asm!(
@@ -202,8 +203,8 @@ fn on_stack(at: u32) -> u32 {
     }
 }
 
-/// `stacked`: where the stack was. There the processor has put r0–r3, r12, return address, address of the instruction, flags of
-/// the code that failed.
+/// `stacked`: where the stack was. There the processor has put r0–r3, r12, return
+/// address, address of the instruction, flags of the code that failed.
 extern "C" fn fault(stacked: u32) -> ! {
     if stacked < &raw const _stack_end as u32 {
         end(FailureKind::StackOverflow, 0, 0);

@@ -55,8 +55,8 @@ functions!(
     "mov r2, r1",
     "mov r1, r8",
     "pop {{r4, r5, r6, r7, r8, pc}}",
-    // A divisor of two words: half of the dividend by what of the divisor fills a word. Shifted back that is the quotient, or
-    // one more; less one it is the quotient, or one less.
+    // A divisor of two words: half of the dividend by what of the divisor fills a word. Shifted back that is the
+    // quotient, or one more; less one it is the quotient, or one less.
     "1:",
     "push {{r0, r1, r2, r3}}",
     "clz r7, r3",

@@ -1,6 +1,7 @@
 #![no_std]
 //! What the compiler calls to copy, move, fill and compare memory, and to divide 64 bits, in few bytes: those that come
-//! with it are made for speed and take 4.5 KiB, these a small part of that. An image has them by `use leadscrew_memory as _`.
+//! with it are made for speed and take 4.5 KiB, these a small part of that. An
+//! image has them by `use leadscrew_memory as _`.
 //!
 //! For ARMv7E-M, where a word may be read and written at any address. What is aligned is copied sixteen bytes at a time.
 

@@ -1,8 +1,9 @@
 //! The CAN controller FDCAN1, register by register: classic frames, a hardware queue of three, no automatic way back from
 //! bus-off.
 //!
-//! Why not the driver of a support crate for the chip: it hands frames over through channels that mask all interrupts, and the
-//! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
+//! Why not the driver of a support crate for the chip: it hands frames over through
+//! channels that mask all interrupts, and the tick must not wait for the background.
+//! Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
 //!
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
 //! have missed setpoints must not get new ones out of nowhere. What is told is its state.
@@ -141,8 +142,8 @@ pub fn controller() -> Controller {
     leadscrew_parts::controller(FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
 }
 
-/// Takes part again after bus-off: behind 129 times eleven recessive bits, and with nothing of what was to be sent before, which
-/// the controller forgets as CCE is set. It clears that together with INIT.
+/// Takes part again after bus-off: behind 129 times eleven recessive bits, and with nothing of what was to be sent
+/// before, which the controller forgets as CCE is set. It clears that together with INIT.
 pub fn rejoin() {
     FDCAN1.cccr().modify(|w| w.set_cce(true));
     FDCAN1.cccr().modify(|w| w.set_init(false));

@@ -1,8 +1,9 @@
 //! Clocks: 170 MHz from the 24 MHz crystal of the board.
 //!
 //! The crystal, not the oscillator inside the chip: a CAN bit of 1 Mbit/s allows its ends to differ by less than that
-//! oscillator may be off. Without the crystal nothing starts. Where it stops, the chip goes on by the other one and raises the
-//! non-maskable interrupt, which ends the program ([`flash`](crate::flash)): time is not what it was, and the bus is dead.
+//! oscillator may be off. Without the crystal nothing starts. Where it stops, the chip
+//! goes on by the other one and raises the non-maskable interrupt, which ends the
+//! program ([`flash`](crate::flash)): time is not what it was, and the bus is dead.
 //!
 //! The tree of clocks is set up by `embassy-stm32`, whatever ran before and left on: a mistake in it would show on a desk
 //! alone. It ends at half the speed; the manual wants a microsecond of that before the whole. Timers and CAN controller are

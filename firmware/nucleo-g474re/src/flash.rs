@@ -1,7 +1,7 @@
 //! Parameters and tap journal: the beginning of the second flash bank.
 //!
-//! The program runs from the first bank meanwhile. A word whose error correction fails raises the non-maskable interrupt; in
-//! the second bank, which nobody else reads, that is an answer to a read, and nowhere else.
+//! The program runs from the first bank meanwhile. A word whose error correction fails raises the non-maskable
+//! interrupt; in the second bank, which nobody else reads, that is an answer to a read, and nowhere else.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -109,8 +109,8 @@ impl WordDevice for Bank {
         let told = FLASH.eccr().read().eccd();
         cortex_m::asm::dsb();
         if told || UNREADABLE.load(Ordering::Relaxed) {
-            // A second reading is to be refused like the first: the word may be in the cache, and in what was read last, which
-            // is kept beside it.
+            // A second reading is to be refused like the first: the word may be in
+            // the cache, and in what was read last, which is kept beside it.
             forget();
             look(offset ^ ELSEWHERE);
             return Err(WordError::Unreadable);

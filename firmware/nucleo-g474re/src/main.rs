@@ -19,8 +19,8 @@
 //! | that the clamp is told to hold ([`CLAMPS`]) | background | tick |
 //! | the queues of `leadscrew-app` | one side each | one side each |
 //!
-//! Nothing else is shared. A tick that takes longer than its period finds its frames unsent in the next one: they are called
-//! back and counted as late.
+//! Nothing else is shared. A tick that takes longer than its period finds its
+//! frames unsent in the next one: they are called back and counted as late.
 
 mod beat;
 mod can;

@@ -1,6 +1,7 @@
 //! What the names of the support crate mean, against the figures of the chip's manual (RM0440), register by register.
 //!
-//! A name that means another bit would show on a desk alone. The compiler checks this file, and nothing of it is in the image.
+//! A name that means another bit would show on a desk alone. The compiler checks
+//! this file, and nothing of it is in the image.
 
 use embassy_stm32::pac::can::regs::{Cccr, Ie, Ile, Ir, Rxfa, Rxfs, Rxgfc, Tscc, Txbc, Txfqs};
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};

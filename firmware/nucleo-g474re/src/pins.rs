@@ -14,8 +14,8 @@
 //! | PB0 | CN7-34, A3 | spindle enable | high: enabled |
 //! | PA5 | CN10-11, D13 | LED LD2 | high: on |
 //!
-//! Not PB8 and PB9 for the bus: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the chip's boot
-//! loader. PA2, PA3, PA13, PA14 and PB3 belong to the debug probe, PF0 and PF1 to the crystal.
+//! Not PB8 and PB9 for the bus: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the
+//! chip's boot loader. PA2, PA3, PA13, PA14 and PB3 belong to the debug probe, PF0 and PF1 to the crystal.
 
 use core::convert::Infallible;
 
@@ -32,8 +32,8 @@ pub type Switches = leadscrew_parts::Switches<Output, Output, Output>;
 const TIM2: u8 = 1;
 const FDCAN: u8 = 9;
 
-/// Gives every pin its function. What is switched is off. Encoder and contacts have pull-ups: open collectors and contacts to
-/// ground need no more, and a broken wire is an open contact.
+/// Gives every pin its function. What is switched is off. Encoder and contacts have pull-ups: open collectors and
+/// contacts to ground need no more, and a broken wire is an open contact.
 pub fn start() {
     GPIOA.afr(0).modify(|w| {
         w.set_afr(0, TIM2);

@@ -7,12 +7,12 @@
 //!                          ◄──others─── background
 //! ```
 //!
-//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in by
-//! the tick itself, so that it leaves at once. For the few instructions in which the interrupt puts a frame in, it keeps the
-//! tick out: less than half a microsecond.
+//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put
+//! in by the tick itself, so that it leaves at once. For the few instructions in which the interrupt puts a frame in,
+//! it keeps the tick out: less than half a microsecond.
 //!
-//! A board that follows sends no SYNC. Those it hears go to the tick with their time, and nobody else; until that of a tick has
-//! come, nothing is put in ([`Follower`]).
+//! A board that follows sends no SYNC. Those it hears go to the tick with their time, and nobody else; until that of a
+//! tick has come, nothing is put in ([`Follower`]).
 
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering};
 
@@ -70,8 +70,8 @@ static RINGS: Once<Rings> = Once::new(Rings {
 
 /// The tick whose frames still count.
 static TICK: AtomicU8 = AtomicU8::new(0);
-/// The places of the controller that were filled for the tick last. Changed by the tick, and by the interrupt while it keeps
-/// the tick out.
+/// The places of the controller that were filled for the tick last. Changed by the
+/// tick, and by the interrupt while it keeps the tick out.
 static TICK_PLACES: AtomicU32 = AtomicU32::new(0);
 /// Microseconds of the nominal period of the SYNC that the board follows; 0 where it gives the beat.
 static FOLLOWS: AtomicU16 = AtomicU16::new(0);
@@ -189,8 +189,8 @@ impl TickEnd {
         self.heard.dequeue()
     }
 
-    /// Sends the frames of a tick, SYNC first. False where some of the tick before have not left: they are called back. Those
-    /// that had no SYNC to go behind do not count: that it was missing is told already.
+    /// Sends the frames of a tick, SYNC first. False where some of the tick before have not left: they are called back.
+    /// Those that had no SYNC to go behind do not count: that it was missing is told already.
     pub fn send(&mut self, frames: &[Frame]) -> bool {
         let mine = TICK_PLACES.load(Ordering::Relaxed);
         let left = Places(can::pending().0 & mine);

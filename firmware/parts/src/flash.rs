@@ -1,8 +1,8 @@
 //! Flash of words with error correction, as the traits of storage want it.
 //!
 //! A word is written once between two erases, and a word in which the power went may not be readable: the chip's error
-//! correction says so. Such a word reads as an error here, and whoever stores knows what to do about it; it must not stop the
-//! program. Waits for the chip: to be used from the background only.
+//! correction says so. Such a word reads as an error here, and whoever stores knows what to do about it; it must not
+//! stop the program. Waits for the chip: to be used from the background only.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,

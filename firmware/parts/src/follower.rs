@@ -1,10 +1,10 @@
 //! A board that follows the SYNC of another: from stamps to the length of its periods, and when its setpoints may go.
 //!
-//! A setpoint that overtook the SYNC of its own beat would be latched by it, a period too early. The wire lets SYNC go first
-//! only where that waits already, and whoever gives the beat may be late with it. So the frames of a tick wait for its SYNC,
-//! unless that has come before the tick.
-//! Where none has come for three periods, which is where the board stops, there is none to wait for: from then on they go at
-//! once, and when SYNC comes back the drives find what the board says by then, not what it said before [D167].
+//! A setpoint that overtook the SYNC of its own beat would be latched by it, a period too early. The wire lets SYNC go
+//! first only where that waits already, and whoever gives the beat may be late with it. So the frames of a tick wait
+//! for its SYNC, unless that has come before the tick. Where none has come for three periods, which is where the board
+//! stops, there is none to wait for: from then on they go at once, and when SYNC comes back the drives find what the
+//! board says by then, not what it said before [D167].
 
 use leadscrew_core::bus::{SyncHeard, SyncLock};
 
@@ -99,8 +99,8 @@ mod tests {
         Other,
     }
 
-    /// Somebody who gives the beat, not very punctually; a board that follows with one drive; and a wire on which others speak as
-    /// they like. In microseconds.
+    /// Somebody who gives the beat, not very punctually; a board that follows with one drive; and a wire on which
+    /// others speak as they like. In microseconds.
     struct Shop {
         random: u64,
         /// Setpoints wait for their SYNC.
@@ -315,7 +315,8 @@ mod tests {
 
     #[test]
     fn without_sync_setpoints_go_after_three_periods() {
-        // Where they go ahead, their own SYNC may latch them: no harm, for the board has stopped by then and tells no setpoint.
+        // Where they go ahead, their own SYNC may latch them: no harm, for the
+        // board has stopped by then and tells no setpoint.
         for (silent, least, most) in [(1, 2, 2), (2, 3, 3), (4, 0, 1), (20, 0, 1)] {
             let mut shop = Shop::new(true);
             shop.lock();

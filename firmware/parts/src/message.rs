@@ -29,8 +29,8 @@ pub fn to_send(frame: &Frame) -> [u32; 4] {
     ]
 }
 
-/// The frame in the words of one that was received, and what the counter for stamps showed when it began. Lengths above eight
-/// mean eight, as on the wire. `None` for none that there is.
+/// The frame in the words of one that was received, and what the counter for stamps showed when it began. Lengths above
+/// eight mean eight, as on the wire. `None` for none that there is.
 #[must_use]
 pub fn received([head, second, low, high]: [u32; 4]) -> Option<(Frame, u16)> {
     let [a, b, c, d] = low.to_le_bytes();

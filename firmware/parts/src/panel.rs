@@ -1,7 +1,7 @@
 //! Contacts and switches of a board, behind the traits of pins.
 //!
-//! Contacts close to ground: a stop circuit that is open, by its button or by a broken wire, reads high. What they say counts
-//! when three looks in a row agree; a look is taken in every period.
+//! Contacts close to ground: a stop circuit that is open, by its button or by a broken wire, reads high. What they say
+//! counts when three looks in a row agree; a look is taken in every period.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use leadscrew_core::alarm::Code;
@@ -150,9 +150,9 @@ impl<C: OutputPin, S: OutputPin, L: OutputPin> Switches<C, S, L> {
         self.clamps
     }
 
-    /// The machine's state. The spindle is enabled as soon as its drive is up, and stays so on an alarm: it may hold a tap in
-    /// its hole. An alarm that the board comes up with does not enable it. The light is on while the machine is up and has no
-    /// alarm.
+    /// The machine's state. The spindle is enabled as soon as its drive is up, and stays
+    /// so on an alarm: it may hold a tap in its hole. An alarm that the board comes up
+    /// with does not enable it. The light is on while the machine is up and has no alarm.
     pub fn show(&mut self, state: &State) {
         let well = matches!(state, State::Idle | State::Running | State::Held);
         let stops = matches!(state, State::Stopping(_) | State::Alarm(_));

@@ -10,8 +10,8 @@ const PAGE: &str = include_str!("../../../docs/hardware.md");
 /// Pins with an owner of their own: debug probe and its serial line, crystal, boot pin.
 const TAKEN: [&str; 8] = ["PA2", "PA3", "PA13", "PA14", "PB3", "PB8", "PF0", "PF1"];
 
-/// What pins are connected to within the chip, by the data sheet's table of alternate functions: channels 1 to 3 of TIM2, and
-/// receive and transmit of FDCAN1.
+/// What pins are connected to within the chip, by the data sheet's table of alternate functions: channels 1 to 3 of
+/// TIM2, and receive and transmit of FDCAN1.
 const CONNECTED: [(&str, &str); 5] = [
     ("PA0", "TIM2"),
     ("PA1", "TIM2"),

@@ -37,8 +37,8 @@ pub use inside::Inside;
 pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, alarm_words, reason};
 
-/// The board may be silent for so long before it counts as lost; a status comes every few milliseconds. Nothing moves by this
-/// time, and a computer may stand still for seconds: at either end of the line [D178].
+/// The board may be silent for so long before it counts as lost; a status comes every few milliseconds. Nothing moves
+/// by this time, and a computer may stand still for seconds: at either end of the line [D178].
 const SILENCE: Duration = Duration::from_secs(5);
 /// Emergencies kept until somebody asks.
 const EMERGENCIES: usize = 64;

@@ -24,8 +24,8 @@ const SILENCES: u32 = 5;
 /// Refusals until a value is refused for its own sake, where another client was heard in every transfer of it.
 const REFUSALS: u32 = 5;
 /// So long after another client's last request its transfer is over; somebody who has been disturbed goes on then. Like the
-/// next three it is longer by what an answer takes: where a computer is busy, or a wire slow, that is more than they are, and
-/// clients would break into each other's transfers for ever [D178].
+/// next three it is longer by what an answer takes: where a computer is busy, or a wire slow, that is more than they
+/// are, and clients would break into each other's transfers for ever [D178].
 const QUIET: Duration = Duration::from_millis(8);
 /// Somebody who has had his turn leaves this much more to the others.
 const YIELD: Duration = Duration::from_millis(16);

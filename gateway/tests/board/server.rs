@@ -314,8 +314,8 @@ fn serve(listener: &TcpListener, options: &Options, knobs: &Knobs, seen: &Mutex<
         let now = gone_by_us / u64::from(params.tick_us());
         due = due.max(now.saturating_sub(1000));
         let mut burst = 0;
-        // Lock-step: no tick while the program's next call has not come, nor in the middle of a transfer, nor as long as the
-        // heartbeat of a gateway that is there would be missed: clients have real time only.
+        // Lock-step: no tick while the program's next call has not come, nor in the middle of a transfer, nor as long
+        // as the heartbeat of a gateway that is there would be missed: clients have real time only.
         let waits = |boards: &[Box<Sim>], clients: &[Client], ticks: u64| {
             let late = |client: &Client| client.beat.is_some_and(|at| ticks - at > silence / 2);
             if silence > 0 && clients.iter().any(late) {

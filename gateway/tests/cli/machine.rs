@@ -221,8 +221,8 @@ fn tolerance_is_a_verdict() {
     );
 }
 
-/// The simulation knows where the spindle truly is, the board where it measures it: both are told, each by its name, and the
-/// tolerance judges the worse.
+/// The simulation knows where the spindle truly is, the board where it measures it:
+/// both are told, each by its name, and the tolerance judges the worse.
 #[test]
 fn the_true_error_and_the_measured_one_are_told_apart() {
     let worst = |told: &Value, field: &str| told[field]["max"].as_f64().unwrap();

@@ -35,7 +35,8 @@ const SILENCE: usize = 1_010;
 /// 5010h:02: being stored.
 const STORING: u64 = 1;
 
-/// Records of three bytes: what somebody does, and with what. Two clients stage and commit; the rest is whoever else there is.
+/// Records of three bytes: what somebody does, and with what. Two clients stage and
+/// commit; the rest is whoever else there is.
 ///
 /// # Panics
 /// Where a commit that is taken brings another set into force than the one it names, its password included; where one that

@@ -116,8 +116,8 @@ impl Shift {
         change(bench, 9028, "9028", 0, 4);
     }
 
-    /// Another parameter set comes into force, unless the power goes while it is being stored: then it is the old one or the
-    /// new one.
+    /// Another parameter set comes into force, unless the power goes while it is
+    /// being stored: then it is the old one or the new one.
     pub(super) fn push(&mut self) {
         let bench = &mut self.bench;
         bench.stands(20);

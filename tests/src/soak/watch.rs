@@ -11,8 +11,8 @@ use super::programs::Groove;
 /// A thread may be so far from its helix, for any lead, speed, tick and ripple of these machines: about four counts of the
 /// encoder where the lead is longest.
 const THREAD_NM: f64 = 8_000.0;
-/// The spindle in position mode may be so far from where it is told to be, in nanometres of the tap axis: half an increment of
-/// its drive, and what lies between two SYNCs where the drives' latency is no whole number of ticks.
+/// The spindle in position mode may be so far from where it is told to be, in nanometres of the tap axis: half an
+/// increment of its drive, and what lies between two SYNCs where the drives' latency is no whole number of ticks.
 const TAP_NM: i64 = 500;
 
 /// Rows come fewer ticks late.

@@ -301,8 +301,8 @@ pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// A file of the test's own; nothing is there yet. In a machine that is started for the tests alone numbers of processes come
-/// again, and its files stay.
+/// A file of the test's own; nothing is there yet. In a machine that is started for the tests alone numbers of
+/// processes come again, and its files stay.
 pub fn scratch(name: &str) -> PathBuf {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let number = COUNT.fetch_add(1, Ordering::Relaxed);

@@ -18,7 +18,8 @@ fn fails(way: &str, number: &str, words: &str) -> String {
     said
 }
 
-/// The addresses that it told, each as the lines of source it is from in the image: innermost first, as `addr2line -i` has them.
+/// The addresses that it told, each as the lines of source it is from in the image:
+/// innermost first, as `addr2line -i` has them.
 fn told_lines(said: &str) -> Vec<Vec<String>> {
     let image = std::fs::read(image_of(IMAGE)).expect("the image");
     let file = object::File::parse(image.as_slice()).expect("an image");

@@ -1,7 +1,8 @@
-//! The board behind an interface of the kernel: `slcand` turns a serial line of the machine into one, and everybody hears it.
+//! The board behind an interface of the kernel: `slcand` turns a serial line of the
+//! machine into one, and everybody hears it.
 //!
-//! `cargo xtask emulated` runs each of these tests alone, where the kernel has CAN, with a board that has just been switched
-//! on, and says in `LEADSCREW_TERMINAL` which line it is on.
+//! `cargo xtask emulated` runs each of these tests alone, where the kernel has CAN, with a board that has just been
+//! switched on, and says in `LEADSCREW_TERMINAL` which line it is on.
 
 use std::path::Path;
 use std::process::Command;

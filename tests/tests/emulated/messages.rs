@@ -92,8 +92,8 @@ fn message(frame: &[u8], texts: &HashMap<u16, (String, String)>) -> String {
     words
 }
 
-/// A frame without its packing (rzCOBS). Read from its end: a byte below 128 tells for seven bytes which are 0, one above it how
-/// many come that are none.
+/// A frame without its packing (rzCOBS). Read from its end: a byte below 128 tells
+/// for seven bytes which are 0, one above it how many come that are none.
 fn unpacked(frame: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut packed = frame.iter().rev().copied();

@@ -1,5 +1,5 @@
-//! What outlives a reset of the board: what its flash has kept, and the machine around it. The firmware fails in the middle of a
-//! program, on purpose.
+//! What outlives a reset of the board: what its flash has kept, and the machine
+//! around it. The firmware fails in the middle of a program, on purpose.
 
 use crate::board::{Board, both, field, program, scratch};
 

@@ -283,8 +283,8 @@ fn a_spindle_does_not_turn_on_without_a_beat() {
     }
 }
 
-/// By 6007h of its drive: 0 lets it turn until the reset, which is what a machine file is warned of (4974); of a fault the first
-/// reset is told, and the second one acts.
+/// By 6007h of its drive: 0 lets it turn until the reset, which is what a machine file is warned of (4974); of a fault
+/// the first reset is told, and the second one acts.
 #[test]
 fn what_a_spindle_does_without_a_beat_is_what_its_drive_is_set_up_for() {
     for (option, power, turns_on) in [

@@ -60,7 +60,8 @@ fn another_that_moves_a_drive_is_named_with_the_drive() {
     }
 }
 
-/// Where all drives get one frame (9031), that one has another sender: in CAN FD, or as a classical frame that reaches X alone.
+/// Where all drives get one frame (9031), that one has another sender: in CAN FD,
+/// or as a classical frame that reaches X alone.
 #[test]
 fn another_that_sends_the_frame_for_all_drives_is_told_by_the_first_of_them() {
     let params = with(&[("9031", 1)]);

@@ -1,6 +1,6 @@
-//! A spindle that does nothing wrong: whatever its ripple, at any phase of it and at any tick, the hole is tapped without an
-//! alarm and to its bottom. Also where S is more than the spindle can be stopped from in the hole, so that it comes down to
-//! the speed of the hole while the tap waits.
+//! A spindle that does nothing wrong: whatever its ripple, at any phase of it and at any tick, the hole is tapped
+//! without an alarm and to its bottom. Also where S is more than the spindle can be stopped from in the hole, so that
+//! it comes down to the speed of the hole while the tap waits.
 
 use core::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! A spindle that does not do as it is told, an encoder that loses counts, drives that fail: an alarm with the right number,
-//! and the axis at rest within its limits and never beyond the bottom.
+//! A spindle that does not do as it is told, an encoder that loses counts, drives that fail: an alarm with the right
+//! number, and the axis at rest within its limits and never beyond the bottom.
 
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{PlantOptions, Trouble};

@@ -34,7 +34,8 @@ pub fn worst(ran: &Ran) -> i64 {
         .expect("a locked part")
 }
 
-/// One hole from Z0 to its end: nothing beyond the bottom and the bottom reached, R and the initial level exact, limits kept.
+/// One hole from Z0 to its end: nothing beyond the bottom and the bottom reached, R
+/// and the initial level exact, limits kept.
 pub fn tap(hole: &Hole, params: &Params, plant: &PlantOptions) -> Ran {
     let ran = run(&hole.program(), params, plant, |_, _| {});
     assert_eq!(ran.alarm, None, "{hole:?}");

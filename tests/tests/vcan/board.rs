@@ -209,8 +209,8 @@ fn drives_elsewhere(set: &[&str]) {
     assert!((0..there.len()).any(same), "other setpoints");
 }
 
-/// With their setpoints in one frame of CAN FD: to drives in a process of their own they are those inside one process, and the
-/// targets are those of a machine with a frame for each drive.
+/// With their setpoints in one frame of CAN FD: to drives in a process of their own they are those inside one process,
+/// and the targets are those of a machine with a frame for each drive.
 #[test]
 fn setpoints_in_one_frame_of_can_fd_reach_drives_elsewhere() {
     for (spindles, bytes) in [("9014=1", 24), ("9014=2", 32)] {

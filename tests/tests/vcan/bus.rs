@@ -131,8 +131,8 @@ pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// Where the test may write; nothing is there yet. Numbers of processes come again in a machine that is started for the tests
-/// alone, and its files stay.
+/// Where the test may write; nothing is there yet. Numbers of processes come again
+/// in a machine that is started for the tests alone, and its files stay.
 pub fn scratch(name: &str) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("leadscrew-vcan-{}", std::process::id()));
     std::fs::create_dir_all(&dir).unwrap();

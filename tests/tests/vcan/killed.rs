@@ -1,5 +1,5 @@
-//! A gateway that is killed (SIGKILL) as a process: in a tap, in a transfer, in a push. What a board does about each, place by
-//! place, stands in the tests of `faults`; here nothing of the process is left to say so.
+//! A gateway that is killed (SIGKILL) as a process: in a tap, in a transfer, in a push. What a board does about each,
+//! place by place, stands in the tests of `faults`; here nothing of the process is left to say so.
 
 use leadscrew_can::{Can as _, Received, SocketCan};
 use leadscrew_core::bus::Frame;
@@ -131,8 +131,8 @@ fn in_a_transfer_the_next_program_is_carried_out() {
         kill_at(&mut can, running, batches, |frame| {
             about(frame, REQUEST, 0xC6, [0x20, 0x50, 1])
         });
-        // Virtual time stands still until the program counts as lost, and goes slowly then; a second of it later the transfer is
-        // given up, and the board says so. Until then whatever is asked would be taken for a piece of it.
+        // Virtual time stands still until the program counts as lost, and goes slowly then; a second of it later the
+        // transfer is given up, and the board says so. Until then whatever is asked would be taken for a piece of it.
         wait_for_frame(&mut can, |frame| about(frame, REPLY, 0x80, [0x20, 0x50, 1]));
         eventually("it takes a reset", || {
             leadscrew(&["reset"]).status.success()

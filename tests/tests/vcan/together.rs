@@ -1,7 +1,7 @@
 //! Two boards on one wire, each with its drives and its gateway: one gives the beat, the other follows.
 //!
-//! In virtual time they do what each does alone. In real time the computer has a say in whether the beat comes in time: there
-//! the second one does that, too, or stops and says that it lost the beat [D178].
+//! In virtual time they do what each does alone. In real time the computer has a say in whether the beat comes in time:
+//! there the second one does that, too, or stops and says that it lost the beat [D178].
 
 use std::path::Path;
 
@@ -53,8 +53,8 @@ fn each_of_two_boards_with_one_frame_for_its_drives_has_the_setpoints_it_has_alo
     both_at_work(&BOTH_IN_FD, "2");
 }
 
-/// The setpoints of each are those of the simulation of each alone, though both are at work at once. `beside`: whose setpoint
-/// is the last one of the second.
+/// The setpoints of each are those of the simulation of each alone, though both are
+/// at work at once. `beside`: whose setpoint is the last one of the second.
 fn both_at_work(both: &[&str], beside: &str) {
     let thread = program(
         "second.nc",
@@ -200,7 +200,8 @@ fn alarm(status: &str) -> Option<&str> {
     number
 }
 
-/// Runs a program on the second board, once it has joined; the hash of its setpoints. `None`: its beat did not come in time.
+/// Runs a program on the second board, once it has joined; the hash of its
+/// setpoints. `None`: its beat did not come in time.
 fn joined(path: &Path) -> Option<String> {
     let mut status = String::new();
     eventually("it has joined, or says why not", || {
@@ -251,8 +252,9 @@ fn stands_still(frames: &[Frame]) {
     }
 }
 
-/// The first one stands still in the middle of the second one's program, as on a computer that is busy: the second one says so,
-/// and nothing moves any more. Before and behind that it has the setpoints it has alone, wherever the beat comes in time.
+/// The first one stands still in the middle of the second one's program, as on a
+/// computer that is busy: the second one says so, and nothing moves any more. Before
+/// and behind that it has the setpoints it has alone, wherever the beat comes in time.
 #[test]
 fn in_real_time_the_second_has_its_setpoints_or_has_lost_the_beat() {
     let thread = program(

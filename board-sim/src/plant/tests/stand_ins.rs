@@ -16,7 +16,8 @@ const AT_REST: EncoderSample = EncoderSample {
     index: None,
 };
 
-/// A board with the drives of X and Z that a machine has, and of this many spindles a stand-in each: its state behind a second.
+/// A board with the drives of X and Z that a machine has, and of this many spindles
+/// a stand-in each: its state behind a second.
 fn state_with(params: &Params, spindles: usize) -> State {
     let options = PlantOptions::default();
     let axes = Axis::ALL.map(|axis| axis_drive(params, &options, axis).unwrap());

@@ -1,7 +1,7 @@
 //! A change of the parameter set: who may begin one, what it is made of, and what has become of it.
 //!
-//! It is put together in the draft and looked at as a whole; what comes then is the [`Keeper`](super::keeper::Keeper)'s. Must not know how a value
-//! travels.
+//! It is put together in the draft and looked at as a whole; what comes then is the
+//! [`Keeper`](super::keeper::Keeper)'s. Must not know how a value travels.
 
 use super::keeper::Progress;
 use super::shelf::Shelf;
@@ -150,8 +150,9 @@ impl Shelf {
         self.look_and_stage(params)
     }
 
-    /// Whether the image that the draft was sent as ends with this checksum. Where it held the password that is in force, it
-    /// can be named until somebody names anything else: nobody finds a password by trying, without the door's waits [D163].
+    /// Whether the image that the draft was sent as ends with this checksum. Where it
+    /// held the password that is in force, it can be named until somebody names anything
+    /// else: nobody finds a password by trying, without the door's waits [D163].
     fn is_draft(&mut self, checksum: u32, params: &Params) -> bool {
         let stays = self.draft.slot(PASSWORD_SLOT) == params.slot(PASSWORD_SLOT);
         self.named = (self.named || !stays)

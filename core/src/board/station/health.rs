@@ -16,10 +16,10 @@ use crate::params::Params;
 const LATE_MS: u32 = 1000;
 
 impl Station {
-    /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or bus-off
-    /// is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the bus must not
-    /// be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the node says so, with
-    /// the counters, and waits to be started anew [D124].
+    /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or
+    /// bus-off is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the
+    /// bus must not be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the
+    /// node says so, with the counters, and waits to be started anew [D124].
     pub fn set_controller(&mut self, controller: Controller, params: &Params) {
         let before = core::mem::replace(&mut self.controller, controller).state;
         if !self.has_joined() || before == controller.state {
@@ -36,8 +36,8 @@ impl Station {
         self.tell_trouble(BusTrouble::of(controller));
     }
 
-    /// True where a controller that has left the bus may be started again: the machine stands on an alarm, and the drives have
-    /// been let go.
+    /// True where a controller that has left the bus may be started again: the
+    /// machine stands on an alarm, and the drives have been let go.
     #[must_use]
     pub const fn may_rejoin(&self) -> bool {
         matches!(self.controller.state, BusState::Off)

@@ -103,7 +103,8 @@ pub struct Station {
 
 impl Station {
     /// A node that has not joined a network: it hears nothing and says nothing.
-    // Written straight to where it will be, which the caller says: as a function of its own it would be copied there [D146].
+    // Written straight to where it will be, which the caller says: as a function of
+    // its own it would be copied there [D146].
     #[must_use]
     #[inline(always)]
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
@@ -313,8 +314,8 @@ impl Station {
         self.shelf.measured = measured;
     }
 
-    /// Says how many setpoints have come late for their SYNC since power-up. What the tick side has counted of a beat that it
-    /// follows is told in snapshots, and added.
+    /// Says how many setpoints have come late for their SYNC since power-up. What the tick side has counted of a beat
+    /// that it follows is told in snapshots, and added.
     pub const fn set_late(&mut self, late: u32) {
         let before = core::mem::replace(&mut self.shelf.owners_late, late);
         self.shelf.late = self.shelf.late.wrapping_add(late.wrapping_sub(before));
@@ -370,8 +371,8 @@ impl Station {
         self.shelf.inbox.awaits_more()
     }
 
-    /// True where a gateway that takes the certificates of threads (5042h), and is there, would miss one if time went on: in
-    /// lock-step, time waits.
+    /// True where a gateway that takes the certificates of threads (5042h), and is
+    /// there, would miss one if time went on: in lock-step, time waits.
     #[must_use]
     pub fn awaits_reader(&self) -> bool {
         let watch = &self.shelf.watch;

@@ -13,9 +13,9 @@ use crate::program::{Position, TapSpindle};
 use crate::units::Rpm;
 
 impl Ticker {
-    /// Begins anew with `params`: the drives are brought up again, and what was known of taps in holes stays. Where it stood
-    /// comes back, as far as that is known. `None`, and nothing changes, for a set that does not pass its own checks, and where
-    /// nothing may move any more. `found`: what is known of the stored parameters now.
+    /// Begins anew with `params`: the drives are brought up again, and what was known of taps in holes stays. Where it
+    /// stood comes back, as far as that is known. `None`, and nothing changes, for a set that does not pass its own
+    /// checks, and where nothing may move any more. `found`: what is known of the stored parameters now.
     ///
     /// The machine has to stand; whoever owns the queues empties them.
     pub fn begin_anew(&mut self, params: &Params, found: Found) -> Option<Option<Position>> {

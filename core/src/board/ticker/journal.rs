@@ -187,8 +187,8 @@ impl Ticker {
         }
     }
 
-    /// The drives have just come up: with a tap in its hole since before the power went, its axis stands at the bottom [D26].
-    /// That is told.
+    /// The drives have just come up: with a tap in its hole since before the power
+    /// went, its axis stands at the bottom [D26]. That is told.
     pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut Ends<'_, '_>) {
         if !core::mem::take(&mut self.journal.assumed) {
             return;
@@ -249,8 +249,8 @@ impl Ticker {
         true
     }
 
-    /// At the end of a tick: entries for reversals and for the end of a hole, and the one of a hole that comes next, so that
-    /// it need not wait.
+    /// At the end of a tick: entries for reversals and for the end of a hole, and
+    /// the one of a hole that comes next, so that it need not wait.
     pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_, '_>, output: &mut Output) {
         if self.executor.has_turned() {
             self.note();

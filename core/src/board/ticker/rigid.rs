@@ -81,8 +81,8 @@ impl Ticker {
         }
     }
 
-    /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, a second at most [D92]. While it does, its move and
-    /// line come back.
+    /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, a second
+    /// at most [D92]. While it does, its move and line come back.
     pub(super) fn wait_for_release(
         &mut self,
         ends: &mut Ends<'_, '_>,

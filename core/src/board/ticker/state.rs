@@ -67,9 +67,9 @@ impl Ticker {
         }
     }
 
-    /// What the background has to hear, until it [has heard it](Self::notice_heard). A restart makes what was said before it
-    /// void; nothing else is said while a way is still to be planned. What was asked for between two ticks is told behind the
-    /// journal's entry that belongs to it.
+    /// What the background has to hear, until it [has heard it](Self::notice_heard). A restart makes what was said
+    /// before it void; nothing else is said while a way is still to be planned. What was asked for between two ticks is
+    /// told behind the journal's entry that belongs to it.
     #[must_use]
     pub const fn notice(&self) -> Option<&Notice> {
         if self.journal.has_entry() {

@@ -48,7 +48,8 @@ impl Ticker {
     }
 
     /// A stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
-    /// the way out behind a stroke goes on until then; anything else stops on its path. The spindle goes on turning until the axes stand.
+    /// the way out behind a stroke goes on until then; anything else stops on its
+    /// path. The spindle goes on turning until the axes stand.
     fn reset_in_motion(&mut self, ends: &Ends<'_, '_>) {
         self.paused = false;
         self.detour = Detour::None;

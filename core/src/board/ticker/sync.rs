@@ -1,9 +1,9 @@
 //! A beat that somebody else gives: when the drives may be brought up by it, and what it means where it ends [D166].
 //!
-//! Without SYNC no drive latches anything: each axis stands where the last one has left it, while the path of the board goes
-//! on, and a spindle turns on at its last speed, whatever it is told. So behind three periods without one the drives are stopped
-//! by network management, which takes no SYNC, and brought up anew by the reset; none of them moves when the beat is back. A
-//! board that has only come off the beat has drives that still follow: they are braked.
+//! Without SYNC no drive latches anything: each axis stands where the last one has left it, while the path of the board
+//! goes on, and a spindle turns on at its last speed, whatever it is told. So behind three periods without one the
+//! drives are stopped by network management, which takes no SYNC, and brought up anew by the reset; none of them moves
+//! when the beat is back. A board that has only come off the beat has drives that still follow: they are braked.
 
 use super::state::Mode;
 use super::{Ends, Ticker};
@@ -11,8 +11,8 @@ use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::{SyncHeard, SyncProducer, SyncVerdict};
 
 impl Ticker {
-    /// What the period that ends with the next tick has brought of the SYNC that somebody else gives. To be said before each
-    /// tick of a board that follows the bus (9029); where it is not said, nothing was heard.
+    /// What the period that ends with the next tick has brought of the SYNC that somebody else gives. To be said before
+    /// each tick of a board that follows the bus (9029); where it is not said, nothing was heard.
     pub const fn follow(&mut self, heard: SyncHeard) {
         self.beat.hear(heard);
     }
@@ -23,8 +23,8 @@ impl Ticker {
         self.beat.is_for_bus()
     }
 
-    /// The beat that the board gives; `None` where it follows the bus. For an owner who goes on giving it while the ticker is
-    /// made anew: others may be at work by it.
+    /// The beat that the board gives; `None` where it follows the bus. For an owner who goes on giving it while the
+    /// ticker is made anew: others may be at work by it.
     pub const fn beat_given(&mut self) -> Option<&mut SyncProducer> {
         self.drives.sync()
     }

@@ -7,8 +7,8 @@ use crate::board::event::Event;
 use crate::board::kept::Found;
 
 impl Ticker {
-    /// Stands on an alarm from the start: the board did not come to its end in good order the last time. To be said before the
-    /// first tick; the drives are brought up behind a reset.
+    /// Stands on an alarm from the start: the board did not come to its end in good order the last time. To be said
+    /// before the first tick; the drives are brought up behind a reset.
     pub const fn begin_in_alarm(&mut self, alarm: Alarm) {
         self.alarm = alarm;
         self.mode = Mode::Alarm;

@@ -34,8 +34,8 @@ impl DriveMaster {
         .is_some()
     }
 
-    /// What a drive finds wrong with frames (82xxh) it may tell of each of them: that does not take the place of another error,
-    /// which would be its fault's.
+    /// What a drive finds wrong with frames (82xxh) it may tell of each of them: that does not take the place of
+    /// another error, which would be its fault's.
     const fn hear_error(&mut self, code: u16) {
         if self.error_code == 0 || code >> 8 != Emcy::PROTOCOL {
             self.error_code = code;

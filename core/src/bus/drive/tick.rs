@@ -159,7 +159,8 @@ impl DriveMaster {
     }
 
     /// One that is silent may hear, and is braked with the others; or it hears nothing and stands where it was. Then a
-    /// setpoint that reaches it again must not be a leap: farther from where it was last heard than its reach, it gets none.
+    /// setpoint that reaches it again must not be a leap: farther from where it was
+    /// last heard than its reach, it gets none.
     fn is_out_of_reach(&self, demand: Increments) -> bool {
         let Some(status) = self.status else {
             return false;

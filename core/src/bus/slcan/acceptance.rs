@@ -2,8 +2,8 @@
 //! adapters start.
 //!
 //! Each half of the 32 bits is a filter of its own; a frame passes if it agrees with one of them wherever the mask has a
-//! zero. A half holds the upper 16 bits of an extended identifier, or a standard identifier, its remote bit and four bits of
-//! data; those four are not looked at.
+//! zero. A half holds the upper 16 bits of an extended identifier, or a standard identifier, its remote bit and four
+//! bits of data; those four are not looked at.
 
 use super::frame::SlcanFrame;
 

@@ -80,8 +80,8 @@ pub enum Heard<'a> {
     TooLong,
 }
 
-/// Cuts bytes into lines of at most `ROOM` bytes: as many as the longest one has, unless an adapter knows more than classical
-/// frames.
+/// Cuts bytes into lines of at most `ROOM` bytes: as many as the longest one has,
+/// unless an adapter knows more than classical frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Lines<const ROOM: usize = LONGEST> {
     bytes: [u8; ROOM],

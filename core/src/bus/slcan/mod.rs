@@ -12,8 +12,8 @@
 //! ```
 //!
 //! [`Lines`] cuts bytes into lines, [`Request`] and [`Reply`] are what the lines mean, both ways. [`Adapter`] is the
-//! behaviour of the adapter's side, for a board that is reached over a serial line. Sans-IO: it must not know what the bytes
-//! travel on.
+//! behaviour of the adapter's side, for a board that is reached over a serial line.
+//! Sans-IO: it must not know what the bytes travel on.
 
 mod acceptance;
 mod adapter;

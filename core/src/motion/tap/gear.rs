@@ -29,8 +29,8 @@ impl Gear {
     pub fn new(axis: TapAxis, level: Length, inward: i64, lead: Lead, hand: Hand) -> Option<Self> {
         let (nm, turns) = (lead.numerator(), lead.denominator());
         let (short, room) = (nm.leading_zeros(), turns.leading_zeros());
-        // The factor has 62 to 64 bits: turns · 2³² / nm in that many, which is turns in 63 bits times the highest bit of nm
-        // over nm. Neither is negative, so that each has a bit to spare.
+        // The factor has 62 to 64 bits: turns · 2³² / nm in that many, which is turns in 63 bits times the highest bit
+        // of nm over nm. Neither is negative, so that each has a bit to spare.
         let shift = 30_u32.wrapping_add(room).checked_sub(short)?;
         if shift > 90 {
             return None;
@@ -88,9 +88,9 @@ impl Gear {
             return Turns::ZERO;
         }
         let size = way.unsigned_abs();
-        // way · factor / 2^shift. The factor is less than 1 too large and a way below 2⁴³, so the product is above the exact
-        // one by less than the 2^shift of one unit wherever the lead is above 8 µm; below that the last unit may be one too
-        // many.
+        // way · factor / 2^shift. The factor is less than 1 too large and a way below
+        // 2⁴³, so the product is above the exact one by less than the 2^shift of one unit
+        // wherever the lead is above 8 µm; below that the last unit may be one too many.
         let magnitude = if self.shift >= 64 {
             mul_high(size, self.factor).wrapping_shr(self.shift.wrapping_sub(64))
         } else if self.shift >= 44 && size < 1 << 44 {

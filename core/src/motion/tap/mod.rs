@@ -1,10 +1,10 @@
 //! Taps: one master drives the tap axis and the spindle (rigid), or the axis follows the spindle's encoder (ordinary,
 //! [`FloatPlan`]).
 //!
-//! In rigid mode the master is time: a stroke is a straight piece of the tap axis with the jerk-limited [`Profile`](super::Profile),
-//! bounded by what the axis bears and by what the spindle bears times the lead. The commanded spindle angle is a function
-//! of the axis setpoint of the same tick and of nothing else ([`Gear`]), so there is no skew between them, and whatever
-//! stops the axis (feed hold, override, abort) stops the spindle in phase.
+//! In rigid mode the master is time: a stroke is a straight piece of the tap axis with the jerk-limited
+//! [`Profile`](super::Profile), bounded by what the axis bears and by what the spindle bears times the lead. The
+//! commanded spindle angle is a function of the axis setpoint of the same tick and of nothing else ([`Gear`]), so there
+//! is no skew between them, and whatever stops the axis (feed hold, override, abort) stops the spindle in phase.
 //!
 //! A [`Tap`] is a way from R into the hole and back to R, with all its strokes: pecks that are alike are stored once, so
 //! that a hole of any number of high-speed pecks is one segment, and a deep peck is one for each time the tap is in the

@@ -57,8 +57,8 @@ impl ThreadPlan {
     /// nothing is measured yet.
     ///
     /// # Errors
-    /// Spindle standing ([`Code::SpindleStopped`]); lead times speed above what the long axis (or, along a taper, the short one) may do
-    /// ([`Code::LeadTooFast`]); the stroke too short for joining and braking at this speed
+    /// Spindle standing ([`Code::SpindleStopped`]); lead times speed above what the long axis (or, along a taper, the
+    /// short one) may do ([`Code::LeadTooFast`]); the stroke too short for joining and braking at this speed
     /// ([`Code::StrokeTooShortForSpeed`]); the run-in too short for the short axis at this speed ([`Code::RunInTooFast`]).
     pub fn new(
         from: Position,

@@ -31,8 +31,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// The shape of `moves`, the first of which begins at `from`; `None` unless they are a stroke with at most one run-in and
-    /// one run-out.
+    /// The shape of `moves`, the first of which begins at `from`; `None` unless
+    /// they are a stroke with at most one run-in and one run-out.
     #[inline(never)]
     pub fn of(from: Position, moves: &[Move]) -> Option<Self> {
         let (mut thread, mut run_in, mut stroke, mut run_out) = (None, None, None, None);

@@ -26,8 +26,8 @@ static mut MEMORY: MaybeUninit<Memory> = MaybeUninit::uninit();
 fn mark(value: u64) {
     let memory = addr_of_mut!(MEMORY).cast::<Memory>();
     compiler_fence(Ordering::SeqCst);
-    // SAFETY: within `MEMORY`, aligned; one context at a time uses it: the thread before the tick's interrupt is enabled, that
-    // interrupt from then on.
+    // SAFETY: within `MEMORY`, aligned; one context at a time uses it: the thread
+    // before the tick's interrupt is enabled, that interrupt from then on.
     unsafe { write_volatile(addr_of_mut!((*memory).mark), value) }
     compiler_fence(Ordering::SeqCst);
 }

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Time is virtual: the thread lets the tick's interrupt happen when everything it depends on has come ([`pace`]), so a
-//! program gives the same setpoints here as anywhere. On the wire is everything but SYNC and the process data of the drives;
-//! those are there too where the image is started with `traffic=all` in its command line.
+//! program gives the same setpoints here as anywhere. On the wire is everything but SYNC and the process data of the
+//! drives; those are there too where the image is started with `traffic=all` in its command line.
 
 mod around;
 mod clock;

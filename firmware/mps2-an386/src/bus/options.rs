@@ -8,7 +8,8 @@ use leadscrew_app::Failure;
 pub struct Options {
     /// `traffic=all`: SYNC and the process data of the drives are on the wire, too.
     pub traffic: bool,
-    /// `provoke=panic@300`: the image fails like that, if it has not failed before; with `*3` behind it so many times in a row.
+    /// `provoke=panic@300`: the image fails like that, if it has not failed before;
+    /// with `*3` behind it so many times in a row.
     #[cfg(feature = "provoke")]
     pub provoke: Option<crate::provoke::Provoke>,
 }

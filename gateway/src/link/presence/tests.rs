@@ -29,8 +29,8 @@ type Talk = Arc<Mutex<Vec<Frame>>>;
 /// What others say, one frame after the other.
 type Others = Box<dyn Iterator<Item = Frame> + Send>;
 
-/// A board's wire on which others are, too, and some are boards. Whoever has not listened for a while hears all at once what was
-/// said meanwhile.
+/// A board's wire on which others are, too, and some are boards. Whoever has not
+/// listened for a while hears all at once what was said meanwhile.
 struct Wire {
     inside: Inside,
     filters: Vec<Filter>,

@@ -223,8 +223,8 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     found
 }
 
-/// What a drive with a section does where the SYNC that its board follows stays away: told where it is nothing, and where the
-/// section does not say it [D173].
+/// What a drive with a section does where the SYNC that its board follows stays away: told where it is nothing, and
+/// where the section does not say it [D173].
 fn goes_on(settings: &[Setting], drive: DriveName) -> Option<Conflict> {
     use leadscrew_core::alarm::Code;
     let mut own = settings.iter().filter(|setting| setting.drive == drive);

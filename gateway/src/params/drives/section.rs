@@ -191,8 +191,8 @@ impl Section<'_, '_> {
                 .collect::<Option<Vec<_>>>(),
             _ => None,
         };
-        // What a drive takes of the frame with all setpoints stands behind those of others (9031); no other PDO is longer than
-        // eight bytes. No object is shorter than one.
+        // What a drive takes of the frame with all setpoints stands behind those of others (9031); no other PDO is
+        // longer than eight bytes. No object is shorter than one.
         let room = match mapping {
             COMMAND_MAPPING => 64,
             _ => 8,

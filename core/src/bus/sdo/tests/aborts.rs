@@ -369,8 +369,8 @@ fn the_rest_of_a_broken_block_is_no_command() {
     }
 }
 
-/// Where nothing more of a block can come, the next request has its answer, whatever it is; and a write in blocks always has:
-/// by itself it changes nothing.
+/// Where nothing more of a block can come, the next request has its answer, whatever it is; and a write in blocks
+/// always has: by itself it changes nothing.
 #[test]
 fn who_begins_anew_behind_a_refusal_is_answered() {
     let begin = [0xC6, 0x10, 0x50, 0x00, 9, 0, 0, 0];

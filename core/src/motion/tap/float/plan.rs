@@ -56,8 +56,8 @@ impl FloatPlan {
     /// Plans the holes of an ordinary tapping call, which are alike, for a tap of this hand.
     ///
     /// # Errors
-    /// The spindle stands ([`Code::TapSpindleStands`]); a lead that cannot be ([`Code::TapFeed`]); a hole too shallow to get
-    /// onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
+    /// The spindle stands ([`Code::TapSpindleStands`]); a lead that cannot be ([`Code::TapFeed`]); a hole too shallow
+    /// to get onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
     pub fn new(call: &TapCall, hand: Hand, span: Span, params: &Params) -> Result<Self, Alarm> {
         if call.speed.get() <= 0 {
             return Err(standing(call, span, params));

@@ -144,8 +144,8 @@ impl FloatRun {
         })
     }
 
-    /// Gives up what is left: the spindle is stopped, and the axis goes with it until it stands. True where nothing moves and
-    /// it is over at once.
+    /// Gives up what is left: the spindle is stopped, and the axis goes with it
+    /// until it stands. True where nothing moves and it is over at once.
     #[must_use]
     pub fn stop(&mut self) -> bool {
         self.aborted = true;

@@ -22,8 +22,8 @@ pub(super) struct Turner {
 }
 
 impl Turner {
-    /// A spindle at `speed` that is never accelerated by more than 9004 allows, nor by more than makes `axis` (nm/s²) of the
-    /// axis at this lead. An eighth of that is kept for what the spindle does not do as commanded.
+    /// A spindle at `speed` that is never accelerated by more than 9004 allows, nor by more than makes `axis` (nm/s²)
+    /// of the axis at this lead. An eighth of that is kept for what the spindle does not do as commanded.
     #[inline(never)]
     pub(super) fn new(speed: CentiRpm, lead: Lead, axis: u64, params: &Params) -> Self {
         let tick_us = u64::from(params.tick_us());

@@ -8,8 +8,8 @@ use crate::link::{Link, LinkResult};
 use crate::params::drives::{DriveName, Kind, STOP, Setting};
 use crate::words::{Both, both};
 
-/// Asks the drives of a board that is to follow, but for those whose sections say it: what is to be said of them that would go
-/// on, or do not tell. Files are warned of by themselves.
+/// Asks the drives of a board that is to follow, but for those whose sections say it: what is to be said of them that
+/// would go on, or do not tell. Files are warned of by themselves.
 ///
 /// # Errors
 /// The bus is gone.

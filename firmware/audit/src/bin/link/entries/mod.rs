@@ -1,5 +1,5 @@
-//! Every public entry of the core that a board runs, and of what its images have in common, each once, each with inputs that
-//! nobody knows. One function an entry, never inlined, so that a report can name it; one file a room of the core.
+//! Every public entry of the core that a board runs, and of what its images have in common, each once, each with inputs
+//! that nobody knows. One function an entry, never inlined, so that a report can name it; one file a room of the core.
 //!
 //! Text for people (`Display`, the templates of alarms) is not made on a board and is not here.
 
