@@ -401,6 +401,30 @@ fn a_board_that_goes_silent_is_lost() {
         told.contains("has gone silent") || told.contains("timed out, abort code 05040000h"),
         "{told}"
     );
+    // What it has told of its threads until then is not lost with it.
+    let server = slow();
+    let bus = server.bus();
+    let holes =
+        "G98\nG0 X40 Z5 C0\nM29 S1500\nG84 C0 Z-4 R-3 F1500 K2\nG80\nG0 X80\nG98 G1 X90 F5\nM30\n";
+    let path = std::env::temp_dir().join(format!("silent-{}.nc", std::process::id()));
+    std::fs::write(&path, holes).unwrap();
+    let run = command(&["run", path.to_str().unwrap()], &bus)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The board knows how far whoever runs them has got.
+    let mut link = Link::open(&bus.parse().unwrap(), NodeId::BOARD, BitRate::M1).unwrap();
+    wait_until("both holes are taken", || {
+        let taken = link.read(Object::new(0x5042, 0)).unwrap();
+        (taken == [2, 0, 0, 0]).then_some(())
+    });
+    server.unplug();
+    let output = run.wait_with_output().unwrap();
+    bad(&output, 3);
+    let told = text(&output.stdout);
+    assert!(told.contains("2: line 4: rigid tap: worst "), "{told}");
+    let _ = std::fs::remove_file(&path);
     let told = bad(&leadscrew(&["status"], "slcan:tcp:127.0.0.1:1"), 3);
     assert!(told.contains("127.0.0.1:1"), "{told}");
 }

@@ -128,8 +128,15 @@ pub fn run(
     };
     let outcome = runner.all();
     runner.bar.finish_and_clear();
-    let ran = runner.ran;
-    outcome?;
+    let mut ran = runner.ran;
+    if let Err(lost) = outcome {
+        // What was told until then. With `--json` there is one result, and it says why there is no other.
+        if !global.json {
+            ran.threads.give_up();
+            output::write(ran.threads.text(setup.lang).as_bytes())?;
+        }
+        return Err(lost);
+    }
     for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
         diagnostics::print(diagnostic, setup.colour);
     }
