@@ -1,9 +1,11 @@
 //! A gateway that is killed (SIGKILL) as a process: in a tap, in a transfer, in a push. What a board does about each,
 //! place by place, stands in the tests of `faults`; here nothing of the process is left to say so.
 
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
 use leadscrew_can::{Can as _, Received, SocketCan};
 use leadscrew_core::bus::Frame;
-use std::process::{Child, Stdio};
 
 use crate::bus::{PATIENCE, eventually, open, ours, scratch, tool};
 use crate::machine::{
@@ -39,18 +41,19 @@ fn kill_at(can: &mut SocketCan, process: Child, mut skip: usize, like: impl Fn(&
     }
 }
 
-/// Waits until a frame like this is on the bus.
-fn wait_for_frame(can: &mut SocketCan, like: impl Fn(&Frame) -> bool) {
+/// Listens until the board says that it has given a transfer up. What was killed too late has ended it: then nothing
+/// comes.
+fn wait_for_abort(can: &mut SocketCan) {
     let began = std::time::Instant::now();
-    let mut heard = Vec::new();
-    while !heard
-        .iter()
-        .filter_map(|heard: &Received| heard.packet.frame())
-        .any(&like)
-    {
-        assert!(began.elapsed() < PATIENCE, "no such frame");
+    let mut heard: Vec<Received> = Vec::new();
+    let given_up = |frame: &Frame| about(frame, REPLY, 0x80, [0x20, 0x50, 1]);
+    while began.elapsed() < Duration::from_secs(15) {
+        let mut frames = heard.iter().filter_map(|heard| heard.packet.frame());
+        if frames.any(given_up) {
+            return;
+        }
         heard.clear();
-        can.receive(&mut heard, PATIENCE).unwrap();
+        can.receive(&mut heard, Duration::from_secs(1)).unwrap();
     }
 }
 
@@ -133,7 +136,7 @@ fn in_a_transfer_the_next_program_is_carried_out() {
         });
         // Virtual time stands still until the program counts as lost, and goes slowly then; a second of it later the
         // transfer is given up, and the board says so. Until then whatever is asked would be taken for a piece of it.
-        wait_for_frame(&mut can, |frame| about(frame, REPLY, 0x80, [0x20, 0x50, 1]));
+        wait_for_abort(&mut can);
         eventually("it takes a reset", || {
             leadscrew(&["reset"]).status.success()
         });

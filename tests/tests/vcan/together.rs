@@ -144,11 +144,10 @@ fn a_table_has_the_drives_of_both_side_by_side() {
     );
     let _follower = Board::start(&[&["--lockstep"], &BOTH[..], &FURTHER[..]].concat());
     giver.wait_for("ready");
-    let told = good(&leadscrew(&["status"]));
-    assert!(
-        told.ends_with("also on this bus: node 2 (`leadscrew status --node 2`)\n"),
-        "{told}"
-    );
+    eventually("the second one is named", || {
+        let told = good(&leadscrew(&["status"]));
+        told.ends_with("also on this bus: node 2 (`leadscrew status --node 2`)\n")
+    });
     let before = sockets_on("vcan0");
     let recorder = command(&["record", "-o", table.to_str().unwrap()])
         .args(["--params", &files[0], "--further", &files[1]])
