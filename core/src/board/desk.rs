@@ -316,7 +316,7 @@ impl Desk {
         self.station.is_transferring()
     }
 
-    /// True where a program runs whose next call has not come, and there would be room for it, or whose gateway has to read
+    /// True where a program runs whose next call has not come, and there would be room for it, or whose gateway has to take
     /// what would be overwritten. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
