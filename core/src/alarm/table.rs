@@ -116,9 +116,10 @@ codes! {
     TapDepth = 207, "the tap cannot go this way: its bottom is at R or on the side of the initial level, or D is more than Q",
         "let the tool come from the initial level through R to the bottom, and D be at most Q",
         "攻丝方向不对：孔底在 R 点或在初始平面一侧，或 D 大于 Q", "应由初始平面经 R 点到孔底，D 不大于 Q";
-    /// F or I of a thread missing, zero, negative or out of range.
-    LeadMissing = 313, "the thread has no lead", "write F (lead per turn) or I (turns per inch) in a thread block",
-        "螺纹没有导程", "请在螺纹程序段中写 F（每转导程）或 I（每英寸牙数）";
+    /// F or I of a thread missing, zero, negative or out of range; {0} and {1} the range, of F where both are missing.
+    LeadMissing = 313, "the thread has no lead: F or I is missing, or outside {0} to {1}",
+        "write F (lead per turn) or I (turns per inch) in a thread block",
+        "螺纹没有导程：F 或 I 缺少，或超出 {0} 至 {1}", "请在螺纹程序段中写 F（每转导程）或 I（每英寸牙数）";
 
     /// The thread angle is above 99°.
     ThreadAngleRange = 315, "thread angle {0}° is outside 0–99°", "give the angle of the tool in the last two digits of P",
@@ -200,10 +201,11 @@ codes! {
     /// No such M code; {0} its number.
     UnknownM = 4019, "there is no M{0}", "correct the code", "没有 M{0}", "请修改代码";
     /// A G code that exists and is not built; {0}.
-    GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76, G78, G84 or G88 cycle",
-        "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78、G84、G88 循环";
+    GNotAvailable = 4020, "{0} is not available yet", "write the moves with G00 to G03, or a G75, G76, G78, G84 or G88 cycle; a spindle speed with G97",
+        "{0} 尚不可用", "请用 G00 至 G03 编写运动，或使用 G75、G76、G78、G84、G88 循环；主轴转速请用 G97";
     /// An M code that exists and is not built; {0} its number.
-    MNotAvailable = 4021, "M{0} is not available yet", "leave it out", "M{0} 尚不可用", "请去掉";
+    MNotAvailable = 4021, "M{0} is not available yet", "write the blocks of the subprogram in its place",
+        "M{0} 尚不可用", "请将子程序的程序段直接写在此处";
     /// G33 [D19].
     G33Tapping = 4022, "G33 is a tapping cycle on one control and a thread on another",
         "write G76 or G78 for a thread", "G33 在不同系统中含义不同（攻丝或螺纹）", "切螺纹请用 G76 或 G78";
@@ -351,10 +353,10 @@ codes! {
     ThreadWithoutSide = 4102, "start and end of the thread stand at one X: outside or inside cannot be told",
         "start away from the thread's X, by more than its height",
         "螺纹起点与终点 X 相同，无法判断内外螺纹", "请使起点 X 离开螺纹，距离大于牙高";
-    /// A lies deeper than a crest.
-    StartInsideThread = 4103, "the start X {0} lies inside the work: the crest of the thread is at X {1}",
+    /// A lies deeper than a crest; {0} how far, on the diameter: the board knows no coordinates but the machine's.
+    StartInsideThread = 4103, "the start lies inside the work, {0} on the diameter below the crest of the thread",
         "start further from the work, or correct X, P (height) or R (taper)",
-        "起点 X {0} 在工件内：螺纹牙顶在 X {1}", "请使起点远离工件，或修改 X、P（牙高）或 R（锥度）";
+        "起点在工件内：低于螺纹牙顶 {0}（直径值）", "请使起点远离工件，或修改 X、P（牙高）或 R（锥度）";
     /// The stroke of a pass is used up by run-in and run-out.
     StrokeTooShort = 4104, "pass {0} has no room to cut: stroke {1}, run-in {2}, run-out {3}",
         "start further away, or shorten the run-out (K) or the run-in (E)",
@@ -435,8 +437,8 @@ codes! {
     SpindleTooFast = 4257, "the spindle turns at {0}, the pass is planned for at most {1}", "wait until it has settled, or check spindle and parameter 9010",
         "主轴转速为 {0}，该刀按不超过 {1} 规划", "请等待转速稳定，或检查主轴与参数 9010";
     /// The end of a move, or an arc's extreme, is beyond a soft limit.
-    SoftLimit = 4258, "{0} would go to {1}; its soft limit is {2}", "keep the program within the machine's travel, or check offsets and parameters 1320 and 1321",
-        "{0} 轴将到达 {1}，软限位为 {2}", "请使程序在行程之内，或检查偏置与参数 1320、1321";
+    SoftLimit = 4258, "in machine coordinates {0} would go to {1}; its soft limit is {2}", "keep the program within the machine's travel, or check offsets and parameters 1320 and 1321",
+        "{0} 轴将到达机床坐标 {1}，软限位为 {2}", "请使程序在行程之内，或检查偏置与参数 1320、1321";
     /// The moves handed over as one pass of a thread are not one.
     ThreadMovesMixed = 4259, "these moves are not one pass of a thread", "this is a fault of the controller, not of the program: report it",
         "这些动作不构成一刀螺纹", "这是控制器的故障而不是程序错误，请报告";
@@ -825,6 +827,15 @@ codes! {
     /// J in ordinary tapping.
     TapExtractionNotRigid = 4909, "J has no effect in ordinary tapping: the tap comes out at S", "leave J out, or tap in rigid mode",
         "普通攻丝中 J 不起作用：退刀转速为 S", "请省略 J，或使用刚性攻丝";
+
+    /// J in rigid tapping where the parameters leave the way out to others.
+    TapExtractionOff = 4910, "J has no effect: it sets the speed of the retract only with 5200.4 = 1 and 5201.4 = 1",
+        "set both parameters to 1, or leave J out",
+        "J 不起作用：仅当 5200.4 = 1 且 5201.4 = 1 时 J 才指定退刀转速", "请将两个参数都设为 1，或省略 J";
+    /// J outside the range it may have; {0} and {1} the range, in turns a minute.
+    TapExtractionRange = 4911, "J is outside {0} to {1}, and has no effect: the tap comes out at S",
+        "write a J in this range (5202.6 sets how wide it is), or leave J out",
+        "J 超出 {0} 至 {1}，不起作用：退刀转速为 S", "请写此范围内的 J（范围由 5202.6 决定），或省略 J";
 
     // -- 4920–4939 warnings: cycle/ ----------------------------------------------------------------------------------
 

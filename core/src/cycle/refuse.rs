@@ -56,9 +56,8 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
     let (room, lean) = (room.times(side), slant.times(side));
     for crest in [height, height + lean] {
         if room < crest {
-            let x = call.end_x.value + crest.times(side);
-            let diameter = |x| Arg::Diameter(Diameter::of_radius(x));
-            return Err(in_x(Code::StartInsideThread).with([diameter(start.x), diameter(x)]));
+            let below = Diameter::of_radius(crest - room);
+            return Err(in_x(Code::StartInsideThread).with([Arg::Diameter(below)]));
         }
     }
     if let Some(run_out) = &call.run_out

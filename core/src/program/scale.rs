@@ -134,6 +134,8 @@ impl Scale {
         if word.value.has_point() {
             let shown = word.value.scaled(self.decimals);
             let args = match shown {
+                // No such length is possible: what is written is a count already.
+                Ok(count) if count > range.high => return Err(word.alarm(Code::PointInInteger)),
                 Ok(count) => [Arg::Int(count), Arg::None, Arg::None, Arg::None],
                 Err(error) => return Err(self.refused(word, error)),
             };

@@ -122,8 +122,9 @@ impl State<'_> {
         }
         self.read_kept(block, &mut kept)?;
         let turning = self.turning(block, word, span, &kept, plan)?;
-        if turning.mode == TapMode::Floating {
-            self.refuse_in_ordinary(block, plan)?;
+        match turning.mode {
+            TapMode::Floating => self.refuse_in_ordinary(block, plan)?,
+            TapMode::Rigid => self.note_j(block, &turning, plan),
         }
         let (absolute, increment) = letters_of(kept.axis);
         let places = AXES.without(Letters::of(&[absolute, increment]));

@@ -147,15 +147,10 @@ impl State<'_> {
         if !self.params.tap_extract_override() || turning.mode == TapMode::Floating {
             return Extraction::NONE;
         }
-        let s = turning.rpm.abs();
         let (part, whole) = match j {
             Some(j) if self.params.tap_extract_by_j() => {
-                let most = if self.params.tap_extract_wide() {
-                    20
-                } else {
-                    2
-                };
-                if j >= s && j <= s.saturating_mul(most) {
+                let (s, most) = self.range_of_j(turning);
+                if (s..=most).contains(&j) {
                     (j, s)
                 } else {
                     (1, 1)
@@ -173,6 +168,37 @@ impl State<'_> {
         };
         // 5211 = 0 means 100 %.
         Extraction::new(part, whole).unwrap_or_default()
+    }
+
+    /// What J may be: S to twice S, or with 5202.6 to twenty times S.
+    fn range_of_j(&self, turning: &Turning) -> (u32, u32) {
+        let s = turning.rpm.abs();
+        let times = if self.params.tap_extract_wide() {
+            20
+        } else {
+            2
+        };
+        (s, s.saturating_mul(times))
+    }
+
+    /// Says so where a J that is written in rigid mode does nothing [D176].
+    pub(super) fn note_j(&self, block: &Block, turning: &Turning, plan: &mut Plan) {
+        let Some(word) = block.find(b'J') else {
+            return;
+        };
+        if !self.params.tap_extract_override() || !self.params.tap_extract_by_j() {
+            plan.warn(word.alarm(Code::TapExtractionOff));
+            return;
+        }
+        let (low, high) = self.range_of_j(turning);
+        let j = word.value.mantissa();
+        if j < i64::from(low) || j > i64::from(high) {
+            let rpm = |rpm| Arg::Rpm(Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX)));
+            plan.warn(
+                word.alarm(Code::TapExtractionRange)
+                    .with([rpm(low), rpm(high)]),
+            );
+        }
     }
 
     pub(super) fn limited(&self, block: &Block, span: Span, asked: CentiRpm) -> Alarm {

@@ -82,7 +82,10 @@ fn start_inside_the_thread() {
         ..o0013()
     };
     fine(call(68.0, 0.0));
-    assert_eq!(blamed(&refused(call(67.9998, 0.0))), (4103, Some(b'X'), 10));
+    let alarm = refused(call(67.9998, 0.0));
+    assert_eq!(blamed(&alarm), (4103, Some(b'X'), 10));
+    // How far inside, and no coordinate: G50 and offsets stay with the program.
+    assert_eq!(alarm.args[0], Arg::Diameter(Diameter::from_nm(200)));
     fine(call(68.0, -1.0));
     fine(call(70.0, 1.0));
     assert_eq!(refused(call(69.9998, 1.0)).number(), 4103);
@@ -92,7 +95,11 @@ fn start_inside_the_thread() {
     };
     // 30 − 2·0.92 − 2·0.5.
     fine(inside(27.16));
-    assert_eq!(refused(inside(27.1602)).number(), 4103);
+    let alarm = refused(inside(27.1602));
+    assert_eq!(
+        (alarm.number(), alarm.args[0]),
+        (4103, Arg::Diameter(Diameter::from_nm(200)))
+    );
 }
 
 #[test]

@@ -58,6 +58,8 @@ const CASES: &[(&str, u16, u32, u16, u16, char)] = &[
     ("T01.01", 4023, 1, 1, 7, 'T'),
     ("G4 P1.", 4023, 1, 4, 7, 'P'),
     ("G78 D1.", 4023, 1, 5, 8, 'D'),
+    ("G76 Q1500.", 4023, 1, 5, 11, 'Q'),
+    ("G75 X5 P60000.5", 4023, 1, 8, 16, 'P'),
     ("G78 L2.", 4023, 1, 5, 8, 'L'),
     ("M3 S-100", 4024, 1, 4, 9, 'S'),
     ("G-1", 4024, 1, 1, 4, 'G'),
@@ -318,7 +320,7 @@ fn no_code_of_this_folder_is_left_out() {
     let provoked: BTreeSet<u16> = CASES.iter().map(|case| case.1).collect();
     // The length of a line, the warnings and what parameters refuse have tests of their own; what the tap journal
     // refuses has them with the journal, 0207 with the cycles.
-    let elsewhere = [4006, 4080, 4081, 4082, 4900, 4901, 4902, 4909];
+    let elsewhere = [4006, 4080, 4081, 4082, 4900, 4901, 4902, 4909, 4910, 4911];
     for code in Code::ALL {
         let number = code.number();
         if (4001..4100).contains(&number)
@@ -360,6 +362,16 @@ fn figures_say_what_to_write() {
         alarm("M3 S3001").args[..2],
         [Arg::Int(3001), Arg::Int(3000)]
     );
+    // The range of a lead is that of the word, or of F where there is none.
+    let lead = |unit, word| {
+        let block = std::format!("G76 X60 Z-1 P1 Q1 {word}");
+        alarm(&String::from_iter([unit, "G0 X80 Z10\n", &block])).args
+    };
+    let four = |low| Arg::Decimal(low, 4);
+    assert_eq!(lead("", "F10000")[..2], [four(1), Arg::Decimal(9999, 0)]);
+    assert_eq!(lead("", "I254.1")[..2], [four(1), Arg::Decimal(254, 0)]);
+    assert_eq!(lead("", "")[..2], [four(1), Arg::Int(9999)]);
+    assert_eq!(lead("G20 ", "I101")[..2], [four(1), Arg::Decimal(100, 0)]);
     let depth = alarm(&String::from_iter([AT, "G76 X60 Z-1 P36800 F1"]));
     assert_eq!((depth.args[0], depth.word), (Arg::Letter(b'Q'), None));
 }

@@ -108,32 +108,35 @@ fn the_table_of_the_extraction_override() {
     const WIDE: (&str, &str) = ("5202.6", "1");
     const TENS: (&str, &str) = ("5201.3", "1");
     const P150: (&str, &str) = ("5211", "150");
-    type Case<'a> = (&'a [(&'a str, &'a str)], &'a str, i32);
+    type Case<'a> = (&'a [(&'a str, &'a str)], &'a str, i32, &'a [u16]);
     let cases: &[Case] = &[
         // 5200.4 = 0: 100 %, whatever else there is.
-        (&[P150], "", 100_000),
-        (&[J, WIDE, P150], "J1500", 100_000),
+        (&[P150], "", 100_000, &[]),
+        (&[J, WIDE, P150], "J1500", 100_000, &[4910]),
         // 5201.4 = 0: 5211, in 1 % or 10 %; 0 is 100 %.
-        (&[ON], "", 100_000),
-        (&[ON, P150], "", 150_000),
-        (&[ON, P150], "J1200", 150_000),
-        (&[ON, ("5211", "12"), TENS], "", 120_000),
-        (&[ON, ("5211", "12")], "", 12_000),
-        (&[ON, ("5211", "33")], "", 33_000),
+        (&[ON], "", 100_000, &[]),
+        (&[ON, P150], "", 150_000, &[]),
+        (&[ON, P150], "J1200", 150_000, &[4910]),
+        (&[ON, ("5211", "12"), TENS], "", 120_000, &[]),
+        (&[ON, ("5211", "12")], "", 12_000, &[]),
+        (&[ON, ("5211", "33")], "", 33_000, &[]),
         // 5201.4 = 1: J within its range, 100 % outside it, 5211 without it.
-        (&[ON, J, P150], "", 150_000),
-        (&[ON, J, P150], "J1200", 120_000),
-        (&[ON, J, P150], "J1000", 100_000),
-        (&[ON, J, P150], "J2000", 200_000),
-        (&[ON, J, P150], "J2001", 100_000),
-        (&[ON, J, P150], "J999", 100_000),
-        (&[ON, J, P150], "J0", 100_000),
+        (&[ON, J, P150], "", 150_000, &[]),
+        (&[ON, J, P150], "J1200", 120_000, &[]),
+        (&[ON, J, P150], "J1000", 100_000, &[]),
+        (&[ON, J, P150], "J2000", 200_000, &[]),
+        (&[ON, J, P150], "J2001", 100_000, &[4911]),
+        (&[ON, J, P150], "J999", 100_000, &[4911]),
+        (&[ON, J, P150], "J0", 100_000, &[4911]),
         // Without a limit in the way: 5202.6 = 1 allows 2000 %.
-        (&[ON, J, WIDE, P150], "J2001", 200_100),
-        (&[ON, J, WIDE, P150], "J999", 100_000),
+        (&[ON, J, WIDE, P150], "J2001", 200_100, &[]),
+        (&[ON, J, WIDE, P150], "J999", 100_000, &[4911]),
     ];
-    for (values, word, expected) in cases {
-        let call = tap_on(values, &std::format!("G84 Z-9 F1000 {word}"));
+    for (values, word, expected, warned) in cases {
+        let block = std::format!("G84 Z-9 F1000 {word}");
+        let call = tap_on(values, &block);
+        let (_, warnings) = kinds_on(values, &String::from_iter([READY, &block]));
+        assert_eq!(warnings, *warned, "{values:?} {word}");
         assert_eq!(call.extract.get(), *expected, "{values:?} {word}");
         assert_eq!(call.speed, rpm(1000));
     }
