@@ -18,8 +18,10 @@ pub struct Program<'p> {
     text: Text,
     reader: Reader<'p>,
     chunk: Vec<u8>,
-    /// What the latest piece of text has yielded and nobody has taken yet.
-    queue: VecDeque<Event>,
+    /// What the latest piece of text has yielded and nobody has taken yet; whether its line ends in inches.
+    queue: VecDeque<(Event, bool)>,
+    /// The same of what was taken last.
+    inch: bool,
     /// The alarm after the queue.
     alarm: Option<Alarm>,
     over: bool,
@@ -33,6 +35,7 @@ impl<'p> Program<'p> {
             reader: Reader::new(params, options),
             chunk: vec![0; CHUNK],
             queue: VecDeque::new(),
+            inch: false,
             alarm: None,
             over: false,
         })
@@ -41,10 +44,12 @@ impl<'p> Program<'p> {
     /// The next event, or the alarm that ends the program; `None` after the last.
     pub fn next_event(&mut self) -> io::Result<Option<Result<Event, Alarm>>> {
         loop {
-            if let Some(event) = self.queue.pop_front() {
+            if let Some((event, inch)) = self.queue.pop_front() {
+                self.inch = inch;
                 return Ok(Some(Ok(event)));
             }
             if let Some(alarm) = self.alarm.take() {
+                self.inch = self.reader.interpreter().is_inch();
                 return Ok(Some(Err(alarm)));
             }
             if self.over {
@@ -54,9 +59,9 @@ impl<'p> Program<'p> {
         }
     }
 
-    /// The text read so far ends in inches.
+    /// The line of the latest event, or alarm, ends in inches.
     pub const fn is_inch(&self) -> bool {
-        self.reader.interpreter().is_inch()
+        self.inch
     }
 
     fn fill(&mut self) -> io::Result<()> {
@@ -64,13 +69,16 @@ impl<'p> Program<'p> {
             Err(error) if error.kind() == io::ErrorKind::Interrupted => return Ok(()),
             other => other?,
         };
-        let queue = &mut self.queue;
-        let mut take = |event| queue.push_back(event);
-        let result = if read == 0 {
-            self.over = true;
-            self.reader.finish(&mut take)
+        self.over = read == 0;
+        let result = if self.over {
+            self.push(None)
         } else {
-            self.reader.push(&self.chunk[..read], &mut take)
+            // By lines, so that each event is told in the unit of its own one.
+            let chunk = std::mem::take(&mut self.chunk);
+            let mut lines = chunk[..read].split_inclusive(|byte| *byte == b'\n');
+            let result = lines.try_for_each(|line| self.push(Some(line)));
+            self.chunk = chunk;
+            result
         };
         if let Err(alarm) = result {
             self.alarm = Some(alarm);
@@ -79,5 +87,22 @@ impl<'p> Program<'p> {
             self.over = true;
         }
         Ok(())
+    }
+
+    /// Hands the reader a piece of text, or the end of it.
+    fn push(&mut self, text: Option<&[u8]>) -> Result<(), Alarm> {
+        let known = self.queue.len();
+        let queue = &mut self.queue;
+        let mut take = |event| queue.push_back((event, false));
+        let result = match text {
+            Some(text) => self.reader.push(text, &mut take),
+            None => self.reader.finish(&mut take),
+        };
+        if self.reader.interpreter().is_inch() {
+            for (_, inch) in self.queue.range_mut(known..) {
+                *inch = true;
+            }
+        }
+        result
     }
 }

@@ -45,6 +45,8 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
         source,
         format,
         buffer: Vec::with_capacity(CHUNK + 1024),
+        line: 0,
+        begins: Vec::new(),
         moves: 0,
         at: options.position,
         hole: Hole::new(setup.tap),
@@ -61,6 +63,10 @@ struct List<'a> {
     source: &'a SourceFile,
     format: Format,
     buffer: Vec<u8>,
+    /// The line of the latest call.
+    line: u32,
+    /// Of the calls of that line that may still be taken back: their columns, and where in the buffer they begin.
+    begins: Vec<(u16, usize)>,
     moves: u64,
     at: Position,
     hole: Hole,
@@ -85,16 +91,17 @@ impl List<'_> {
     }
 
     fn call(&mut self, call: &Call, inch: bool) -> Outcome {
+        if call.span.line != self.line {
+            self.line = call.span.line;
+            self.begins.clear();
+        }
+        self.begins.push((call.span.column, self.buffer.len()));
         let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
-            Err(alarm) => {
-                self.tell(&alarm, inch)?;
-                return Err(Failure::Wrong);
-            }
+            Err(alarm) => return self.refuse(call, &alarm, inch),
         };
         if let Err(alarm) = self.hole.admit(call, &moves) {
-            self.tell(&alarm, inch)?;
-            return Err(Failure::Wrong);
+            return self.refuse(call, &alarm, inch);
         }
         if let Some(warning) = moves.warning() {
             self.tell(&warning, inch)?;
@@ -116,6 +123,17 @@ impl List<'_> {
             }
         }
         Ok(())
+    }
+
+    /// An alarm of a call. It comes before any move of its block, also before what the block does ahead of its motion.
+    fn refuse(&mut self, call: &Call, alarm: &Alarm, inch: bool) -> Outcome {
+        let text = self.source.line(self.line).unwrap_or_default();
+        let block = block_begin(&text, call.span.column);
+        if let Some((_, begin)) = self.begins.iter().find(|(column, _)| *column >= block) {
+            self.buffer.truncate(*begin);
+        }
+        self.tell(alarm, inch)?;
+        Err(Failure::Wrong)
     }
 
     /// An alarm or a warning in its place: as a line of the list where the format has room for one.
@@ -144,11 +162,48 @@ impl List<'_> {
     }
 
     fn flush(&mut self) -> Outcome {
+        self.begins.clear();
         if self.buffer.is_empty() {
             return Ok(());
         }
         let written = output::write(&self.buffer);
         self.buffer.clear();
         written
+    }
+}
+
+/// The column at which the block begins that has a word at `column`: behind the last `;` before it that is in no comment.
+fn block_begin(line: &[u8], column: u16) -> u16 {
+    let (mut begin, mut depth) = (1, 0_u32);
+    for (column, at) in (1..column).zip(0..line.len()) {
+        match &line[at..] {
+            [b'(', ..] => depth += 1,
+            [b')', ..] => depth = depth.saturating_sub(1),
+            text if text.starts_with("（".as_bytes()) => depth += 1,
+            text if text.starts_with("）".as_bytes()) => depth = depth.saturating_sub(1),
+            [b';', ..] if depth == 0 => begin = column + 1,
+            _ => {}
+        }
+    }
+    begin
+}
+
+#[cfg(test)]
+mod tests {
+    use super::block_begin;
+
+    #[test]
+    fn a_block_begins_behind_the_semicolon_that_is_in_no_comment() {
+        for (line, column, begin) in [
+            ("M3 S100 G76 X1", 9, 1),
+            ("M3 S100; G76 X1", 10, 9),
+            ("M3;S100 G76 X1;M5", 9, 4),
+            ("M3 (a; b) G76 X1", 11, 1),
+            ("M3; (a; (b;) c;) M8 G76 X1", 21, 4),
+            ("M3 （a; b） G76 X1", 15, 1),
+            ("M3 （a） ; G76 X1", 14, 13),
+        ] {
+            assert_eq!(block_begin(line.as_bytes(), column), begin, "{line}");
+        }
     }
 }

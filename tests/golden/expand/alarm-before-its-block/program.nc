@@ -1,0 +1,3 @@
+G50 X64 Z10
+M8; (a; b) M3 S300 T0101 G76 X60 Z-50 P36800 Q18000 F1 (the start is inside)
+G20
