@@ -252,8 +252,8 @@ fn stands_still(frames: &[Frame]) {
 }
 
 /// The first one stands still in the middle of the second one's program, as on a
-/// computer that is busy: the second one says so, and nothing moves any more. Before
-/// and behind that it has the setpoints it has alone, wherever the beat comes in time.
+/// computer that is busy: the second one says so, and nothing moves any more. Before that
+/// it has the setpoints it has alone, wherever the beat comes in time.
 #[test]
 fn in_real_time_the_second_has_its_setpoints_or_has_lost_the_beat() {
     let thread = program(
