@@ -236,6 +236,11 @@ impl Background {
             self.moves = None;
             // A hole that stays locked ends at its bottom, and nothing stops there.
             self.hole_ends = false;
+            if let Some(tap) = self.collected()
+                && !tap.part.returns
+            {
+                self.guard = Guard::in_phase(tap.hole);
+            }
             self.close_tap(settings);
             self.complete = !self.planned.is_empty();
         }

@@ -7,6 +7,7 @@ use leadscrew_core::board::{Command, Event};
 use leadscrew_core::bus::{Object, SdoProtocol};
 use leadscrew_core::cycle::{Context, Cycle, MoveKind, Stage, expand};
 use leadscrew_core::params::Params;
+use leadscrew_core::program::{Call, CallKind};
 use leadscrew_core::units::{CentiRpm, Length};
 use leadscrew_tests::gateway::Gateway;
 use leadscrew_tests::machine::{calls, machine};
@@ -38,6 +39,44 @@ fn refused(sim: &mut Sim, text: &str, params: &Params) -> Code {
     told.alarm()
         .unwrap_or_else(|| panic!("no alarm: {text}"))
         .code
+}
+
+/// No reader lets these pass behind K198. A board need not have been fed by one.
+#[test]
+fn behind_k198_a_board_itself_refuses_what_takes_the_tap_out_of_phase() {
+    const LOCKED: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 F2000 K198\nG4 P500\nG30 P99\n";
+    let params = with(&[("5382", 3_000_000)]);
+    let is_return = |call: &Call| matches!(call.kind, CallKind::TapReturn(_));
+    for text in [
+        "G0 Z20\n",
+        "G0 X60\n",
+        "G98 G1 Z1 F100\n",
+        "M3 S300\n",
+        "M29 S1000\nG84 Z-5 F1\n",
+        "M30\n",
+        "M8\nG4 P20\nM30\n",
+    ] {
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut told = Told::default();
+        let mut program = calls(LOCKED, &params);
+        program.truncate(program.iter().position(is_return).expect("G30 P99"));
+        program.extend(calls(text, &params));
+        go(&mut sim, &program, &mut told, |_, _| {});
+        let alarm = told.alarm().unwrap_or_else(|| panic!("no alarm: {text}"));
+        assert_eq!(alarm.code, Code::TapInHole, "{text}");
+        assert_eq!(position(&sim).z, Length::from_nm(-4_000_000), "{text}");
+        // The way out is free behind a reset.
+        sim.command(Command::Reset);
+        let mut told = Told::default();
+        go(
+            &mut sim,
+            &calls("G30 P99\nM30\n", &params),
+            &mut told,
+            |_, _| {},
+        );
+        assert_eq!(told.alarm(), None, "{text}");
+        assert_eq!(position(&sim).z, Length::from_nm(3_000_000), "{text}");
+    }
 }
 
 #[test]
