@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::station::DROP;
-use leadscrew_core::bus::{Abort, BoardCommand, Object, Order};
+use leadscrew_core::bus::{Abort, BoardCommand, Frame, Object, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
     VERSION, Version, identity,
@@ -131,38 +131,62 @@ impl Link {
     /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
     pub fn order(&mut self, order: Order) -> LinkResult {
         self.hear_status()?;
+        // The first status heard is perhaps an old one.
+        self.hear_all(&mut |_| {})?;
         let last = self.seen.status.unwrap_or_default().count;
         let command = BoardCommand::order(order, last);
         self.command(command, order_name(order))
     }
 
-    /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times.
+    /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times. What
+    /// somebody else has said meanwhile is newer, and is not undone by saying this again.
     fn command(&mut self, command: BoardCommand, name: &'static str) -> LinkResult {
         let node = self.node();
+        let frame = command.frame(node);
+        let before = self.seen.status.unwrap_or_default().count;
+        self.send(&[frame])?;
+        let mut again = Instant::now() + REPEAT;
         let end = Instant::now() + CONFIRMED;
-        let mut sent = 0;
-        while sent < 3 || Instant::now() < end {
-            self.send(&[command.frame(node)])?;
-            sent += 1;
-            let again = Instant::now() + REPEAT;
-            while Instant::now() < again {
-                self.idle(Duration::from_millis(1))?;
-                let count = self.seen.status.map(|status| status.count);
-                if command.order.is_some() && count == Some(command.count) {
+        let (mut sent, mut overtaken) = (1, false);
+        loop {
+            let now = Instant::now();
+            let mut each = |frame: &Frame| {
+                if let Some((to, other)) = BoardCommand::decode(frame) {
+                    overtaken |= to == node && other.order.is_some() == command.order.is_some();
+                }
+            };
+            self.listen(now + Duration::from_millis(1), &mut |frame| {
+                each(frame);
+                false
+            })?;
+            // However late it is: what has come is there.
+            self.hear_all(&mut each)?;
+            let over = now >= again;
+            if command.order.is_some() {
+                let count = self.seen.status.unwrap_or_default().count;
+                if count == command.count {
                     return Ok(());
                 }
-            }
-            if command.order.is_none() && sent == 3 {
+                if count != before || now >= end {
+                    return Err(Trouble::Unconfirmed {
+                        node: node.get(),
+                        order: name,
+                        overtaken: overtaken || count != before,
+                    });
+                }
+            } else if overtaken || over && sent == 3 {
                 return Ok(());
             }
+            if over && !overtaken {
+                self.send(&[frame])?;
+                sent += 1;
+                again = Instant::now() + REPEAT;
+            }
         }
-        Err(Trouble::Unconfirmed {
-            node: node.get(),
-            order: name,
-        })
     }
 
-    /// Sets overrides and switches; what is `None` stays. Levels, so they are sent more than once.
+    /// Sets overrides and switches; what is `None` stays. Levels, so they are sent more than once, unless somebody else sets
+    /// some meanwhile.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`].

@@ -336,6 +336,23 @@ impl Link {
             .map(|_| ())
     }
 
+    /// Hears what has come already, however much that is, and shows every frame to `each`.
+    ///
+    /// # Errors
+    /// The bus is gone.
+    fn hear_all(&mut self, each: &mut dyn FnMut(&Frame)) -> LinkResult {
+        let mut heard = true;
+        while heard {
+            heard = false;
+            self.listen(Instant::now(), &mut |frame| {
+                heard = true;
+                each(frame);
+                false
+            })?;
+        }
+        Ok(())
+    }
+
     /// The board has said nothing for too long, and nothing of it waits to be heard.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use leadscrew_board_sim::stored_params;
 use leadscrew_can::Can as _;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
-use leadscrew_core::bus::{Abort, CobId, Frame, NodeId, Object, Order, Service};
+use leadscrew_core::bus::{Abort, BoardCommand, CobId, Frame, NodeId, Object, Order, Service};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
@@ -485,4 +485,84 @@ fn late_answers_are_not_those_of_a_second_board() {
     let mut link = between(&inside, sent, |frame| frame);
     link.set_patience(Duration::from_millis(20));
     link.greet().unwrap();
+}
+
+/// What `own` says first has what somebody else says behind it, which this side hears of, or only by the status; then it
+/// stands still. How often it said it comes with the result.
+fn overtaken(
+    inside: &Inside,
+    is_heard: bool,
+    theirs: fn(BoardCommand) -> BoardCommand,
+    own: impl FnOnce(&mut Link) -> super::LinkResult,
+) -> (super::LinkResult, u32) {
+    let said = Arc::new(AtomicU32::new(0));
+    let count = said.clone();
+    let mut wire = inside.clone();
+    let sent = move |frame: &Frame| {
+        let Some((node, command)) = BoardCommand::decode(frame) else {
+            return Fate::Arrives;
+        };
+        if count.fetch_add(1, Ordering::Relaxed) > 0 {
+            return Fate::Arrives;
+        }
+        let theirs = theirs(command).frame(node);
+        wire.send(&[*frame, theirs]).unwrap();
+        std::thread::sleep(Duration::from_millis(100));
+        Fate::Lost(is_heard.then_some(theirs))
+    };
+    let result = own(&mut between(inside, sent, |frame| frame));
+    (result, said.load(Ordering::Relaxed))
+}
+
+#[test]
+fn an_order_is_not_given_again_behind_that_of_somebody_else() {
+    for is_heard in [false, true] {
+        let inside = machine(Flash::erased());
+        let mut link = link(&inside);
+        link.order(Order::Hold).unwrap();
+        let hold = |resume: BoardCommand| BoardCommand::order(Order::Hold, resume.count);
+        let (result, said) = overtaken(&inside, is_heard, hold, |link| link.order(Order::Resume));
+        match result {
+            Err(Trouble::Unconfirmed {
+                order: "resume",
+                overtaken: true,
+                ..
+            }) => {}
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(said, 1);
+        assert!(link.status().unwrap().hold, "as the other one wants it");
+        link.order(Order::Resume).unwrap();
+        assert!(!link.status().unwrap().hold);
+    }
+}
+
+#[test]
+fn overrides_are_not_set_again_behind_those_of_somebody_else() {
+    let feed = |percent| BoardCommand {
+        feed: Some(percent),
+        ..BoardCommand::default()
+    };
+    let inside = machine(Flash::erased());
+    let theirs = |_| BoardCommand {
+        feed: Some(70),
+        ..BoardCommand::default()
+    };
+    let (result, said) = overtaken(&inside, true, theirs, |link| link.set_levels(feed(50)));
+    result.unwrap();
+    assert_eq!(said, 1);
+    assert_eq!(link(&inside).status().unwrap().feed_percent, 70);
+    // Where nobody else says anything, they are sent more than once.
+    let mut sent = 0;
+    let lose_one = move |frame: &Frame| {
+        sent += u32::from(BoardCommand::decode(frame).is_some());
+        if sent == 1 {
+            Fate::Lost(None)
+        } else {
+            Fate::Arrives
+        }
+    };
+    let mut link = between(&inside, lose_one, |frame| frame);
+    link.set_levels(feed(50)).unwrap();
+    assert_eq!(link.status().unwrap().feed_percent, 50);
 }

@@ -112,6 +112,8 @@ pub enum Trouble {
         node: u8,
         /// The order, as it is typed.
         order: &'static str,
+        /// It has had another one meanwhile, or has begun anew.
+        overtaken: bool,
     },
     /// The board answers with bytes that mean nothing.
     Strange {
@@ -421,7 +423,16 @@ impl Trouble {
                  one is not known; push again",
                 "节点 {node} 未能按时保存参数（对象 5010h:02h）：其参数集是新的还是旧的不得而知；请重新写入"
             ),
-            Self::Unconfirmed { node, order } => both!(
+            Self::Unconfirmed {
+                node,
+                order,
+                overtaken: true,
+            } => both!(
+                "another console has given node {node} an order since `{order}` was sent, or the board has begun anew; `{order}` \
+                 is not sent again: look at the machine",
+                "发出 `{order}` 之后，另一个操作台向节点 {node} 下达了命令，或控制板已重新启动；不再重发 `{order}`：请查看机床"
+            ),
+            Self::Unconfirmed { node, order, .. } => both!(
                 "node {node} does not confirm `{order}` (object 5001h:05h, count of the last order): look at the machine; its \
                  own stop button works without this bus",
                 "节点 {node} 没有确认 `{order}`（对象 5001h:05h，最后一条命令的计数）：请查看机床；机床自带的急停不依赖此总线"
