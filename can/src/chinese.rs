@@ -37,7 +37,7 @@ impl CanError {
                  所有者授权（docs/can.md）"
             ),
             Self::Stuck { name } => format!(
-                "`{name}` 已有一秒未能发出任何报文：无人应答（没有其它节点、断线或波特率不同）、总线已满，或发送队列太短（`ip link \
+                "`{name}` 已有较长时间未能发出任何报文：无人应答（没有其它节点、断线或波特率不同）、总线已满，或发送队列太短（`ip link \
                  set {name} txqueuelen 1000`）"
             ),
             Self::NoDevice { name } => {

@@ -49,7 +49,7 @@ pub enum CanError {
         /// The interface, device or socket.
         name: String,
     },
-    /// Nothing went out for a second.
+    /// Nothing went out for too long: a second at an interface of the kernel, five behind an adapter [D178].
     Stuck {
         /// The interface or adapter.
         name: String,
@@ -157,7 +157,7 @@ impl fmt::Display for CanError {
             ),
             Self::Stuck { name } => write!(
                 f,
-                "`{name}` has sent nothing for a second: nobody acknowledges (no other node, open wires, another bit rate), \
+                "`{name}` has sent nothing for too long: nobody acknowledges (no other node, open wires, another bit rate), \
                  the bus is full, or its queue is too short (`ip link set {name} txqueuelen 1000`)"
             ),
             Self::NoDevice { name } => {

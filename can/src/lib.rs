@@ -51,7 +51,7 @@ pub trait Can: Send {
     /// Sends all of them, in order; waits where the way out is full. Frames that this end sends are not received by it.
     ///
     /// # Errors
-    /// The bus is gone or down, or nothing went out for a second.
+    /// The bus is gone or down, or nothing went out for too long: see [`CanError::Stuck`].
     fn send(&mut self, frames: &[Frame]) -> Result<(), CanError>;
 
     /// From now on FD frames are sent and understood, with their data at `data_kbit` kbit/s. An interface of the kernel has

@@ -51,6 +51,8 @@ pub struct Slcan {
     refused: bool,
     /// Received while something else was waited for.
     early: Vec<Received>,
+    /// For it to take what is sent.
+    patience: Duration,
 }
 
 impl Slcan {
@@ -68,6 +70,7 @@ impl Slcan {
             under_way: 0,
             refused: false,
             early: Vec::new(),
+            patience: ANSWER,
         };
         adapter.begin(bit_rate)?;
         Ok(adapter)
@@ -200,44 +203,36 @@ impl Slcan {
     fn post(&mut self, lines: &[Vec<u8>]) -> Result<(), CanError> {
         self.tell_refusal()?;
         let mut left = lines;
-        let mut early = std::mem::take(&mut self.early);
-        let mut result = Ok(());
-        while !left.is_empty() && result.is_ok() {
+        while !left.is_empty() {
             let room = WINDOW.saturating_sub(self.under_way).min(left.len());
             let (now, later) = left.split_at(room);
             let text = now.concat();
             left = later;
             self.under_way += room;
-            result = self.write(&text);
-            if result.is_ok() && self.under_way >= WINDOW {
-                result = match self.wait(ANSWER) {
-                    Ok(true) => self.hear(&mut early),
-                    Ok(false) => Err(CanError::Stuck {
-                        name: self.name.clone(),
-                    }),
-                    Err(error) => Err(error),
-                };
-            }
+            self.write(&text)?;
+            self.settle(WINDOW - 1)?;
         }
-        self.early = early;
-        result
+        Ok(())
     }
 
-    /// Waits until what was sent has been acknowledged: an acknowledgement looks like the answer to a command.
-    fn settle(&mut self) -> Result<(), CanError> {
-        let deadline = Instant::now() + ANSWER;
+    /// Waits until of what was sent no more than so many are not acknowledged yet. Before a command none may be: an
+    /// acknowledgement looks like the answer to one.
+    fn settle(&mut self, most: usize) -> Result<(), CanError> {
+        let deadline = Instant::now() + self.patience;
         let mut early = std::mem::take(&mut self.early);
-        let mut result = Ok(());
-        while self.under_way > 0 && result.is_ok() {
+        let (mut result, mut over) = (Ok(()), false);
+        while self.under_way > most && result.is_ok() {
             let left = deadline.saturating_duration_since(Instant::now());
             result = match self.wait(left) {
-                Ok(_) if left.is_zero() => Err(CanError::Stuck {
+                // However late it is: what has come is there.
+                Ok(true) if !over => self.hear(&mut early),
+                Ok(false) if !left.is_zero() => Ok(()),
+                Ok(_) => Err(CanError::Stuck {
                     name: self.name.clone(),
                 }),
-                Ok(true) => self.hear(&mut early),
-                Ok(false) => Ok(()),
                 Err(error) => Err(error),
             };
+            over = left.is_zero();
         }
         self.early = early;
         result
@@ -320,7 +315,7 @@ impl Can for Slcan {
         let Some(rate) = fd::rate(data_kbit) else {
             return Err(refused);
         };
-        self.settle()?;
+        self.settle(0)?;
         self.command("C", &Request::Close)?;
         match self.ask("Y", rate.as_bytes()) {
             Ok(()) => {}

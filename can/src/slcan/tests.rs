@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
-use std::os::unix::net::UnixListener;
+use std::os::unix::net::{UnixListener, UnixStream};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -402,4 +402,33 @@ fn a_line_that_ends_in_mid_run_is_told() {
     assert!(matches!(error, CanError::Closed { .. }), "{error}");
     adapter.join().unwrap();
     std::fs::remove_file(path).unwrap();
+}
+
+/// It is this side that stood still: what came meanwhile is heard before the adapter is called late, and no longer.
+#[test]
+fn acknowledgements_that_lie_there_are_not_late() {
+    for (acknowledged, is_taken) in [(5, true), (4, false), (0, false)] {
+        let (mut adapter, stream) = UnixStream::pair().unwrap();
+        let mut can = Slcan {
+            name: "adapter".into(),
+            stream: Box::new(stream),
+            lines: Lines::with_room(),
+            filters: Vec::new(),
+            under_way: 5,
+            refused: false,
+            early: Vec::new(),
+            patience: Duration::ZERO,
+        };
+        let said = "z\r".repeat(acknowledged) + "t10012A\r";
+        adapter.write_all(said.as_bytes()).unwrap();
+        match can.settle(0) {
+            Ok(()) => assert!(is_taken),
+            Err(CanError::Stuck { .. }) => assert!(!is_taken),
+            other => panic!("{other:?}"),
+        }
+        let mut heard = Vec::new();
+        can.receive(&mut heard, Duration::ZERO).unwrap();
+        assert_eq!(heard.len(), 1, "what else it said is not lost");
+        assert_eq!(heard[0].packet.frame(), Some(&frame(0x100, &[0x2A])));
+    }
 }
