@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use leadscrew_can::CanError;
 use leadscrew_core::alarm::Lang;
 
+use crate::json::Json;
 use crate::output;
 use crate::words::{Both, both, pick};
 
@@ -74,10 +75,9 @@ impl Failure {
         }
     }
 
-    /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result,
-    /// which is this failure where nothing has been written there.
-    pub fn report(&self, lang: Lang, json: bool) -> ExitCode {
-        let (code, text) = match self {
+    /// The exit code, and what is still to be told.
+    fn told(&self, lang: Lang) -> (u8, Option<&str>) {
+        match self {
             Self::Wrong => (1, None),
             Self::WrongBecause(text) => (1, Some(text.get(lang))),
             Self::Usage(text) => (2, Some(text.get(lang))),
@@ -93,20 +93,30 @@ impl Failure {
                 )),
             ),
             Self::ReaderGone => (0, None),
-        };
+        }
+    }
+
+    /// `ok`, `exit` and `error` of a result that is this failure.
+    pub fn fields(&self, lang: Lang, json: &mut Json) {
+        let (code, text) = self.told(lang);
+        json.flag("ok", false);
+        json.integer("exit", i64::from(code));
+        if let Some(text) = text {
+            json.text("error", text);
+        }
+    }
+
+    /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result,
+    /// which is this failure where nothing has been written there.
+    pub fn report(&self, lang: Lang, json: bool) -> ExitCode {
+        let (code, text) = self.told(lang);
         if let Some(text) = text {
             // A closed standard error leaves nobody to tell.
             let _ = writeln!(io::stderr(), "{}{text}", pick(lang, "error: ", "错误："));
         }
         if json && *self != Self::ReaderGone && !output::is_written() {
             // Standard output that cannot be written has been told of, or is what is told.
-            let _ = output::json(|o| {
-                o.flag("ok", false);
-                o.integer("exit", i64::from(code));
-                if let Some(text) = text {
-                    o.text("error", text);
-                }
-            });
+            let _ = output::json(|json| self.fields(lang, json));
         }
         ExitCode::from(code)
     }

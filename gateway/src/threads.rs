@@ -232,7 +232,8 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
         zh: pick(Lang::Zh, en, zh).to_owned(),
     };
     let state = match record.state {
-        ThreadState::UnderWay => state(", under way", "，正在加工"),
+        // Said at the end, by who has not heard of the thread's.
+        ThreadState::UnderWay => state(", not known how it ended", "，如何结束不得而知"),
         ThreadState::Finished => Both::default(),
         ThreadState::CutShort => state(", cut short", "，中途停止"),
     };
@@ -293,6 +294,11 @@ mod tests {
         assert_eq!(threads.take([thread(8, 5, UnderWay, 3)]), 1);
         assert!(threads.is_under_way());
         assert_eq!(threads.whole(), 7);
+        assert_eq!(
+            threads.text(Lang::En),
+            "1: line 5: thread, 6 passes, not known how it ended: worst 0.003 µm, 0.002 µm RMS over 4 ticks\n"
+        );
+        assert!(threads.text(Lang::Zh).contains("，如何结束不得而知："));
         let mut given_up = threads.clone();
         given_up.give_up();
         assert!(given_up.text(Lang::En).contains("cut short"));

@@ -401,14 +401,19 @@ fn a_board_that_goes_silent_is_lost() {
         told.contains("has gone silent") || told.contains("timed out, abort code 05040000h"),
         "{told}"
     );
-    // What it has told of its threads until then is not lost with it.
+    let told = bad(&leadscrew(&["status"], "slcan:tcp:127.0.0.1:1"), 3);
+    assert!(told.contains("127.0.0.1:1"), "{told}");
+}
+
+/// A run that loses its board behind two holes.
+fn lost_behind_two_holes(options: &[&str]) -> Output {
     let server = slow();
     let bus = server.bus();
     let holes =
         "G98\nG0 X40 Z5 C0\nM29 S1500\nG84 C0 Z-4 R-3 F1500 K2\nG80\nG0 X80\nG98 G1 X90 F5\nM30\n";
     let path = std::env::temp_dir().join(format!("silent-{}.nc", std::process::id()));
     std::fs::write(&path, holes).unwrap();
-    let run = command(&["run", path.to_str().unwrap()], &bus)
+    let run = command(&[&["run", path.to_str().unwrap()], options].concat(), &bus)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -421,12 +426,25 @@ fn a_board_that_goes_silent_is_lost() {
     });
     server.unplug();
     let output = run.wait_with_output().unwrap();
+    let _ = std::fs::remove_file(&path);
+    output
+}
+
+#[test]
+fn what_a_board_has_told_of_its_threads_is_not_lost_with_it() {
+    let output = lost_behind_two_holes(&[]);
     bad(&output, 3);
     let told = text(&output.stdout);
     assert!(told.contains("2: line 4: rigid tap: worst "), "{told}");
-    let _ = std::fs::remove_file(&path);
-    let told = bad(&leadscrew(&["status"], "slcan:tcp:127.0.0.1:1"), 3);
-    assert!(told.contains("127.0.0.1:1"), "{told}");
+    let output = lost_behind_two_holes(&["--json"]);
+    let said = bad(&output, 3);
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&told["ok"], &told["exit"]), (&false.into(), &3.into()));
+    let error = told["error"].as_str().unwrap();
+    assert!(said.contains(error), "{said}{told}");
+    assert_eq!(told["threads"].as_array().unwrap().len(), 2, "{told}");
+    assert_eq!(told["threads"][1]["state"], "finished", "{told}");
+    assert_eq!(told["threads_missing"], 0, "{told}");
 }
 
 #[test]

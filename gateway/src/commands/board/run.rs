@@ -128,11 +128,15 @@ pub fn run(
     };
     let outcome = runner.all();
     runner.bar.finish_and_clear();
-    let mut ran = runner.ran;
+    let ran = runner.ran;
     if let Err(lost) = outcome {
-        // What was told until then. With `--json` there is one result, and it says why there is no other.
-        if !global.json {
-            ran.threads.give_up();
+        // What was told until then: the board may well end what was under way.
+        if global.json {
+            output::json(|json| {
+                lost.fields(setup.lang, json);
+                ran.threads.fields(json);
+            })?;
+        } else {
             output::write(ran.threads.text(setup.lang).as_bytes())?;
         }
         return Err(lost);
