@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::station::DROP;
-use leadscrew_core::bus::{Abort, BoardCommand, Frame, Object, Order};
+use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Object, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
     VERSION, Version, identity,
@@ -131,7 +131,6 @@ impl Link {
     /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
     pub fn order(&mut self, order: Order) -> LinkResult {
         self.hear_status()?;
-        // The first status heard is perhaps an old one.
         self.hear_all(&mut |_| {})?;
         let last = self.seen.status.unwrap_or_default().count;
         let command = BoardCommand::order(order, last);
@@ -147,12 +146,14 @@ impl Link {
         self.send(&[frame])?;
         let mut again = Instant::now() + REPEAT;
         let end = Instant::now() + CONFIRMED;
-        let (mut sent, mut overtaken) = (1, false);
+        let (mut sent, mut confirmed, mut overtaken) = (1, false, false);
         loop {
             let now = Instant::now();
             let mut each = |frame: &Frame| {
                 if let Some((to, other)) = BoardCommand::decode(frame) {
                     overtaken |= to == node && other.order.is_some() == command.order.is_some();
+                } else if let Some((from, status)) = BoardStatus::decode(frame) {
+                    confirmed |= from == node && status.count == command.count;
                 }
             };
             self.listen(now + Duration::from_millis(1), &mut |frame| {
@@ -163,10 +164,10 @@ impl Link {
             self.hear_all(&mut each)?;
             let over = now >= again;
             if command.order.is_some() {
-                let count = self.seen.status.unwrap_or_default().count;
-                if count == command.count {
+                if confirmed {
                     return Ok(());
                 }
+                let count = self.seen.status.unwrap_or_default().count;
                 if count != before || now >= end {
                     return Err(Trouble::Unconfirmed {
                         node: node.get(),
@@ -192,6 +193,7 @@ impl Link {
     /// [`Trouble::NoBoard`].
     pub fn set_levels(&mut self, levels: BoardCommand) -> LinkResult {
         self.hear_status()?;
+        self.hear_all(&mut |_| {})?;
         let count = self.seen.status.unwrap_or_default().count;
         let command = BoardCommand {
             count,

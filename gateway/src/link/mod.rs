@@ -336,7 +336,8 @@ impl Link {
             .map(|_| ())
     }
 
-    /// Hears what has come already, however much that is, and shows every frame to `each`.
+    /// Hears what has come already, however much that is, and shows every frame to `each`. A status that comes first is
+    /// perhaps an old one.
     ///
     /// # Errors
     /// The bus is gone.
