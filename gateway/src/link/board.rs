@@ -125,16 +125,30 @@ impl Link {
         Err(self.silent())
     }
 
-    /// Gives an order and waits until the board says that it has taken it.
+    /// Gives an order and waits until the board says that it has taken it. To run is not ordered, nor waited for, once the
+    /// machine is [to be held](Self::hold_when).
     ///
     /// # Errors
     /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
     pub fn order(&mut self, order: Order) -> LinkResult {
         self.hear_status()?;
         self.hear_all(&mut |_| {})?;
+        if order == Order::Hold && self.is_held_already(STATUS)? {
+            return Ok(());
+        }
         let last = self.seen.status.unwrap_or_default().count;
         let command = BoardCommand::order(order, last);
-        self.command(command, order_name(order))
+        // The hold that is wanted at once stands behind an order to run, never before it.
+        if order == Order::Run && self.hold_at_once()? {
+            return Ok(());
+        }
+        if order != Order::Run {
+            self.holds_by_itself();
+        }
+        self.hold.under_way = Some(command.count);
+        let done = self.command(command, order_name(order));
+        self.hold.under_way = None;
+        done
     }
 
     /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times. What
@@ -143,7 +157,7 @@ impl Link {
         let node = self.node();
         let frame = command.frame(node);
         let before = self.seen.status.unwrap_or_default().count;
-        self.send(&[frame])?;
+        self.put(&[frame])?;
         let mut again = Instant::now() + REPEAT;
         let end = Instant::now() + CONFIRMED;
         let (mut sent, mut confirmed, mut overtaken) = (1, false, false);
@@ -162,6 +176,9 @@ impl Link {
             })?;
             // However late it is: what has come is there.
             self.hear_all(&mut each)?;
+            if command.order == Some(Order::Run) && self.hold_at_once()? {
+                return Ok(());
+            }
             let over = now >= again;
             if command.order.is_some() {
                 if confirmed {
@@ -179,7 +196,7 @@ impl Link {
                 return Ok(());
             }
             if over && !overtaken {
-                self.send(&[frame])?;
+                self.put(&[frame])?;
                 sent += 1;
                 again = Instant::now() + REPEAT;
             }

@@ -5,6 +5,7 @@
 //! presence  that this side lives, under a number of its own
 //! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
 //! params    a parameter set as a transaction   inside   a simulated board in this process, as a bus
+//! hold      the hold that waits for nothing    round_trip  what an answer takes
 //! ```
 //!
 //! A [`Link`] is one end of a bus and one board on it. Whatever it waits for, it hears everything meanwhile: statuses,
@@ -14,9 +15,11 @@
 pub(crate) mod bench;
 mod board;
 mod feed;
+mod hold;
 mod inside;
 mod params;
 mod presence;
+mod round_trip;
 #[cfg(test)]
 mod tests;
 mod traffic;
@@ -31,6 +34,9 @@ use leadscrew_core::bus::{
     BoardPlace, BoardSpindle, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Service,
 };
 
+use hold::Hold;
+use round_trip::RoundTrip;
+
 pub use board::BoardParams;
 pub use feed::Feed;
 pub use inside::Inside;
@@ -42,6 +48,9 @@ pub use trouble::{LinkResult, Trouble, alarm_words, reason};
 const SILENCE: Duration = Duration::from_secs(5);
 /// Emergencies kept until somebody asks.
 const EMERGENCIES: usize = 64;
+/// The longest wait for a frame at a time: whoever wants the machine held is not kept waiting. Where this side stood still
+/// meanwhile, no more than this counts as listened to.
+const GLANCE: Duration = Duration::from_millis(50);
 
 /// What has been heard from the board.
 #[derive(Debug, Default)]
@@ -159,7 +168,11 @@ pub struct Link {
     /// When its last transfer ended.
     turn_ended: Instant,
     /// What an answer of the board takes.
-    round_trip: Duration,
+    round_trip: RoundTrip,
+    /// How long this side has listened in all.
+    listened: Duration,
+    /// The hold that waits for nothing.
+    hold: Hold,
     /// What has been heard.
     pub seen: Seen,
 }
@@ -201,7 +214,9 @@ impl Link {
             disturbed: false,
             opened: now,
             turn_ended: now,
-            round_trip: Duration::ZERO,
+            round_trip: RoundTrip::default(),
+            listened: Duration::ZERO,
+            hold: Hold::default(),
             seen: Seen::default(),
         }
     }
@@ -264,11 +279,16 @@ impl Link {
         });
     }
 
-    /// Sends frames.
+    /// Sends frames; the hold before them, where it is wanted.
     ///
     /// # Errors
     /// The bus is gone.
     pub fn send(&mut self, frames: &[Frame]) -> LinkResult {
+        self.hold_at_once()?;
+        self.put(frames)
+    }
+
+    fn put(&mut self, frames: &[Frame]) -> LinkResult {
         self.can.send(frames).map_err(Trouble::Can)
     }
 
@@ -294,6 +314,7 @@ impl Link {
         each: &mut dyn FnMut(&Frame) -> bool,
     ) -> LinkResult<bool> {
         loop {
+            self.hold_at_once()?;
             let now = Instant::now();
             if let Some(beat) = &mut self.beat
                 && now >= beat.next
@@ -302,11 +323,11 @@ impl Link {
                 self.send(&[NmtState::Operational.frame(self.own)])?;
             }
             let wake = self.beat.map_or(until, |beat| beat.next.min(until));
+            let patience = wake.saturating_duration_since(now).min(GLANCE);
             let mut packets = std::mem::take(&mut self.packets);
             packets.clear();
-            let received = self
-                .can
-                .receive(&mut packets, wake.saturating_duration_since(now));
+            let received = self.can.receive(&mut packets, patience);
+            self.listened += now.elapsed().min(patience);
             let mut enough = false;
             for received in &packets {
                 self.health.note(&received.packet);

@@ -1,7 +1,7 @@
 //! Against a board inside this process.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
@@ -9,7 +9,9 @@ use leadscrew_board_sim::stored_params;
 use leadscrew_can::Can as _;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
-use leadscrew_core::bus::{Abort, BoardCommand, CobId, Frame, NodeId, Object, Order, Service};
+use leadscrew_core::bus::{
+    Abort, BoardCommand, BoardSpindle, CobId, Frame, NodeId, Object, Order, Service,
+};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
@@ -565,4 +567,162 @@ fn overrides_are_not_set_again_behind_those_of_somebody_else() {
     let mut link = between(&inside, lose_one, |frame| frame);
     link.set_levels(feed(50)).unwrap();
     assert_eq!(link.status().unwrap().feed_percent, 50);
+}
+
+/// What goes out once a hold is wanted: asked is `own`, and `wanted` is told each frame that is sent and each that is heard
+/// (true), until it says that it is wanted.
+fn behind_the_wish(
+    inside: &Inside,
+    mut fate: impl FnMut(&Frame) -> Fate + Send + 'static,
+    mut hear: impl FnMut(Frame) -> Frame + Send + 'static,
+    wanted: impl FnMut(&Frame, bool) -> bool + Send + 'static,
+    own: impl FnOnce(&mut Link),
+) -> Vec<Frame> {
+    let hold = Arc::new(AtomicBool::new(false));
+    let sent = Arc::new(Mutex::new(Vec::new()));
+    let wanted = Arc::new(Mutex::new(wanted));
+    let [asks, here, there] = std::array::from_fn(|_| hold.clone());
+    let (wanted_too, log) = (wanted.clone(), sent.clone());
+    let mut link = between(
+        inside,
+        move |frame| {
+            if here.load(Ordering::Relaxed) {
+                log.lock().unwrap().push(*frame);
+            } else if wanted.lock().unwrap()(frame, false) {
+                here.store(true, Ordering::Relaxed);
+            }
+            fate(frame)
+        },
+        move |frame| {
+            let frame = hear(frame);
+            if wanted_too.lock().unwrap()(&frame, true) {
+                there.store(true, Ordering::Relaxed);
+            }
+            frame
+        },
+    );
+    link.set_patience(Duration::from_millis(100));
+    link.hear_status().unwrap();
+    link.hold_when(move || asks.load(Ordering::Relaxed));
+    own(&mut link);
+    assert!(hold.load(Ordering::Relaxed), "it was wanted at all");
+    sent.lock().unwrap().clone()
+}
+
+fn holds(frame: &Frame) -> bool {
+    BoardCommand::decode(frame).is_some_and(|(_, told)| told.order == Some(Order::Hold))
+}
+
+fn asks_the_board(frame: &Frame) -> bool {
+    frame.id() == CobId::of(Service::SdoRequest, NodeId::BOARD)
+}
+
+/// The hold is process data. [D178]
+#[test]
+fn a_hold_waits_neither_for_a_transfer_nor_for_a_turn() {
+    // In the middle of one, at any of its frames.
+    for place in 0..6 {
+        let inside = machine(Flash::erased());
+        let mut left = place;
+        let wanted = move |frame: &Frame, heard: bool| {
+            if heard || !asks_the_board(frame) {
+                return false;
+            }
+            left -= 1;
+            left < 0
+        };
+        let read = |link: &mut Link| {
+            link.status().and(link.parameters()).unwrap();
+        };
+        let sent = behind_the_wish(&inside, |_| Fate::Arrives, |frame| frame, wanted, read);
+        assert!(holds(&sent[0]), "{place}: {sent:?}");
+        assert_eq!(sent.iter().filter(|frame| holds(frame)).count(), 1);
+        assert!(link(&inside).status().unwrap().hold);
+    }
+    // Where the answer does not come, and is waited for.
+    let inside = machine(Flash::erased());
+    let mut lost = 0;
+    let lose = move |frame: &Frame| {
+        lost += u32::from(asks_the_board(frame));
+        if lost == 1 && asks_the_board(frame) {
+            Fate::Lost(None)
+        } else {
+            Fate::Arrives
+        }
+    };
+    let mut asked = false;
+    let wanted = move |frame: &Frame, heard: bool| {
+        asked |= !heard && asks_the_board(frame);
+        asked && heard
+    };
+    let read = |link: &mut Link| {
+        link.status().unwrap();
+    };
+    let sent = behind_the_wish(&inside, lose, |frame| frame, wanted, read);
+    assert!(holds(&sent[0]), "{sent:?}");
+    // While another client, that never pauses, keeps this side from its turn.
+    let inside = machine(Flash::erased());
+    let poll = |frame: Frame| match BoardSpindle::decode(&frame) {
+        Some(_) => {
+            let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
+            Frame::new(request, &[0x40, 0x01, 0x50, 1, 0, 0, 0, 0]).unwrap()
+        }
+        None => frame,
+    };
+    let polls = Arc::new(AtomicU32::new(0));
+    let (heard_of, sent_behind) = (polls.clone(), Arc::new(AtomicU32::new(0)));
+    let wanted = move |frame: &Frame, heard: bool| {
+        let one = u32::from(heard && asks_the_board(frame));
+        heard_of.fetch_add(one, Ordering::Relaxed) + one == 3
+    };
+    let behind = sent_behind.clone();
+    let note = move |frame: &Frame| {
+        if holds(frame) {
+            behind.store(polls.load(Ordering::Relaxed), Ordering::Relaxed);
+        }
+        Fate::Arrives
+    };
+    let sent = behind_the_wish(&inside, note, poll, wanted, read);
+    assert!(holds(&sent[0]), "{sent:?}");
+    // Heard are no more than what came in one piece; a turn is waited for through thirty.
+    let polls = sent_behind.load(Ordering::Relaxed);
+    assert!((3..20).contains(&polls), "{polls}");
+    assert!(link(&inside).status().unwrap().hold);
+}
+
+#[test]
+fn a_machine_that_is_to_be_held_is_not_told_to_run() {
+    let runs = |frame: &Frame| {
+        BoardCommand::decode(frame).is_some_and(|(_, told)| told.order == Some(Order::Run))
+    };
+    // Before it was told, and behind it, where that is lost or arrives.
+    for (before, arrives) in [(true, true), (false, true), (false, false)] {
+        let inside = machine(Flash::erased());
+        let wanted = move |frame: &Frame, heard: bool| !heard && (before || runs(frame));
+        let fate = move |frame: &Frame| {
+            if arrives || !runs(frame) {
+                Fate::Arrives
+            } else {
+                Fate::Lost(None)
+            }
+        };
+        let own = |link: &mut Link| {
+            if before {
+                link.start_node().unwrap();
+            }
+            link.order(Order::Run).unwrap();
+            link.idle(Duration::from_millis(30)).unwrap();
+            // The way the runner goes on.
+            link.order(Order::Hold).unwrap();
+            link.order(Order::Reset).unwrap();
+        };
+        let sent = behind_the_wish(&inside, fate, |frame| frame, wanted, own);
+        assert!(holds(&sent[0]), "{sent:?}");
+        assert!(!sent.iter().any(runs), "{sent:?}");
+        // The runner's own is the same one.
+        assert_eq!(sent.iter().filter(|frame| holds(frame)).count(), 1);
+        // Behind the order to run, which has the count before it.
+        let (_, hold) = BoardCommand::decode(&sent[0]).unwrap();
+        assert_eq!(hold.count, if before { 1 } else { 2 });
+    }
 }

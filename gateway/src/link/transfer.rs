@@ -36,6 +36,8 @@ const JITTER: Duration = Duration::from_millis(8);
 const AT_ONCE: usize = 16;
 /// The longest wait for silence: another client that never pauses is interrupted.
 const TURN: Duration = Duration::from_millis(300);
+/// And where answers are slow, so much longer at most.
+const SLOW_TURN: Duration = Duration::from_millis(600);
 /// Another client that has been heard so lately may be waiting for its turn.
 const PRESENT: Duration = Duration::from_secs(1);
 /// Where another client was heard in a transfer and no answer comes, the answer went to that one.
@@ -44,8 +46,6 @@ const SPOILT: Duration = Duration::from_millis(60);
 const STALE: Duration = Duration::from_millis(10);
 /// With other clients in the way a transfer may take so long.
 const CONTENTION: Duration = Duration::from_secs(60);
-/// What an answer takes is not taken for more than this.
-const SLOWEST: Duration = Duration::from_millis(500);
 /// The longest value that is read.
 const LONGEST: usize = 1 << 20;
 
@@ -287,18 +287,19 @@ impl Link {
         let seed = u64::from(std::process::id()) << 32 | u64::from(self.now().subsec_nanos());
         // The upper half of a product with an odd number depends on all of the lower.
         let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
-        let span = u64::try_from((JITTER + self.round_trip).as_micros()).unwrap_or(1);
+        let span = u64::try_from((JITTER + self.round_trip.reckoned()).as_micros()).unwrap_or(1);
         Duration::from_micros(mixed % span)
     }
 
     /// Lets other clients finish, and have their turn, but not for ever.
     pub(super) fn wait_for_turn(&mut self) -> LinkResult {
         let begun = Instant::now();
-        let mut quiet = QUIET + self.round_trip * 2 + self.jitter();
+        let round_trip = self.round_trip.reckoned();
+        let mut quiet = QUIET + round_trip * 2 + self.jitter();
         if !self.disturbed {
-            quiet += YIELD + self.round_trip * 2;
+            quiet += YIELD + round_trip * 2;
         }
-        let end = begun + TURN + self.round_trip * 10 + quiet;
+        let end = begun + TURN + (round_trip * 10 + quiet).min(SLOW_TURN);
         self.idle(Duration::ZERO)?;
         loop {
             let last = match self.seen.other_client {
@@ -337,7 +338,7 @@ impl Link {
             if !out.is_empty() {
                 self.send(&out)?;
                 out.clear();
-                asked = Some(Instant::now());
+                asked = Some(self.listened);
                 continue;
             }
             if let Some(outcome) = transfer.outcome() {
@@ -349,38 +350,33 @@ impl Link {
             let mut until = since + left + Duration::from_millis(1);
             let spoilt = self.seen.other_client.filter(|last| *last > attempt);
             if let Some(last) = spoilt {
-                until = until.min(last + SPOILT + self.round_trip * 4);
+                until = until.min(last + SPOILT + self.round_trip.reckoned() * 4);
             }
             let requests = CobId::of(Service::SdoRequest, self.node);
-            let mut took = None;
+            let mut answered = false;
             let enough = self.listen(until, &mut |frame| {
                 clock = before + since.elapsed();
-                if frame.id() == answers
-                    && let Some(asked) = asked.take()
-                {
-                    took = Some(asked.elapsed());
-                }
+                answered |= frame.id() == answers;
                 transfer.receive(frame, clock);
                 out.extend(transfer.poll(clock));
-                !out.is_empty() || transfer.outcome().is_some() || frame.id() == requests
+                let over = !out.is_empty() || transfer.outcome().is_some();
+                over || frame.id() == requests || answered && asked.is_some()
             })?;
-            if let Some(took) = took {
-                self.note_round_trip(took);
+            if answered && let Some(asked) = asked.take() {
+                self.round_trip.note(self.listened - asked);
             }
             if !enough {
                 clock = before + since.elapsed();
                 if spoilt.is_some() && transfer.outcome().is_none() && out.is_empty() {
                     // Perhaps it is only slower than was thought.
-                    self.note_round_trip(self.round_trip * 2 + Duration::from_millis(1));
+                    let slower = self.round_trip.reckoned() * 2 + Duration::from_millis(1);
+                    // As it is meant: a single one would not count.
+                    self.round_trip.note(slower);
+                    self.round_trip.note(slower);
                     return Ok(Err(SdoError::TimedOut));
                 }
             }
         }
-    }
-
-    /// An answer took so long: what is reckoned with is the longest of late.
-    fn note_round_trip(&mut self, took: Duration) {
-        self.round_trip = took.max(self.round_trip * 7 / 8).min(SLOWEST);
     }
 
     /// Asks for a number and counts how many answer: more than one node may have the board's number. What answers somebody

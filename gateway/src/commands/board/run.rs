@@ -399,6 +399,8 @@ impl Runner<'_> {
         let own = self.link.attend_alone(&drives)?;
         self.tell_number(own);
         self.link.hear_status()?;
+        // The board is this program's from here on: it is held at once, whatever is under way.
+        self.link.hold_when(interrupt::requested);
         self.prepare_board()?;
         let mut feeder = Feeder::new(self.setup, self.source)?;
         let mut feed = Feed::new(program_number());

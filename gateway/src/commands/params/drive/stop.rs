@@ -33,7 +33,7 @@ pub fn going_on(
             continue;
         }
         let drive = name.among(&nodes);
-        let told = link.ask(drive.node, STOP)?;
+        let told = link.ask_shortly(drive.node, STOP)?;
         let node = drive.node.get();
         match told.and_then(|bytes| Kind::I16.decode(&bytes)) {
             Some(0) => notes.push(both!(

@@ -1,5 +1,7 @@
 //! Against the drives of a board inside this process.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
@@ -298,8 +300,16 @@ fn a_pdo_gets_its_old_mapping_back_and_is_on_or_off_as_it_was() {
 
 #[test]
 fn a_push_that_lets_a_board_follow_asks_drives_what_they_do_without_a_beat() {
-    let mut link = link(&board());
-    link.set_patience(Duration::from_millis(50));
+    let absent = NodeId::new(90).unwrap();
+    let asked = Arc::new(AtomicU32::new(0));
+    let questions = asked.clone();
+    let sent = move |frame: &Frame| {
+        let request = CobId::of(Service::SdoRequest, absent);
+        let asks = frame.id() == request && frame.payload().first() == Some(&0x40);
+        questions.fetch_add(asks.into(), Ordering::Relaxed);
+        Fate::Arrives
+    };
+    let mut link = between(&board(), sent, |frame| frame);
     let old = Params::slant_bed();
     let with = |values: &[(&str, i64)]| {
         let mut params = old.clone();
@@ -324,6 +334,8 @@ fn a_push_that_lets_a_board_follow_asks_drives_what_they_do_without_a_beat() {
         of_z.starts_with("drive Z (node 90) does not tell"),
         "{of_z}"
     );
+    // A push does not wait for it for long.
+    assert_eq!(asked.load(Ordering::Relaxed), 2);
 
     let mut link = self::link(&board());
     let spindle = DriveName::S1.among(&DriveNodes::of(&new));
