@@ -18,6 +18,10 @@ pub struct Program<'p> {
     text: Text,
     reader: Reader<'p>,
     chunk: Vec<u8>,
+    /// Bytes of `chunk` that count.
+    filled: usize,
+    /// The line in which that piece begins, and what came of this line before.
+    first: (u32, Vec<u8>),
     /// What the latest piece of text has yielded and nobody has taken yet; whether its line ends in inches.
     queue: VecDeque<(Event, bool)>,
     /// The same of what was taken last.
@@ -34,6 +38,8 @@ impl<'p> Program<'p> {
             text: source.open()?,
             reader: Reader::new(params, options),
             chunk: vec![0; CHUNK],
+            filled: 0,
+            first: (1, Vec::new()),
             queue: VecDeque::new(),
             inch: false,
             alarm: None,
@@ -64,11 +70,47 @@ impl<'p> Program<'p> {
         self.inch
     }
 
+    /// The line of the latest event, also of a text that cannot be read twice; empty where it was read too long ago.
+    pub fn line(&self, number: u32) -> Vec<u8> {
+        let (first, begun) = &self.first;
+        let Some(behind) = number.checked_sub(*first) else {
+            return Vec::new();
+        };
+        let mut lines = self.chunk[..self.filled].split(|byte| *byte == b'\n');
+        let text = lines.nth(behind as usize).unwrap_or_default();
+        let line = if behind == 0 {
+            [begun, text].concat()
+        } else {
+            text.to_vec()
+        };
+        match line.strip_prefix("\u{feff}".as_bytes()) {
+            Some(text) if number == 1 => text.to_vec(),
+            _ => line,
+        }
+    }
+
+    /// Makes room for the next piece: the line that has begun is kept, as far as lines go.
+    fn clear_chunk(&mut self) {
+        let piece = &self.chunk[..self.filled];
+        let (first, begun) = &mut self.first;
+        let mut rest = piece;
+        if let Some(last) = piece.iter().rposition(|byte| *byte == b'\n') {
+            *first += piece.iter().filter(|byte| **byte == b'\n').count() as u32;
+            begun.clear();
+            rest = &piece[last + 1..];
+        }
+        let room = CHUNK.saturating_sub(begun.len()).min(rest.len());
+        begun.extend_from_slice(&rest[..room]);
+        self.filled = 0;
+    }
+
     fn fill(&mut self) -> io::Result<()> {
+        self.clear_chunk();
         let read = match self.text.read(&mut self.chunk) {
             Err(error) if error.kind() == io::ErrorKind::Interrupted => return Ok(()),
             other => other?,
         };
+        self.filled = read;
         self.over = read == 0;
         let result = if self.over {
             self.push(None)

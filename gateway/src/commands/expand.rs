@@ -18,6 +18,8 @@ use crate::words::both;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 1 << 16;
+/// Of a line whose moves take more than this, and nothing else, a part is written before all of it is known to be good.
+const LONGEST: usize = 1 << 24;
 
 /// Prints the moves of a program.
 pub fn run(setup: &Setup, args: &Expand) -> Outcome {
@@ -47,6 +49,7 @@ pub fn list(setup: &Setup, source: &SourceFile, format: Option<Format>) -> Outco
         buffer: Vec::with_capacity(CHUNK + 1024),
         line: 0,
         begins: Vec::new(),
+        warnings: Vec::new(),
         moves: 0,
         at: options.position,
         hole: Hole::new(setup.tap),
@@ -65,11 +68,24 @@ struct List<'a> {
     buffer: Vec<u8>,
     /// The line of the latest call.
     line: u32,
-    /// Of the calls of that line that may still be taken back: their columns, and where in the buffer they begin.
-    begins: Vec<(u16, usize)>,
+    /// The calls of that line: they may still be taken back.
+    begins: Vec<Begin>,
+    /// What is to be said behind the list so far, and has no place in it.
+    warnings: Vec<Diagnostic>,
     moves: u64,
     at: Position,
     hole: Hole,
+}
+
+/// Where a call begins.
+#[derive(Clone, Copy, Debug)]
+struct Begin {
+    /// In its line.
+    column: u16,
+    /// In the buffer.
+    byte: usize,
+    /// Moves before it.
+    moves: u64,
 }
 
 impl List<'_> {
@@ -80,8 +96,13 @@ impl List<'_> {
                 .map_err(|error| Failure::file(Doing::Read, self.source.name(), &error))?;
             match next {
                 None => return Ok(()),
-                Some(Ok(Event::Call(call))) => self.call(&call, program.is_inch())?,
-                Some(Ok(Event::Warning(warning))) => self.tell(&warning, program.is_inch())?,
+                Some(Ok(Event::Call(call))) => self.call(&call, program)?,
+                Some(Ok(Event::Warning(warning))) => {
+                    if warning.span.line > self.line {
+                        self.begin_line(warning.span.line)?;
+                    }
+                    self.tell(&warning, program.is_inch())?;
+                }
                 Some(Err(alarm)) => {
                     self.tell(&alarm, program.is_inch())?;
                     return Err(Failure::Wrong);
@@ -90,21 +111,34 @@ impl List<'_> {
         }
     }
 
-    fn call(&mut self, call: &Call, inch: bool) -> Outcome {
-        if call.span.line != self.line {
-            self.line = call.span.line;
-            self.begins.clear();
+    /// What comes from here on is of this line; the one before is good, and can be written.
+    fn begin_line(&mut self, line: u32) -> Outcome {
+        self.line = line;
+        self.begins.clear();
+        if self.buffer.len() >= CHUNK || !self.warnings.is_empty() {
+            self.flush()?;
         }
-        self.begins.push((call.span.column, self.buffer.len()));
+        Ok(())
+    }
+
+    fn call(&mut self, call: &Call, program: &Program) -> Outcome {
+        if call.span.line != self.line {
+            self.begin_line(call.span.line)?;
+        }
+        self.begins.push(Begin {
+            column: call.span.column,
+            byte: self.buffer.len(),
+            moves: self.moves,
+        });
         let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
-            Err(alarm) => return self.refuse(call, &alarm, inch),
+            Err(alarm) => return self.refuse(call, &alarm, program),
         };
         if let Err(alarm) = self.hole.admit(call, &moves) {
-            return self.refuse(call, &alarm, inch);
+            return self.refuse(call, &alarm, program);
         }
         if let Some(warning) = moves.warning() {
-            self.tell(&warning, inch)?;
+            self.tell(&warning, program.is_inch())?;
         }
         for step in moves {
             self.moves += 1;
@@ -118,21 +152,22 @@ impl List<'_> {
             );
             self.hole.push(&step);
             self.at = step.to;
-            if self.buffer.len() >= CHUNK {
+            if self.buffer.len() >= LONGEST {
                 self.flush()?;
+                self.begins.clear();
             }
         }
         Ok(())
     }
 
     /// An alarm of a call. It comes before any move of its block, also before what the block does ahead of its motion.
-    fn refuse(&mut self, call: &Call, alarm: &Alarm, inch: bool) -> Outcome {
-        let text = self.source.line(self.line).unwrap_or_default();
-        let block = block_begin(&text, call.span.column);
-        if let Some((_, begin)) = self.begins.iter().find(|(column, _)| *column >= block) {
-            self.buffer.truncate(*begin);
+    fn refuse(&mut self, call: &Call, alarm: &Alarm, program: &Program) -> Outcome {
+        let block = block_begin(&program.line(self.line), call.span.column);
+        if let Some(begin) = self.begins.iter().find(|begin| begin.column >= block) {
+            self.buffer.truncate(begin.byte);
+            self.moves = begin.moves;
         }
-        self.tell(alarm, inch)?;
+        self.tell(alarm, program.is_inch())?;
         Err(Failure::Wrong)
     }
 
@@ -149,8 +184,10 @@ impl List<'_> {
             json.object(|json| json.object_at(key, |json| diagnostic.fields(json, false)));
             self.buffer.extend_from_slice(&json.into_bytes());
             self.buffer.push(b'\n');
+        } else if diagnostic.warning {
+            self.warnings.push(diagnostic);
         } else {
-            if self.format == Format::Text && self.moves == 0 && !diagnostic.warning {
+            if self.format == Format::Text && self.moves == 0 {
                 // A table without a line needs no heading.
                 self.buffer.clear();
             }
@@ -161,14 +198,17 @@ impl List<'_> {
         Ok(())
     }
 
+    /// Writes the list so far, and what is to be said behind it.
     fn flush(&mut self) -> Outcome {
-        self.begins.clear();
-        if self.buffer.is_empty() {
-            return Ok(());
+        if !self.buffer.is_empty() {
+            let written = output::write(&self.buffer);
+            self.buffer.clear();
+            written?;
         }
-        let written = output::write(&self.buffer);
-        self.buffer.clear();
-        written
+        for warning in self.warnings.drain(..) {
+            diagnostics::print(&warning, self.setup.colour);
+        }
+        Ok(())
     }
 }
 

@@ -1,5 +1,8 @@
 //! `expand`: golden move lists, and the worked figures of the sheets' examples.
 
+use std::io::Write as _;
+use std::process::{Command, Output, Stdio};
+
 use serde_json::Value;
 
 use crate::{cases, code, golden, leadscrew, root, stderr, stdout};
@@ -192,4 +195,96 @@ fn a_table_of_nothing_has_no_heading() {
     assert_eq!((code(&output), stdout(&output).as_str()), (1, ""));
     let output = leadscrew(&["expand", &program, "--format", "csv"]);
     assert_eq!(stdout(&output).lines().count(), 1);
+}
+
+/// What `expand` says of a program that comes through a pipe, which cannot be read twice.
+fn piped(program: &str, args: &[&str]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(["expand", "/dev/stdin"])
+        .args(args)
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(program.as_bytes()).unwrap();
+    drop(stdin);
+    child.wait_with_output().unwrap()
+}
+
+/// A block whose cycle is refused, because it begins inside the work, behind `ahead`.
+fn refused(ahead: &str) -> String {
+    format!("{ahead}M3 S300 T0101 G76 X60 Z-50 P36800 Q18000 F1\n")
+}
+
+#[test]
+fn of_a_line_through_a_pipe_the_blocks_before_the_refused_one_stay() {
+    let folder = crate::Folder::new("piped");
+    let file = folder.file("refused.nc");
+    let listed = |output: &Output| -> Vec<Value> {
+        assert_eq!(code(output), 1);
+        let told = stdout(output);
+        let all = told.lines().map(|line| serde_json::from_str(line).unwrap());
+        all.map(|line: Value| match line.get("alarm") {
+            Some(alarm) => alarm["no"].clone(),
+            None => line["m"].clone(),
+        })
+        .collect()
+    };
+    // In the first piece that is read, on the seam of two (a piece is 16 KiB), behind several.
+    for begins in [13, 16_330, 16_350, 16_380, 16_383, 16_384, 16_385, 40_000] {
+        let mut program = String::from("G50 X64 Z10\n");
+        program.extend(std::iter::repeat_n('\n', begins - program.len()));
+        program += &refused("M8; (a; b) M9; ");
+        let output = piped(&program, &["--format", "jsonl"]);
+        assert_eq!(listed(&output), [8, 9, 4103], "{begins}");
+        std::fs::write(&file, &program).unwrap();
+        let output = leadscrew(&["expand", &file, "--format", "jsonl"]);
+        assert_eq!(listed(&output), [8, 9, 4103], "{begins}");
+    }
+}
+
+/// Wherever in the list a piece of it is written.
+#[test]
+fn of_a_refused_block_nothing_is_listed_in_a_long_program_either() {
+    let fill = |lines: usize| -> String {
+        let line = |n: usize| format!("G0 X{}\n", 64 + n % 2);
+        String::from("G50 X64 Z10\n") + &(1..=lines).map(line).collect::<String>()
+    };
+    // So many moves fill a piece.
+    let whole = stdout(&piped(&fill(2000), &["--format", "csv"]));
+    let mut length = 0;
+    let pieces = whole.lines().take_while(|line| {
+        length += line.len() + 1;
+        length < 1 << 16
+    });
+    let full = pieces.count();
+    for lines in full - 4..full + 4 {
+        let program = fill(lines) + &refused("");
+        let output = piped(&program, &["--format", "csv"]);
+        assert_eq!(
+            (code(&output), stdout(&output).lines().count()),
+            (1, lines + 1)
+        );
+    }
+}
+
+/// Also where it has a warning: that is told, and the alarm behind it.
+#[test]
+fn of_a_refused_block_with_a_warning_nothing_is_listed() {
+    let program = String::from("G50 X64 Z10\nG50 S100\nM8\n") + &refused("");
+    let output = piped(&program, &["--format", "csv"]);
+    let told = stdout(&output);
+    assert_eq!(told.lines().count(), 2, "{told}");
+    let told = stderr(&output);
+    let (warning, alarm) = (told.find("4901").unwrap(), told.find("4103").unwrap());
+    assert!(warning < alarm, "{told}");
+    // A table without a line has no heading.
+    let output = piped(
+        &refused("G50 X64 Z10\nG50 S100\n").replace("T0101", ""),
+        &[],
+    );
+    assert_eq!(stdout(&output), "");
 }
