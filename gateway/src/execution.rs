@@ -133,7 +133,7 @@ impl<'a> Execution<'a> {
             });
             let origin = Origin {
                 program: self.source.name(),
-                parameters: identity(&self.setup.params),
+                parameters: Some(identity(&self.setup.params)),
                 board: None,
             };
             origin.fields(json);

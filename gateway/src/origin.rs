@@ -22,7 +22,8 @@ pub struct Origin {
     /// The program's name, as it was typed.
     pub program: String,
     /// CRC-32 of the parameter set in force: 1020h.
-    pub parameters: u32,
+    /// None where nothing is in force, or where it is not known.
+    pub parameters: Option<u32>,
     /// A board, and when it began; none for a simulation, which is the same at any time.
     pub board: Option<(BoardName, SystemTime)>,
 }
@@ -31,7 +32,10 @@ impl Origin {
     /// `program`, `parameters`, `gateway`, `board` and `started`.
     pub fn fields(&self, json: &mut Json) {
         json.text("program", &self.program);
-        json.text("parameters", &format!("{:08x}", self.parameters));
+        match self.parameters {
+            Some(identity) => json.text("parameters", &format!("{identity:08x}")),
+            None => json.null("parameters"),
+        }
         json.text("gateway", env!("CARGO_PKG_VERSION"));
         let Some((board, started)) = &self.board else {
             json.null("board");
@@ -50,8 +54,8 @@ impl Origin {
     pub fn line(&self) -> Option<Both> {
         let (board, started) = self.board.as_ref()?;
         let started = utc(*started);
-        let (parameters, node, serial, version) =
-            (self.parameters, board.node, board.serial, &board.version);
+        let (node, serial, version) = (board.node, board.serial, &board.version);
+        let parameters = self.parameters?;
         Some(both!(
             "board node {node}, serial number {serial:08x}, version {version}, parameters {parameters:08x}; started {started}\n",
             "控制板 节点 {node}，序列号 {serial:08x}，版本 {version}，参数集 {parameters:08x}；开始于 {started}\n"
@@ -120,7 +124,7 @@ mod tests {
     fn a_result_says_where_it_comes_from() {
         let mut origin = Origin {
             program: "shaft.nc".into(),
-            parameters: 0xA5,
+            parameters: Some(0xA5),
             board: None,
         };
         assert_eq!(origin.line(), None);

@@ -4,6 +4,7 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use leadscrew_board_sim::plant::Flash;
+use leadscrew_can::Address;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::cycle::Context;
 use leadscrew_core::journal::TapRecord;
@@ -18,8 +19,10 @@ use crate::commands::board;
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
+use crate::origin::Origin;
 use crate::output;
 use crate::params::{self, Loaded};
+use crate::source::SourceFile;
 use crate::state::{StateFile, stored_set};
 use crate::synchronism::Synchronism;
 use crate::threads::Threads;
@@ -50,19 +53,20 @@ pub struct Setup<'a> {
 impl<'a> Setup<'a> {
     /// Loads what the options name, and tells what is wrong with it. The set of the board, real or simulated,
     /// lies below it.
-    pub fn new(global: &'a Global, answer: Answer) -> Outcome<Self> {
+    pub fn new(global: &'a Global, answer: Answer<'_>) -> Outcome<Self> {
         Self::of(global, board::base(global, answer)?, None, answer)
     }
 
     /// The same over a set that is known already; `None`: the built-in machine.
-    pub fn over(global: &'a Global, base: Option<Params>) -> Outcome<Self> {
-        Self::of(global, base, None, Answer::Parameters)
+    pub fn over(global: &'a Global, base: Option<Params>, answer: Answer<'_>) -> Outcome<Self> {
+        Self::of(global, base, None, answer)
     }
 
-    /// The same for a simulated machine that is to run with `drive`'s tick.
-    pub fn with_drive(global: &'a Global, drive: &Drive) -> Outcome<Self> {
+    /// The same for a simulated machine that is to run `program` with `drive`'s tick.
+    pub fn with_drive(global: &'a Global, drive: &Drive, program: &SourceFile) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
-        Self::of(global, None, tick, Answer::Run)
+        let program = &program.name();
+        Self::of(global, None, tick, Answer::Run { program })
     }
 
     /// A set that is stored in the flash of a simulated board is that board's own, as with a real one [D107].
@@ -70,7 +74,7 @@ impl<'a> Setup<'a> {
         global: &'a Global,
         base: Option<Params>,
         last: Option<String>,
-        answer: Answer,
+        answer: Answer<'_>,
     ) -> Outcome<Self> {
         let kept = match &global.state {
             None => None,
@@ -193,7 +197,7 @@ pub fn alone_in(
     global: &Global,
     files: &[PathBuf],
     set: &[String],
-    answer: Answer,
+    answer: Answer<'_>,
 ) -> Outcome<Loaded> {
     let loaded = params::load(files, set, global.lang())?;
     // What the cross-checks find may be otherwise over another set.
@@ -210,20 +214,20 @@ pub fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
 }
 
 /// The same where `--json` has the form of another command's result.
-fn told_good_in(global: &Global, loaded: Loaded, answer: Answer) -> Outcome<Loaded> {
+fn told_good_in(global: &Global, loaded: Loaded, answer: Answer<'_>) -> Outcome<Loaded> {
     loaded.tell(colour());
     if loaded.is_good() {
         return Ok(loaded);
     }
     if global.json || answer == (Answer::Moves { jsonl: true }) {
-        answer.refused(&loaded)?;
+        answer.refused(&loaded, &global.bus)?;
     }
     Err(Failure::Wrong)
 }
 
 /// The form of a command's machine-readable result, which it also has where wrong parameters let nothing begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum Answer<'a> {
     /// `ok`, `alarms` and `warnings` alone.
     Parameters,
     /// That of `check`: no file has been looked at.
@@ -234,11 +238,14 @@ pub enum Answer {
         jsonl: bool,
     },
     /// That of `simulate` and `run`: nothing has moved.
-    Run,
+    Run {
+        /// As it was typed.
+        program: &'a str,
+    },
 }
 
-impl Answer {
-    fn refused(self, loaded: &Loaded) -> Outcome {
+impl Answer<'_> {
+    fn refused(self, loaded: &Loaded, bus: &Address) -> Outcome {
         if let Self::Moves { .. } = self {
             // Warnings first: an alarm is the last line.
             for (key, warning) in [("warning", true), ("alarm", false)] {
@@ -253,12 +260,21 @@ impl Answer {
             match self {
                 Self::Parameters | Self::Moves { .. } => {}
                 Self::Check => o.array_at("files", |_| {}),
-                Self::Run => {
+                Self::Run { .. } if *bus != Address::Sim => board::no_figures(bus, o),
+                Self::Run { .. } => {
                     Summary::new(loaded.params.tick_us()).fields(&Synchronism::default(), o);
                     Threads::default().fields(o);
                 }
             }
             loaded.report_fields(o);
+            if let Self::Run { program } = self {
+                let origin = Origin {
+                    program: program.to_owned(),
+                    parameters: None,
+                    board: None,
+                };
+                origin.fields(o);
+            }
         })
     }
 }

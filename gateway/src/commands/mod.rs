@@ -19,6 +19,7 @@ use leadscrew_core::bus::Order;
 use crate::cli::{Cli, Command, Format};
 use crate::failure::Outcome;
 use crate::setup::{Answer, Setup};
+use crate::source::SourceFile;
 
 /// Does what was typed.
 pub fn dispatch(cli: &Cli) -> Outcome {
@@ -32,17 +33,25 @@ pub fn dispatch(cli: &Cli) -> Outcome {
             expand::run(&Setup::new(&cli.global, Answer::Moves { jsonl })?, args)
         }
         Command::Simulate(args) => {
-            simulate::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
+            let program = SourceFile::new(&args.program);
+            simulate::run(
+                &Setup::with_drive(&cli.global, &args.drive, &program)?,
+                args,
+            )
         }
         Command::Plot(args) => {
             plot::format(&args.output)?;
-            plot::run(&Setup::with_drive(&cli.global, &args.drive)?, args)
+            let program = SourceFile::new(&args.program);
+            plot::run(
+                &Setup::with_drive(&cli.global, &args.drive, &program)?,
+                args,
+            )
         }
         Command::Run(args) => run::run(&cli.global, args),
         Command::Status if is_real(cli) => board::status(&cli.global),
         Command::Status => status::run(&cli.global),
         Command::Record(args) if is_real(cli) => {
-            record::run(&Setup::over(&cli.global, None)?, args)
+            record::run(&Setup::over(&cli.global, None, Answer::Parameters)?, args)
         }
         Command::Retract { speed, discard } => retract::retract(
             &cli.global,

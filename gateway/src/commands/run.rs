@@ -54,7 +54,7 @@ pub fn carry_out(
     tolerance: Option<Tolerance>,
 ) -> Outcome {
     interrupt::watch();
-    let setup = &Setup::with_drive(global, drive)?;
+    let setup = &Setup::with_drive(global, drive, source)?;
     if let Some(path) = record {
         source.protect(path)?;
     }

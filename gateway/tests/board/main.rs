@@ -413,11 +413,10 @@ fn lost_behind_two_holes(options: &[&str]) -> Output {
         "G98\nG0 X40 Z5 C0\nM29 S1500\nG84 C0 Z-4 R-3 F1500 K2\nG80\nG0 X80\nG98 G1 X90 F5\nM30\n";
     let path = std::env::temp_dir().join(format!("silent-{}.nc", std::process::id()));
     std::fs::write(&path, holes).unwrap();
-    let run = command(&[&["run", path.to_str().unwrap()], options].concat(), &bus)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let run = Run::of(command(
+        &[&["run", path.to_str().unwrap()], options].concat(),
+        &bus,
+    ));
     // The board knows how far whoever runs them has got.
     let mut link = Link::open(&bus.parse().unwrap(), NodeId::BOARD, BitRate::M1).unwrap();
     wait_until("both holes are taken", || {
@@ -425,7 +424,7 @@ fn lost_behind_two_holes(options: &[&str]) -> Output {
         (taken == [2, 0, 0, 0]).then_some(())
     });
     server.unplug();
-    let output = run.wait_with_output().unwrap();
+    let output = run.end();
     let _ = std::fs::remove_file(&path);
     output
 }
@@ -465,6 +464,43 @@ fn the_board_s_own_parameters_count() {
     );
     assert!(told.contains("another machine"), "{told}");
     assert_eq!(json(&leadscrew(&["status", "--json"], &bus))["move"], 0);
+}
+
+/// What is wrong with options is told in the form of a run's result, whether it shows without the board's set or only over
+/// it: there the cutting feed of X lies above its rapid rate of 8000 mm/min.
+#[test]
+fn wrong_parameters_leave_a_run_its_form() {
+    let server = Server::start(&Options {
+        set: vec![("9024", 0), ("1430.X", 2_000_000_000)],
+        ..Options::default()
+    });
+    let bus = server.bus();
+    let shaft = "examples/shaft.nc";
+    let keys =
+        |told: &Value| -> Vec<String> { told.as_object().unwrap().keys().cloned().collect() };
+    // A program that is refused has the whole form.
+    let folder = std::env::temp_dir().join(format!("refused-{}.nc", std::process::id()));
+    std::fs::write(&folder, "G33 Z5 F1\n").unwrap();
+    let refused = json(&leadscrew(
+        &["run", folder.to_str().unwrap(), "--json"],
+        &bus,
+    ));
+    let _ = std::fs::remove_file(&folder);
+    for (set, number) in [("1420.X=0", 4410), ("1420.X=1000", 4422)] {
+        let output = leadscrew(&["run", shaft, "--set", set, "--json"], &bus);
+        let told = json(&output);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert_eq!(told["alarms"][0]["no"], number, "{told}");
+        assert_eq!(keys(&told), keys(&refused), "{set}");
+        assert_eq!((&told["ok"], &told["moves"]), (&false.into(), &0.into()));
+        assert_eq!(
+            (&told["program"], &told["bus"]),
+            (&shaft.into(), &bus.clone().into())
+        );
+        for unknown in ["path_mm", "setpoint_hash", "parameters", "board", "started"] {
+            assert_eq!(told[unknown], Value::Null, "{unknown}");
+        }
+    }
 }
 
 #[test]

@@ -81,6 +81,25 @@ fn wrong_parameters_leave_each_result_its_form() {
         assert_eq!(told["sync_error_um"]["max"], Value::Null, "{command}");
         assert_eq!(told["alarms"][0]["no"], 4410, "{command}");
         assert_eq!(told["warnings"], Value::Array(vec![]), "{command}");
+        assert_eq!(told["program"], shaft, "{command}");
+        assert_eq!(told["gateway"], env!("CARGO_PKG_VERSION"), "{command}");
+        for unknown in ["parameters", "board", "started"] {
+            assert_eq!(
+                told.get(unknown),
+                Some(&Value::Null),
+                "{command}: {unknown}"
+            );
+        }
+        // No member is missing that a result has otherwise.
+        let whole = object(&[command, "examples/g84-tap.nc", "--json"], 0);
+        for member in whole
+            .as_object()
+            .unwrap()
+            .keys()
+            .filter(|key| *key != "tap")
+        {
+            assert!(told.get(member).is_some(), "{command}: {member}");
+        }
     }
     // Lines, the alarm the last of them, in either way of asking for them.
     for format in [&["--json"][..], &["--format", "jsonl"]] {

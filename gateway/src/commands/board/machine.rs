@@ -152,7 +152,7 @@ fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
 ///
 /// # Errors
 /// No bus, no board, another version; a file that is no flash; files or options that are wrong over whatever set.
-pub fn base(global: &Global, answer: Answer) -> Outcome<Option<Params>> {
+pub fn base(global: &Global, answer: Answer<'_>) -> Outcome<Option<Params>> {
     alone_in(global, &global.params, &global.set, answer)?;
     if global.bus == Address::Sim {
         let Some(path) = &global.state else {

@@ -17,7 +17,7 @@ use crate::words::pick;
 pub use machine::{Greeted, Machine, base};
 pub use monitor::monitor;
 pub use operate::{levels, order, signal};
-pub use run::run;
+pub use run::{no_figures, run};
 pub use status::status;
 
 /// The bus and the number of the options; nothing has been said yet.

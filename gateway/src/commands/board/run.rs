@@ -4,6 +4,7 @@ use std::io::IsTerminal as _;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leadscrew_can::Address;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
@@ -18,6 +19,7 @@ use crate::execution::tell_report;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::feeder::{Feeder, placed};
 use crate::interrupt;
+use crate::json::Json;
 use crate::link::{Feed, Link, alarm_words};
 use crate::number;
 use crate::origin::Origin;
@@ -88,10 +90,12 @@ pub fn run(
     source
         .open()
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
-    alone_in(global, &global.params, &global.set, Answer::Run)?;
+    let program = source.name();
+    let answer = Answer::Run { program: &program };
+    alone_in(global, &global.params, &global.set, answer)?;
     interrupt::watch();
     let machine = Machine::meet(global)?;
-    let mut setup = Setup::over(global, Some(machine.params.clone()))?;
+    let mut setup = Setup::over(global, Some(machine.params.clone()), answer)?;
     machine.agrees_with(&setup)?;
     let mut link = machine.link;
     let status = link.status()?;
@@ -99,8 +103,8 @@ pub fn run(
     setup.position = Some(status.position);
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
     let origin = Origin {
-        program: source.name(),
-        parameters: status.parameters,
+        program: program.clone(),
+        parameters: Some(status.parameters),
         board: Some((link.board_name()?, SystemTime::now())),
     };
     let report = tell_report(&setup, source)?;
@@ -258,6 +262,32 @@ impl Figures {
             errors: certificate.into(),
         }
     }
+
+    /// As far as they are known, with what was seen of the run.
+    fn fields(&self, bus: &Address, ran: &Ran, path_nm: Option<i64>, json: &mut Json) {
+        json.text("bus", &bus.to_string());
+        json.number("moves", ran.moves);
+        json.number("ticks", self.ticks);
+        json.decimal::<6>("time_s", self.time_us);
+        match path_nm {
+            Some(nm) => json.decimal::<6>("path_mm", nm),
+            None => json.null("path_mm"),
+        }
+        match &self.hash {
+            Some(hash) => json.text("setpoint_hash", hash),
+            None => json.null("setpoint_hash"),
+        }
+        // A machine knows no other than the measured ones.
+        self.errors.field("sync_error_um", json);
+        self.errors.field("measured_error_um", json);
+        json.integer("late", i64::from(ran.late));
+        ran.threads.fields(json);
+    }
+}
+
+/// The figures of a run that has not begun.
+pub fn no_figures(bus: &Address, json: &mut Json) {
+    Figures::default().fields(bus, &Ran::default(), None, json);
 }
 
 /// What the board has measured of each thread, and of the run, against the tolerance asked for.
@@ -282,26 +312,10 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
 /// The contract's object. The path is that of the moves: known where all of them were carried out.
 fn result(setup: &Setup, report: &Report, ran: &Ran, origin: &Origin, ok: bool) -> Outcome {
     let figures = Figures::of(ran, setup);
+    let path_nm = ok.then(|| report.path_nm.round() as i64);
     output::json(|json| {
         json.flag("ok", ok);
-        json.text("bus", &setup.global.bus.to_string());
-        json.number("moves", ran.moves);
-        json.number("ticks", figures.ticks);
-        json.decimal::<6>("time_s", figures.time_us);
-        if ok {
-            json.decimal::<6>("path_mm", report.path_nm.round() as i64);
-        } else {
-            json.null("path_mm");
-        }
-        match &figures.hash {
-            Some(hash) => json.text("setpoint_hash", hash),
-            None => json.null("setpoint_hash"),
-        }
-        // A machine knows no other than the measured ones.
-        figures.errors.field("sync_error_um", json);
-        figures.errors.field("measured_error_um", json);
-        json.integer("late", i64::from(ran.late));
-        ran.threads.fields(json);
+        figures.fields(&setup.global.bus, ran, path_nm, json);
         for (key, first, then) in [
             ("alarms", &report.alarms, &ran.alarms),
             ("warnings", &report.warnings, &ran.warnings),
