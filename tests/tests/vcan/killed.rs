@@ -22,17 +22,25 @@ fn kill(mut process: Child) {
     process.wait().unwrap();
 }
 
-/// Kills it once a frame like this is on the bus; so many of them go by before.
-fn kill_at(can: &mut SocketCan, process: Child, mut skip: usize, like: impl Fn(&Frame) -> bool) {
+/// Kills it once a frame like this is on the bus; so many of them go by before. What was heard with the last one behind it
+/// is returned.
+fn kill_at(
+    can: &mut SocketCan,
+    process: Child,
+    mut skip: usize,
+    like: impl Fn(&Frame) -> bool,
+) -> Vec<Frame> {
     let began = std::time::Instant::now();
     let mut heard = Vec::new();
     loop {
         heard.clear();
         can.receive(&mut heard, PATIENCE).unwrap();
-        for frame in heard.iter().filter_map(|heard| heard.packet.frame()) {
+        let mut frames = heard.iter().filter_map(|heard| heard.packet.frame());
+        while let Some(frame) = frames.next() {
             if like(frame) {
                 if skip == 0 {
-                    return kill(process);
+                    kill(process);
+                    return frames.copied().collect();
                 }
                 skip -= 1;
             }
@@ -41,19 +49,32 @@ fn kill_at(can: &mut SocketCan, process: Child, mut skip: usize, like: impl Fn(&
     }
 }
 
-/// Listens until the board says that it has given a transfer up. What was killed too late has ended it: then nothing
-/// comes.
-fn wait_for_abort(can: &mut SocketCan) {
+/// A block download of 5020h:01 begins.
+fn begins(frame: &Frame) -> bool {
+    about(frame, REQUEST, 0xC6, [0x20, 0x50, 1])
+}
+
+/// Listens until the board says that it has given up the transfer that has begun. Who was killed too late has come to its
+/// end, which the board confirms: only then may nothing more come.
+fn wait_for_abort(can: &mut SocketCan, mut frames: Vec<Frame>) {
     let began = std::time::Instant::now();
+    let mut under_way = true;
     let mut heard: Vec<Received> = Vec::new();
-    let given_up = |frame: &Frame| about(frame, REPLY, 0x80, [0x20, 0x50, 1]);
-    while began.elapsed() < Duration::from_secs(15) {
-        let mut frames = heard.iter().filter_map(|heard| heard.packet.frame());
-        if frames.any(given_up) {
-            return;
+    while under_way || began.elapsed() < Duration::from_secs(15) {
+        for frame in &frames {
+            if about(frame, REPLY, 0x80, [0x20, 0x50, 1]) {
+                return;
+            }
+            let confirmed = frame.id().get() == REPLY && frame.payload().first() == Some(&0xA1);
+            under_way = begins(frame) || under_way && !confirmed;
         }
+        assert!(began.elapsed() < PATIENCE, "the transfer is not given up");
         heard.clear();
         can.receive(&mut heard, Duration::from_secs(1)).unwrap();
+        let packets = heard.iter();
+        frames = packets
+            .filter_map(|heard| heard.packet.frame().copied())
+            .collect();
     }
 }
 
@@ -130,13 +151,10 @@ fn in_a_transfer_the_next_program_is_carried_out() {
     for batches in [0, 1, 5] {
         let mut can = open();
         let running = run(&path, &[]);
-        // A block download of 5020h:01 begins.
-        kill_at(&mut can, running, batches, |frame| {
-            about(frame, REQUEST, 0xC6, [0x20, 0x50, 1])
-        });
+        let behind = kill_at(&mut can, running, batches, begins);
         // Virtual time stands still until the program counts as lost, and goes slowly then; a second of it later the
         // transfer is given up, and the board says so. Until then whatever is asked would be taken for a piece of it.
-        wait_for_abort(&mut can);
+        wait_for_abort(&mut can, behind);
         eventually("it takes a reset", || {
             leadscrew(&["reset"]).status.success()
         });
