@@ -92,6 +92,9 @@ fn in_a_tap(status: &str) -> bool {
     depth < -8.0 && field(status, "sync_error_um") != "null"
 }
 
+/// As [`SLOW_TAP`], in pecks.
+const SLOW_PECKS: &str = "G98\nG0 X50 Z0\nM29 S200\nG84 Z-30 Q4. P9999 F200\nG80\nM30\n";
+
 /// A gateway is missed after five seconds, and not before because the computer stands still.
 const PATIENT: [&str; 4] = ["--set", "9000=5000", "--set", "9024=5000"];
 
@@ -99,7 +102,11 @@ const PATIENT: [&str; 4] = ["--set", "9000=5000", "--set", "9024=5000"];
 #[test]
 fn in_a_tap_the_hole_is_finished() {
     let floating = "G98\nM3 S200\nG0 X50 Z0\nG84 Z-30 P9999 F200\nG80\nM30\n";
-    for (name, text) in [("rigid.nc", SLOW_TAP), ("floating.nc", floating)] {
+    for (name, text) in [
+        ("rigid.nc", SLOW_TAP),
+        ("pecks.nc", SLOW_PECKS),
+        ("floating.nc", floating),
+    ] {
         let board = Board::start(&[&PATIENT[..], &["--set", "9025=0"]].concat());
         let running = run(&program(name, text), &[]);
         wait_for_status("the tap is in its hole", in_a_tap);
@@ -123,7 +130,7 @@ fn in_a_tap_the_hole_is_finished() {
 #[test]
 fn in_a_tap_a_stop_leaves_it_in_the_hole_and_the_journal_brings_it_out() {
     let _board = Board::start(&[&PATIENT[..], &["--set", "9025=1"]].concat());
-    let running = run(&program("stopped.nc", SLOW_TAP), &[]);
+    let running = run(&program("stopped.nc", SLOW_PECKS), &[]);
     wait_for_status("the tap is in its hole", in_a_tap);
     kill(running);
     let status = wait_for_status("it has stopped", |status| field(status, "state") == "alarm");
