@@ -88,16 +88,6 @@ impl Board {
         (code, self.words())
     }
 
-    /// Its process stands still, as on a computer that has other things to do.
-    pub fn stand_still(&self) {
-        signal(&self.process.0, "-STOP");
-    }
-
-    /// And goes on.
-    pub fn go_on(&self) {
-        signal(&self.process.0, "-CONT");
-    }
-
     /// Takes it away at once.
     pub fn kill(mut self) {
         self.process.0.kill().unwrap();

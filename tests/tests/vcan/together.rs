@@ -1,16 +1,13 @@
 //! Two boards on one wire, each with its drives and its gateway: one gives the beat, the other follows.
 //!
-//! In virtual time they do what each does alone. In real time the computer has a say in whether the beat comes in time:
-//! there the second one does that, too, or stops and says that it lost the beat [D178].
+//! In virtual time they do what each does alone. In real time the computer has a say in whether the beat comes in time;
+//! what a lost one does stands in the tests of `faults`.
 
 use std::path::Path;
 
-use leadscrew_can::{Can as _, SocketCan};
-use leadscrew_core::bus::{CobId, Frame, NodeId, Service, is_sync};
-
-use crate::bus::{PATIENCE, eventually, open, ours, scratch, sockets_on, tool};
+use crate::bus::{eventually, ours, scratch, sockets_on, tool};
 use crate::machine::{
-    Board, both, command, example, field, finish, good, interrupt, leadscrew, out, program, run,
+    Board, command, example, field, finish, good, interrupt, leadscrew, out, program, run,
 };
 
 /// Of both: on a bus where there is room for two.
@@ -167,124 +164,4 @@ fn a_table_has_the_drives_of_both_side_by_side() {
     let second = path(&table, ["b2_x_nm", "b2_z_nm"]);
     let apart = first.iter().zip(&second).position(|(a, b)| a != b);
     assert_eq!((apart, second.len()), (None, first.len()));
-}
-
-/// Of both in real time, where nobody is missed because the computer stands still, and late setpoints are only counted.
-const REAL: [&str; 8] = [
-    "--set",
-    "9000=8000",
-    "--set",
-    "9030=33",
-    "--set",
-    "9024=0",
-    "--set",
-    "9027=0",
-];
-
-/// Alarms of a board whose beat does not come as it should: lost, and not steady.
-const BEAT: [&str; 2] = ["4379", "4380"];
-
-fn status_of_second() -> String {
-    good(&leadscrew(&["status", "--json", "--node", "2"]))
-}
-
-/// The number of the alarm that the second board stands on, if any: none but those of its beat.
-fn alarm(status: &str) -> Option<&str> {
-    let told = status.split_once("\"alarm\":{").map(|(_, told)| told);
-    let number = told.map(|told| field(told, "no"));
-    assert!(
-        number.is_none_or(|number| BEAT.contains(&number)),
-        "{status}"
-    );
-    number
-}
-
-/// Runs a program on the second board, once it has joined; the hash of its
-/// setpoints. `None`: its beat did not come in time.
-fn joined(path: &Path) -> Option<String> {
-    let mut status = String::new();
-    eventually("it has joined, or says why not", || {
-        status = status_of_second();
-        field(&status, "state") == "idle" || alarm(&status).is_some()
-    });
-    if alarm(&status).is_none() {
-        let output = finish(run(path, &["--node", "2"]));
-        status = status_of_second();
-        match output.status.code() {
-            Some(0) => return Some(field(&out(&output), "setpoint_hash").to_owned()),
-            // Lost before it began, or on the way.
-            Some(3 | 4) => {}
-            code => panic!("{code:?}: {}", both(&output)),
-        }
-        assert!(alarm(&status).is_some(), "{}{status}", both(&output));
-    }
-    // It waits for the beat again.
-    leadscrew(&["reset", "--node", "2"]);
-    None
-}
-
-/// What the bus says behind the alarm of the second board, as long as the first one gives its beat a hundred times.
-fn behind_alarm(can: &mut SocketCan) -> Vec<Frame> {
-    let alarm = CobId::of(Service::Emcy, NodeId::new(2).unwrap());
-    let (mut frames, mut heard, mut beats) = (Vec::new(), Vec::new(), 0);
-    while beats < 100 {
-        heard.clear();
-        let count = can.receive(&mut heard, PATIENCE).unwrap();
-        assert!(count > 0, "no beat");
-        for frame in heard.iter().filter_map(|heard| heard.packet.frame()) {
-            if !frames.is_empty() || frame.id() == alarm {
-                beats += usize::from(is_sync(frame));
-                frames.push(*frame);
-            }
-        }
-    }
-    frames
-}
-
-/// Whatever the second board tells its drives, each is told one place, and what a drive says of itself is one place, too.
-fn stands_still(frames: &[Frame]) {
-    for id in [0x230, 0x231, 0x232, 0x1B0, 0x1B1, 0x1B2] {
-        let told = frames.iter().filter(|frame| frame.id().get() == id);
-        let mut places: Vec<&[u8]> = told.filter_map(|frame| frame.payload().get(2..)).collect();
-        places.dedup();
-        assert!(places.len() <= 1, "{id:03X}h: {places:?}");
-    }
-}
-
-/// The first one stands still in the middle of the second one's program, as on a
-/// computer that is busy: the second one says so, and nothing moves any more. Before that
-/// it has the setpoints it has alone, wherever the beat comes in time.
-#[test]
-fn in_real_time_the_second_has_its_setpoints_or_has_lost_the_beat() {
-    let thread = program(
-        "real.nc",
-        "O0003\nG50 X40 Z20\nM3 S600\nG0 X34 Z5\nG76 P010060 Q600 R0.1\nG76 X32 Z-10 P3000 Q1500 F1.5\nG0 X40 Z20\nM30\n",
-    );
-    let expected = simulated(&thread, &[&REAL, &FURTHER[..12]].concat());
-    let expected = field(&expected, "setpoint_hash");
-    let giver = Board::start(&REAL);
-    let follower = Board::start_on("vcan0", &[&REAL[..], &FURTHER].concat());
-    let right = |hash: Option<String>| {
-        if let Some(hash) = hash {
-            assert_eq!(hash, expected, "{}", follower.words());
-        }
-    };
-    right(joined(&thread));
-
-    let mut can = open();
-    let running = run(&thread, &["--node", "2"]);
-    eventually("it works, or says why not", || {
-        let status = status_of_second();
-        field(&status, "sync_error_um") != "null" || alarm(&status).is_some()
-    });
-    giver.stand_still();
-    eventually("it has lost the beat", || {
-        alarm(&status_of_second()).is_some()
-    });
-    assert_ne!(finish(running).status.code(), Some(0));
-    giver.go_on();
-    stands_still(&behind_alarm(&mut can));
-    leadscrew(&["reset", "--node", "2"]);
-    // From where it stands now that is another path.
-    let _ = joined(&thread);
 }
