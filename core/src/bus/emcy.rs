@@ -16,8 +16,10 @@ pub struct Emcy {
 impl Emcy {
     /// Error code "device specific" of CiA 301: the board's own alarms, whose number is in the detail.
     pub const DEVICE_SPECIFIC: u16 = 0xFF00;
-    /// High byte of the codes of CiA 301 for what is wrong with frames: 82xxh, "protocol error".
-    pub const PROTOCOL: u16 = 0x82;
+    /// Error code of CiA 301: a PDO was too short to be taken.
+    pub const PDO_TOO_SHORT: u16 = 0x8210;
+    /// Error code of CiA 301: a PDO is longer than what is mapped.
+    pub const PDO_TOO_LONG: u16 = 0x8220;
     /// Error register: bit 0 is set with every error.
     pub const GENERIC: u8 = 0x01;
     /// Error register bit 7: maker's own.

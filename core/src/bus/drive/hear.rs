@@ -34,10 +34,11 @@ impl DriveMaster {
         .is_some()
     }
 
-    /// What a drive finds wrong with frames (82xxh) it may tell of each of them: that does not take the place of
-    /// another error, which would be its fault's.
+    /// What a drive finds wrong with the length of frames it may tell of each of them: that does not take the place of
+    /// another error, which would be its fault's. Other troubles with frames (8250h: none came in time) are causes.
     const fn hear_error(&mut self, code: u16) {
-        if self.error_code == 0 || code >> 8 != Emcy::PROTOCOL {
+        let of_length = matches!(code, Emcy::PDO_TOO_SHORT | Emcy::PDO_TOO_LONG);
+        if self.error_code == 0 || !of_length {
             self.error_code = code;
         }
     }

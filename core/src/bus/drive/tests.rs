@@ -306,6 +306,9 @@ fn what_a_drive_says_of_frames_does_not_hide_why_it_is_in_fault() {
         // Its error is gone: the next one counts.
         (&[0x7305, 0, 0x8220], 0x8220),
         (&[0x8220, 0x8130], 0x8130),
+        // No setpoint came in time: that is a cause.
+        (&[0x8220, 0x8250], 0x8250),
+        (&[0x4210, 0x8250, 0x8210], 0x8250),
     ] {
         assert_eq!(told(codes), code, "{codes:04X?}");
     }
