@@ -32,8 +32,8 @@ const _: () = assert!(
 #[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Threads {
-    /// The cut of the newest.
-    cut: u8,
+    /// The cut of the newest; `None` where no more of it can come. Cuts are counted round, and not every one is kept here.
+    cut: Option<u8>,
     /// An axis was held to the spindle when it was last asked.
     in_stroke: bool,
     /// Setpoints that had come late before the newest.
@@ -51,7 +51,7 @@ impl Threads {
     #[inline(always)]
     pub const fn new() -> Self {
         Self {
-            cut: 0,
+            cut: None,
             in_stroke: false,
             late_before: 0,
             newest: 0,
@@ -65,9 +65,7 @@ impl Threads {
     /// # Errors
     /// [`Abort::TooHigh`]: there are not so many, or the last of them is being cut: it has to be read again.
     pub fn take(&mut self, number: u32) -> Result<(), Abort> {
-        let newest = self.records.first();
-        let under_way = newest.is_some_and(|newest| newest.state == ThreadState::UnderWay);
-        if number > self.newest.saturating_sub(under_way.into()) {
+        if number > self.newest.saturating_sub(self.is_under_way().into()) {
             return Err(Abort::TooHigh);
         }
         self.taken = Some(number);
@@ -92,6 +90,12 @@ impl Threads {
         }
     }
 
+    /// The newest has not ended.
+    fn is_under_way(&self) -> bool {
+        let newest = self.records.first();
+        newest.is_some_and(|newest| newest.state == ThreadState::UnderWay)
+    }
+
     /// The newest ends like this, if that is not known yet.
     fn end(&mut self, state: ThreadState) {
         if let Some(newest) = self.records.first_mut()
@@ -103,7 +107,7 @@ impl Threads {
 
     /// Takes an error that was measured.
     pub fn measure(&mut self, measured: &Measured, late: u32) {
-        if self.records.is_empty() || self.cut != measured.cut.number {
+        if self.cut != Some(measured.cut.number) {
             // The program has gone on.
             self.end(ThreadState::Finished);
             self.records.truncate(KEPT.saturating_sub(1));
@@ -116,7 +120,7 @@ impl Threads {
             // There is room now.
             let _ = self.records.insert(0, record);
             self.newest = self.newest.saturating_add(1);
-            self.cut = measured.cut.number;
+            self.cut = Some(measured.cut.number);
             self.in_stroke = false;
             self.late_before = late;
         }
@@ -147,7 +151,11 @@ impl Threads {
             return;
         }
         let Cut { number, last } = now.done;
-        if last && number == self.cut {
+        let own = self.cut == Some(number);
+        if !own && !self.in_stroke && !self.is_under_way() {
+            self.cut = None;
+        }
+        if last && own {
             self.end(ThreadState::Finished);
         } else if !now.in_program {
             // On an alarm, behind a reset, or at the end of a program that has left a tap in its hole.
@@ -295,6 +303,35 @@ mod tests {
             stroke(&mut threads, &mut now, (number, true), true);
         }
         assert!(!threads.is_full());
+    }
+
+    /// Holes of other spindles make no record.
+    #[test]
+    fn the_counter_of_cuts_may_go_round_between_two_threads() {
+        for (ends, state) in [
+            (true, ThreadState::Finished),
+            (false, ThreadState::CutShort),
+        ] {
+            let (mut threads, mut now) = (Threads::new(), snapshot());
+            stroke(&mut threads, &mut now, (7, true), ends);
+            if !ends {
+                threads.note(&Event::Reset);
+                // Its last error comes behind that.
+                threads.measure(&measured(7, true, 2), 0);
+                threads.leave_stroke();
+                assert_eq!(all(&threads).len(), 1);
+            }
+            for hole in 1..=255 {
+                now.done.number = 7_u8.wrapping_add(hole);
+                threads.go_on(&now);
+            }
+            stroke(&mut threads, &mut now, (7, true), true);
+            let kept: Vec<_> = all(&threads)
+                .into_iter()
+                .map(|thread| (thread.0, thread.2))
+                .collect();
+            assert_eq!(kept, [(2, ThreadState::Finished), (1, state)]);
+        }
     }
 
     /// Its own end counts, wherever the alarm says that it came from.
