@@ -136,6 +136,10 @@ mod reply {
 const ABORT: u8 = 0x80;
 /// The first byte of a request to read, with nothing in the bits that mean nothing there.
 const BARE_UPLOAD: u8 = 0x40;
+/// The first byte of a request to write in blocks, without its flags.
+const BLOCK_DOWNLOAD: u8 = 0xC0;
+/// Its flags.
+const WITH_SIZE_AND_SUM: u8 = 0x06;
 /// The toggle bit of a segment.
 const TOGGLE: u8 = 0x10;
 /// The segment of a block is the last.
@@ -191,6 +195,9 @@ impl SdoServer {
         let bytes = frame.exactly()?;
         self.quiet = Periods::new(0);
         let mut reply = [0; 8];
+        if self.state == State::Swallow && self.swallows(&bytes) {
+            return None;
+        }
         let answered = self.answer(&bytes, &mut reply, objects);
         self.finish(answered, reply, objects)
     }
@@ -262,9 +269,6 @@ impl SdoServer {
         objects: &mut O,
     ) -> Result<bool, Abort> {
         let [head, first, second, ..] = *bytes;
-        if self.swallows(bytes) {
-            return Ok(false);
-        }
         match self.state {
             // An abort is the one command that is no segment: those count from 1.
             State::Taking if head != ABORT => return self.take_segment(bytes, reply, objects),
@@ -330,21 +334,16 @@ impl SdoServer {
         self.object = Object::new(0, 0);
     }
 
-    /// True for what may be the rest of a block that was broken off. A request to read is let through, and one to write in
-    /// blocks, which changes nothing by itself: they do no harm, and a client that begins anew has its answer.
+    /// True for what may be the rest of a block that was broken off; its last segment ends that, and an abort. A request to
+    /// read is let through, and one to write in blocks, which changes nothing by itself: they do no harm, and a client that
+    /// begins anew has its answer. A last segment of number 64, 66, 68 or 70 cannot be told from the second.
     fn swallows(&mut self, bytes: &Bytes) -> bool {
         let [head, _, _, _, rest @ ..] = *bytes;
-        if self.state != State::Swallow
-            || head >> 5 == ABORT >> 5
-            || head >> 5 == 6 && head & 1 == 0
-            || head == BARE_UPLOAD && rest == [0; 4]
-        {
-            return false;
-        }
         if head & LAST != 0 {
             self.state = State::Idle;
+            return head & !WITH_SIZE_AND_SUM != BLOCK_DOWNLOAD;
         }
-        true
+        head != BARE_UPLOAD || rest != [0; 4]
     }
 }
 

@@ -406,6 +406,44 @@ fn who_begins_anew_behind_a_refusal_is_answered() {
     }
 }
 
+/// At even numbers from 72 to 94 the last segment of a block is a new write in blocks but for bits that are 0 there.
+#[test]
+fn the_last_segment_of_a_broken_block_begins_nothing() {
+    // It names an object that can be written. 74 segments are 512 bytes.
+    let data = [0x20, 0x50, 0, 10, 0, 0, 0];
+    for last in [72_u8, 74, 76, 78, 80, 86, 88, 94] {
+        let mut server = server();
+        let mut shelf = Shelf::new();
+        let length = (u16::from(last) * 7).to_le_bytes();
+        let begin = [0xC6, 0x20, 0x50, 0, length[0], length[1], 0, 0];
+        let begun = Some(reply([0xA4, 0x20, 0x50, 0, 127, 0, 0, 0]));
+        assert_eq!(server.receive(&request(begin), &mut shelf), begun);
+        let mut segment = |number: u8, [a, b, c, d, e, f, g]: [u8; 7], shelf: &mut Shelf| {
+            if number == 10 {
+                let late = server.elapse(Periods::new(1001), shelf);
+                assert_eq!(late, Some(abort(DOMAIN, Abort::TimedOut)));
+            }
+            let frame = request([number, a, b, c, d, e, f, g]);
+            assert_eq!(server.receive(&frame, shelf), None, "{number} of {last}");
+        };
+        for number in 1..last {
+            segment(number, [7; 7], &mut shelf);
+        }
+        segment(0x80 | last, data, &mut shelf);
+        assert!(!server.is_busy() && !shelf.is_write_open());
+        // Who begins anew begins.
+        assert_eq!(server.receive(&request(begin), &mut shelf), begun);
+        let first = server.receive(&request([1, 7, 7, 7, 7, 7, 7, 7]), &mut shelf);
+        assert_eq!(first, None);
+        server.reset(&mut shelf);
+        // Behind that a refusal is told.
+        let refused = server.receive(&request([0xC6, 0x99, 0x29, 3, 9, 0, 0, 0]), &mut shelf);
+        let nowhere = Object::new(0x2999, 3);
+        assert_eq!(refused, Some(abort(nowhere, Abort::NoObject)));
+        assert_eq!(shelf.commits, []);
+    }
+}
+
 /// The last segment of a write, C1h, looks like the command that ends it.
 #[test]
 fn the_last_segment_twice_is_not_the_end() {
