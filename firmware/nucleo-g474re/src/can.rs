@@ -142,6 +142,11 @@ pub fn controller() -> Controller {
     leadscrew_parts::controller(FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
 }
 
+/// It has left the bus, or is on its way back.
+pub fn is_off() -> bool {
+    FDCAN1.psr().read().bo()
+}
+
 /// Takes part again after bus-off: behind 129 times eleven recessive bits, and with nothing of what was to be sent
 /// before, which the controller forgets as CCE is set. It clears that together with INIT.
 pub fn rejoin() {

@@ -274,6 +274,10 @@ impl Bus {
         while self.setpoints.peek().is_some_and(|next| next.tick != now) {
             self.setpoints.dequeue();
         }
+        if can::is_off() {
+            // Who asked for it does not wait any more: behind the way back it would answer something else.
+            return self.others.dequeue().is_some();
+        }
         if !GOES.load(Ordering::Relaxed) {
             return false;
         }
