@@ -46,6 +46,8 @@ const SEVERAL: u32 = 3;
 const REPEAT: Duration = Duration::from_millis(20);
 /// An order that is not confirmed by then is none. The computer of a simulated board may stand still for seconds [D178].
 const CONFIRMED: Duration = Duration::from_secs(5);
+/// To halt is ordered so often where somebody else orders meanwhile.
+const HALT_TRIES: u32 = 5;
 
 /// The parameter set of a board, and its identity.
 #[derive(Clone, Debug)]
@@ -126,7 +128,7 @@ impl Link {
     }
 
     /// Gives an order and waits until the board says that it has taken it. To run is not ordered, nor waited for, once the
-    /// machine is [to be held](Self::hold_when).
+    /// machine is [to be held](Self::hold_when); to hold and to stop is ordered anew behind somebody else's order.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
@@ -137,7 +139,7 @@ impl Link {
             return Ok(());
         }
         let last = self.seen.status.unwrap_or_default().count;
-        let command = BoardCommand::order(order, last);
+        let mut command = BoardCommand::order(order, last);
         // The hold that is wanted at once stands behind an order to run, never before it.
         if order == Order::Run && self.hold_at_once()? {
             return Ok(());
@@ -145,10 +147,23 @@ impl Link {
         if order != Order::Run {
             self.holds_by_itself();
         }
-        self.hold.under_way = Some(command.count);
-        let done = self.command(command, order_name(order));
-        self.hold.under_way = None;
-        done
+        let mut tries = 0;
+        loop {
+            self.hold.under_way = Some(command.count);
+            let done = self.command(command, order_name(order));
+            self.hold.under_way = None;
+            tries += 1;
+            match done {
+                // That the machine is to halt holds whatever somebody else has ordered meanwhile.
+                Err(Trouble::Unconfirmed {
+                    overtaken: true, ..
+                }) if halts(order) && tries < HALT_TRIES => {
+                    let last = self.seen.status.unwrap_or_default().count;
+                    command = BoardCommand::order(order, last);
+                }
+                done => return done,
+            }
+        }
     }
 
     /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times. What
@@ -181,7 +196,8 @@ impl Link {
             }
             let over = now >= again;
             if command.order.is_some() {
-                if confirmed {
+                // Two who order within one status have the same count.
+                if confirmed && !(overtaken && command.order.is_some_and(halts)) {
                     return Ok(());
                 }
                 let count = self.seen.status.unwrap_or_default().count;
@@ -390,6 +406,11 @@ impl Link {
     pub fn set_signals(&mut self, signals: Signals) -> LinkResult {
         self.write(SIGNALS, &signals.bits().to_le_bytes())
     }
+}
+
+/// An order that nobody else's may undo unnoticed.
+const fn halts(order: Order) -> bool {
+    matches!(order, Order::Hold | Order::Stop)
 }
 
 const fn order_name(order: Order) -> &'static str {

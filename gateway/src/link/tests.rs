@@ -540,6 +540,26 @@ fn an_order_is_not_given_again_behind_that_of_somebody_else() {
 }
 
 #[test]
+fn to_halt_is_ordered_again_behind_whatever_somebody_else_orders() {
+    let at_once = |hold: BoardCommand| BoardCommand {
+        order: Some(Order::Resume),
+        ..hold
+    };
+    let behind = |hold: BoardCommand| BoardCommand::order(Order::Resume, hold.count);
+    for (theirs, is_heard) in [
+        (at_once as fn(_) -> _, true),
+        (behind, true),
+        (behind, false),
+    ] {
+        let inside = machine(Flash::erased());
+        let (result, said) = overtaken(&inside, is_heard, theirs, |link| link.order(Order::Hold));
+        result.unwrap();
+        assert_eq!(said, 2);
+        assert!(link(&inside).status().unwrap().hold);
+    }
+}
+
+#[test]
 fn overrides_are_not_set_again_behind_those_of_somebody_else() {
     let feed = |percent| BoardCommand {
         feed: Some(percent),
