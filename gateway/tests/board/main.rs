@@ -443,6 +443,9 @@ fn what_a_board_has_told_of_its_threads_is_not_lost_with_it() {
     assert!(said.contains(error), "{said}{told}");
     assert_eq!(told["threads"].as_array().unwrap().len(), 2, "{told}");
     assert_eq!(told["threads"][1]["state"], "finished", "{told}");
+    // Nor are its warnings: S is not reached.
+    assert_eq!(told["alarms"], Value::Array(vec![]), "{told}");
+    assert_eq!(told["warnings"][0]["no"], 4945, "{told}");
     assert_eq!(told["threads_missing"], 0, "{told}");
 }
 

@@ -133,20 +133,27 @@ pub fn run(
     let outcome = runner.all();
     runner.bar.finish_and_clear();
     let ran = runner.ran;
+    for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
+        diagnostics::print(diagnostic, setup.colour);
+    }
     if let Err(lost) = outcome {
         // What was told until then: the board may well end what was under way.
         if global.json {
             output::json(|json| {
                 lost.fields(setup.lang, json);
                 ran.threads.fields(json);
+                for (key, told) in [("alarms", &ran.alarms), ("warnings", &ran.warnings)] {
+                    json.array_at(key, |json| {
+                        for diagnostic in told {
+                            json.object(|json| diagnostic.fields(json, true));
+                        }
+                    });
+                }
             })?;
         } else {
             output::write(ran.threads.text(setup.lang).as_bytes())?;
         }
         return Err(lost);
-    }
-    for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
-        diagnostics::print(diagnostic, setup.colour);
     }
     let verdict = if !ran.alarms.is_empty() {
         Err(Failure::Machine)
