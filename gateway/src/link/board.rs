@@ -219,8 +219,8 @@ impl Link {
         }
     }
 
-    /// Sets overrides and switches; what is `None` stays. Levels, so they are sent more than once, unless somebody else sets
-    /// some meanwhile.
+    /// Sets overrides and switches; what is `None` stays. Levels, so they are sent more than once, unless somebody else
+    /// sets some meanwhile.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`].

@@ -186,8 +186,8 @@ impl Link {
         Ok(false)
     }
 
-    /// Asks a node that may not be there, or may not have this object; `None` where it says nothing of it. Somebody who does
-    /// not answer costs a second.
+    /// Asks a node that may not be there, or may not have this object; `None` where it says nothing of it. Somebody who
+    /// does not answer costs a second.
     ///
     /// # Errors
     /// The bus is gone.
