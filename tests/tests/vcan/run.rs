@@ -113,13 +113,14 @@ fn fd_frames_of_others_do_no_harm() {
     let mut running = run(&path, &[]);
     let mut rounds = 0;
     while running.try_wait().unwrap().is_none() {
-        // NMT stop, a stop by RPDO1, a request to the board's server, an answer of it, a setpoint, a heartbeat.
+        // NMT stop, a stop by RPDO1, a request to the board's server, an answer of it, a drive's status, a heartbeat. Only
+        // a setpoint would tell of a second master.
         for frame in [
             "000##10200",
             "201##10705FFFFFFFF",
             "601##14000100000000000",
             "581##18020500000000206",
-            "210##1000000000000",
+            "190##1370600000000",
             "701##100",
         ] {
             tool("cansend", &["vcan0", frame]);
