@@ -24,7 +24,7 @@ pub fn write(bytes: &[u8]) -> Outcome {
 /// Writes one object as a line.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn json(fill: impl FnOnce(&mut Json)) -> Outcome {
     write(&line(fill))
 }
