@@ -138,8 +138,6 @@ impl Link {
         if order == Order::Hold && self.is_held_already(STATUS)? {
             return Ok(());
         }
-        let last = self.seen.status.unwrap_or_default().count;
-        let mut command = BoardCommand::order(order, last);
         // The hold that is wanted at once stands behind an order to run, never before it.
         if order == Order::Run && self.hold_at_once()? {
             return Ok(());
@@ -147,23 +145,26 @@ impl Link {
         if order != Order::Run {
             self.holds_by_itself();
         }
-        let mut tries = 0;
-        loop {
+        // That the machine is to halt holds whatever somebody else has ordered meanwhile.
+        let tries = if halts(order) { HALT_TRIES } else { 1 };
+        let mut done = Ok(());
+        for _ in 0..tries {
+            let last = self.seen.status.unwrap_or_default().count;
+            let command = BoardCommand::order(order, last);
             self.hold.under_way = Some(command.count);
-            let done = self.command(command, order_name(order));
+            done = self.command(command, order_name(order));
             self.hold.under_way = None;
-            tries += 1;
-            match done {
-                // That the machine is to halt holds whatever somebody else has ordered meanwhile.
+            if !matches!(
+                done,
                 Err(Trouble::Unconfirmed {
-                    overtaken: true, ..
-                }) if halts(order) && tries < HALT_TRIES => {
-                    let last = self.seen.status.unwrap_or_default().count;
-                    command = BoardCommand::order(order, last);
-                }
-                done => return done,
+                    overtaken: true,
+                    ..
+                })
+            ) {
+                break;
             }
         }
+        done
     }
 
     /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times. What
