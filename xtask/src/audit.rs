@@ -11,9 +11,9 @@ use crate::{callgraph, run, target};
 /// The function that the panic handler of the image calls and that nobody defines.
 const UNDEFINED: &str = "a_panic_is_reachable";
 
-/// Links the image at both optimisation levels, and once with a panic in it to see that the test can fail.
+/// Links the image for speed and at the level that is flashed, and once with a panic in it to see that the test can fail.
 pub fn audit() -> Result<()> {
-    for profile in ["release", "small"] {
+    for profile in ["speed", "release"] {
         match link(profile, None)? {
             Outcome::Linked => println!("{profile}: no panic is reachable ({})", size(profile)?),
             Outcome::PanicReachable => {
@@ -24,14 +24,14 @@ pub fn audit() -> Result<()> {
             }
         }
     }
-    match link("release", Some("self-test"))? {
+    match link("speed", Some("self-test"))? {
         Outcome::PanicReachable => {}
         Outcome::Linked => {
             bail!("the image links with a reachable panic in it: the test proves nothing")
         }
     }
-    link("release", Some("self-test,diagnose"))?;
-    let ways = callgraph::ways_to_panic(&image("release", "link"))?;
+    link("speed", Some("self-test,diagnose"))?;
+    let ways = callgraph::ways_to_panic(&image("speed", "link"))?;
     match ways.as_slice() {
         [way] if way.contains("reachable_panic") => {
             println!("self-test: a panic put in on purpose is found:\n{way}");
@@ -54,14 +54,15 @@ pub fn of_board() -> Result<(u64, u64)> {
     let build = [
         "build",
         "--quiet",
-        "--release",
+        "--profile",
+        "speed",
         "--package",
         "audit",
         "--bin",
         "board",
     ];
     run::show(run::cargo(&run::firmware(), &build))?;
-    bytes(&image("release", "board"))
+    bytes(&image("speed", "board"))
 }
 
 fn link(profile: &str, feature: Option<&str>) -> Result<Outcome> {

@@ -84,7 +84,8 @@ pub fn build(package: &str, image: &str, more: &[&str]) -> Result<PathBuf> {
     let build = [
         "build",
         "--quiet",
-        "--release",
+        "--profile",
+        "speed",
         "--package",
         package,
         "--bin",
@@ -94,7 +95,7 @@ pub fn build(package: &str, image: &str, more: &[&str]) -> Result<PathBuf> {
     Ok(firmware
         .join("target")
         .join(target::TARGET)
-        .join("release")
+        .join("speed")
         .join(image))
 }
 

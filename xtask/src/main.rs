@@ -16,6 +16,7 @@ mod docs;
 mod emulated;
 mod emulator;
 mod held;
+mod image;
 mod licences;
 mod rules;
 mod run;
@@ -48,6 +49,7 @@ usage: cargo xtask COMMAND
   bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
              firmware/mps2-an386/hashes.txt (--write renews it)
   soak       a machine at work for ten million ticks, disturbed at random (--ticks N --seed S)
+  image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings and with every link alive
   licences   the licence of every dependency
@@ -81,6 +83,7 @@ fn main() -> ExitCode {
         ["bits", "--write"] => setup::everything().and_then(|()| bits::bits(true)),
         ["ticks", "--write"] => setup::everything().and_then(|()| emulator::ticks(true)),
         ["soak", rest @ ..] => soak::soak(rest),
+        ["image"] => target::ensure().and_then(|()| image::image()),
         ["sizes"] => target::ensure().and_then(|()| sizes::sizes(false)),
         ["sizes", "--write"] => target::ensure().and_then(|()| sizes::sizes(true)),
         ["docs"] => docs::check(),

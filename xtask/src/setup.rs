@@ -1,10 +1,15 @@
 //! What the commands need from the machine, installed where that is possible and named where it is not.
 
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
 use crate::{canopen, run, target};
+
+/// How often a package lock is asked for, and the time between: five minutes in all, as long as an upgrade may take.
+const TRIES: u32 = 60;
+const BETWEEN_TRIES: Duration = Duration::from_secs(5);
 
 /// A program and the Debian package it comes in.
 pub struct Tool {
@@ -97,10 +102,84 @@ pub fn install(packages: &[&str]) -> Result<()> {
         );
     }
     println!("installing {}", packages.join(", "));
-    let mut install = run::command(Path::new("/"), "sh", &["-c", &line]);
-    install.env("DEBIAN_FRONTEND", "noninteractive");
-    run::read(install).with_context(|| {
+    let install = || {
+        let mut install = run::command(Path::new("/"), "sh", &["-c", &line]);
+        // Its messages are looked at.
+        install.envs([("DEBIAN_FRONTEND", "noninteractive"), ("LC_ALL", "C")]);
+        run::read(install)
+    };
+    patient(install, || {
+        println!("another program holds the package lock: waiting");
+        std::thread::sleep(BETWEEN_TRIES);
+    })
+    .with_context(|| {
         format!("the packages did not install; see that the package mirror is reachable, then type: {line}")
-    })?;
-    Ok(())
+    })
+}
+
+/// Tries again for as long as another program holds one of apt's or dpkg's locks, at most [`TRIES`] times.
+fn patient(mut install: impl FnMut() -> Result<String>, mut wait: impl FnMut()) -> Result<()> {
+    let mut tries = TRIES;
+    loop {
+        let Err(error) = install() else { return Ok(()) };
+        tries -= 1;
+        if tries == 0 || !is_locked(&format!("{error:#}")) {
+            return Err(error);
+        }
+        wait();
+    }
+}
+
+/// True where apt says that another program has the lists or the packages in its hands.
+fn is_locked(told: &str) -> bool {
+    [
+        "Could not get lock",
+        "Unable to acquire the dpkg frontend lock",
+        "Unable to lock directory",
+    ]
+    .iter()
+    .any(|words| told.contains(words))
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::anyhow;
+
+    use super::*;
+
+    #[test]
+    fn a_package_lock_is_waited_for_and_nothing_else_is() {
+        let locked = || {
+            Err(anyhow!(
+                "E: Could not get lock /var/lib/dpkg/lock-frontend. It is held by process 1 (apt)"
+            ))
+        };
+        let (mut tries, mut waits) = (0, 0);
+        let third = || {
+            tries += 1;
+            if tries < 3 {
+                locked()
+            } else {
+                Ok(String::new())
+            }
+        };
+        assert!(patient(third, || waits += 1).is_ok());
+        assert_eq!((tries, waits), (3, 2));
+
+        let mut tries = 0;
+        let never = || {
+            tries += 1;
+            locked()
+        };
+        assert!(patient(never, || {}).is_err());
+        assert_eq!(tries, TRIES);
+
+        let mut tries = 0;
+        let missing = || {
+            tries += 1;
+            Err(anyhow!("E: Unable to locate package no-such-thing"))
+        };
+        assert!(patient(missing, || {}).is_err());
+        assert_eq!(tries, 1);
+    }
 }

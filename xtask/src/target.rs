@@ -1,9 +1,10 @@
 //! The ARM target's `core` for exactly the compiler in use.
 //!
 //! Normally rustup has fetched it already, because `rust-toolchain.toml` names it. Where rustup cannot (no server within
-//! reach, or a compiler that did not come from it), the same three libraries come from an archive whose folder the
-//! variable [`ARCHIVE_VARIABLE`] names, or are built here from the library source that Debian packages. Whatever the
-//! way, the compiler itself says whether the result fits: it refuses libraries that another compiler made.
+//! reach, or a compiler that did not come from it), the same three libraries come from an archive (in the folder
+//! [`ARCHIVE_FOLDER`] or the one that the variable [`ARCHIVE_VARIABLE`] names), or are built here from the library
+//! source that Debian packages. Whatever the way, the compiler itself says whether the result fits: it refuses
+//! libraries that another compiler made.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,9 @@ use crate::run;
 /// Cortex-M4F, hardware floating point registers.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// Names a folder with `thumbv7em-none-eabihf-rust-VERSION.tar.xz`.
-pub const ARCHIVE_VARIABLE: &str = "LEADSCREW_TOOLCHAIN_DIR";
+const ARCHIVE_VARIABLE: &str = "LEADSCREW_TOOLCHAIN_DIR";
+/// Where the archive is looked for as well, in the project's folder.
+const ARCHIVE_FOLDER: &str = "toolchain";
 
 /// The compiler of `rust-toolchain.toml`, and the Debian package of its library source.
 const COMPILER: &str = "1.95.0";
@@ -126,12 +129,20 @@ fn clear(rustlib: &Path) -> Result<()> {
 }
 
 fn from_archive() -> Result<()> {
-    let dir = std::env::var_os(ARCHIVE_VARIABLE)
-        .ok_or_else(|| anyhow!("{ARCHIVE_VARIABLE} names no folder with {}", archive_name()))?;
-    let archive = Path::new(&dir).join(archive_name());
-    if !archive.is_file() {
-        bail!("{} is not there", archive.display());
-    }
+    let named = std::env::var_os(ARCHIVE_VARIABLE).map(PathBuf::from);
+    let places = [named, Some(run::root().join(ARCHIVE_FOLDER))];
+    let archive = places
+        .into_iter()
+        .flatten()
+        .map(|dir| dir.join(archive_name()))
+        .find(|archive| archive.is_file())
+        .ok_or_else(|| {
+            anyhow!(
+                "{} is neither in the folder `{ARCHIVE_FOLDER}` of the project nor in one that the variable \
+                 {ARCHIVE_VARIABLE} names",
+                archive_name()
+            )
+        })?;
     println!("taking the target from {}", archive.display());
     let rustlib = rustlib()?;
     clear(&rustlib)?;

@@ -14,7 +14,6 @@ pub fn start(flags: ResetFlags) -> (ResetCause, Option<Failure>) {
     (cause, failure)
 }
 
-#[cfg(not(feature = "defmt"))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     leadscrew_fault::panicked()

@@ -1,7 +1,7 @@
 //! Messages over RTT, with the feature `defmt`; without it, nothing. Writing one keeps all interrupts out.
 
 #[cfg(feature = "defmt")]
-use {defmt_rtt as _, panic_probe as _};
+use defmt_rtt as _;
 
 #[cfg(feature = "defmt")]
 pub use leadscrew_log::{event, started};
