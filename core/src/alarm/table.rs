@@ -458,6 +458,16 @@ codes! {
     /// An ordinary tap by another spindle; {0} its number.
     FloatSpindleWithoutEncoder = 4271, "spindle {0} has no encoder here: an ordinary tap follows spindle 1 only", "write E1 or M24, or tap in rigid mode",
         "{0} 号主轴没有编码器：普通攻丝只能跟随 1 号主轴", "请写 E1 或 M24，或使用刚性攻丝";
+    /// An encoder whose edges are not timed shakes an axis on this lead: the lead, noise and limit in m/s², the longest lead.
+    LeadForEncoder = 4272, "the counts of the spindle encoder would shake the axis by up to {1} m/s² on a lead of {0}; its acceleration is {2} m/s²",
+        "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
+        "主轴编码器的计数在导程 {0} 上会使该轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
+        "请写不大于 {3} 的导程，或使用线数更多或捕获边沿时间的编码器（3720、9006.0），或减小 9005";
+    /// An encoder whose edges are not timed tells too little of so slow a spindle: S, counts a second, the least S.
+    SpeedForEncoder = 4273, "at {0} the spindle encoder gives {1} counts a second, too few to know its speed",
+        "write S{2} or more, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
+        "主轴 {0} 时编码器每秒只有 {1} 个计数，不足以测定转速",
+        "请写 S{2} 以上，或使用线数更多或捕获边沿时间的编码器（3720、9006.0），或减小 9005";
     /// No index within two turns and a second.
     NoIndex = 4260, "no index pulse from the spindle encoder", "check the encoder and its cable",
         "没有收到主轴编码器的零位脉冲", "请检查编码器及其电缆";
@@ -778,6 +788,12 @@ codes! {
     /// 5210 names a code with another meaning; {0} the code.
     TapCodeTaken = 4429, "M{0} cannot be the code of rigid tapping (5210): it means something else", "set 5210 to 0 (M29), or to a code that is free",
         "M{0} 不能作为刚性攻丝的 M 代码（5210）：它另有含义", "请将 5210 设为 0（M29）或未使用的代码";
+    /// An encoder whose edges are not timed shakes the axis at a lead of 1 mm: counts, noise and limit in m/s², counts that
+    /// would do.
+    EncoderCoarse = 4430, "{0} counts a turn without the times of their edges shake Z by up to {1} m/s² on a lead of 1 mm; its acceleration is {2} m/s²",
+        "use an encoder of {3} counts (3720) or more, or hardware that times its edges (9006.0), or lower 9005",
+        "每转 {0} 个计数且不捕获边沿时间，在 1 mm 导程上使 Z 轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",
+        "请使用不少于 {3} 个计数的编码器（3720），或使用能捕获边沿时间的硬件（9006.0），或减小 9005";
     // 4450–4458, drive sections of parameter files: the figures are texts.
     /// `[drive.NAME]` of a drive that no machine has; {0} the name.
     DriveUnknown = 4450, "there is no drive `{0}`", "write `[drive.X]`, Z, C, or S1 to S4 for a spindle",

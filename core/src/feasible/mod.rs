@@ -4,6 +4,7 @@
 //! machine. The command line prints the reports; the board asks the same functions before it starts a block, and plans
 //! with the same planner, so both see the same numbers. Knows nothing of the bus or the board.
 
+mod encoder;
 mod float;
 mod limits;
 mod pass;

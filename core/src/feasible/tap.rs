@@ -1,6 +1,7 @@
 //! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth
 //! (cycles.md section 8).
 
+use super::encoder::can_follow;
 use super::float::{TapJoin, faster, join};
 use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{MoveKind, Stage, TapMove, TapMoves, refuse_tap};
@@ -88,6 +89,13 @@ pub(crate) fn tap_can_begin(
     if call.mode == TapMode::Floating && spindle != TapSpindle::First {
         let number = Arg::Int(i64::from(spindle.number()));
         return Err(Alarm::new(Code::FloatSpindleWithoutEncoder, span).with([number]));
+    }
+    if call.mode == TapMode::Floating {
+        let axis = match call.axis {
+            TapAxis::X => Axis::X,
+            TapAxis::Z => Axis::Z,
+        };
+        heed!(can_follow(call.lead, axis, whole(call.speed), span, params));
     }
     Ok(spindle)
 }

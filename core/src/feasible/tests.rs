@@ -212,6 +212,47 @@ fn every_refusal() {
 }
 
 #[test]
+fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do() {
+    let with = |counts: u32, edges: u32| {
+        let mut params = Params::slant_bed();
+        let values = [(3720, Part::Whole, counts), (9006, Part::Bit(0), edges)];
+        for (no, part, value) in values {
+            let entry = Entry::all().iter().find(|e| e.no == no && e.part == part);
+            params.set(entry.unwrap(), i64::from(value)).unwrap();
+        }
+        params
+    };
+    let told = |call: &ThreadCall, params: &Params| {
+        thread(call, Span::default(), params).map_err(|alarm| (alarm.code, alarm.word, alarm.args))
+    };
+    // 1024 counts: 0.81 m/s² for each millimetre of lead, and Z has 3.
+    let coarse = with(1024, 0);
+    let figures = [
+        Arg::Length(nm(6 * MM)),
+        Arg::Decimal(487, 2),
+        Arg::Decimal(300, 2),
+        Arg::Length(nm(3_694_000)),
+    ];
+    let refused = Err((Code::LeadForEncoder, Some(b'F'), figures));
+    assert_eq!(told(&o0013(300), &coarse).map(drop), refused);
+    assert!(told(&g78(3_694_000, 300), &coarse).is_ok());
+    assert!(told(&g78(3_695_000, 300), &coarse).is_err());
+    // 700 counts a second: 41.02 rpm.
+    let figures = [
+        Arg::Rpm(Rpm::new(41)),
+        Arg::Int(699),
+        Arg::Int(42),
+        Arg::None,
+    ];
+    let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
+    assert_eq!(told(&g78(MM, 41), &coarse).map(drop), refused);
+    assert!(told(&g78(MM, 42), &coarse).is_ok());
+    // Timed edges know both.
+    assert!(told(&o0013(300), &with(1024, 1)).is_ok());
+    assert!(told(&g78(MM, 10), &with(100, 1)).is_ok());
+}
+
+#[test]
 fn every_warning() {
     let mut params = Params::default();
     let warned = |call: ThreadCall, params: &Params| {

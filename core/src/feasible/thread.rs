@@ -1,5 +1,6 @@
 //! G76 and G78 against the machine: spindle, feeds, lead-in, run-out (cycles.md section 7).
 
+use super::encoder::can_follow;
 use super::pass::{Gather, Pass};
 use crate::alarm::{Alarm, Arg, Code, Span, heed};
 use crate::cycle::{Move, MoveKind, ThreadMoves, ThreadSummary};
@@ -9,7 +10,7 @@ use crate::program::ThreadCall;
 use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed, signed_product};
 
 /// Different warnings, or different alarms, that one thread cycle can have.
-pub const FINDINGS: usize = 5;
+pub const FINDINGS: usize = 6;
 
 /// What a thread cycle needs at its commanded speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +52,8 @@ pub struct ThreadFindings {
 /// # Errors
 /// What geometry forbids (see [`ThreadMoves::new`]); a standing spindle ([`Code::SpindleStopped`]), more speed than it
 /// has ([`Code::SpeedAboveSpindle`]), a pitch longer than the shortest stroke ([`Code::PitchTooLong`]), lead times speed
-/// above the long axis' feed ([`Code::LeadTooFast`]), a run-out above the short axis' ([`Code::RunOutTooFast`]), and no
+/// above the long axis' feed ([`Code::LeadTooFast`]), an encoder too coarse for lead or speed
+/// ([`Code::LeadForEncoder`], [`Code::SpeedForEncoder`]), a run-out above the short axis' ([`Code::RunOutTooFast`]), and no
 /// room for joining, run-in or braking ([`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`]).
 pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadReport, Alarm> {
     let findings = thread_findings(call, span, params)?;
@@ -102,6 +104,12 @@ fn examine(
         let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
         let args = [Arg::Rpm(positive(rpm)), Arg::Rpm(Rpm::new(most))];
         wrong(&Alarm::new(Code::SpeedAboveSpindle, span).with(args));
+    }
+    let long = if summary.long_x { Axis::X } else { Axis::Z };
+    if speed != 0
+        && let Err(alarm) = &can_follow(call.lead, long, rpm, span, params)
+    {
+        wrong(alarm);
     }
     if let Some(alarm) = &pitch(call, summary.shortest_stroke) {
         wrong(alarm);

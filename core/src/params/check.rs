@@ -3,7 +3,8 @@
 
 use super::Params;
 use crate::alarm::{Alarm, Arg, Code};
-use crate::units::{Axis, Rpm};
+use crate::spindle::Coarse;
+use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, mul_div, size};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
@@ -22,6 +23,9 @@ const FINEST: i64 = 16;
 
 /// Half a turn in a tick, in rpm·µs: from there on the direction of turning is a guess.
 const HALF_TURN: u32 = 30_000_000;
+
+/// The lead that every machine for threads can cut: that of an M6.
+const COMMON_LEAD_NM: i64 = 1_000_000;
 
 // The ranges of the parameters keep every product here below 2⁶³.
 impl Params {
@@ -158,6 +162,22 @@ impl Params {
             let figures = [speed(rpm), count(tick), speed(most)];
             reasons.add(Code::SpindleTooFastForTick, &figures);
         }
+        // An observer that cannot work has no noise either.
+        if product < OBSERVER_LIMIT
+            && let Some(lead) = Lead::new(COMMON_LEAD_NM, 1)
+            && let Some(noise) = self.count_noise(lead, Axis::Z)
+        {
+            let limit = self.acceleration(Axis::Z);
+            if noise > limit {
+                let figures = [
+                    count(self.encoder_counts()),
+                    metres(noise),
+                    metres(limit),
+                    count(self.counts_for(noise, limit)),
+                ];
+                reasons.add(Code::EncoderCoarse, &figures);
+            }
+        }
         let (arrived, room) = (
             self.spindle_tolerance_percent(),
             self.spindle_variation_percent(),
@@ -167,6 +187,31 @@ impl Params {
             let figures = [percent(arrived), percent(room)];
             reasons.add(Code::ToleranceAboveVariation, &figures);
         }
+    }
+
+    /// The encoder, where its edges are not timed.
+    #[must_use]
+    pub fn coarse_encoder(&self) -> Option<Coarse> {
+        (!self.encoder_edge_time()).then(|| Coarse {
+            counts: self.encoder_counts(),
+            bandwidth_hz: self.observer_bandwidth_hz(),
+            tick_us: self.tick_us(),
+        })
+    }
+
+    /// The largest acceleration that reading whole counts can give `axis` on a lead; `None` where edges are timed.
+    #[must_use]
+    pub fn count_noise(&self, lead: Lead, axis: Axis) -> Option<Acceleration> {
+        let ahead = Ticks::one_and(self.latency_us(axis), self.tick_us());
+        Some(self.coarse_encoder()?.noise(lead, ahead))
+    }
+
+    /// Counts a turn with which `noise` would be within `limit`.
+    #[must_use]
+    pub(crate) fn counts_for(&self, noise: Acceleration, limit: Acceleration) -> u32 {
+        let [noise, limit] = [noise, limit].map(|one| size(one.nm_per_s2()));
+        let counts = mul_div(u64::from(self.encoder_counts()), noise, limit.max(1));
+        u32::try_from(counts.saturating_add(1)).unwrap_or(u32::MAX)
     }
 
     fn check_tapping<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
@@ -248,6 +293,11 @@ impl<Report: FnMut(Alarm), const ALL: bool> Reasons<Report, ALL> {
     fn put(&mut self, code: Code, figures: &[Arg]) {
         (self.0)(Alarm::of(code, figures));
     }
+}
+
+/// In m/s², to a hundredth.
+pub(crate) const fn metres(acceleration: Acceleration) -> Arg {
+    Arg::Decimal(acceleration.nm_per_s2() / 10_000_000, 2)
 }
 
 const fn letter(axis: Axis) -> Arg {
@@ -359,6 +409,17 @@ mod tests {
                 Code::ObserverNoisy,
                 [Arg::Int(80), Arg::Int(1000), Arg::Int(79), none],
                 &[("9005", "79")],
+            ),
+            (
+                &[("3720", "277"), ("9006.0", "0")],
+                Code::EncoderCoarse,
+                [
+                    Arg::Int(277),
+                    Arg::Decimal(300, 2),
+                    Arg::Decimal(300, 2),
+                    Arg::Int(278),
+                ],
+                &[("3720", "278"), ("9006.0", "0")],
             ),
             (
                 &[("9001.C", "1600")],

@@ -17,6 +17,7 @@ mod tests;
 pub mod unit;
 
 pub use check::PROFILE_TICKS;
+pub(crate) use check::metres;
 pub use entry::{Entry, FindError, Part, Text};
 use entry::{LARGEST_IS_NONE, Meaning, SMALLEST_IS_NONE};
 pub use set::SetError;

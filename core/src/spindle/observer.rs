@@ -64,6 +64,34 @@ const OLDEST_EDGE_TICKS: u32 = 16;
 /// 2π in 2⁻³².
 const TWO_PI: u64 = 26_986_075_409;
 
+/// What the tracker adds to angle, speed and acceleration of the difference between what it sees and what it predicted,
+/// in 2⁻³².
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gains {
+    pub alpha: i64,
+    pub beta: i64,
+    pub gamma: i64,
+}
+
+impl Gains {
+    /// Of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
+    pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
+        // θ = exp(−2π·f·T): the exponent is at most 63, so 2⁻³² of it fits easily.
+        let exponent =
+            TWO_PI.wrapping_mul((bandwidth as u64).wrapping_mul(tick_us as u64)) / 1_000_000;
+        let theta = exp_of_minus(exponent);
+        let one = 1_u64 << 32;
+        let rest = one.wrapping_sub(theta);
+        let cube = mul(mul(theta, theta), theta);
+        let beta = mul(mul(rest, rest), one.wrapping_add(theta));
+        Self {
+            alpha: one.wrapping_sub(cube) as i64,
+            beta: beta.wrapping_add(beta >> 1) as i64,
+            gamma: mul(mul(rest, rest), rest) as i64,
+        }
+    }
+}
+
 /// Angle, speed and acceleration of the spindle, one sample a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Observer {
@@ -111,17 +139,7 @@ impl Observer {
         let tick_ns = tick_us.wrapping_mul(1000);
         let scale = divide(1 << 63, counts as u64);
 
-        // θ = exp(−2π·f·T): the exponent is at most 63, so 2⁻³² of it fits easily.
-        let exponent =
-            TWO_PI.wrapping_mul((bandwidth as u64).wrapping_mul(tick_us as u64)) / 1_000_000;
-        let theta = exp_of_minus(exponent);
-        let one = 1_u64 << 32;
-        let rest = one.wrapping_sub(theta);
-        let cube = mul(mul(theta, theta), theta);
-        let alpha = one.wrapping_sub(cube);
-        let beta = mul(mul(rest, rest), one.wrapping_add(theta));
-        let beta = beta.wrapping_add(beta >> 1);
-        let gamma = mul(mul(rest, rest), rest);
+        let Gains { alpha, beta, gamma } = Gains::new(bandwidth, tick_us);
 
         Self {
             counts,
@@ -131,9 +149,9 @@ impl Observer {
             ticks_per_ns: divide(1 << 56, tick_ns as u64),
             oldest_edge_ns: tick_ns.wrapping_mul(OLDEST_EDGE_TICKS),
             ticks_per_second: divide(1_000_000 << 16, tick_us as u64),
-            alpha: alpha as i64,
-            beta: beta as i64,
-            gamma: gamma as i64,
+            alpha,
+            beta,
+            gamma,
             hardest: hardest(counts, tick_us, HARDEST),
             last: None,
             pace: None,

@@ -313,3 +313,70 @@ fn the_hardest_ramp_of_the_table_is_followed() {
         }
     }
 }
+
+/// The largest acceleration of the predicted angle, and the largest relative error of the speed, of an encoder whose edges
+/// are not timed, once the observer has settled: turns per second squared, and a share.
+fn shaken(coarse: Coarse, rpm: f64, ahead: Ticks) -> (f64, f64) {
+    let tick_s = f64::from(coarse.tick_us) * 1e-6;
+    let per_tick = rpm / 60.0 * tick_s * TURN as f64;
+    let mut encoder = Encoder::new(per_tick.round() as i64);
+    encoder.edges = false;
+    encoder.counts = i64::from(coarse.counts);
+    encoder.tick_ns = i64::from(coarse.tick_us) * 1000;
+    let mut observer = Observer::new(coarse.counts, coarse.bandwidth_hz, coarse.tick_us);
+    let (mut shown, mut most, mut wrong) = (Vec::new(), 0.0_f64, 0.0_f64);
+    for tick in 0..6_000 {
+        observer.tick(encoder.tick());
+        if tick < 3_000 {
+            continue;
+        }
+        let speed = observer.speed().raw() as f64 * tick_s / per_tick;
+        wrong = wrong.max((speed - 1.0).abs());
+        shown.push(observer.predict(ahead).raw());
+        if let [.., a, b, c] = shown[..] {
+            let difference = (a - 2 * b + c) as f64 / TURN as f64;
+            most = most.max(difference.abs() / tick_s / tick_s);
+        }
+    }
+    (most, wrong)
+}
+
+#[test]
+fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
+    for (bandwidth_hz, tick_us, latency_us) in [(35, 1000, 1000), (20, 2000, 0), (80, 500, 3000)] {
+        for counts in [60, 100, 360, 1024, 4096] {
+            let coarse = Coarse {
+                counts,
+                bandwidth_hz,
+                tick_us,
+            };
+            let ahead = Ticks::one_and(latency_us, tick_us);
+            let lead = crate::units::Lead::new(1_000_000_000, 1).unwrap();
+            // On a lead of a metre, metres are turns.
+            let said = coarse.noise(lead, ahead).nm_per_s2() as f64 * 1e-9;
+            let worst = (1..160)
+                .map(|n| shaken(coarse, 7.3 * f64::from(n), ahead).0)
+                .fold(0.0, f64::max);
+            assert!(
+                worst <= said && worst > 0.5 * said,
+                "{coarse:?}: {worst} of {said} turns/s²"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not() {
+    for (counts, bandwidth_hz) in [(60, 35), (360, 35), (1024, 20), (4096, 15)] {
+        let coarse = Coarse {
+            counts,
+            bandwidth_hz,
+            tick_us: 1000,
+        };
+        let slowest = f64::from(coarse.slowest().get());
+        let wrong = |rpm: f64| shaken(coarse, rpm, Ticks::ONE).1;
+        assert!(wrong(slowest) < 0.15, "{coarse:?}: {}", wrong(slowest));
+        assert!(wrong(slowest * 1.07) < 0.15, "{coarse:?}");
+        assert!(wrong(slowest / 20.0) > 1.0, "{coarse:?}");
+    }
+}

@@ -1,0 +1,54 @@
+//! Can an axis follow this encoder? What whole counts, whose edges are not timed, do to an axis on the lead.
+
+use crate::alarm::{Alarm, Arg, At, Code, Span};
+use crate::params::{Params, metres};
+use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed, size};
+
+/// Checks a lead that `axis` shall follow at `rpm`, of a cycle whose G word stands at `span`.
+///
+/// # Errors
+/// More noise than the axis has acceleration ([`Code::LeadForEncoder`]); a spindle so slow that its speed is not known
+/// ([`Code::SpeedForEncoder`]).
+pub(super) fn can_follow(
+    lead: At<Lead>,
+    axis: Axis,
+    rpm: Rpm,
+    span: Span,
+    params: &Params,
+) -> Result<(), Alarm> {
+    let Some(encoder) = params.coarse_encoder() else {
+        return Ok(());
+    };
+    let slowest = encoder.slowest();
+    let rpm = Rpm::new(rpm.get().saturating_abs());
+    if rpm.get() < slowest.get() {
+        let counts = mul_div(u64::from(encoder.counts), u64::from(rpm.abs()), 60);
+        let figures = [
+            Arg::Rpm(rpm),
+            Arg::Int(signed(counts)),
+            Arg::Int(i64::from(slowest.get())),
+        ];
+        return Err(Alarm::new(Code::SpeedForEncoder, span)
+            .word(b'S')
+            .with(figures));
+    }
+    let limit = params.acceleration(axis);
+    match params.count_noise(lead.value, axis) {
+        Some(noise) if noise > limit => {
+            let [much, most] = [noise, limit].map(|one| size(one.nm_per_s2()));
+            let written = lead.value.rounded();
+            // Whole micrometres, rounded down.
+            let longest = mul_div(size(written.nm()), most, much.saturating_mul(1000));
+            let figures = [
+                Arg::Length(written),
+                metres(noise),
+                metres(limit),
+                Arg::Length(Length::from_nm(signed(longest.saturating_mul(1000)))),
+            ];
+            Err(Alarm::new(Code::LeadForEncoder, lead.span)
+                .word(b'F')
+                .with(figures))
+        }
+        _ => Ok(()),
+    }
+}
