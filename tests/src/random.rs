@@ -1,4 +1,4 @@
-//! Random numbers from a fixed seed.
+//! Random numbers from a seed.
 
 /// SplitMix64.
 #[derive(Clone, Debug)]
@@ -16,12 +16,12 @@ impl Random {
 
     /// True in so many cases of a hundred.
     pub fn chance(&mut self, percent: u64) -> bool {
-        self.next_bits() % 100 < percent
+        chance(self.next_bits(), percent)
     }
 
     /// `low` to `high`, both included.
     pub fn within(&mut self, low: i64, high: i64) -> i64 {
-        low + (self.next_bits() % (high - low + 1) as u64) as i64
+        within(self.next_bits(), low, high)
     }
 
     /// A length between two numbers of micrometres, on a grid of `lsb` nanometres.
@@ -36,6 +36,21 @@ impl Random {
 
     /// One of a list.
     pub fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[(self.next_bits() % list.len() as u64) as usize]
+        of(self.next_bits(), list)
     }
+}
+
+/// True for so many bits of a hundred.
+pub fn chance(bits: u64, percent: u64) -> bool {
+    bits % 100 < percent
+}
+
+/// `low` to `high`, both included, by these bits.
+pub fn within(bits: u64, low: i64, high: i64) -> i64 {
+    low + (bits % (high - low + 1) as u64) as i64
+}
+
+/// One of a list, by these bits.
+pub fn of<T: Copy>(bits: u64, list: &[T]) -> T {
+    list[(bits % list.len() as u64) as usize]
 }

@@ -19,10 +19,10 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 
 use super::operator::{Mood, Operator};
+use super::script::{Draws, Luck};
 use super::trouble::OF_BUS;
 use super::watch::Watch;
 use crate::gateway::NODE;
-use crate::random::Random;
 use crate::transfer::Transfer;
 
 /// An answer of the board may take so long, in virtual time; a lost frame costs as much.
@@ -127,7 +127,7 @@ impl Counts {
 /// The bench.
 pub struct Bench {
     /// What everything at random comes from.
-    pub random: Random,
+    pub random: Draws,
     /// The machine.
     pub sim: Sim,
     /// The plant it was made with.
@@ -162,17 +162,13 @@ pub struct Bench {
     pub slipped: bool,
     /// From this tick on it is known to have been said, also in rows that come late.
     slip_over: Option<u64>,
+    /// What else must hold after every tick.
+    pub must: fn(&Bench),
 }
 
 impl Bench {
     /// Switches a machine on and starts its node.
-    pub fn new(
-        random: Random,
-        sim: Sim,
-        params: Params,
-        options: PlantOptions,
-        wire: Wire,
-    ) -> Self {
+    pub fn new(random: Draws, sim: Sim, params: Params, options: PlantOptions, wire: Wire) -> Self {
         let mut bench = Self {
             random,
             sim,
@@ -193,6 +189,7 @@ impl Bench {
             alarms: 0,
             slipped: false,
             slip_over: None,
+            must: |_| {},
         };
         bench.connect();
         bench
@@ -229,7 +226,8 @@ impl Bench {
 
     /// How often this frame arrives.
     fn copies(&mut self) -> u32 {
-        let luck = self.random.within(0, 99) as u64;
+        let bad = (self.wire.lost + self.wire.twice) as i64;
+        let luck = self.random.luck(Luck::Wire, 0, 99, |luck| luck < bad) as u64;
         if luck < self.wire.lost {
             self.counts.lost += 1;
             0
@@ -254,6 +252,7 @@ impl Bench {
             return;
         }
         self.counts.orders[order as usize - 1] += 1;
+        self.random.act(|| format!("order: {order:?}"));
         let command = BoardCommand::order(order, self.status.count);
         self.pending = Some(Pending {
             command,
@@ -272,6 +271,7 @@ impl Bench {
     pub fn levels(&mut self, levels: BoardCommand) {
         let count = self.status.count;
         let command = BoardCommand { count, ..levels };
+        self.random.act(|| format!("switches: {levels:?}"));
         self.send(command.frame(NODE));
     }
 
@@ -279,7 +279,10 @@ impl Bench {
     pub fn tick(&mut self) {
         self.now += 1;
         self.counts.ticks += 1;
+        self.random.tick(self.now);
+        self.random.set_acts(true);
         Operator::act(self);
+        self.random.set_acts(false);
         if !self.sim.has_power() {
             self.end = Some(End::PowerCut);
             return;
@@ -300,6 +303,7 @@ impl Bench {
             self.event(&event);
         }
         self.watch.between(&self.sim);
+        (self.must)(self);
     }
 
     /// So many ticks.

@@ -7,20 +7,26 @@
 //!
 //! Everything comes from a seed. A soak is a row of *shifts*, each a machine of its own with parameters, a wire and an
 //! operator of its own; shift n has seed + n, so that one that fails is repeated alone and at once:
-//! `cargo xtask soak --seed SEED --ticks 1`.
+//! `cargo xtask soak --seed SEED --ticks 1`. It is cut down, too: what is printed is the least that fails in the same way.
 
 mod bench;
+mod hours;
 mod operator;
 mod parameters;
 mod programs;
+mod script;
 mod shift;
+mod shrink;
 mod trouble;
 mod watch;
 
-pub use bench::Counts;
+pub use bench::{Bench, Counts};
+pub use hours::{Failures, Report, Until, hours};
+pub use script::{Chance, Luck, Script, Told, Written};
+pub use shrink::{Failure, Must, Shortest, shrink};
 pub use watch::Judged;
 
-use shift::Shift;
+use script::Draws;
 
 /// Ticks of a shift, about: it ends behind a program.
 pub const SHIFT_TICKS: u64 = 40_000;
@@ -88,40 +94,25 @@ impl core::fmt::Display for Soaked {
     }
 }
 
-/// Says how to repeat a shift that fails.
-struct Repeat {
-    seed: u64,
-}
-
-impl Drop for Repeat {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            eprintln!(
-                "to repeat the shift that failed: cargo xtask soak --seed {} --ticks 1",
-                self.seed
-            );
-        }
-    }
-}
-
 /// Soaks for at least so many ticks. `between` is called behind every program, when nothing of it may be left.
 ///
 /// # Panics
-/// Where anything happens that must not; seed and tick are printed.
+/// Where anything happens that must not. Seed and tick are printed, and the least that fails in the same way.
 pub fn soak(seed: u64, ticks: u64, mut between: impl FnMut(&Counts)) -> Soaked {
     let mut soaked = Soaked::default();
     while soaked.counts.ticks < ticks {
         let seed = seed.wrapping_add(soaked.shifts);
-        let repeat = Repeat { seed };
-        let mut shift = Shift::begin(seed);
-        while shift.ticks() < SHIFT_TICKS {
-            shift.work();
-            between(shift.counts());
+        let worked = shrink::work(seed, Draws::live(seed), None, |_| {}, &mut between);
+        if let Some(failure) = worked.failure {
+            eprintln!("{failure}");
+            if let Some(shortest) = shrink(seed, |_| {}) {
+                eprintln!("{shortest}");
+            }
+            failure.go_on();
         }
-        soaked.counts.add(shift.counts());
-        soaked.judged.add(shift.judged());
+        soaked.counts.add(&worked.counts);
+        soaked.judged.add(&worked.judged);
         soaked.shifts += 1;
-        drop(repeat);
     }
     soaked
 }

@@ -6,6 +6,7 @@ use leadscrew_core::bus::{BoardCommand, CobId, Frame, NmtCommand, Object, Order,
 use leadscrew_core::units::Axis;
 
 use super::bench::Bench;
+use super::script::Luck;
 use super::trouble::{break_something, mend_wire};
 use crate::gateway::NODE;
 
@@ -104,7 +105,7 @@ impl Operator {
     pub fn act(bench: &mut Bench) {
         bench.operator.now = bench.now;
         let mood = bench.operator.mood;
-        if mood.every == 0 || bench.random.within(1, mood.every) != 1 {
+        if mood.every == 0 || bench.random.luck(Luck::Act, 1, mood.every, |one| one == 1) != 1 {
             return;
         }
         let choice = bench.random.within(0, 99);
@@ -131,10 +132,16 @@ impl Operator {
             }
             88 if mood.ends => network(bench),
             89..=97 if mood.breaks => break_something(bench),
-            98 if mood.cuts => bench.sim.cut_power(),
+            98 if mood.cuts => {
+                bench.random.act(|| "the power goes".into());
+                bench.sim.cut_power();
+            }
             99 if mood.cuts => {
                 // In the middle of what is written next.
                 let bytes = bench.random.within(0, 120);
+                bench
+                    .random
+                    .act(|| format!("the power goes after {bytes} bytes more"));
                 bench.sim.flash_mut().cut_after(bytes as u32);
             }
             _ => {}
@@ -200,6 +207,10 @@ fn overrides(bench: &mut Bench) {
 /// The gateway's messages of its own life stop or come again.
 fn hush(bench: &mut Bench) {
     bench.beats = !bench.beats;
+    let beats = bench.beats;
+    bench
+        .random
+        .act(|| format!("heartbeats of the gateway: {beats}"));
     bench.operator.cause(&[Code::GatewayLost]);
 }
 
@@ -221,6 +232,9 @@ fn refused_write(bench: &mut Bench) {
 /// One frame of somebody else's transfer: it breaks off what the gateway has under way.
 fn expedited(bench: &mut Bench, object: Object, bytes: [u8; 2]) {
     let [low, high] = object.index.to_le_bytes();
+    bench
+        .random
+        .act(|| format!("written: {object:?} {bytes:?}"));
     let request = [0x2B, low, high, object.sub, bytes[0], bytes[1], 0, 0];
     let frame = Frame::new(CobId::of(Service::SdoRequest, NODE), &request);
     bench.send(frame.expect("eight bytes"));
@@ -229,6 +243,10 @@ fn expedited(bench: &mut Bench, object: Object, bytes: [u8; 2]) {
 /// The node is pre-operational for a while.
 fn quiet(bench: &mut Bench) {
     bench.operator.quiet_until = bench.now + bench.random.within(10, 500) as u64;
+    let until = bench.operator.quiet_until - bench.now;
+    bench
+        .random
+        .act(|| format!("the node is pre-operational for {until} ticks"));
     bench.send(NmtCommand::PreOperational.frame(Some(NODE)));
 }
 
@@ -240,6 +258,7 @@ fn network(bench: &mut Bench) {
         NmtCommand::ResetNode,
         NmtCommand::ResetCommunication,
     ]);
+    bench.random.act(|| format!("NMT: {command:?}"));
     bench.operator.resets_node |= command == NmtCommand::ResetNode;
     bench.operator.quiet_until = bench.now + 100;
     bench.send(command.frame(Some(NODE)));

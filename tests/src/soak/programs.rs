@@ -7,7 +7,7 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, CallKind, Event, Events, Options, Position};
 use leadscrew_core::signals::Signals;
 
-use crate::random::Random;
+use super::script::Draws;
 
 /// A program, and what is known of it.
 pub struct Program {
@@ -42,7 +42,7 @@ fn mm(um: i64) -> String {
 }
 
 struct Writer<'a> {
-    random: &'a mut Random,
+    random: &'a mut Draws,
     text: String,
     grooves: Vec<Groove>,
     /// Diameter and Z in micrometres.
@@ -53,7 +53,7 @@ struct Writer<'a> {
 ///
 /// # Panics
 /// Where one comes out that the interpreter refuses: they are right as they are written here.
-pub fn random(random: &mut Random, params: &Params, from: Position) -> Program {
+pub fn random(random: &mut Draws, params: &Params, from: Position) -> Program {
     loop {
         let mut writer = Writer {
             random,
@@ -86,6 +86,20 @@ pub fn random(random: &mut Random, params: &Params, from: Position) -> Program {
                 grooves,
             };
         }
+    }
+}
+
+/// A program of a script, for a machine with these parameters that stands at `from`.
+///
+/// # Panics
+/// Where it is none that this machine can carry out: too much of it was left out.
+pub fn again(text: &str, params: &Params, from: Position) -> Program {
+    let calls = fitting(text, params, from).expect("the machine can carry it out");
+    Program {
+        text: text.into(),
+        calls,
+        end: (0, 0),
+        grooves: Vec::new(),
     }
 }
 

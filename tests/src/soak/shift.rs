@@ -13,10 +13,10 @@ use leadscrew_core::units::{Length, Turns};
 use super::bench::{Bench, Counts, End, Wire};
 use super::operator::{Mood, Operator};
 use super::programs::{self, Program};
+use super::script::Draws;
 use super::watch::Judged;
 use crate::gateway::{BATCH, Upload};
 use crate::params::set;
-use crate::random::Random;
 
 /// A program undisturbed, and any stop, is over within so many ticks.
 pub(super) const LONGEST: u64 = 150_000;
@@ -26,26 +26,15 @@ pub struct Shift {
     pub(super) bench: Bench,
     /// The set that the board has of its own.
     pub(super) built_in: Params,
-    seed: u64,
+    /// Number of the last job.
+    job: u32,
     /// Number of the last program, and its text.
     program: u32,
     text: String,
 }
 
-/// Says where a shift was when it failed.
-impl Drop for Shift {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            eprintln!(
-                "soak: seed {}, tick {}, program {}:\n{}",
-                self.seed, self.bench.now, self.program, self.text
-            );
-        }
-    }
-}
-
 /// A machine that is not like the built-in one.
-fn machine(r: &mut Random) -> Params {
+fn machine(r: &mut Draws) -> Params {
     let mut params = Params::slant_bed();
     set(&mut params, "9000", r.of(&[1000, 1000, 2000]));
     let latency = r.of(&[0, 0, 1000, 1700, 3000]);
@@ -61,7 +50,7 @@ fn machine(r: &mut Random) -> Params {
 }
 
 /// Other values of what a plant does not depend on.
-pub(super) fn changed(r: &mut Random, params: &Params) -> Params {
+pub(super) fn changed(r: &mut Draws, params: &Params) -> Params {
     let mut changed = params.clone();
     for axis in ["X", "Z"] {
         set(
@@ -90,8 +79,7 @@ pub(super) fn changed(r: &mut Random, params: &Params) -> Params {
 
 impl Shift {
     /// Switches a machine on.
-    pub fn begin(seed: u64) -> Self {
-        let mut random = Random(seed ^ 0x50AC_50AC);
+    pub fn begin(mut random: Draws) -> Self {
         let params = machine(&mut random);
         let options = PlantOptions {
             angle: Turns::from_raw(random.within(-(1 << 31), 1 << 31)),
@@ -118,7 +106,7 @@ impl Shift {
         Self {
             built_in: params.clone(),
             bench: Bench::new(random, sim, params, options, wire),
-            seed,
+            job: 0,
             program: 0,
             text: String::new(),
         }
@@ -139,20 +127,28 @@ impl Shift {
         &self.bench.watch.judged
     }
 
+    /// Number of the job under way, of the last program, and its text.
+    pub fn under_way(&self) -> (u32, u32, &str) {
+        (self.job, self.program, &self.text)
+    }
+
     /// One program, or something between two of them, and the machine is ready again.
     pub fn work(&mut self) {
-        let choice = self.bench.random.within(0, 99);
-        match choice {
-            0..=84 => self.run(),
-            85..=92 => self.push(),
-            93..=94 => self.refused(),
-            95 => self.locked(),
-            96..=97 => {
-                self.bench.sim.cut_power();
-                self.power_up();
-            }
-            _ => self.bench.stands(50),
+        self.job += 1;
+        if !self.bench.random.job(self.job) {
+            return;
         }
+        let choice = self.bench.random.within(0, 99);
+        let (name, job): (&str, fn(&mut Self)) = match choice {
+            0..=84 => ("a program", Self::run),
+            85..=92 => ("another set of parameters", Self::push),
+            93..=94 => ("a set or value that is refused", Self::refused),
+            95 => ("writing is locked", Self::locked),
+            96..=97 => ("the power goes", Self::lose_power),
+            _ => ("nothing", |shift| shift.bench.stands(50)),
+        };
+        self.bench.random.tell_job(name);
+        job(self);
         self.compare();
         self.drives_stand();
     }
@@ -185,10 +181,18 @@ impl Shift {
         }
     }
 
+    fn lose_power(&mut self) {
+        self.bench.sim.cut_power();
+        self.power_up();
+    }
+
     fn run(&mut self) {
         let bench = &mut self.bench;
-        let from = bench.position();
-        let program = programs::random(&mut bench.random, &bench.params, from);
+        let (from, params) = (bench.position(), &bench.params);
+        let program = bench.random.program(
+            |random| programs::random(random, params, from),
+            |text| programs::again(text, params, from),
+        );
         bench.counts.programs += 1;
         bench.watch.expect(&program.grooves);
         self.program += 1;

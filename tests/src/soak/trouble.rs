@@ -50,37 +50,50 @@ pub(super) fn break_something(bench: &mut Bench) {
     match bench.random.within(0, 14) {
         0..=3 => {
             bench.operator.cause(&OF_DRIVES);
+            bench.random.act(|| format!("drive {axis:?}: {trouble:?}"));
             bench.sim.plant().drive(axis).trouble(trouble);
         }
         4 => {
             bench.operator.cause(&OF_DRIVES);
             bench.operator.cause(&OF_SPINDLE);
+            bench
+                .random
+                .act(|| format!("drive of the spindle: {trouble:?}"));
             bench.sim.plant().spindle_drive().trouble(trouble);
         }
         5 => {
             bench.operator.cause(&OF_DRIVES);
+            bench.random.act(|| format!("drive {axis:?} restarts"));
             bench.sim.plant().drive(axis).restart();
         }
         6 => {
             bench.operator.cause(&[Code::IndexSlipped, Code::NoIndex]);
             bench.operator.cause(&OF_SPINDLE);
             let counts = bench.random.within(1, 400) * bench.random.sign();
+            bench
+                .random
+                .act(|| format!("the encoder slips by {counts}"));
             bench.sim.plant().encoder().slip(counts as i32);
             bench.slipped = true;
             bench.watch.set_slipped(true);
         }
         7 => {
             bench.operator.cause(&[Code::NoIndex]);
+            bench.random.act(|| "the encoder loses its index".into());
             bench.sim.plant().encoder().break_index(true);
         }
         8 => {
             bench.operator.cause(&OF_SPINDLE);
             let percent = bench.random.of(&[0, 40, 80, 130]);
+            bench
+                .random
+                .act(|| format!("the spindle turns at {percent} % of what it is told"));
             bench.sim.plant().spindle().disturb(percent);
         }
         10..=14 => spoil(bench),
         _ => {
             bench.operator.cause(&[Code::TapJournalNotWritten]);
+            bench.random.act(|| "the flash refuses".into());
             bench.sim.flash_mut().set_broken(true);
         }
     }
@@ -131,6 +144,7 @@ fn spoil(bench: &mut Bench) {
     } else {
         0
     });
+    bench.random.act(|| format!("the wire: {faults:?}"));
     bench.sim.spoil(faults);
 }
 

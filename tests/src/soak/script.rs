@@ -1,0 +1,375 @@
+//! What a shift draws, kept as a script that can be played again with some of it left out.
+//!
+//! ```text
+//! live:   seed ─► draws                        record: seed ─► draws ─► script        play: script, less some ─► draws
+//! ```
+//!
+//! A shift draws while it works, so with one draw left out all that follow would be other ones. A script holds each draw by
+//! what it is for: its job, its place in the code, and there its number; what may happen in any tick ([`Draws::luck`]) has
+//! the tick of its job too. So whatever is left out, the rest stays what it was. What a script does not hold is calm: the
+//! frame arrives, nobody presses anything, the last of a range.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::Location;
+
+use super::programs::{Groove, Program};
+use crate::random::{self, Random};
+
+/// Sets a shift's draws apart from whatever else is drawn from the same seed.
+const OF_A_SHIFT: u64 = 0x50AC_50AC;
+/// A shift that is played is over long before; one that is not would never be.
+const MOST_TICKS: u64 = 1_000_000;
+/// Lines ahead of a thread's own that it is made of.
+const OF_A_THREAD: u32 = 3;
+
+/// Where in the code something is drawn.
+type Place = &'static Location<'static>;
+
+/// What may happen in any tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Luck {
+    /// A frame is lost, or comes twice.
+    Wire,
+    /// Somebody does something, or something breaks.
+    Act,
+}
+
+/// Something that happened by chance: in this tick of this job, the so manieth time it could.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Chance {
+    /// Its job; 0 is what comes before the first.
+    pub job: u32,
+    /// Ticks of the job until then.
+    pub tick: u64,
+    /// What it was.
+    pub luck: Luck,
+    nth: u32,
+}
+
+/// What a draw is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Purpose {
+    job: u32,
+    /// Of what is drawn for something that happens by chance.
+    tick: Option<u64>,
+    place: Place,
+    nth: u32,
+}
+
+/// A program of a script.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// As it was made.
+    pub text: String,
+    /// Where it ends.
+    pub end: (i64, i64),
+    /// Its threads.
+    pub grooves: Vec<Groove>,
+    /// Its lines that are left out, from 0.
+    pub without: BTreeSet<usize>,
+}
+
+impl Written {
+    /// The lines that may be left out: all but the first, the way to where it ends, and its end.
+    pub fn lines(&self) -> Vec<usize> {
+        let count = self.text.lines().count();
+        (1..count.saturating_sub(2)).collect()
+    }
+
+    /// What is left of it; a line that is left out is empty, so that the others keep their numbers.
+    pub fn left(&self) -> String {
+        let lines = self.text.lines().enumerate();
+        lines
+            .map(|(number, line)| match self.without.contains(&number) {
+                true => "\n".into(),
+                false => format!("{line}\n"),
+            })
+            .collect()
+    }
+
+    /// The threads that still are what they were.
+    fn grooves(&self) -> Vec<Groove> {
+        let whole = |groove: &&Groove| {
+            let last = groove.line - 1;
+            let mut own = last.saturating_sub(OF_A_THREAD)..=last;
+            !own.any(|line| self.without.contains(&(line as usize)))
+        };
+        self.grooves.iter().filter(whole).copied().collect()
+    }
+}
+
+/// A shift as it was drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Script {
+    /// The jobs that are done, from 1.
+    pub jobs: Vec<u32>,
+    /// What happens by chance.
+    pub chances: BTreeSet<Chance>,
+    /// The programs, by their job.
+    pub programs: BTreeMap<u32, Written>,
+    lucks: BTreeMap<Chance, i64>,
+    bits: BTreeMap<Purpose, u64>,
+}
+
+/// What was told of a shift that was played.
+#[derive(Clone, Debug, Default)]
+pub struct Told {
+    /// What was done, in order.
+    pub lines: Vec<String>,
+    /// What happened by chance.
+    pub chances: BTreeSet<Chance>,
+}
+
+#[derive(Debug, Default)]
+enum Mode {
+    #[default]
+    Live,
+    Record,
+    Play,
+}
+
+/// What everything of a shift is drawn from.
+#[derive(Debug)]
+pub struct Draws {
+    random: Random,
+    mode: Mode,
+    script: Script,
+    told: Told,
+    job: u32,
+    begun: u64,
+    now: u64,
+    /// What is drawn now belongs to something that happens by chance.
+    acts: bool,
+    /// How often something was drawn for the same, in this job and in this tick of it.
+    in_job: Vec<(Place, u32)>,
+    in_tick: Vec<(Place, u32)>,
+    lucks: [u32; 2],
+}
+
+impl Draws {
+    /// From a seed. Nothing is kept.
+    pub fn live(seed: u64) -> Self {
+        Self {
+            random: Random(seed ^ OF_A_SHIFT),
+            mode: Mode::Live,
+            script: Script::default(),
+            told: Told::default(),
+            job: 0,
+            begun: 0,
+            now: 0,
+            acts: false,
+            in_job: Vec::new(),
+            in_tick: Vec::new(),
+            lucks: [0; 2],
+        }
+    }
+
+    /// From a seed, and kept.
+    pub fn record(seed: u64) -> Self {
+        Self {
+            mode: Mode::Record,
+            ..Self::live(seed)
+        }
+    }
+
+    /// From a script.
+    pub fn play(script: Script) -> Self {
+        Self {
+            mode: Mode::Play,
+            script,
+            ..Self::live(0)
+        }
+    }
+
+    /// What was drawn, and what was told of it.
+    pub fn into_script(self) -> (Script, Told) {
+        (self.script, self.told)
+    }
+
+    /// This job begins. `false` where a script leaves it out.
+    pub fn job(&mut self, number: u32) -> bool {
+        self.job = number;
+        self.begun = self.now;
+        self.in_job.clear();
+        self.tick(self.now);
+        match self.mode {
+            Mode::Live => true,
+            Mode::Record => {
+                self.script.jobs.push(number);
+                true
+            }
+            Mode::Play => self.script.jobs.contains(&number),
+        }
+    }
+
+    /// This tick begins.
+    ///
+    /// # Panics
+    /// Where a script, with what was left out of it, does not come to an end.
+    pub fn tick(&mut self, now: u64) {
+        if let Mode::Play = self.mode {
+            assert!(now < MOST_TICKS, "a script without an end");
+        }
+        self.now = now;
+        self.in_tick.clear();
+        self.lucks = [0; 2];
+    }
+
+    /// Something may happen by chance: `low` to `high`, and it does where `happens` says so.
+    pub fn luck(
+        &mut self,
+        luck: Luck,
+        low: i64,
+        high: i64,
+        happens: impl FnOnce(i64) -> bool,
+    ) -> i64 {
+        if let Mode::Live = self.mode {
+            return self.random.within(low, high);
+        }
+        let nth = &mut self.lucks[luck as usize];
+        let chance = Chance {
+            job: self.job,
+            tick: self.now - self.begun,
+            luck,
+            nth: *nth,
+        };
+        *nth += 1;
+        if let Mode::Record = self.mode {
+            let drawn = self.random.within(low, high);
+            if happens(drawn) {
+                self.script.chances.insert(chance);
+                self.script.lucks.insert(chance, drawn);
+            }
+            return drawn;
+        }
+        if !self.script.chances.contains(&chance) {
+            return high;
+        }
+        self.told.chances.insert(chance);
+        if luck == Luck::Wire {
+            self.tell(|| "a frame is lost or comes twice".into());
+        }
+        self.script.lucks.get(&chance).copied().unwrap_or(high)
+    }
+
+    /// What is drawn from now on belongs to something that happens by chance, or not.
+    pub fn set_acts(&mut self, acts: bool) {
+        self.acts = acts;
+    }
+
+    /// Tells what is done by chance, where somebody listens.
+    pub fn act(&mut self, what: impl FnOnce() -> String) {
+        if self.acts {
+            self.tell(what);
+        }
+    }
+
+    /// Tells what is done, where somebody listens.
+    pub fn tell(&mut self, what: impl FnOnce() -> String) {
+        if let Mode::Play = self.mode {
+            let tick = self.now - self.begun;
+            self.told.lines.push(format!("  tick {tick}: {}", what()));
+        }
+    }
+
+    /// Tells which job begins, where somebody listens.
+    pub fn tell_job(&mut self, what: &str) {
+        if let Mode::Play = self.mode {
+            self.told.lines.push(format!("job {}: {what}", self.job));
+        }
+    }
+
+    /// The program of this job: `made` now, or again as the script has it.
+    pub fn program(
+        &mut self,
+        made: impl FnOnce(&mut Self) -> Program,
+        again: impl FnOnce(&str) -> Program,
+    ) -> Program {
+        if let Mode::Play = self.mode {
+            let written = self.script.programs.get(&self.job).cloned();
+            let written = written.expect("a job that writes a program does so again");
+            let left = written.left();
+            for line in left.lines().filter(|line| !line.is_empty()) {
+                self.told.lines.push(format!("    {line}"));
+            }
+            return Program {
+                end: written.end,
+                grooves: written.grooves(),
+                ..again(&left)
+            };
+        }
+        let program = made(self);
+        if let Mode::Record = self.mode {
+            let written = Written {
+                text: program.text.clone(),
+                end: program.end,
+                grooves: program.grooves.clone(),
+                without: BTreeSet::new(),
+            };
+            self.script.programs.insert(self.job, written);
+        }
+        program
+    }
+
+    /// The next bits, and `None` where a script has none for this.
+    #[track_caller]
+    fn bits(&mut self) -> Option<u64> {
+        if let Mode::Live = self.mode {
+            return Some(self.random.next_bits());
+        }
+        let place = Location::caller();
+        let counts = match self.acts {
+            true => &mut self.in_tick,
+            false => &mut self.in_job,
+        };
+        let before = match counts.iter_mut().find(|count| count.0 == place) {
+            Some(count) => {
+                count.1 += 1;
+                count.1
+            }
+            None => {
+                counts.push((place, 0));
+                0
+            }
+        };
+        let purpose = Purpose {
+            job: self.job,
+            tick: self.acts.then(|| self.now - self.begun),
+            place,
+            nth: before,
+        };
+        if let Mode::Play = self.mode {
+            return self.script.bits.get(&purpose).copied();
+        }
+        let bits = self.random.next_bits();
+        self.script.bits.insert(purpose, bits);
+        Some(bits)
+    }
+
+    /// True in so many cases of a hundred.
+    #[track_caller]
+    pub fn chance(&mut self, percent: u64) -> bool {
+        self.bits()
+            .is_some_and(|bits| random::chance(bits, percent))
+    }
+
+    /// `low` to `high`, both included.
+    #[track_caller]
+    pub fn within(&mut self, low: i64, high: i64) -> i64 {
+        self.bits()
+            .map_or(high, |bits| random::within(bits, low, high))
+    }
+
+    /// 1 or −1.
+    #[track_caller]
+    pub fn sign(&mut self) -> i64 {
+        if self.chance(50) { 1 } else { -1 }
+    }
+
+    /// One of a list.
+    #[track_caller]
+    pub fn of<T: Copy>(&mut self, list: &[T]) -> T {
+        self.bits()
+            .map_or_else(|| list[0], |bits| random::of(bits, list))
+    }
+}
