@@ -3,13 +3,23 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use leadscrew_tests::soak::soak;
+use std::time::Duration;
 
-/// Ticks, in all.
+use leadscrew_core::board::State;
+use leadscrew_core::units::Length;
+use leadscrew_tests::soak::{Bench, Luck, Soaked, Until, hours, shrink, soak};
+
+/// Ticks from the fixed seed.
 const TICKS: u64 = if cfg!(debug_assertions) {
-    1_500_000
+    1_000_000
 } else {
-    10_000_000
+    3_000_000
+};
+/// Ticks from the seed of the run.
+const FRESH_TICKS: u64 = if cfg!(debug_assertions) {
+    500_000
+} else {
+    7_000_000
 };
 
 /// The allocator of these tests: it counts what lives, for each thread.
@@ -51,10 +61,10 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-#[test]
-fn whatever_happens_nothing_happens_that_must_not() {
+/// Soaks, and looks whether anything of a program is left in memory.
+fn soak_dry(seed: u64, ticks: u64) -> Soaked {
     let mut empty = None;
-    let soaked = soak(1, TICKS, |counts| {
+    let soaked = soak(seed, ticks, |counts| {
         let now = live();
         let empty = *empty.get_or_insert(now);
         assert_eq!(
@@ -64,6 +74,12 @@ fn whatever_happens_nothing_happens_that_must_not() {
         );
     });
     println!("{soaked}");
+    soaked
+}
+
+#[test]
+fn whatever_happens_nothing_happens_that_must_not() {
+    let soaked = soak_dry(1, TICKS);
     let counts = soaked.counts;
     // It was a soak, and no bath.
     assert!(counts.finished * 3 > counts.programs, "{soaked}");
@@ -92,4 +108,99 @@ fn a_soak_is_repeated_by_its_seed() {
     let first = soak(7, 1, |_| {});
     let again = soak(7, 1, |_| {});
     assert_eq!(first.to_string(), again.to_string());
+}
+
+#[test]
+fn nor_where_nobody_has_looked_before() {
+    leadscrew_seed::only_fresh(|seed| {
+        let soaked = soak_dry(seed, FRESH_TICKS);
+        assert!(soaked.counts.finished > 0, "{soaked}");
+    });
+}
+
+/// A fault that this machine has not: a tap that is held below R.
+fn plant(bench: &Bench) {
+    let below = bench.sim.board().tap_line();
+    let below = below.is_some_and(|line| line.gear.depth(bench.position()) > Length::ZERO);
+    let held = bench.state() == State::Held;
+    assert!(!(below && held), "planted");
+}
+
+/// The first seed of which a shift has the fault.
+fn planted() -> u64 {
+    let report = hours(100, Until::Ticks(400_000), 1, plant, &|_| {});
+    let (kind, failures) = report.failures.first_key_value().expect("it is found");
+    assert!(kind.ends_with("planted"), "{report}");
+    failures.seeds[0]
+}
+
+#[test]
+fn a_failure_is_cut_down_to_what_it_needs() {
+    let seed = planted();
+    let shortest = shrink(seed, plant).expect("it fails again");
+    assert!(shortest.failure.kind.ends_with("planted"), "{shortest}");
+    // One job, its hole, and whoever holds in it.
+    let [jobs, chances, lines] = shortest.sizes;
+    assert_eq!((jobs[1], chances[1]), (1, 1), "{shortest}");
+    assert!(chances[0] > 1 && lines[0] > lines[1], "{shortest}");
+    let what: Vec<_> = shortest.script.chances.iter().map(|one| one.luck).collect();
+    assert_eq!(what, [Luck::Act]);
+    let job = shortest.script.jobs[0];
+    let text = shortest.script.programs[&job].left();
+    let left: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
+    // The first line, the way to the end and M30 stay in any case. A hole takes its own line, M29 or M3 ahead of it, and
+    // perhaps the way to where it begins.
+    let hole = &left[1..left.len() - 2];
+    assert!(hole.len() <= 4, "{shortest}");
+    let taps = |line: &&&str| line.contains("G84") || line.contains("G88");
+    assert_eq!(hole.iter().filter(taps).count(), 1, "{shortest}");
+    let told = shortest.to_string();
+    for words in [hole[0], "order: Hold", "machine: ", "planted"] {
+        assert!(told.contains(words), "{words} is not in\n{told}");
+    }
+
+    // It comes to the same each time.
+    let again = shrink(seed, plant).expect("it fails again");
+    assert_eq!(told, again.to_string());
+}
+
+#[test]
+fn a_shift_that_does_not_fail_is_not_cut_down() {
+    assert!(shrink(1, |_| {}).is_none());
+}
+
+/// It goes on after a failure, and all of them are counted.
+#[test]
+fn a_soak_goes_on_after_a_failure() {
+    let seed = planted();
+    let told = std::sync::Mutex::new(Vec::new());
+    let tell = |words: &str| told.lock().expect("nobody failed").push(words.to_owned());
+    let report = hours(seed, Until::Ticks(400_000), 2, plant, &tell);
+    assert!(report.soaked.shifts > 1 && report.failed() > 1, "{report}");
+    assert_eq!(report.failures.len(), 1, "{report}");
+    let failures = &report.failures.values().next().expect("one");
+    assert_eq!(failures.count, report.failed());
+    assert_eq!(failures.seeds[0], seed);
+    // One of the kind is told whole, and cut down.
+    let told = told.into_inner().expect("nobody failed");
+    let [failure, shortest] = told.as_slice() else {
+        panic!("{told:?}")
+    };
+    assert!(
+        failure.contains("to repeat it: cargo xtask soak --seed"),
+        "{failure}"
+    );
+    assert!(
+        shortest.contains("the least that fails in this way"),
+        "{shortest}"
+    );
+    let all = report.to_string();
+    assert!(all.ends_with("failures of 1 kinds"), "{all}");
+    assert!(all.contains(&format!("seeds {seed} ")), "{all}");
+}
+
+#[test]
+fn time_that_is_over_is_a_soak_of_nothing() {
+    let report = hours(1, Until::Time(Duration::ZERO), 2, |_| {}, &|_| {});
+    assert_eq!((report.soaked.shifts, report.failed()), (0, 0));
 }

@@ -213,39 +213,41 @@ mod tests {
 
     #[test]
     fn no_frame_has_more_stuff_bits_than_are_reckoned_with_and_some_have_nearly_all() {
-        let mut seed = 0x9E37_79B9_u32;
-        let mut random = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            seed >> 8
-        };
-        for (code, length) in (0_u8..).zip(FdFrame::LENGTHS) {
-            let length = usize::from(length);
-            let counted = FdBits::of(length as u32);
-            let check = if length > 16 { 32 } else { 27 };
-            let before = counted.nominal - 13 + counted.data - check;
-            let plain = 22 + 8 * length;
-            let room = before as usize - plain;
-            assert_eq!(room, 3 + 1 + 2 * length);
-            let mut worst = 0;
-            for _ in 0..2000 {
-                // Rows of four, and what is near to them.
-                let pattern = [0x00, 0xFF, 0x0F, 0xF0, 0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E]
-                    [random() as usize % 10];
-                let flip = random() as usize % 64;
-                let id = random() as u16 & 0x7FF;
-                let all = bits(id, length, code, |place| {
-                    if place == flip { !pattern } else { pattern }
-                });
-                let count = stuffed(&all);
-                assert!(count <= room, "{length} bytes: {count} of {room}");
-                worst = worst.max(count);
+        leadscrew_seed::volume(0x9E37_79B9, |seed| {
+            let mut state = seed as u32;
+            let mut random = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                state >> 8
+            };
+            for (code, length) in (0_u8..).zip(FdFrame::LENGTHS) {
+                let length = usize::from(length);
+                let counted = FdBits::of(length as u32);
+                let check = if length > 16 { 32 } else { 27 };
+                let before = counted.nominal - 13 + counted.data - check;
+                let plain = 22 + 8 * length;
+                let room = before as usize - plain;
+                assert_eq!(room, 3 + 1 + 2 * length);
+                let mut worst = 0;
+                for _ in 0..2000 {
+                    // Rows of four, and what is near to them.
+                    let pattern = [0x00, 0xFF, 0x0F, 0xF0, 0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E]
+                        [random() as usize % 10];
+                    let flip = random() as usize % 64;
+                    let id = random() as u16 & 0x7FF;
+                    let all = bits(id, length, code, |place| {
+                        if place == flip { !pattern } else { pattern }
+                    });
+                    let count = stuffed(&all);
+                    assert!(count <= room, "{length} bytes: {count} of {room}");
+                    worst = worst.max(count);
+                }
+                // Identifier 000 and data in rows of four.
+                for pattern in [0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E, 0x0F, 0xF0] {
+                    worst = worst.max(stuffed(&bits(0, length, code, |_| pattern)));
+                }
+                assert!(worst + 4 >= room, "{length} bytes: {worst} of {room}");
             }
-            // Identifier 000 and data in rows of four.
-            for pattern in [0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E, 0x0F, 0xF0] {
-                worst = worst.max(stuffed(&bits(0, length, code, |_| pattern)));
-            }
-            assert!(worst + 4 >= room, "{length} bytes: {worst} of {room}");
-        }
+        });
     }
 
     #[test]

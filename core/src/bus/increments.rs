@@ -284,58 +284,62 @@ mod tests {
 
     #[test]
     fn any_position_in_any_scale_is_the_nearest_increment() {
-        let mut random = Random(1);
-        let mut refused = 0;
-        for _ in 0..200_000 {
-            let bits = 1 + random.next() % 32;
-            let d = (random.next() >> (64 - bits)).max(1) as u32;
-            let bits = 1 + random.next() % 32;
-            let n = (random.next() >> (64 - bits)).max(1) as u32;
-            let Some(scale) = Scale::new(n, d) else {
-                assert!(u64::from(n) >= 16 * u64::from(d));
-                continue;
-            };
-            let bits = random.next() % 44;
-            let position = random.within(1 << bits);
-            let wanted = exact(position, n, d);
-            match scale.increments(position) {
-                Some(Increments(inc)) => {
-                    assert_eq!(i128::from(inc), wanted, "{position} · {n}/{d}");
-                }
-                None => {
-                    assert!(i32::try_from(wanted).is_err(), "{position} · {n}/{d}");
-                    refused += 1;
+        leadscrew_seed::volume(1, |seed| {
+            let mut random = Random(seed);
+            let mut refused = 0;
+            for _ in 0..200_000 {
+                let bits = 1 + random.next() % 32;
+                let d = (random.next() >> (64 - bits)).max(1) as u32;
+                let bits = 1 + random.next() % 32;
+                let n = (random.next() >> (64 - bits)).max(1) as u32;
+                let Some(scale) = Scale::new(n, d) else {
+                    assert!(u64::from(n) >= 16 * u64::from(d));
+                    continue;
+                };
+                let bits = random.next() % 44;
+                let position = random.within(1 << bits);
+                let wanted = exact(position, n, d);
+                match scale.increments(position) {
+                    Some(Increments(inc)) => {
+                        assert_eq!(i128::from(inc), wanted, "{position} · {n}/{d}");
+                    }
+                    None => {
+                        assert!(i32::try_from(wanted).is_err(), "{position} · {n}/{d}");
+                        refused += 1;
+                    }
                 }
             }
-        }
-        assert!(refused > 100);
+            assert!(refused > 100);
+        });
     }
 
     #[test]
     fn a_step_from_anywhere_gives_what_the_position_gives() {
-        let mut random = Random(4);
-        let mut steps = 0;
-        for _ in 0..2_000 {
-            let bits = 1 + random.next() % 32;
-            let d = (random.next() >> (64 - bits)).max(1) as u32;
-            let bits = 1 + random.next() % 32;
-            let n = (random.next() >> (64 - bits)).max(1) as u32;
-            let Some(scale) = Scale::new(n, d) else {
-                continue;
-            };
-            let bits = random.next() % 45;
-            let mut position = random.within(1 << bits);
-            let mut told = scale.find(position);
-            for _ in 0..200 {
-                let bits = random.next() % 36;
-                position += random.within(1 << bits);
-                steps += u32::from(scale.step(&told, position).is_some());
-                let followed = scale.follow(&mut told, position);
-                assert_eq!(told, scale.find(position), "{position} · {n}/{d}");
-                assert_eq!(followed, scale.increments(position));
+        leadscrew_seed::volume(4, |seed| {
+            let mut random = Random(seed);
+            let mut steps = 0;
+            for _ in 0..2_000 {
+                let bits = 1 + random.next() % 32;
+                let d = (random.next() >> (64 - bits)).max(1) as u32;
+                let bits = 1 + random.next() % 32;
+                let n = (random.next() >> (64 - bits)).max(1) as u32;
+                let Some(scale) = Scale::new(n, d) else {
+                    continue;
+                };
+                let bits = random.next() % 45;
+                let mut position = random.within(1 << bits);
+                let mut told = scale.find(position);
+                for _ in 0..200 {
+                    let bits = random.next() % 36;
+                    position += random.within(1 << bits);
+                    steps += u32::from(scale.step(&told, position).is_some());
+                    let followed = scale.follow(&mut told, position);
+                    assert_eq!(told, scale.find(position), "{position} · {n}/{d}");
+                    assert_eq!(followed, scale.increments(position));
+                }
             }
-        }
-        assert!(steps > 50_000, "{steps}");
+            assert!(steps > 50_000, "{steps}");
+        });
     }
 
     #[test]
@@ -371,35 +375,40 @@ mod tests {
 
     #[test]
     fn a_random_walk_never_drifts() {
-        let mut random = Random(2);
-        for (n, d) in [(1, 100), (7, 1000), (65_536, 5_000_000), (10, 1), (3, 7)] {
-            let scale = Scale::new(n, d).unwrap();
-            let mut position = 0i64;
-            for _ in 0..100_000 {
-                position += random.within(300_000);
-                let Increments(inc) = scale.increments(position).unwrap();
-                // |inc · d − position · n| ≤ d/2: half an increment.
-                let miss = i128::from(inc) * i128::from(d) - i128::from(position) * i128::from(n);
-                assert!(2 * miss.abs() <= i128::from(d), "{position} · {n}/{d}");
+        leadscrew_seed::volume(2, |seed| {
+            let mut random = Random(seed);
+            for (n, d) in [(1, 100), (7, 1000), (65_536, 5_000_000), (10, 1), (3, 7)] {
+                let scale = Scale::new(n, d).unwrap();
+                let mut position = 0i64;
+                for _ in 0..100_000 {
+                    position += random.within(300_000);
+                    let Increments(inc) = scale.increments(position).unwrap();
+                    // |inc · d − position · n| ≤ d/2: half an increment.
+                    let miss =
+                        i128::from(inc) * i128::from(d) - i128::from(position) * i128::from(n);
+                    assert!(2 * miss.abs() <= i128::from(d), "{position} · {n}/{d}");
+                }
             }
-        }
+        });
     }
 
     #[test]
     fn an_increment_value_survives_the_way_to_nanometres_and_back() {
-        let mut random = Random(3);
-        for (n, d) in [
-            (1, 100),
-            (7, 1000),
-            (65_536, 5_000_000),
-            (1, 1),
-            (999, 1000),
-        ] {
-            let scale = Scale::new(n, d).unwrap();
-            for _ in 0..20_000 {
-                let start = Increments(random.next() as i32);
-                assert_eq!(scale.increments(scale.position(start)), Some(start));
+        leadscrew_seed::volume(3, |seed| {
+            let mut random = Random(seed);
+            for (n, d) in [
+                (1, 100),
+                (7, 1000),
+                (65_536, 5_000_000),
+                (1, 1),
+                (999, 1000),
+            ] {
+                let scale = Scale::new(n, d).unwrap();
+                for _ in 0..20_000 {
+                    let start = Increments(random.next() as i32);
+                    assert_eq!(scale.increments(scale.position(start)), Some(start));
+                }
             }
-        }
+        });
     }
 }

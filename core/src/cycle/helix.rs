@@ -103,28 +103,30 @@ mod tests {
     /// Leads at the edge of the fast way, distances at the edge of the range, halves all along.
     #[test]
     fn both_ways_agree() {
-        let mut distance = 1u64;
-        for step in 0..2000u64 {
-            distance = distance
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(step);
-            for nm in [
-                (1 << 34) - 1,
-                (1 << 34) - 59,
-                7_200_000_000,
-                999,
-                25_400_000,
-                1 << 40,
-            ] {
-                for turns in [1, 7, 2_540_000, (1 << 40) + 1] {
-                    angle(nm, turns, distance >> 20);
-                    // The nearest distance to a half of a millionth of a degree.
-                    let odd = u128::from(distance % 720_000_000) | 1;
-                    let half = (odd * nm as u128 / 720_000_000) as u64;
-                    angle(nm, turns, half);
-                    angle(nm, turns, half + 1);
+        leadscrew_seed::volume(1, |seed| {
+            let mut distance = seed;
+            for step in 0..2000u64 {
+                distance = distance
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(step);
+                for nm in [
+                    (1 << 34) - 1,
+                    (1 << 34) - 59,
+                    7_200_000_000,
+                    999,
+                    25_400_000,
+                    1 << 40,
+                ] {
+                    for turns in [1, 7, 2_540_000, (1 << 40) + 1] {
+                        angle(nm, turns, distance >> 20);
+                        // The nearest distance to a half of a millionth of a degree.
+                        let odd = u128::from(distance % 720_000_000) | 1;
+                        let half = (odd * nm as u128 / 720_000_000) as u64;
+                        angle(nm, turns, half);
+                        angle(nm, turns, half + 1);
+                    }
                 }
             }
-        }
+        });
     }
 }

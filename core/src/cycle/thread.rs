@@ -508,34 +508,36 @@ mod tests {
     /// What the short cut lets pass, a look at every pass lets pass, too; and both happen in plenty.
     #[test]
     fn no_thread_is_let_pass_that_a_look_at_every_pass_refuses() {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut draw = |low: i64, high: i64| {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            low + (state % (high - low + 1) as u64) as i64
-        };
-        let (mut sure, mut doubtful, mut refused) = (0, 0, 0);
-        for _ in 0..60_000 {
-            let call = narrow(&mut draw);
-            let span = Span::default();
-            if refuse_thread(&call, span).is_err() {
-                continue;
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            let mut state = seed;
+            let mut draw = |low: i64, high: i64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                low + (state % (high - low + 1) as u64) as i64
+            };
+            let (mut sure, mut doubtful, mut refused) = (0, 0, 0);
+            for _ in 0..60_000 {
+                let call = narrow(&mut draw);
+                let span = Span::default();
+                if refuse_thread(&call, span).is_err() {
+                    continue;
+                }
+                let moves = ThreadMoves::of(&call, span);
+                let looked_at = moves.examine(span);
+                if moves.shape.is_surely_long_enough() && Depths::are_surely_few(&call) {
+                    assert!(looked_at.is_ok(), "{call:?}: {looked_at:?}");
+                    sure += 1;
+                } else if looked_at.is_ok() {
+                    doubtful += 1;
+                } else {
+                    refused += 1;
+                }
             }
-            let moves = ThreadMoves::of(&call, span);
-            let looked_at = moves.examine(span);
-            if moves.shape.is_surely_long_enough() && Depths::are_surely_few(&call) {
-                assert!(looked_at.is_ok(), "{call:?}: {looked_at:?}");
-                sure += 1;
-            } else if looked_at.is_ok() {
-                doubtful += 1;
-            } else {
-                refused += 1;
-            }
-        }
-        assert!(
-            sure > 5_000 && doubtful > 500 && refused > 500,
-            "{sure} {doubtful} {refused}"
-        );
+            assert!(
+                sure > 5_000 && doubtful > 500 && refused > 500,
+                "{sure} {doubtful} {refused}"
+            );
+        });
     }
 }

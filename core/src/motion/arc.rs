@@ -345,60 +345,63 @@ mod tests {
     /// Random arcs up to 1 m of radius, with ends off the circle within the tolerance.
     #[test]
     fn meets_both_ends_and_the_circle_between() {
-        let mut state = 3_u64;
-        let mut random = move |range: i64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as i64 % range
-        };
-        let mut worst = 0.0_f64;
-        for round in 0..20_000 {
-            let size = 10_i64.pow(3 + round % 7);
-            let radius = 40 + random(size - 40);
-            let (from_angle, to_angle) = (random(1 << 30), random(1 << 30));
-            let off = random((radius / 8).min(9_000) + 1) as f64;
-            let point = |angle: i64, radius: f64| {
-                let (sin, cos) = (angle as f64 / (1 << 30) as f64 * TAU).sin_cos();
-                ((radius * sin).round() as i64, (radius * cos).round() as i64)
+        leadscrew_seed::volume(3, |seed| {
+            let mut state = seed;
+            let mut random = move |range: i64| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (state >> 33) as i64 % range
             };
-            let (centre_x, centre_z) = (random(1 << 30) - (1 << 29), random(1 << 30) - (1 << 29));
-            let (a, b) = (
-                point(from_angle, radius as f64),
-                point(to_angle, radius as f64 + off),
-            );
-            let clockwise = random(2) == 0;
-            let arc = arc(
-                (centre_x + a.0, centre_z + a.1),
-                (centre_x + b.0, centre_z + b.1),
-                (-a.0, -a.1),
-                clockwise,
-            )
-            .unwrap();
-            assert_eq!(arc.at(Travel::ZERO), arc.from);
-            let full = Travel::of(arc.length());
-            assert_eq!(arc.at(full), arc.to);
-            assert_eq!(arc.at(Travel::from_raw(full.raw() - 1)), arc.to);
+            let mut worst = 0.0_f64;
+            for round in 0..20_000 {
+                let size = 10_i64.pow(3 + round % 7);
+                let radius = 40 + random(size - 40);
+                let (from_angle, to_angle) = (random(1 << 30), random(1 << 30));
+                let off = random((radius / 8).min(9_000) + 1) as f64;
+                let point = |angle: i64, radius: f64| {
+                    let (sin, cos) = (angle as f64 / (1 << 30) as f64 * TAU).sin_cos();
+                    ((radius * sin).round() as i64, (radius * cos).round() as i64)
+                };
+                let (centre_x, centre_z) =
+                    (random(1 << 30) - (1 << 29), random(1 << 30) - (1 << 29));
+                let (a, b) = (
+                    point(from_angle, radius as f64),
+                    point(to_angle, radius as f64 + off),
+                );
+                let clockwise = random(2) == 0;
+                let arc = arc(
+                    (centre_x + a.0, centre_z + a.1),
+                    (centre_x + b.0, centre_z + b.1),
+                    (-a.0, -a.1),
+                    clockwise,
+                )
+                .unwrap();
+                assert_eq!(arc.at(Travel::ZERO), arc.from);
+                let full = Travel::of(arc.length());
+                assert_eq!(arc.at(full), arc.to);
+                assert_eq!(arc.at(Travel::from_raw(full.raw() - 1)), arc.to);
 
-            // The exact circle in floats: 10⁹ nm leave them 10⁻⁷ nm.
-            let hypot = |p: (i64, i64)| (p.0 as f64).hypot(p.1 as f64);
-            let start = (a.0 as f64).atan2(a.1 as f64);
-            let turn = ((b.0 as f64).atan2(b.1 as f64) - start).rem_euclid(TAU);
-            let turn = if clockwise { turn - TAU } else { turn };
-            for _ in 0..8 {
-                let travel = full.raw() / 1_000 * random(1_000) as u64;
-                let share = travel as f64 / full.raw() as f64;
-                let at = arc.at(Travel::from_raw(travel));
-                let r = hypot(a) + (hypot(b) - hypot(a)) * share;
-                let (sin, cos) = (start + turn * share).sin_cos();
-                if a == b || turn.abs() < 1e-9 || TAU - turn.abs() < 1e-9 {
-                    continue;
+                // The exact circle in floats: 10⁹ nm leave them 10⁻⁷ nm.
+                let hypot = |p: (i64, i64)| (p.0 as f64).hypot(p.1 as f64);
+                let start = (a.0 as f64).atan2(a.1 as f64);
+                let turn = ((b.0 as f64).atan2(b.1 as f64) - start).rem_euclid(TAU);
+                let turn = if clockwise { turn - TAU } else { turn };
+                for _ in 0..8 {
+                    let travel = full.raw() / 1_000 * random(1_000) as u64;
+                    let share = travel as f64 / full.raw() as f64;
+                    let at = arc.at(Travel::from_raw(travel));
+                    let r = hypot(a) + (hypot(b) - hypot(a)) * share;
+                    let (sin, cos) = (start + turn * share).sin_cos();
+                    if a == b || turn.abs() < 1e-9 || TAU - turn.abs() < 1e-9 {
+                        continue;
+                    }
+                    worst = worst
+                        .max((at.x.nm() as f64 - centre_x as f64 - r * sin).abs())
+                        .max((at.z.nm() as f64 - centre_z as f64 - r * cos).abs());
                 }
-                worst = worst
-                    .max((at.x.nm() as f64 - centre_x as f64 - r * sin).abs())
-                    .max((at.z.nm() as f64 - centre_z as f64 - r * cos).abs());
             }
-        }
-        assert!(worst < 0.500_01, "{worst}");
+            assert!(worst < 0.500_01, "{worst}");
+        });
     }
 }

@@ -134,41 +134,43 @@ mod tests {
 
     #[test]
     fn starts_and_ends_exactly_and_is_nearest_between() {
-        let mut state = 5_u64;
-        let mut random = move |bits: u32| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state as i64) >> (64 - bits)
-        };
-        for round in 0..20_000 {
-            let bits = 2 + round % 41;
-            let from = position(random(bits), random(bits), random(bits));
-            let to = position(random(bits), random(bits), random(bits));
-            let line = Line::new(from, to);
-            let length = line.length().nm();
-            assert_eq!(line.at(Travel::ZERO), from);
-            assert_eq!(line.at(Travel::of(line.length())), to);
-            if length == 0 {
-                continue;
+        leadscrew_seed::volume(5, |seed| {
+            let mut state = seed;
+            let mut random = move |bits: u32| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (state as i64) >> (64 - bits)
+            };
+            for round in 0..20_000 {
+                let bits = 2 + round % 41;
+                let from = position(random(bits), random(bits), random(bits));
+                let to = position(random(bits), random(bits), random(bits));
+                let line = Line::new(from, to);
+                let length = line.length().nm();
+                assert_eq!(line.at(Travel::ZERO), from);
+                assert_eq!(line.at(Travel::of(line.length())), to);
+                if length == 0 {
+                    continue;
+                }
+                let travel = (random(63) as u64) % ((length as u64) << 16);
+                let at = line.at(Travel::from_raw(travel));
+                for (at, from, to) in [
+                    (at.x.nm(), from.x.nm(), to.x.nm()),
+                    (at.z.nm(), from.z.nm(), to.z.nm()),
+                    (at.c.udeg(), from.c.udeg(), to.c.udeg()),
+                ] {
+                    // |at − from − (to − from)·travel/length| ≤ ½ + 2⁻¹⁶
+                    let scale = i128::from(length) << 16;
+                    let exact = i128::from(to - from) * i128::from(travel);
+                    let error = i128::from(at - from) * scale - exact;
+                    assert!(
+                        error.abs() <= scale / 2 + (scale >> 16),
+                        "{line:?} {travel}"
+                    );
+                }
             }
-            let travel = (random(63) as u64) % ((length as u64) << 16);
-            let at = line.at(Travel::from_raw(travel));
-            for (at, from, to) in [
-                (at.x.nm(), from.x.nm(), to.x.nm()),
-                (at.z.nm(), from.z.nm(), to.z.nm()),
-                (at.c.udeg(), from.c.udeg(), to.c.udeg()),
-            ] {
-                // |at − from − (to − from)·travel/length| ≤ ½ + 2⁻¹⁶
-                let scale = i128::from(length) << 16;
-                let exact = i128::from(to - from) * i128::from(travel);
-                let error = i128::from(at - from) * scale - exact;
-                assert!(
-                    error.abs() <= scale / 2 + (scale >> 16),
-                    "{line:?} {travel}"
-                );
-            }
-        }
+        });
     }
 
     #[test]

@@ -215,30 +215,33 @@ mod tests {
     /// No ramp of the family gets there sooner.
     #[test]
     fn no_other_ramp_is_quicker() {
-        let mut state = 7_u64;
-        let mut random = |range: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            1 + (state >> 33) % range
-        };
-        for _ in 0..300 {
-            let limits = limits(random(600) as u32 + 1, random(60), random(30));
-            let length = nm(random(60) as i64);
-            let nominal = limits.speed;
-            let chosen = duration_ticks(length, nominal, &ramp(length, nominal, &limits).unwrap());
-            let mut best = u64::MAX;
-            for n1 in 1..64_u16 {
-                for n2 in 1..64_u16 {
-                    let v = (limits.acceleration >> 24) * u64::from(n1);
-                    let v = v.min((limits.jerk >> 24) * u64::from(n1) * u64::from(n2));
-                    let cap = PathRate::from_raw(limits.speed.raw().min(v as u32));
-                    if let Some(other) = Ramp::new(cap, n1, n2) {
-                        best = best.min(duration_ticks(length, nominal, &other));
+        leadscrew_seed::volume(7, |seed| {
+            let mut state = seed;
+            let mut random = |range: u64| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                1 + (state >> 33) % range
+            };
+            for _ in 0..300 {
+                let limits = limits(random(600) as u32 + 1, random(60), random(30));
+                let length = nm(random(60) as i64);
+                let nominal = limits.speed;
+                let chosen =
+                    duration_ticks(length, nominal, &ramp(length, nominal, &limits).unwrap());
+                let mut best = u64::MAX;
+                for n1 in 1..64_u16 {
+                    for n2 in 1..64_u16 {
+                        let v = (limits.acceleration >> 24) * u64::from(n1);
+                        let v = v.min((limits.jerk >> 24) * u64::from(n1) * u64::from(n2));
+                        let cap = PathRate::from_raw(limits.speed.raw().min(v as u32));
+                        if let Some(other) = Ramp::new(cap, n1, n2) {
+                            best = best.min(duration_ticks(length, nominal, &other));
+                        }
                     }
                 }
+                assert!(chosen <= best, "{limits:?} {length:?}: {chosen} > {best}");
             }
-            assert!(chosen <= best, "{limits:?} {length:?}: {chosen} > {best}");
-        }
+        });
     }
 }

@@ -168,28 +168,33 @@ mod tests {
 
     #[test]
     fn centres_lie_on_both_radii() {
-        let mut seed = 7_u64;
-        let mut next = |bits: u32| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> (64 - bits)) as i64 - (1 << (bits - 1))
-        };
-        for round in 0..20_000 {
-            let bits = 8 + round % 34;
-            let to = way(next(bits as u32), next(bits as u32));
-            if to.is_zero() {
-                continue;
+        leadscrew_seed::volume(7, |seed| {
+            let mut state = seed;
+            let mut next = |bits: u32| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                (state >> (64 - bits)) as i64 - (1 << (bits - 1))
+            };
+            for round in 0..20_000 {
+                let bits = 8 + round % 34;
+                let to = way(next(bits as u32), next(bits as u32));
+                if to.is_zero() {
+                    continue;
+                }
+                let r = root(to.square()) as i64 / 2 + 1 + next(bits as u32 + 1).abs();
+                let centre =
+                    centre_by_radius(to, Length::from_nm(r), round % 2 == 0, round % 3 == 0)
+                        .expect("long enough");
+                let start = root(centre.square()) as i64;
+                let end =
+                    root(way(centre.x.nm() - to.x.nm(), centre.z.nm() - to.z.nm()).square()) as i64;
+                assert!(
+                    (start - r).abs() <= 2 && (end - r).abs() <= 2,
+                    "{to:?} {r} {start} {end}"
+                );
             }
-            let r = root(to.square()) as i64 / 2 + 1 + next(bits as u32 + 1).abs();
-            let centre = centre_by_radius(to, Length::from_nm(r), round % 2 == 0, round % 3 == 0)
-                .expect("long enough");
-            let start = root(centre.square()) as i64;
-            let end =
-                root(way(centre.x.nm() - to.x.nm(), centre.z.nm() - to.z.nm()).square()) as i64;
-            assert!(
-                (start - r).abs() <= 2 && (end - r).abs() <= 2,
-                "{to:?} {r} {start} {end}"
-            );
-        }
+        });
     }
 
     #[test]

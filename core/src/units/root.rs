@@ -88,14 +88,16 @@ mod tests {
                 }
             }
         }
-        let mut some = 0x9E37_79B9_7F4A_7C15_u64;
-        for _ in 0..200_000 {
-            some ^= some << 13;
-            some ^= some >> 7;
-            some ^= some << 17;
-            let square = some >> (some & 63);
-            assert_eq!(root(square), square.isqrt(), "{square}");
-        }
+        leadscrew_seed::volume(0x9E37_79B9_7F4A_7C15, |seed| {
+            let mut some = seed;
+            for _ in 0..200_000 {
+                some ^= some << 13;
+                some ^= some >> 7;
+                some ^= some << 17;
+                let square = some >> (some & 63);
+                assert_eq!(root(square), square.isqrt(), "{square}");
+            }
+        });
         let largest = u64::from(u32::MAX);
         for square in [u64::MAX, largest * largest, largest * largest - 1] {
             assert_eq!(root(square), square.isqrt(), "{square}");
@@ -114,32 +116,34 @@ mod tests {
 
     #[test]
     fn the_root_of_128_bits_is_rounded_down() {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut random = || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            u128::from(state)
-        };
-        for round in 0..20_000 {
-            let (a, b) = (random(), random());
-            for wide in [a << 64 | b, (a << 64 | b) >> (round % 127)] {
-                assert_eq!(u128::from(root_wide(wide)), wide.isqrt(), "{wide}");
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            let mut state = seed;
+            let mut random = || {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                u128::from(state)
+            };
+            for round in 0..20_000 {
+                let (a, b) = (random(), random());
+                for wide in [a << 64 | b, (a << 64 | b) >> (round % 127)] {
+                    assert_eq!(u128::from(root_wide(wide)), wide.isqrt(), "{wide}");
+                }
+                let side = a >> (round % 63);
+                for wide in [
+                    (side * side).saturating_sub(1),
+                    side * side,
+                    side * side + side,
+                ] {
+                    assert_eq!(u128::from(root_wide(wide)), wide.isqrt(), "{wide}");
+                }
             }
-            let side = a >> (round % 63);
-            for wide in [
-                (side * side).saturating_sub(1),
-                side * side,
-                side * side + side,
-            ] {
-                assert_eq!(u128::from(root_wide(wide)), wide.isqrt(), "{wide}");
+            for bit in 0..128 {
+                for wide in [(1 << bit) - 1, 1 << bit, u128::MAX >> bit, u128::MAX << bit] {
+                    assert_eq!(u128::from(root_wide(wide)), wide.isqrt(), "{wide}");
+                }
             }
-        }
-        for bit in 0..128 {
-            for wide in [(1 << bit) - 1, 1 << bit, u128::MAX >> bit, u128::MAX << bit] {
-                assert_eq!(u128::from(root_wide(wide)), wide.isqrt(), "{wide}");
-            }
-        }
-        assert_eq!(root_wide(0), 0);
+            assert_eq!(root_wide(0), 0);
+        });
     }
 }

@@ -194,8 +194,14 @@ mod tests {
 
     const ONE: i64 = 1 << 62;
 
+    /// Spread over the whole turn: from zero on, and from the seed of this run on.
     fn samples() -> impl Iterator<Item = Direction> {
-        (0..200_000_u64).map(|i| Direction(i.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+        let from = |first: u64| {
+            (0..200_000_u64)
+                .map(move |i| Direction(i.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(first)))
+        };
+        // The seed has 60 bits; those of a whole turn are asked for.
+        from(0).chain(from(leadscrew_seed::fresh().rotate_left(4)))
     }
 
     /// (sin, cos) · 2⁶² by complex multiplication of exact halvings in 2⁻¹²⁰; independent of the table and the series.

@@ -137,8 +137,8 @@ mod tests {
     use super::*;
 
     /// Numbers with long runs of ones and zeros beside ordinary ones.
-    fn samples() -> impl Iterator<Item = u64> {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    fn of_seed(seed: u64) -> impl Iterator<Item = u64> {
+        let mut state = seed;
         (0..2_000).map(move |i| {
             state ^= state << 13;
             state ^= state >> 7;
@@ -150,6 +150,11 @@ mod tests {
                 _ => u64::MAX >> (i % 63),
             }
         })
+    }
+
+    /// Those of a fixed seed, and after them those of the seed of this run.
+    fn samples() -> impl Iterator<Item = u64> {
+        of_seed(0x9e37_79b9_7f4a_7c15).chain(of_seed(leadscrew_seed::fresh()))
     }
 
     #[test]

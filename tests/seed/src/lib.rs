@@ -100,9 +100,7 @@ fn commit() -> Option<String> {
 
 fn of_hash(hash: &str) -> Option<u64> {
     let digits = hash.get(..DIGITS)?;
-    u64::from_str_radix(digits, 16)
-        .ok()
-        .map(|seed| seed.max(1))
+    u64::from_str_radix(digits, 16).ok().map(|seed| seed.max(1))
 }
 
 /// Says how to repeat what fails.
@@ -184,7 +182,11 @@ mod tests {
     fn what_repeats_a_test_is_one_command() {
         let own = format!(
             "cargo test{} -p leadscrew-seed tests::what_repeats_a_test_is_one_command -- --exact",
-            if cfg!(debug_assertions) { "" } else { " --release" }
+            if cfg!(debug_assertions) {
+                ""
+            } else {
+                " --release"
+            }
         );
         assert_eq!(again(5), format!("LEADSCREW_SEED=5 {own}"));
     }

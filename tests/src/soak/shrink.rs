@@ -2,7 +2,7 @@
 //! lines of their programs are left out as long as it does.
 
 use std::any::Any;
-use std::backtrace::Backtrace;
+use std::backtrace::{Backtrace, BacktraceStatus};
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, PanicHookInfo};
 use std::sync::Once;
@@ -31,8 +31,10 @@ pub struct Failure {
     pub tick: u64,
     /// Where in the code, and the message without its numbers.
     pub kind: String,
-    /// Where and the whole message; the way there where `RUST_BACKTRACE` asks for it.
+    /// Where, and the whole message.
     pub message: String,
+    /// The way there, where `RUST_BACKTRACE` asks for it.
+    trace: Backtrace,
     /// What the machine was doing.
     pub doing: String,
     payload: Box<dyn Any + Send>,
@@ -51,11 +53,15 @@ impl core::fmt::Display for Failure {
             seed,
             tick,
             message,
+            trace,
             doing,
             ..
         } = self;
         writeln!(f, "seed {seed}, tick {tick}, {doing}")?;
         writeln!(f, "{message}")?;
+        if trace.status() == BacktraceStatus::Captured {
+            writeln!(f, "{trace}")?;
+        }
         write!(f, "to repeat it: cargo xtask soak --seed {seed} --ticks 1")
     }
 }
@@ -168,10 +174,8 @@ pub(super) fn work(
             seed,
             tick: shift.as_ref().map_or(0, Shift::ticks),
             kind: kind(&place, &message),
-            message: match trace.status() {
-                std::backtrace::BacktraceStatus::Captured => format!("{place}: {message}\n{trace}"),
-                _ => format!("{place}: {message}"),
-            },
+            message: format!("{place}: {message}"),
+            trace,
             doing: format!("job {job}, program {program}:\n{text}"),
             payload,
         }
@@ -243,13 +247,8 @@ impl core::fmt::Display for Shortest {
         for line in &self.told.lines {
             writeln!(f, "{line}")?;
         }
-        let message = self.failure.message.lines().take(3);
-        write!(
-            f,
-            "tick {} of the shift: {}",
-            self.failure.tick,
-            message.collect::<Vec<_>>().join("\n")
-        )
+        let Failure { tick, message, .. } = &self.failure;
+        write!(f, "tick {tick} of the shift: {message}")
     }
 }
 

@@ -217,92 +217,96 @@ fn summary(call: &ThreadCall, moves: &[Move]) {
 
 #[test]
 fn threads_equal_the_reference() {
-    let mut r = Random(76);
-    let (mut done, mut refused) = (0, 0);
-    while done < CYCLES {
-        let call = thread(&mut r);
-        match (expand_thread(&call), reference::thread(&call)) {
-            (Ok(got), Ok(want)) => {
-                compare(&call, &got, &want);
-                in_box(&call, &got);
-                summary(&call, &got);
-                done += 1;
-            }
-            (Err(alarm), Err(refusal)) => {
-                assert_eq!(alarm.number(), refusal.number, "{call:?}");
-                if refusal.pass != 0 {
-                    assert_eq!(alarm.args[0], Arg::Int(refusal.pass.into()));
+    leadscrew_seed::volume(76, |seed| {
+        let mut r = Random(seed);
+        let (mut done, mut refused) = (0, 0);
+        while done < CYCLES {
+            let call = thread(&mut r);
+            match (expand_thread(&call), reference::thread(&call)) {
+                (Ok(got), Ok(want)) => {
+                    compare(&call, &got, &want);
+                    in_box(&call, &got);
+                    summary(&call, &got);
+                    done += 1;
                 }
-                refused += 1;
+                (Err(alarm), Err(refusal)) => {
+                    assert_eq!(alarm.number(), refusal.number, "{call:?}");
+                    if refusal.pass != 0 {
+                        assert_eq!(alarm.args[0], Arg::Int(refusal.pass.into()));
+                    }
+                    refused += 1;
+                }
+                // Only rounding may make the difference.
+                (_, Err(refusal)) => assert!(refusal.margin < 2.0, "{refusal:?} {call:?}"),
+                (Err(alarm), Ok(_)) => panic!("{alarm:?} {call:?}"),
             }
-            // Only rounding may make the difference.
-            (_, Err(refusal)) => assert!(refusal.margin < 2.0, "{refusal:?} {call:?}"),
-            (Err(alarm), Ok(_)) => panic!("{alarm:?} {call:?}"),
         }
-    }
-    assert!(
-        refused > CYCLES / 100,
-        "{refused} refused: the alarms were not tried"
-    );
+        assert!(
+            refused > CYCLES / 100,
+            "{refused} refused: the alarms were not tried"
+        );
+    });
 }
 
 #[test]
 fn threads_are_the_same_mirrored_and_moved() {
-    let mut r = Random(78);
-    for _ in 0..CYCLES / 2 {
-        let call = thread(&mut r);
-        let axis = len(r.within(-1_000_000_000, 1_000_000_000));
-        let twice = axis + axis;
-        // X about any axis: external becomes internal.
-        let mirrored = ThreadCall {
-            start: Position {
-                x: twice - call.start.x,
-                ..call.start
-            },
-            end_x: at(twice - call.end_x.value),
-            taper: at(-call.taper.value),
-            ..call
-        };
-        same(&call, &mirrored, |p| Position {
-            x: twice - p.x,
-            ..p
-        });
-        let moved = ThreadCall {
-            start: Position {
-                x: call.start.x + axis,
-                z: call.start.z - twice,
-                ..call.start
-            },
-            end_x: at(call.end_x.value + axis),
-            end_z: at(call.end_z.value - twice),
-            ..call
-        };
-        same(&call, &moved, |p| Position {
-            x: p.x + axis,
-            z: p.z - twice,
-            ..p
-        });
-        // Along Z left and right change places; the alternating modes begin on a side that has no mirror image.
-        let cut_in = match call.cut_in.value {
-            CutIn::Left => CutIn::Right,
-            CutIn::Right => CutIn::Left,
-            CutIn::RightCentre | CutIn::LeftRight => continue,
-            same => same,
-        };
-        let mirrored = ThreadCall {
-            start: Position {
-                z: twice - call.start.z,
-                ..call.start
-            },
-            end_z: at(twice - call.end_z.value),
-            cut_in: at(cut_in),
-            ..call
-        };
-        same(&call, &mirrored, |p| Position {
-            z: twice - p.z,
-            ..p
-        });
-    }
+    leadscrew_seed::volume(78, |seed| {
+        let mut r = Random(seed);
+        for _ in 0..CYCLES / 2 {
+            let call = thread(&mut r);
+            let axis = len(r.within(-1_000_000_000, 1_000_000_000));
+            let twice = axis + axis;
+            // X about any axis: external becomes internal.
+            let mirrored = ThreadCall {
+                start: Position {
+                    x: twice - call.start.x,
+                    ..call.start
+                },
+                end_x: at(twice - call.end_x.value),
+                taper: at(-call.taper.value),
+                ..call
+            };
+            same(&call, &mirrored, |p| Position {
+                x: twice - p.x,
+                ..p
+            });
+            let moved = ThreadCall {
+                start: Position {
+                    x: call.start.x + axis,
+                    z: call.start.z - twice,
+                    ..call.start
+                },
+                end_x: at(call.end_x.value + axis),
+                end_z: at(call.end_z.value - twice),
+                ..call
+            };
+            same(&call, &moved, |p| Position {
+                x: p.x + axis,
+                z: p.z - twice,
+                ..p
+            });
+            // Along Z left and right change places; the alternating modes begin on a side that has no mirror image.
+            let cut_in = match call.cut_in.value {
+                CutIn::Left => CutIn::Right,
+                CutIn::Right => CutIn::Left,
+                CutIn::RightCentre | CutIn::LeftRight => continue,
+                same => same,
+            };
+            let mirrored = ThreadCall {
+                start: Position {
+                    z: twice - call.start.z,
+                    ..call.start
+                },
+                end_z: at(twice - call.end_z.value),
+                cut_in: at(cut_in),
+                ..call
+            };
+            same(&call, &mirrored, |p| Position {
+                z: twice - p.z,
+                ..p
+            });
+        }
+    });
 }
 
 /// The moves of `other` are those of `call` with every end point mapped; or both are refused alike.
@@ -335,107 +339,111 @@ impl Pass for Arg {
 /// Everything 127 times as large, the input increment too: depths follow exactly, points within their rounding.
 #[test]
 fn threads_scale() {
-    const FACTOR: i64 = 127;
-    let mut r = Random(254);
-    for _ in 0..CYCLES / 4 {
-        let call = thread(&mut r);
-        let large =
-            |at: leadscrew_core::alarm::At<Length>| crate::build::at(at.value.times(FACTOR));
-        let other = ThreadCall {
-            start: Position {
-                x: call.start.x.times(FACTOR),
-                z: call.start.z.times(FACTOR),
-                ..call.start
-            },
-            end_x: large(call.end_x),
-            end_z: large(call.end_z),
-            taper: large(call.taper),
-            height: large(call.height),
-            first_depth: large(call.first_depth),
-            min_step: large(call.min_step),
-            allowance: large(call.allowance),
-            run_in: large(call.run_in),
-            run_out: call.run_out.map(|out| RunOut {
-                short: large(out.short),
-                long: large(out.long),
-                short_rest: out.short_rest,
-                long_rest: out.long_rest,
-            }),
-            increment: call.increment.times(FACTOR),
-            ..call
-        };
-        let (Ok(a), Ok(b)) = (expand_thread(&call), expand_thread(&other)) else {
-            continue;
-        };
-        assert_eq!(a.len(), b.len());
-        for (a, b) in a.iter().zip(&b) {
-            assert_eq!(a.tag.unwrap().depth.times(FACTOR), b.tag.unwrap().depth);
-            for (a, b) in [(a.to.x, b.to.x), (a.to.z, b.to.z)] {
-                assert!(
-                    (a.times(FACTOR) - b).abs().nm() <= FACTOR / 2 + 1,
-                    "{a:?} {b:?}"
-                );
+    leadscrew_seed::volume(254, |seed| {
+        const FACTOR: i64 = 127;
+        let mut r = Random(seed);
+        for _ in 0..CYCLES / 4 {
+            let call = thread(&mut r);
+            let large =
+                |at: leadscrew_core::alarm::At<Length>| crate::build::at(at.value.times(FACTOR));
+            let other = ThreadCall {
+                start: Position {
+                    x: call.start.x.times(FACTOR),
+                    z: call.start.z.times(FACTOR),
+                    ..call.start
+                },
+                end_x: large(call.end_x),
+                end_z: large(call.end_z),
+                taper: large(call.taper),
+                height: large(call.height),
+                first_depth: large(call.first_depth),
+                min_step: large(call.min_step),
+                allowance: large(call.allowance),
+                run_in: large(call.run_in),
+                run_out: call.run_out.map(|out| RunOut {
+                    short: large(out.short),
+                    long: large(out.long),
+                    short_rest: out.short_rest,
+                    long_rest: out.long_rest,
+                }),
+                increment: call.increment.times(FACTOR),
+                ..call
+            };
+            let (Ok(a), Ok(b)) = (expand_thread(&call), expand_thread(&other)) else {
+                continue;
+            };
+            assert_eq!(a.len(), b.len());
+            for (a, b) in a.iter().zip(&b) {
+                assert_eq!(a.tag.unwrap().depth.times(FACTOR), b.tag.unwrap().depth);
+                for (a, b) in [(a.to.x, b.to.x), (a.to.z, b.to.z)] {
+                    assert!(
+                        (a.times(FACTOR) - b).abs().nm() <= FACTOR / 2 + 1,
+                        "{a:?} {b:?}"
+                    );
+                }
             }
         }
-    }
+    });
 }
 
 #[test]
 fn cut_in_modes_end_at_one_z_and_agree_without_an_angle() {
-    use CutIn::*;
-    let mut r = Random(4);
-    for _ in 0..CYCLES / 10 {
-        let base = ThreadCall {
-            run_in: at(Length::ZERO),
-            ..thread(&mut r)
-        };
-        let moves = |cut_in, angle| {
-            let call = ThreadCall {
-                cut_in: at(cut_in),
-                angle: at(angle),
-                ..base
+    leadscrew_seed::volume(4, |seed| {
+        use CutIn::*;
+        let mut r = Random(seed);
+        for _ in 0..CYCLES / 10 {
+            let base = ThreadCall {
+                run_in: at(Length::ZERO),
+                ..thread(&mut r)
             };
-            expand_thread(&call)
-        };
-        let starts = |moves: &[Move]| -> Vec<Position> {
-            let approach = moves
+            let moves = |cut_in, angle| {
+                let call = ThreadCall {
+                    cut_in: at(cut_in),
+                    angle: at(angle),
+                    ..base
+                };
+                expand_thread(&call)
+            };
+            let starts = |moves: &[Move]| -> Vec<Position> {
+                let approach = moves
+                    .iter()
+                    .filter(|m| m.tag.unwrap().stage == Stage::Approach);
+                approach.map(|m| m.to).collect()
+            };
+            if let Ok(centre) = moves(Centre, 0) {
+                for mode in [Left, Right, RightCentre, LeftRight, Trailing] {
+                    assert_eq!(moves(mode, 0).unwrap(), centre);
+                }
+            }
+            let angle = base.angle.value;
+            let lists: Vec<_> = [Left, Right, RightCentre, LeftRight]
                 .iter()
-                .filter(|m| m.tag.unwrap().stage == Stage::Approach);
-            approach.map(|m| m.to).collect()
-        };
-        if let Ok(centre) = moves(Centre, 0) {
-            for mode in [Left, Right, RightCentre, LeftRight, Trailing] {
-                assert_eq!(moves(mode, 0).unwrap(), centre);
+                .filter_map(|&mode| moves(mode, angle).ok())
+                .collect();
+            for pair in lists.windows(2) {
+                let (a, b) = (starts(&pair[0]), starts(&pair[1]));
+                let last_rough = |moves: &[Move]| {
+                    let rough = moves
+                        .iter()
+                        .rev()
+                        .find(|m| m.tag.unwrap().stage == Stage::Rough);
+                    rough.unwrap().tag.unwrap().pass as usize * usize::from(base.starts.value) - 1
+                };
+                // From the last rough pass on; the centre of mode 3 reaches it too.
+                let n = last_rough(&pair[0]);
+                assert_eq!(a[n..], b[n..]);
+            }
+            let down = base.end_z.value < base.start.z;
+            let trailing = if down { Right } else { Left };
+            if let (Ok(g76), Ok(g78)) = (moves(Trailing, angle), moves(trailing, angle)) {
+                let rough = |moves: Vec<Move>| -> Vec<Move> {
+                    let of_rough = |m: &Move| m.tag.unwrap().depth < base.height.value;
+                    moves.into_iter().filter(of_rough).collect()
+                };
+                assert_eq!(rough(g76), rough(g78));
             }
         }
-        let angle = base.angle.value;
-        let lists: Vec<_> = [Left, Right, RightCentre, LeftRight]
-            .iter()
-            .filter_map(|&mode| moves(mode, angle).ok())
-            .collect();
-        for pair in lists.windows(2) {
-            let (a, b) = (starts(&pair[0]), starts(&pair[1]));
-            let last_rough = |moves: &[Move]| {
-                let rough = moves
-                    .iter()
-                    .rev()
-                    .find(|m| m.tag.unwrap().stage == Stage::Rough);
-                rough.unwrap().tag.unwrap().pass as usize * usize::from(base.starts.value) - 1
-            };
-            // From the last rough pass on; the centre of mode 3 reaches it too.
-            let n = last_rough(&pair[0]);
-            assert_eq!(a[n..], b[n..]);
-        }
-        let down = base.end_z.value < base.start.z;
-        let trailing = if down { Right } else { Left };
-        if let (Ok(g76), Ok(g78)) = (moves(Trailing, angle), moves(trailing, angle)) {
-            let rough = |moves: Vec<Move>| -> Vec<Move> {
-                let of_rough = |m: &Move| m.tag.unwrap().depth < base.height.value;
-                moves.into_iter().filter(of_rough).collect()
-            };
-            assert_eq!(rough(g76), rough(g78));
-        }
-    }
+    });
 }
 
 fn groove(r: &mut Random) -> GrooveCall {
@@ -486,21 +494,23 @@ fn groove(r: &mut Random) -> GrooveCall {
 
 #[test]
 fn grooves_equal_the_reference() {
-    let mut r = Random(75);
-    for _ in 0..CYCLES / 5 {
-        let call = groove(&mut r);
-        let moves: Vec<Move> = GrooveMoves::new(&call, place(1)).unwrap().collect();
-        let want = reference::groove(&call);
-        assert_eq!(moves.len(), want.len());
-        for (m, (stage, column, peck, x, z)) in moves.iter().zip(want) {
-            let tag = m.tag.unwrap();
-            assert_eq!((tag.stage, tag.pass, tag.peck), (stage, column, peck));
-            assert_eq!((m.to.x.nm(), m.to.z.nm()), (x, z));
-            assert_eq!(tag.depth, (m.to.x - call.start.x).abs());
-            assert_eq!(matches!(m.kind, MoveKind::Feed(_)), stage == Stage::Peck);
+    leadscrew_seed::volume(75, |seed| {
+        let mut r = Random(seed);
+        for _ in 0..CYCLES / 5 {
+            let call = groove(&mut r);
+            let moves: Vec<Move> = GrooveMoves::new(&call, place(1)).unwrap().collect();
+            let want = reference::groove(&call);
+            assert_eq!(moves.len(), want.len());
+            for (m, (stage, column, peck, x, z)) in moves.iter().zip(want) {
+                let tag = m.tag.unwrap();
+                assert_eq!((tag.stage, tag.pass, tag.peck), (stage, column, peck));
+                assert_eq!((m.to.x.nm(), m.to.z.nm()), (x, z));
+                assert_eq!(tag.depth, (m.to.x - call.start.x).abs());
+                assert_eq!(matches!(m.kind, MoveKind::Feed(_)), stage == Stage::Peck);
+            }
+            assert_eq!(moves.last().unwrap().to, call.start);
         }
-        assert_eq!(moves.last().unwrap().to, call.start);
-    }
+    });
 }
 
 /// A length that is anything a program could hold, mostly at the edges.
@@ -523,66 +533,69 @@ fn edge(r: &mut Random) -> Length {
 /// Whatever a call holds, there is an alarm or a closed list of moves: no overflow (these tests check for it), no hang.
 #[test]
 fn wild_calls_are_refused_or_cut() {
-    let mut r = Random(13);
-    let mut cut = 0;
-    for _ in 0..CYCLES {
-        let mut call = thread(&mut r);
-        for _ in 0..r.within(1, 6) {
-            let value = edge(&mut r);
-            match r.within(0, 12) {
-                0 => call.start.x = value,
-                1 => call.start.z = value,
-                2 => call.end_x = at(value),
-                3 => call.end_z = at(value),
-                4 => call.taper = at(value),
-                5 => call.height = at(value),
-                6 => call.first_depth = at(value),
-                7 => call.min_step = at(value),
-                8 => call.allowance = at(value),
-                9 => call.run_in = at(value),
-                10 => call.increment = value,
-                11 => {
-                    call.run_out = Some(RunOut {
-                        short: at(value),
-                        long: at(edge(&mut r)),
-                        short_rest: Remainder::ZERO,
-                        long_rest: Remainder::ZERO,
-                    })
+    leadscrew_seed::volume(13, |seed| {
+        let mut r = Random(seed);
+        let mut cut = 0;
+        for _ in 0..CYCLES {
+            let mut call = thread(&mut r);
+            for _ in 0..r.within(1, 6) {
+                let value = edge(&mut r);
+                match r.within(0, 12) {
+                    0 => call.start.x = value,
+                    1 => call.start.z = value,
+                    2 => call.end_x = at(value),
+                    3 => call.end_z = at(value),
+                    4 => call.taper = at(value),
+                    5 => call.height = at(value),
+                    6 => call.first_depth = at(value),
+                    7 => call.min_step = at(value),
+                    8 => call.allowance = at(value),
+                    9 => call.run_in = at(value),
+                    10 => call.increment = value,
+                    11 => {
+                        call.run_out = Some(RunOut {
+                            short: at(value),
+                            long: at(edge(&mut r)),
+                            short_rest: Remainder::ZERO,
+                            long_rest: Remainder::ZERO,
+                        })
+                    }
+                    _ => {
+                        call.lead =
+                            at(Lead::new(value.nm(), r.next_bits() as i64).unwrap_or(lead(1.0)))
+                    }
                 }
-                _ => {
-                    call.lead = at(Lead::new(value.nm(), r.next_bits() as i64).unwrap_or(lead(1.0)))
+            }
+            call.starts = at(1);
+            if let Ok(moves) = ThreadMoves::new(&call, place(1)) {
+                let summary = moves.summary();
+                assert!(summary.rough <= 9999);
+                if summary.rough < 300 {
+                    let moves: Vec<Move> = moves.collect();
+                    assert_eq!(moves.last().unwrap().to, call.start);
+                    in_box(&call, &moves);
+                    cut += 1;
                 }
             }
-        }
-        call.starts = at(1);
-        if let Ok(moves) = ThreadMoves::new(&call, place(1)) {
-            let summary = moves.summary();
-            assert!(summary.rough <= 9999);
-            if summary.rough < 300 {
-                let moves: Vec<Move> = moves.collect();
-                assert_eq!(moves.last().unwrap().to, call.start);
-                in_box(&call, &moves);
-                cut += 1;
+            let mut call = groove(&mut r);
+            for _ in 0..r.within(1, 3) {
+                let value = edge(&mut r);
+                match r.within(0, 7) {
+                    0 => call.start.x = value,
+                    1 => call.start.z = value,
+                    2 => call.end_x = at(value),
+                    3 => call.end_z = at(value),
+                    4 => call.relief = at(value),
+                    5 => call.retract = at(value),
+                    6 => call.peck = Some(at(value)),
+                    _ => call.step = Some(at(value)),
+                }
+            }
+            if let Ok(moves) = GrooveMoves::new(&call, place(1)) {
+                // Some of these have 10¹³ moves; a few show that nothing overflows.
+                assert!(moves.take(50).count() >= 2);
             }
         }
-        let mut call = groove(&mut r);
-        for _ in 0..r.within(1, 3) {
-            let value = edge(&mut r);
-            match r.within(0, 7) {
-                0 => call.start.x = value,
-                1 => call.start.z = value,
-                2 => call.end_x = at(value),
-                3 => call.end_z = at(value),
-                4 => call.relief = at(value),
-                5 => call.retract = at(value),
-                6 => call.peck = Some(at(value)),
-                _ => call.step = Some(at(value)),
-            }
-        }
-        if let Ok(moves) = GrooveMoves::new(&call, place(1)) {
-            // Some of these have 10¹³ moves; a few show that nothing overflows.
-            assert!(moves.take(50).count() >= 2);
-        }
-    }
-    assert!(cut > CYCLES / 50, "{cut}");
+        assert!(cut > CYCLES / 50, "{cut}");
+    });
 }

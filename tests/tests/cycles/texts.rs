@@ -107,74 +107,78 @@ fn g78_as_printed() {
 /// is rounded to the input increment.
 #[test]
 fn millimetres_and_inches_make_the_same_moves() {
-    let mut r = Random(25);
-    let (mut same, mut refused) = (0, 0);
-    for _ in 0..CYCLES / 20 {
-        let w = r.sign() * r.within(60, 900);
-        let (s, k) = (r.sign(), r.within(4, 60));
-        let i = if r.chance(50) {
-            0
-        } else {
-            r.within(-w.abs() / 8, w.abs() / 8)
-        };
-        let x_a = r.within(-1500, 1500);
-        let x_d = x_a - s * 2 * (k + i.abs() + r.within(-1, 150));
-        let steps = [
-            ("G0 X", x_a, true),
-            (" Z", r.within(-800, 800), true),
-            ("\nG78 Q", r.within(0, 3), true),
-            (" R", r.within(0, k / 3), true),
-            (
-                " D0 P",
-                10_000 + 100 * r.within(0, 4) + r.within(0, 99),
-                false,
-            ),
-            ("\nG78 X", x_d, true),
-            (" W", w, true),
-            (" R", i, true),
-            (" P", k, true),
-            (" Q", r.within(1, k), true),
-            (" J", r.within(1, 60), true),
-            (" K", r.within(1, 60), true),
-            (" E", r.within(0, 60), true),
-            (" F", r.within(4, 60), true),
-            ("\nG75 R", r.within(0, 9), true),
-            (" F", r.within(100, 900), true),
-            // P and Q of G75 count increments of 0.0001 mm or 0.00001 inch.
-            ("\nG75 X", x_d, true),
-            (" W", r.within(-200, 200), true),
-        ];
-        let pecks = (r.within(1, 90), r.within(1, 90));
-        let text = |inch: bool| {
-            let mut text = String::from(if inch { "G20\n" } else { "G21\n" });
-            for (letter, value, length) in steps {
-                text += letter;
-                text += &if length {
-                    grid(value, inch)
-                } else {
-                    format!("{value:06}")
-                };
-            }
-            let lsb = if inch { 500 } else { 1270 };
-            text + &format!(" P{} Q{}\nM30\n", pecks.0 * lsb, pecks.1 * lsb)
-        };
-        match (try_text(&text(false)), try_text(&text(true))) {
-            (Ok((metric, a)), Ok((inch, b))) => {
-                assert_eq!(a, b);
-                assert_eq!(shape(&metric), shape(&inch), "{}", text(false));
-                assert!(!of(&metric, Cycle::G78).is_empty() && !of(&metric, Cycle::G75).is_empty());
-                same += 1;
-            }
-            (a, b) => {
-                assert_eq!(a.err(), b.err(), "{}", text(false));
-                refused += 1;
+    leadscrew_seed::volume(25, |seed| {
+        let mut r = Random(seed);
+        let (mut same, mut refused) = (0, 0);
+        for _ in 0..CYCLES / 20 {
+            let w = r.sign() * r.within(60, 900);
+            let (s, k) = (r.sign(), r.within(4, 60));
+            let i = if r.chance(50) {
+                0
+            } else {
+                r.within(-w.abs() / 8, w.abs() / 8)
+            };
+            let x_a = r.within(-1500, 1500);
+            let x_d = x_a - s * 2 * (k + i.abs() + r.within(-1, 150));
+            let steps = [
+                ("G0 X", x_a, true),
+                (" Z", r.within(-800, 800), true),
+                ("\nG78 Q", r.within(0, 3), true),
+                (" R", r.within(0, k / 3), true),
+                (
+                    " D0 P",
+                    10_000 + 100 * r.within(0, 4) + r.within(0, 99),
+                    false,
+                ),
+                ("\nG78 X", x_d, true),
+                (" W", w, true),
+                (" R", i, true),
+                (" P", k, true),
+                (" Q", r.within(1, k), true),
+                (" J", r.within(1, 60), true),
+                (" K", r.within(1, 60), true),
+                (" E", r.within(0, 60), true),
+                (" F", r.within(4, 60), true),
+                ("\nG75 R", r.within(0, 9), true),
+                (" F", r.within(100, 900), true),
+                // P and Q of G75 count increments of 0.0001 mm or 0.00001 inch.
+                ("\nG75 X", x_d, true),
+                (" W", r.within(-200, 200), true),
+            ];
+            let pecks = (r.within(1, 90), r.within(1, 90));
+            let text = |inch: bool| {
+                let mut text = String::from(if inch { "G20\n" } else { "G21\n" });
+                for (letter, value, length) in steps {
+                    text += letter;
+                    text += &if length {
+                        grid(value, inch)
+                    } else {
+                        format!("{value:06}")
+                    };
+                }
+                let lsb = if inch { 500 } else { 1270 };
+                text + &format!(" P{} Q{}\nM30\n", pecks.0 * lsb, pecks.1 * lsb)
+            };
+            match (try_text(&text(false)), try_text(&text(true))) {
+                (Ok((metric, a)), Ok((inch, b))) => {
+                    assert_eq!(a, b);
+                    assert_eq!(shape(&metric), shape(&inch), "{}", text(false));
+                    assert!(
+                        !of(&metric, Cycle::G78).is_empty() && !of(&metric, Cycle::G75).is_empty()
+                    );
+                    same += 1;
+                }
+                (a, b) => {
+                    assert_eq!(a.err(), b.err(), "{}", text(false));
+                    refused += 1;
+                }
             }
         }
-    }
-    assert!(
-        same > CYCLES / 50 && refused > 0,
-        "{same} alike, {refused} refused"
-    );
+        assert!(
+            same > CYCLES / 50 && refused > 0,
+            "{same} alike, {refused} refused"
+        );
+    });
 }
 
 /// `steps` of 0.005 inch or 0.127 mm.

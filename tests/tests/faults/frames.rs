@@ -49,25 +49,27 @@ fn gateway(seed: u64, noise: Noise) -> Faults {
 /// Positions are absolute: what a drive misses is made up for with the next frame, and where the work ends is exact.
 #[test]
 fn between_board_and_drives_they_cost_a_step_and_never_a_position() {
-    let params = Params::slant_bed();
-    for seed in 1..=8 {
-        let what = format!("seed {seed}");
-        let mut bench = Bench::at_work(&params, WORK, drives(seed, WORN));
-        while !bench.waiting.is_empty() || bench.sim.is_busy() {
-            bench.tick();
+    leadscrew_seed::volume(1, |first| {
+        let params = Params::slant_bed();
+        for seed in (0..8).map(|n| first.wrapping_add(n)) {
+            let what = format!("seed {seed}");
+            let mut bench = Bench::at_work(&params, WORK, drives(seed, WORN));
+            while !bench.waiting.is_empty() || bench.sim.is_busy() {
+                bench.tick();
+            }
+            assert_eq!(bench.alarm, None, "{what}");
+            let harm = bench.sim.harm();
+            assert!(
+                harm.lost > 20 && harm.doubled > 100 && harm.swapped > 100,
+                "{harm:?}"
+            );
+            bench.never_jumps(&what, 0, 6);
+            bench.sim.spoil(Faults::NONE);
+            bench.ticks(5);
+            assert_eq!(bench.drives(), [35_000_000, 8_000_000], "{what}");
+            bench.next(&what);
         }
-        assert_eq!(bench.alarm, None, "{what}");
-        let harm = bench.sim.harm();
-        assert!(
-            harm.lost > 20 && harm.doubled > 100 && harm.swapped > 100,
-            "{harm:?}"
-        );
-        bench.never_jumps(&what, 0, 6);
-        bench.sim.spoil(Faults::NONE);
-        bench.ticks(5);
-        assert_eq!(bench.drives(), [35_000_000, 8_000_000], "{what}");
-        bench.next(&what);
-    }
+    });
 }
 
 /// Mode and speed of a spindle go out on change: where that frame is lost the next repetition makes up for it.
@@ -153,103 +155,111 @@ fn upload(bench: &mut Bench, upload: &mut Upload) -> usize {
 /// The program that arrives is the one that was sent, whole, once and in order.
 #[test]
 fn between_gateway_and_board_a_program_arrives_whole_or_not_at_all() {
-    let params = Params::slant_bed();
-    let mut good = Bench::new(&params);
-    Upload::new(1, &calls(WORK, &params)).feed(&mut good.gateway, &mut good.lathe.sim);
-    good.gateway.order(&mut good.lathe.sim, Order::Run);
-    good.until("good", 60_000, |bench| bench.state_is_idle_again());
-    for (seed, protocol) in [
-        (1, SdoProtocol::Block),
-        (2, SdoProtocol::Short),
-        (3, SdoProtocol::Block),
-    ] {
-        let what = format!("seed {seed}");
-        let mut bench = Bench::new(&params);
-        let mut program = Upload::new(1, &calls(WORK, &params));
-        program.protocol = protocol;
-        program.most = 2;
-        bench.sim.spoil(gateway(seed, BAD));
-        let failed = upload(&mut bench, &mut program);
-        assert!(failed > 0, "{what}: nothing was spoilt");
-        // An order is repeated until its count is read in the status.
-        let command = BoardCommand::order(Order::Run, 41);
-        while bench.gateway.status.count != 42 {
-            bench.sim.receive(&command.frame(NODE));
-            bench.ticks(10);
+    leadscrew_seed::volume(1, |first| {
+        let params = Params::slant_bed();
+        let mut good = Bench::new(&params);
+        Upload::new(1, &calls(WORK, &params)).feed(&mut good.gateway, &mut good.lathe.sim);
+        good.gateway.order(&mut good.lathe.sim, Order::Run);
+        good.until("good", 60_000, |bench| bench.state_is_idle_again());
+        for (seed, protocol) in [
+            (first, SdoProtocol::Block),
+            (first.wrapping_add(1), SdoProtocol::Short),
+            (first.wrapping_add(2), SdoProtocol::Block),
+        ] {
+            let what = format!("seed {seed}");
+            let mut bench = Bench::new(&params);
+            let mut program = Upload::new(1, &calls(WORK, &params));
+            program.protocol = protocol;
+            program.most = 2;
+            bench.sim.spoil(gateway(seed, BAD));
+            let failed = upload(&mut bench, &mut program);
+            assert!(failed > 0, "{what}: nothing was spoilt");
+            // An order is repeated until its count is read in the status.
+            let command = BoardCommand::order(Order::Run, 41);
+            while bench.gateway.status.count != 42 {
+                bench.sim.receive(&command.frame(NODE));
+                bench.ticks(10);
+            }
+            bench.until(&what, 60_000, |bench| bench.state_is_idle_again());
+            assert_eq!(bench.alarm, None, "{what}");
+            assert_eq!(bench.started(), good.started(), "{what}");
+            assert_eq!(bench.drives(), good.drives(), "{what}");
         }
-        bench.until(&what, 60_000, |bench| bench.state_is_idle_again());
-        assert_eq!(bench.alarm, None, "{what}");
-        assert_eq!(bench.started(), good.started(), "{what}");
-        assert_eq!(bench.drives(), good.drives(), "{what}");
-    }
+    });
 }
 
 /// Twice the same order is one; two are two, whatever happens to their frames.
 #[test]
 fn orders_act_once_each() {
-    let params = Params::slant_bed();
-    let mut bench = Bench::new(&params);
-    let text = "G98 G1 X40 Z-100 F500\nG1 X20 Z0\nM30\n";
-    Upload::new(1, &calls(text, &params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
-    bench.gateway.order(&mut bench.lathe.sim, Order::Run);
-    bench.ticks(100);
-    let noise = Noise {
-        lose: 300,
-        double: 300,
-        swap: 100,
-    };
-    bench.sim.spoil(gateway(5, noise));
-    for round in 0..40 {
-        let (order, state) = match round % 2 {
-            0 => (Order::Hold, BoardState::Hold),
-            _ => (Order::Resume, BoardState::Run),
+    leadscrew_seed::volume(5, |seed| {
+        let params = Params::slant_bed();
+        let mut bench = Bench::new(&params);
+        let text = "G98 G1 X40 Z-100 F500\nG1 X20 Z0\nM30\n";
+        Upload::new(1, &calls(text, &params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
+        bench.gateway.order(&mut bench.lathe.sim, Order::Run);
+        bench.ticks(100);
+        let noise = Noise {
+            lose: 300,
+            double: 300,
+            swap: 100,
         };
-        let command = BoardCommand::order(order, 100 + round);
-        let mut tries = 0;
-        while bench.gateway.status.count != command.count {
-            bench.sim.receive(&command.frame(NODE));
-            bench.ticks(10);
-            tries += 1;
-            assert!(tries < 100, "round {round}");
+        bench.sim.spoil(gateway(seed, noise));
+        for round in 0..40 {
+            let (order, state) = match round % 2 {
+                0 => (Order::Hold, BoardState::Hold),
+                _ => (Order::Resume, BoardState::Run),
+            };
+            let command = BoardCommand::order(order, 100 + round);
+            let mut tries = 0;
+            while bench.gateway.status.count != command.count {
+                bench.sim.receive(&command.frame(NODE));
+                bench.ticks(10);
+                tries += 1;
+                assert!(tries < 100, "round {round}");
+            }
+            bench.ticks(300);
+            assert_eq!(bench.gateway.status.state, state, "round {round}");
         }
-        bench.ticks(300);
-        assert_eq!(bench.gateway.status.state, state, "round {round}");
-    }
-    assert_eq!(bench.alarm, None);
+        assert_eq!(bench.alarm, None);
+    });
 }
 
 /// A parameter set comes into force whole, or the one before stays.
 #[test]
 fn a_parameter_set_arrives_whole_or_not_at_all() {
-    let old = Params::slant_bed();
-    let new = with(&[("9022", 20), ("9023", 100), ("1828.X", 400_000)]);
-    let mut image = vec![0; ImageWriter::BYTES as usize];
-    ImageWriter::new(&new).read(0, &mut image);
-    for seed in 1..=6 {
-        let mut bench = Bench::new(&old);
-        let mut failed = 0;
-        loop {
-            bench.sim.spoil(gateway(seed + 100 * failed, BAD));
-            let object = Object::new(0x5010, 1);
-            let sent =
+    leadscrew_seed::volume(1, |first| {
+        let old = Params::slant_bed();
+        let new = with(&[("9022", 20), ("9023", 100), ("1828.X", 400_000)]);
+        let mut image = vec![0; ImageWriter::BYTES as usize];
+        ImageWriter::new(&new).read(0, &mut image);
+        for seed in (0..6).map(|n| first.wrapping_add(n)) {
+            let mut bench = Bench::new(&old);
+            let mut failed = 0;
+            loop {
                 bench
+                    .sim
+                    .spoil(gateway(seed.wrapping_add(100 * failed), BAD));
+                let object = Object::new(0x5010, 1);
+                let sent =
+                    bench
+                        .gateway
+                        .write(&mut bench.lathe.sim, object, &image, SdoProtocol::Block);
+                bench.sim.spoil(Faults::NONE);
+                bench.ticks(1_200);
+                let force = bench
                     .gateway
-                    .write(&mut bench.lathe.sim, object, &image, SdoProtocol::Block);
-            bench.sim.spoil(Faults::NONE);
-            bench.ticks(1_200);
-            let force = bench
-                .gateway
-                .number(&mut bench.lathe.sim, 0x1020, 1)
-                .expect("it answers");
-            let (was, is) = (u64::from(identity(&old)), u64::from(identity(&new)));
-            assert!(force == was || force == is, "seed {seed}: a mixture");
-            if sent.is_ok() {
-                assert_eq!(force, is, "seed {seed}");
-                break;
+                    .number(&mut bench.lathe.sim, 0x1020, 1)
+                    .expect("it answers");
+                let (was, is) = (u64::from(identity(&old)), u64::from(identity(&new)));
+                assert!(force == was || force == is, "seed {seed}: a mixture");
+                if sent.is_ok() {
+                    assert_eq!(force, is, "seed {seed}");
+                    break;
+                }
+                failed += 1;
+                assert!(failed < 200, "seed {seed}: never through");
             }
-            failed += 1;
-            assert!(failed < 200, "seed {seed}: never through");
+            assert_eq!(bench.alarm, None);
         }
-        assert_eq!(bench.alarm, None);
-    }
+    });
 }

@@ -20,65 +20,67 @@ const MOVES_OF_A_MACHINE: u32 = 500;
 
 #[test]
 fn no_setpoint_exceeds_a_limit_and_every_move_ends_on_its_target() {
-    let mut random = Random::new(2);
-    let mut run = Run::new();
-    let (mut ticks, mut abandoned, mut used) = (0_u64, 0_u32, [0.0_f64; 3]);
-    let mut done = 0;
-    while done < MOVES {
-        let params = machine::random(&mut random);
-        let limits = Limits::from_params(&params);
-        let mut at = Position::default();
-        let mut watch = Watch::new(&params, at);
-        for _ in 0..MOVES_OF_A_MACHINE {
-            let (wanted, pace) = random_move(&mut random, &params, at);
-            let planned = match plan::timed(at, &wanted, &limits) {
-                Ok(planned) => planned.expect("time drives it"),
-                Err(alarm) => panic!("move {done}: {alarm:?} for {wanted:?}"),
-            };
-            assert!(run.begin(&planned));
-            let mut operator = Operator::random(&mut random, pace);
-            let (mut tick, mut touched, mut gave_up) = (0, false, false);
-            loop {
-                let rate = operator.rate(&mut random, tick);
-                touched |= rate != leadscrew_core::motion::Rate::FULL;
-                if operator.gives_up(tick) && !run.at_rest() {
-                    run.abandon();
-                    gave_up = true;
+    leadscrew_seed::volume(2, |seed| {
+        let mut random = Random::new(seed);
+        let mut run = Run::new();
+        let (mut ticks, mut abandoned, mut used) = (0_u64, 0_u32, [0.0_f64; 3]);
+        let mut done = 0;
+        while done < MOVES {
+            let params = machine::random(&mut random);
+            let limits = Limits::from_params(&params);
+            let mut at = Position::default();
+            let mut watch = Watch::new(&params, at);
+            for _ in 0..MOVES_OF_A_MACHINE {
+                let (wanted, pace) = random_move(&mut random, &params, at);
+                let planned = match plan::timed(at, &wanted, &limits) {
+                    Ok(planned) => planned.expect("time drives it"),
+                    Err(alarm) => panic!("move {done}: {alarm:?} for {wanted:?}"),
+                };
+                assert!(run.begin(&planned));
+                let mut operator = Operator::random(&mut random, pace);
+                let (mut tick, mut touched, mut gave_up) = (0, false, false);
+                loop {
+                    let rate = operator.rate(&mut random, tick);
+                    touched |= rate != leadscrew_core::motion::Rate::FULL;
+                    if operator.gives_up(tick) && !run.at_rest() {
+                        run.abandon();
+                        gave_up = true;
+                    }
+                    let step = run.tick(rate, &planned, None);
+                    tick += 1;
+                    if let Err(excess) = watch.setpoint(step.position, pace) {
+                        panic!(
+                            "move {done}, tick {tick}: {excess}\n{wanted:?} from {at:?}\n{planned:?}"
+                        );
+                    }
+                    at = step.position;
+                    if step.done {
+                        break;
+                    }
+                    assert!(tick < 200_000, "move {done} never ends: {planned:?}");
                 }
-                let step = run.tick(rate, &planned, None);
-                tick += 1;
-                if let Err(excess) = watch.setpoint(step.position, pace) {
-                    panic!(
-                        "move {done}, tick {tick}: {excess}\n{wanted:?} from {at:?}\n{planned:?}"
-                    );
+                if gave_up {
+                    abandoned += 1;
+                } else {
+                    assert_eq!(at, wanted.to, "move {done}");
+                    if !touched {
+                        assert_eq!(tick, planned.duration_ticks().max(1), "move {done}");
+                    }
                 }
-                at = step.position;
-                if step.done {
-                    break;
-                }
-                assert!(tick < 200_000, "move {done} never ends: {planned:?}");
+                ticks += tick;
+                done += 1;
             }
-            if gave_up {
-                abandoned += 1;
-            } else {
-                assert_eq!(at, wanted.to, "move {done}");
-                if !touched {
-                    assert_eq!(tick, planned.duration_ticks().max(1), "move {done}");
-                }
+            for (most, used) in used.iter_mut().zip(watch.used) {
+                *most = most.max(used);
             }
-            ticks += tick;
-            done += 1;
         }
-        for (most, used) in used.iter_mut().zip(watch.used) {
-            *most = most.max(used);
-        }
-    }
-    println!(
-        "{done} moves, {ticks} setpoints, {abandoned} abandoned; most of speed, acceleration, jerk used: {used:.4?}"
-    );
-    // The limits are reached, not merely kept.
-    assert!(used.iter().all(|used| *used > 0.99), "{used:?}");
-    assert!(abandoned > MOVES / 100);
+        println!(
+            "{done} moves, {ticks} setpoints, {abandoned} abandoned; most of speed, acceleration, jerk used: {used:.4?}"
+        );
+        // The limits are reached, not merely kept.
+        assert!(used.iter().all(|used| *used > 0.99), "{used:?}");
+        assert!(abandoned > MOVES / 100);
+    });
 }
 
 /// A rapid, a feed per minute or per turn, or an arc, from nanometres to centimetres.

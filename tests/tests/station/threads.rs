@@ -409,16 +409,17 @@ fn an_error_shows_in_the_thread_in_which_it_was() {
 /// Threads and holes in any order: each its own, together the run.
 #[test]
 fn random_programs_add_up() {
-    let mut r = Random(0x5041);
-    let params = Params::slant_bed();
-    for program in 0..if cfg!(debug_assertions) { 4 } else { 40 } {
-        let mut text = String::from("G98\nG0 X80 Z10\n");
-        let mut expected = Vec::new();
-        let mut line = 2;
-        for _ in 0..r.within(3, 10) {
-            if r.chance(50) {
-                let (depth, first) = (r.within(3, 20), r.within(2, 9));
-                text.push_str(&format!(
+    leadscrew_seed::volume(0x5041, |seed| {
+        let mut r = Random(seed);
+        let params = Params::slant_bed();
+        for program in 0..if cfg!(debug_assertions) { 4 } else { 40 } {
+            let mut text = String::from("G98\nG0 X80 Z10\n");
+            let mut expected = Vec::new();
+            let mut line = 2;
+            for _ in 0..r.within(3, 10) {
+                if r.chance(50) {
+                    let (depth, first) = (r.within(3, 20), r.within(2, 9));
+                    text.push_str(&format!(
                     "M3 S{}\nG0 X80 Z10\nG76 P010060 Q200 R0.05\nG76 X{} Z-{} P{}000 Q{}000 F{}\nM5\n",
                     r.within(200, 900),
                     80.0 - depth as f64 / 5.0,
@@ -427,41 +428,42 @@ fn random_programs_add_up() {
                     first.min(depth),
                     r.of(&["1", "1.5", "3"]),
                 ));
-                expected.push((line + 4, Thread));
-                line += 5;
-            } else {
-                let holes = r.within(1, 3);
-                let rigid = r.chance(60);
-                let begin = if rigid { "M29" } else { "M3" };
-                text.push_str(&format!(
-                    "G0 X0 Z5\n{begin} S{}\nG84 Z-{} R-3 F{} K{holes}\nG80\n",
-                    r.within(200, 600),
-                    r.within(4, 15),
-                    r.within(200, 500),
-                ));
-                let kind = if rigid { RigidTap } else { FloatingTap };
-                expected.extend(std::iter::repeat_n((line + 3, kind), holes as usize));
-                line += 4;
-                if !rigid {
-                    text.push_str("M5\n");
-                    line += 1;
+                    expected.push((line + 4, Thread));
+                    line += 5;
+                } else {
+                    let holes = r.within(1, 3);
+                    let rigid = r.chance(60);
+                    let begin = if rigid { "M29" } else { "M3" };
+                    text.push_str(&format!(
+                        "G0 X0 Z5\n{begin} S{}\nG84 Z-{} R-3 F{} K{holes}\nG80\n",
+                        r.within(200, 600),
+                        r.within(4, 15),
+                        r.within(200, 500),
+                    ));
+                    let kind = if rigid { RigidTap } else { FloatingTap };
+                    expected.extend(std::iter::repeat_n((line + 3, kind), holes as usize));
+                    line += 4;
+                    if !rigid {
+                        text.push_str("M5\n");
+                        line += 1;
+                    }
                 }
             }
+            text.push_str("M30\n");
+            let options = PlantOptions {
+                ripple: r.chance(50).then(|| Ripple::new(2_000, 5_000)).flatten(),
+                ..PlantOptions::default()
+            };
+            let cut = cut_calls(calls(&text, &params), &params, &options, |_, _| {});
+            let told: Vec<_> = cut.told().iter().map(|told| (told.0, told.1)).collect();
+            assert_eq!(told, expected, "program {program}\n{text}");
+            assert!(
+                cut.told().iter().all(|told| told.2 == Finished),
+                "{:?}",
+                cut.told()
+            );
         }
-        text.push_str("M30\n");
-        let options = PlantOptions {
-            ripple: r.chance(50).then(|| Ripple::new(2_000, 5_000)).flatten(),
-            ..PlantOptions::default()
-        };
-        let cut = cut_calls(calls(&text, &params), &params, &options, |_, _| {});
-        let told: Vec<_> = cut.told().iter().map(|told| (told.0, told.1)).collect();
-        assert_eq!(told, expected, "program {program}\n{text}");
-        assert!(
-            cut.told().iter().all(|told| told.2 == Finished),
-            "{:?}",
-            cut.told()
-        );
-    }
+    });
 }
 
 /// A hole that is left at its bottom goes on with the next block; a way out by itself is on the line of the hole, too.

@@ -58,17 +58,19 @@ fn random_hole(r: &mut Random) -> TapCall {
 
 #[test]
 fn holes_at_random_keep_every_promise() {
-    let mut r = Random(0x7A9);
-    for _ in 0..HOLES {
-        let hole = random_hole(&mut r);
-        let latency = r.of(&[0, 0, 1000, 3000]);
-        let params = with(&[
-            ("5261", r.within(0, 1500)),
-            ("5271", r.within(0, 1500)),
-            ("5201.2", r.within(0, 1)),
-            ("9003.X", latency),
-            ("9003.Z", latency),
-        ]);
-        tap(&hole, &params);
-    }
+    leadscrew_seed::volume(0x7A9, |seed| {
+        let mut r = Random(seed);
+        for _ in 0..HOLES {
+            let hole = random_hole(&mut r);
+            let latency = r.of(&[0, 0, 1000, 3000]);
+            let params = with(&[
+                ("5261", r.within(0, 1500)),
+                ("5271", r.within(0, 1500)),
+                ("5201.2", r.within(0, 1)),
+                ("9003.X", latency),
+                ("9003.Z", latency),
+            ]);
+            tap(&hole, &params);
+        }
+    });
 }

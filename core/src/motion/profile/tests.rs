@@ -82,54 +82,56 @@ fn constant_pulse_is_the_time_optimal_ramp() {
 /// Any operator whatever: small ramps and short lengths, so that every corner of the governor is met.
 #[test]
 fn no_operator_breaks_a_limit_or_the_end() {
-    let rounds = if cfg!(debug_assertions) {
-        60_000
-    } else {
-        3_000_000
-    };
-    let mut random = Random(11);
-    let mut watch = Watch {
-        profile: Profile::new(),
-        accel: 0,
-    };
-    for round in 0..rounds {
-        let (n1, n2) = (1 + random.below(7) as u16, 1 + random.below(7) as u16);
-        let cap = 2 + random.below(40) as u32;
-        let area = u64::from(n1) * u64::from(n2);
-        let mut units = random.below(u64::from(cap) * 40);
-        begin(&mut watch, units, cap, ramp(cap, n1, n2));
-        // How this operator behaves: how often the rate changes, and to what.
-        let (change, kind) = (1 + random.below(8), random.below(4));
-        let mut rate = Rate::FULL;
-        let (mut ticks, mut limit) = (0_u64, 4_000);
-        loop {
-            if ticks < 300 && random.below(change) == 0 {
-                rate = match kind {
-                    0 => Rate::from_raw(random.below(70_000) as u32),
-                    1 => [Rate::HOLD, Rate::FULL][random.below(2) as usize],
-                    2 => Rate::percent((95 + random.below(10)) as u8),
-                    _ => [Rate::HOLD, Rate::percent(3), Rate::percent(50), Rate::FULL]
-                        [random.below(4) as usize],
-                };
-            } else if ticks == 300 {
-                rate = Rate::FULL;
+    leadscrew_seed::volume(11, |seed| {
+        let rounds = if cfg!(debug_assertions) {
+            60_000
+        } else {
+            3_000_000
+        };
+        let mut random = Random(seed);
+        let mut watch = Watch {
+            profile: Profile::new(),
+            accel: 0,
+        };
+        for round in 0..rounds {
+            let (n1, n2) = (1 + random.below(7) as u16, 1 + random.below(7) as u16);
+            let cap = 2 + random.below(40) as u32;
+            let area = u64::from(n1) * u64::from(n2);
+            let mut units = random.below(u64::from(cap) * 40);
+            begin(&mut watch, units, cap, ramp(cap, n1, n2));
+            // How this operator behaves: how often the rate changes, and to what.
+            let (change, kind) = (1 + random.below(8), random.below(4));
+            let mut rate = Rate::FULL;
+            let (mut ticks, mut limit) = (0_u64, 4_000);
+            loop {
+                if ticks < 300 && random.below(change) == 0 {
+                    rate = match kind {
+                        0 => Rate::from_raw(random.below(70_000) as u32),
+                        1 => [Rate::HOLD, Rate::FULL][random.below(2) as usize],
+                        2 => Rate::percent((95 + random.below(10)) as u8),
+                        _ => [Rate::HOLD, Rate::percent(3), Rate::percent(50), Rate::FULL]
+                            [random.below(4) as usize],
+                    };
+                } else if ticks == 300 {
+                    rate = Rate::FULL;
+                }
+                if random.below(400) == 0 {
+                    let more = random.below(200);
+                    watch.profile.left += more;
+                    units += more;
+                    limit += 4_000;
+                }
+                let progress = watch.tick(rate);
+                ticks += 1;
+                if progress.done {
+                    break;
+                }
+                assert!(ticks < limit, "round {round} never ends");
             }
-            if random.below(400) == 0 {
-                let more = random.below(200);
-                watch.profile.left += more;
-                units += more;
-                limit += 4_000;
-            }
-            let progress = watch.tick(rate);
-            ticks += 1;
-            if progress.done {
-                break;
-            }
-            assert!(ticks < limit, "round {round} never ends");
+            assert_eq!(watch.profile.travel, units << 8, "round {round}");
+            assert_eq!((watch.profile.remainder, area > 0), (0, true));
         }
-        assert_eq!(watch.profile.travel, units << 8, "round {round}");
-        assert_eq!((watch.profile.remainder, area > 0), (0, true));
-    }
+    });
 }
 
 #[test]

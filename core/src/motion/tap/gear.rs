@@ -78,8 +78,9 @@ impl Gear {
         if self.downwards { -way } else { way }
     }
 
-    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. No
-    /// division: made for the tick.
+    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. What is
+    /// rounded may be too large by 2⁻⁶¹ of itself, so what is that near to the next 2⁻³² is that. No division: made for the
+    /// tick.
     #[must_use]
     pub fn turns(&self, position: Position) -> Turns {
         let way = (self.axis.of(position) - self.level).nm();
@@ -88,9 +89,9 @@ impl Gear {
             return Turns::ZERO;
         }
         let size = way.unsigned_abs();
-        // way · factor / 2^shift. The factor is less than 1 too large and a way below
-        // 2⁴³, so the product is above the exact one by less than the 2^shift of one unit
-        // wherever the lead is above 8 µm; below that the last unit may be one too many.
+        // way · factor / 2^shift. The factor has 62 bits at least and is less than 1 too large, so
+        // the product is above the exact one by less than 2⁻⁶¹ of itself: by less than one
+        // unit wherever the lead is above 8 µm and the way below 2⁴³.
         let magnitude = if self.shift >= 64 {
             mul_high(size, self.factor).wrapping_shr(self.shift.wrapping_sub(64))
         } else if self.shift >= 44 && size < 1 << 44 {

@@ -34,33 +34,38 @@ fn whole_turns_are_exact_on_both_sides_of_r() {
 }
 
 #[test]
-fn any_lead_is_the_exact_ratio_rounded_towards_zero() {
-    let mut state = 11_u64;
-    let mut random = |bits: u32| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> (64 - bits)) as i64
-    };
-    for _ in 0..100_000 {
-        let (numerator, denominator) = (random(40) + 1_000_000, random(6) + 1);
-        let gear = gear(numerator, denominator, -1, Hand::Right);
-        let way = random(40);
-        let exact = ((i128::from(way) * i128::from(denominator)) << 32) / i128::from(numerator);
-        let turns = gear.turns(z(5_000_000 - way));
-        assert_eq!(
-            i128::from(turns.raw()),
-            exact,
-            "{way} at {numerator}/{denominator}"
-        );
-        assert_eq!(gear.turns(z(5_000_000 + way)), -turns);
-        // There and back: less than a nanometre from where it was.
-        let back = gear.position(turns).nm() - (5_000_000 - way);
-        assert!(
-            back.abs() <= 1 + ((numerator / denominator) >> 32),
-            "{back}"
-        );
-    }
+fn any_lead_is_the_ratio_rounded_towards_zero() {
+    leadscrew_seed::volume(11, |seed| {
+        let mut state = seed;
+        let mut random = |bits: u32| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> (64 - bits)) as i64
+        };
+        for _ in 0..100_000 {
+            let (numerator, denominator) = (random(40) + 1_000_000, random(6) + 1);
+            let gear = gear(numerator, denominator, -1, Hand::Right);
+            let way = random(40);
+            let scaled = (i128::from(way) * i128::from(denominator)) << 32;
+            let exact = scaled / i128::from(numerator);
+            let turns = gear.turns(z(5_000_000 - way));
+            // What is 2⁻⁶¹ of itself below the next one is the next one.
+            let next = (exact + 1) * i128::from(numerator) <= scaled + (scaled >> 61) + 1;
+            let beyond = i128::from(turns.raw()) - exact;
+            assert!(
+                beyond == 0 || next && beyond == 1,
+                "{way} at {numerator}/{denominator}: {beyond} beyond"
+            );
+            assert_eq!(gear.turns(z(5_000_000 + way)), -turns);
+            // There and back: less than a nanometre from where it was.
+            let back = gear.position(turns).nm() - (5_000_000 - way);
+            assert!(
+                back.abs() <= 1 + ((numerator / denominator) >> 32),
+                "{back}"
+            );
+        }
+    });
 }
 
 #[test]

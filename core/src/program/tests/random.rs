@@ -136,124 +136,133 @@ fn in_pieces(text: &[u8], options: Options, random: &mut Random) -> (Vec<Event>,
 
 #[test]
 fn any_text_gives_calls_or_an_alarm_however_it_is_cut() {
-    let mut random = Random(2024);
-    let params = Params::slant_bed();
-    let rounds = if cfg!(debug_assertions) {
-        20_000
-    } else {
-        300_000
-    };
-    let (mut clean, mut refused, mut done) = (0, 0, 0);
-    for round in 0..rounds {
-        let text = if round % 4 == 0 {
-            noise(&mut random)
+    leadscrew_seed::volume(2024, |seed| {
+        let mut random = Random(seed);
+        let params = Params::slant_bed();
+        let rounds = if cfg!(debug_assertions) {
+            20_000
         } else {
-            program(&mut random)
+            300_000
         };
-        let options = options(&mut random);
-        let (events, alarm) = read_with(&text, &params, options);
-        check(&text, &events, alarm);
-        done += events.len();
-        if alarm.is_none() {
-            clean += 1;
-        } else {
-            refused += 1;
+        let (mut clean, mut refused, mut done) = (0, 0, 0);
+        for round in 0..rounds {
+            let text = if round % 4 == 0 {
+                noise(&mut random)
+            } else {
+                program(&mut random)
+            };
+            let options = options(&mut random);
+            let (events, alarm) = read_with(&text, &params, options);
+            check(&text, &events, alarm);
+            done += events.len();
+            if alarm.is_none() {
+                clean += 1;
+            } else {
+                refused += 1;
+            }
+            let pieces = in_pieces(&text, options, &mut random);
+            assert_eq!(
+                pieces,
+                (events, alarm),
+                "{:?}",
+                std::string::String::from_utf8_lossy(&text)
+            );
         }
-        let pieces = in_pieces(&text, options, &mut random);
-        assert_eq!(
-            pieces,
-            (events, alarm),
-            "{:?}",
-            std::string::String::from_utf8_lossy(&text)
+        // Neither side is empty, and programs come far, so that all of it was tested.
+        assert!(
+            clean > rounds / 20 && refused > rounds / 20 && done > 4 * rounds,
+            "{clean} {refused} {done}"
         );
-    }
-    // Neither side is empty, and programs come far, so that all of it was tested.
-    assert!(
-        clean > rounds / 20 && refused > rounds / 20 && done > 4 * rounds,
-        "{clean} {refused} {done}"
-    );
+    });
 }
 
 #[test]
 fn line_by_line_is_the_same_as_whole() {
-    let mut random = Random(99);
-    let params = Params::slant_bed();
-    for _ in 0..5_000 {
-        let text = program(&mut random);
-        let options = options(&mut random);
-        let mut interpreter = Interpreter::new(&params, options);
-        let mut events = Vec::new();
-        let mut failure = None;
-        for (index, line) in text.split_inclusive(|byte| *byte == b'\n').enumerate() {
-            let read = interpreter.line(line, index as u32 + 1, &mut |event| events.push(event));
-            if let Err(alarm) = read {
-                failure = Some(alarm);
-                break;
+    leadscrew_seed::volume(99, |seed| {
+        let mut random = Random(seed);
+        let params = Params::slant_bed();
+        for _ in 0..5_000 {
+            let text = program(&mut random);
+            let options = options(&mut random);
+            let mut interpreter = Interpreter::new(&params, options);
+            let mut events = Vec::new();
+            let mut failure = None;
+            for (index, line) in text.split_inclusive(|byte| *byte == b'\n').enumerate() {
+                let read =
+                    interpreter.line(line, index as u32 + 1, &mut |event| events.push(event));
+                if let Err(alarm) = read {
+                    failure = Some(alarm);
+                    break;
+                }
             }
+            let failure = failure.or_else(|| interpreter.finish().err());
+            assert_eq!((events, failure), read_with(&text, &params, options));
         }
-        let failure = failure.or_else(|| interpreter.finish().err());
-        assert_eq!((events, failure), read_with(&text, &params, options));
-    }
+    });
 }
 
 #[test]
 fn spaces_and_case_make_no_difference() {
-    let mut random = Random(5);
-    for _ in 0..5_000 {
-        let mut plain = std::string::String::new();
-        let mut other = std::string::String::new();
-        for _ in 0..1 + random.below(20) {
-            let line = LINES[random.below(LINES.len() - 1)];
-            if line.contains('(') || line.contains('%') {
-                continue;
+    leadscrew_seed::volume(5, |seed| {
+        let mut random = Random(seed);
+        for _ in 0..5_000 {
+            let mut plain = std::string::String::new();
+            let mut other = std::string::String::new();
+            for _ in 0..1 + random.below(20) {
+                let line = LINES[random.below(LINES.len() - 1)];
+                if line.contains('(') || line.contains('%') {
+                    continue;
+                }
+                plain.push_str(line);
+                plain.push('\n');
+                for word in line.split(' ') {
+                    let spaces = random.below(3);
+                    other.push_str(&" ".repeat(spaces));
+                    if random.below(2) == 0 {
+                        other.push_str(&word.to_ascii_lowercase());
+                    } else {
+                        other.push_str(word);
+                    }
+                }
+                other.push_str(if random.below(2) == 0 { "\r\n" } else { "\n" });
             }
-            plain.push_str(line);
-            plain.push('\n');
-            for word in line.split(' ') {
-                let spaces = random.below(3);
-                other.push_str(&" ".repeat(spaces));
-                if random.below(2) == 0 {
-                    other.push_str(&word.to_ascii_lowercase());
-                } else {
-                    other.push_str(word);
+            let (first, second) = (read(&plain), read(&other));
+            assert_eq!(
+                first.1.map(|alarm| alarm.code),
+                second.1.map(|alarm| alarm.code)
+            );
+            assert_eq!(first.0.len(), second.0.len());
+            for (a, b) in first.0.iter().zip(&second.0) {
+                match (a, b) {
+                    (Event::Call(a), Event::Call(b)) => assert_eq!(
+                        core::mem::discriminant(&a.kind),
+                        core::mem::discriminant(&b.kind)
+                    ),
+                    (Event::Warning(a), Event::Warning(b)) => assert_eq!(a.code, b.code),
+                    _ => panic!("{plain}{other}"),
                 }
             }
-            other.push_str(if random.below(2) == 0 { "\r\n" } else { "\n" });
         }
-        let (first, second) = (read(&plain), read(&other));
-        assert_eq!(
-            first.1.map(|alarm| alarm.code),
-            second.1.map(|alarm| alarm.code)
-        );
-        assert_eq!(first.0.len(), second.0.len());
-        for (a, b) in first.0.iter().zip(&second.0) {
-            match (a, b) {
-                (Event::Call(a), Event::Call(b)) => assert_eq!(
-                    core::mem::discriminant(&a.kind),
-                    core::mem::discriminant(&b.kind)
-                ),
-                (Event::Warning(a), Event::Warning(b)) => assert_eq!(a.code, b.code),
-                _ => panic!("{plain}{other}"),
-            }
-        }
-    }
+    });
 }
 
 #[test]
 fn one_micron_of_text_is_one_micron_everywhere() {
-    // Inch text of a whole number of steps against the same length in millimetres.
-    let mut random = Random(11);
-    for _ in 0..2_000 {
-        let steps = random.below(1_000_000) as i64;
-        let inch = std::format!("G20 G0 Z{}.{:05}", steps / 100_000, steps % 100_000);
-        let (events, alarm) = read(&inch);
-        assert_eq!(alarm, None);
-        let Event::Call(call) = events[0] else {
-            panic!()
-        };
-        let CallKind::Rapid(to) = call.kind else {
-            panic!()
-        };
-        assert_eq!(to.z, Length::from_nm(steps * 254));
-    }
+    leadscrew_seed::volume(11, |seed| {
+        // Inch text of a whole number of steps against the same length in millimetres.
+        let mut random = Random(seed);
+        for _ in 0..2_000 {
+            let steps = random.below(1_000_000) as i64;
+            let inch = std::format!("G20 G0 Z{}.{:05}", steps / 100_000, steps % 100_000);
+            let (events, alarm) = read(&inch);
+            assert_eq!(alarm, None);
+            let Event::Call(call) = events[0] else {
+                panic!()
+            };
+            let CallKind::Rapid(to) = call.kind else {
+                panic!()
+            };
+            assert_eq!(to.z, Length::from_nm(steps * 254));
+        }
+    });
 }

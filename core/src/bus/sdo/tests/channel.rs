@@ -164,84 +164,98 @@ fn length(dice: &mut Dice) -> usize {
 
 #[test]
 fn a_good_wire_brings_everything() {
-    let mut dice = Dice(0x5D0_0001);
-    for size in [1, 2, 3, 127] {
-        let mut server = SdoServer::new(NODE, Periods::new(1000), BlockSize::new(size).unwrap());
-        let mut shelf = Shelf::new();
-        for _ in 0..20 {
-            for protocol in PROTOCOLS {
-                let len = length(&mut dice);
-                let data = dice.bytes(len);
-                let outcome = write(&mut server, &mut shelf, &data, protocol, 0, &mut dice);
-                assert_eq!(outcome, Ok(()), "{} bytes, {protocol:?}", data.len());
-                assert!(shelf.values[&DOMAIN] == data);
-                let (back, outcome) = read(&mut server, &mut shelf, protocol, 0, &mut dice);
-                assert_eq!(outcome, Ok(()));
-                assert!(back == data);
+    leadscrew_seed::volume(0x5D0_0001, |seed| {
+        let mut dice = Dice(seed);
+        for size in [1, 2, 3, 127] {
+            let mut server =
+                SdoServer::new(NODE, Periods::new(1000), BlockSize::new(size).unwrap());
+            let mut shelf = Shelf::new();
+            for _ in 0..20 {
+                for protocol in PROTOCOLS {
+                    let len = length(&mut dice);
+                    let data = dice.bytes(len);
+                    let outcome = write(&mut server, &mut shelf, &data, protocol, 0, &mut dice);
+                    assert_eq!(outcome, Ok(()), "{} bytes, {protocol:?}", data.len());
+                    assert!(shelf.values[&DOMAIN] == data);
+                    let (back, outcome) = read(&mut server, &mut shelf, protocol, 0, &mut dice);
+                    assert_eq!(outcome, Ok(()));
+                    assert!(back == data);
+                }
             }
+            assert_eq!((shelf.commits.len(), shelf.abandoned), (60, 0));
         }
-        assert_eq!((shelf.commits.len(), shelf.abandoned), (60, 0));
-    }
+    });
 }
 
 #[test]
 fn a_bad_wire_brings_all_of_a_value_or_nothing() {
-    let rounds = if cfg!(debug_assertions) { 1000 } else { 10_000 };
-    let mut dice = Dice(0x5D0_0002);
-    let mut server = server();
-    let mut shelf = Shelf::new();
-    let (mut written, mut read_well, mut repeated) = (0_u32, 0_u32, 0_u32);
-    for _ in 0..rounds {
-        for protocol in PROTOCOLS {
-            // From a wire that is hardly usable to one that now and then spoils a long transfer.
-            let trouble = [10, 100, 1000, 10_000][dice.below(4) as usize];
-            let len = if protocol == SdoProtocol::Block || trouble > 1000 {
-                length(&mut dice)
-            } else {
-                dice.below(2000) as usize
-            };
-            let data = dice.bytes(len);
-            let before = shelf.values[&DOMAIN].clone();
-            shelf.commits.clear();
-            let outcome = write(&mut server, &mut shelf, &data, protocol, trouble, &mut dice);
-            assert!(!shelf.is_write_open());
-            for (_, committed) in &shelf.commits {
-                assert!(
-                    *committed == data,
-                    "{len} bytes, {protocol:?}: another value"
-                );
-            }
-            match outcome {
-                Ok(()) => {
-                    written += 1;
-                    assert!(!shelf.commits.is_empty(), "nothing was written");
+    leadscrew_seed::volume(0x5D0_0002, |seed| {
+        let rounds = if cfg!(debug_assertions) { 1000 } else { 10_000 };
+        let mut dice = Dice(seed);
+        let mut server = server();
+        let mut shelf = Shelf::new();
+        let (mut written, mut read_well, mut repeated, mut mistaken) = (0_u32, 0_u32, 0_u32, 0_u32);
+        for _ in 0..rounds {
+            for protocol in PROTOCOLS {
+                // From a wire that is hardly usable to one that now and then spoils a long transfer.
+                let trouble = [10, 100, 1000, 10_000][dice.below(4) as usize];
+                let len = if protocol == SdoProtocol::Block || trouble > 1000 {
+                    length(&mut dice)
+                } else {
+                    dice.below(2000) as usize
+                };
+                let data = dice.bytes(len);
+                let before = shelf.values[&DOMAIN].clone();
+                shelf.commits.clear();
+                let outcome = write(&mut server, &mut shelf, &data, protocol, trouble, &mut dice);
+                assert!(!shelf.is_write_open());
+                for (_, committed) in &shelf.commits {
+                    assert!(
+                        *committed == data,
+                        "{len} bytes, {protocol:?}: another value"
+                    );
                 }
-                // The value may be there all the same: the last answer was lost.
-                Err(_) if shelf.commits.is_empty() => {
-                    assert!(shelf.values[&DOMAIN] == before);
+                match outcome {
+                    Ok(()) => {
+                        written += 1;
+                        if shelf.commits.is_empty() {
+                            // A confirmation that came twice, the second overtaken by that of the next segment: one bit
+                            // tells segments apart, so it is taken for that of the last [CiA 301]. Blocks have a CRC.
+                            let segments = protocol != SdoProtocol::Block && len > 4;
+                            assert!(segments, "nothing was written: {len} bytes, {protocol:?}");
+                            mistaken += 1;
+                        }
+                    }
+                    // The value may be there all the same: the last answer was lost.
+                    Err(_) if shelf.commits.is_empty() => {
+                        assert!(shelf.values[&DOMAIN] == before);
+                    }
+                    Err(_) => {}
                 }
-                Err(_) => {}
-            }
-            let kept = shelf.values[&DOMAIN].clone();
-            let (back, outcome) = read(&mut server, &mut shelf, protocol, trouble, &mut dice);
-            if outcome == Ok(()) {
-                read_well += 1;
-                assert!(
-                    back == kept,
-                    "{} bytes, {protocol:?}: another value",
-                    kept.len()
-                );
-                repeated +=
-                    u32::from(protocol == SdoProtocol::Block && kept.len() > 7 * trouble as usize);
+                let kept = shelf.values[&DOMAIN].clone();
+                let (back, outcome) = read(&mut server, &mut shelf, protocol, trouble, &mut dice);
+                if outcome == Ok(()) {
+                    read_well += 1;
+                    assert!(
+                        back == kept,
+                        "{} bytes, {protocol:?}: another value",
+                        kept.len()
+                    );
+                    repeated += u32::from(
+                        protocol == SdoProtocol::Block && kept.len() > 7 * trouble as usize,
+                    );
+                }
             }
         }
-    }
-    // Not all fail, and blocks that lost something arrive all the same.
-    let all = rounds * 3;
-    assert!(written > all / 4 && written < all, "{written} of {all}");
-    assert!(
-        read_well > all / 4 && read_well < all,
-        "{read_well} of {all}"
-    );
-    assert!(repeated > rounds / 100, "{repeated}");
+        // Not all fail, and blocks that lost something arrive all the same.
+        let all = rounds * 3;
+        assert!(written > all / 4 && written < all, "{written} of {all}");
+        assert!(
+            read_well > all / 4 && read_well < all,
+            "{read_well} of {all}"
+        );
+        assert!(repeated > rounds / 100, "{repeated}");
+        // One in ten frames has to be lost, doubled and overtaken for it.
+        assert!(mistaken <= 1 + rounds / 1000, "{mistaken} of {all}");
+    });
 }

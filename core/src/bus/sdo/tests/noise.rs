@@ -44,86 +44,90 @@ fn bytes(dice: &mut Dice, number: &mut u8) -> [u8; 8] {
 
 #[test]
 fn a_server_keeps_its_promises_to_its_objects() {
-    let rounds = if cfg!(debug_assertions) {
-        300_000
-    } else {
-        3_000_000
-    };
-    let mut dice = Dice(0x5D0_0003);
-    let mut server = server();
-    let mut shelf = Shelf::new();
-    let mut number = 0;
-    let (mut refused, mut answered) = (0_u32, 0_u32);
-    for round in 0..rounds {
-        let frame = request(bytes(&mut dice, &mut number));
-        // The shelf itself watches the order of the calls.
-        if let Some(answer) = server.receive(&frame, &mut shelf) {
-            assert_eq!(answer.id().get(), 0x581);
-            let bytes = answer.exactly::<8>().unwrap();
-            if bytes[0] == 0x80 {
-                refused += 1;
-                assert!(!shelf.is_write_open());
-                let code = u32::from_le_bytes(*bytes.last_chunk().unwrap());
-                assert!(Abort::from_code(code).is_some());
-            } else {
-                answered += 1;
+    leadscrew_seed::volume(0x5D0_0003, |seed| {
+        let rounds = if cfg!(debug_assertions) {
+            300_000
+        } else {
+            3_000_000
+        };
+        let mut dice = Dice(seed);
+        let mut server = server();
+        let mut shelf = Shelf::new();
+        let mut number = 0;
+        let (mut refused, mut answered) = (0_u32, 0_u32);
+        for round in 0..rounds {
+            let frame = request(bytes(&mut dice, &mut number));
+            // The shelf itself watches the order of the calls.
+            if let Some(answer) = server.receive(&frame, &mut shelf) {
+                assert_eq!(answer.id().get(), 0x581);
+                let bytes = answer.exactly::<8>().unwrap();
+                if bytes[0] == 0x80 {
+                    refused += 1;
+                    assert!(!shelf.is_write_open());
+                    let code = u32::from_le_bytes(*bytes.last_chunk().unwrap());
+                    assert!(Abort::from_code(code).is_some());
+                } else {
+                    answered += 1;
+                }
             }
+            for _ in 0..dice.below(3) {
+                let _ = server.poll(&mut shelf);
+            }
+            let _ = server.elapse(Periods::new(dice.below(300) as u32), &mut shelf);
+            assert!(server.is_busy() || !shelf.is_write_open(), "{round}");
+            // So that the values do not grow for ever.
+            shelf.commits.clear();
         }
-        for _ in 0..dice.below(3) {
-            let _ = server.poll(&mut shelf);
-        }
-        let _ = server.elapse(Periods::new(dice.below(300) as u32), &mut shelf);
-        assert!(server.is_busy() || !shelf.is_write_open(), "{round}");
-        // So that the values do not grow for ever.
-        shelf.commits.clear();
-    }
-    assert!(
-        refused > rounds / 10 && answered > rounds / 10,
-        "{refused} {answered}"
-    );
-    assert!(shelf.abandoned > rounds / 100);
+        assert!(
+            refused > rounds / 10 && answered > rounds / 10,
+            "{refused} {answered}"
+        );
+        assert!(shelf.abandoned > rounds / 100);
+    });
 }
 
 #[test]
 fn a_client_comes_to_an_end() {
-    let rounds = if cfg!(debug_assertions) {
-        3_000
-    } else {
-        30_000
-    };
-    let mut dice = Dice(0x5D0_0004);
-    let (mut read_ends, mut write_ends) = ([0_u32; 2], [0_u32; 2]);
-    let mut number = 0;
-    for round in 0..rounds {
-        let protocol = [SdoProtocol::Short, SdoProtocol::Block][round % 2];
-        let mut into = [0; 64];
-        let mut buffer = SdoBuffer::new(&mut into);
-        let start = Duration::ZERO;
-        let data = dice.bytes(round % 40);
-        let mut reads = SdoUpload::new(NODE, DOMAIN, &mut buffer, protocol, PATIENCE, start);
-        let mut writes = SdoDownload::new(NODE, DOMAIN, &data, protocol, PATIENCE, start);
-        for ms in 0_u64.. {
-            // A wire on which nothing comes any more is noticed.
-            let now = Duration::from_millis(if ms < 200 { ms } else { ms * 100 });
-            while reads.poll(now).is_some() {}
-            while writes.poll(now).is_some() {}
-            if reads.outcome().is_some() && writes.outcome().is_some() {
-                break;
+    leadscrew_seed::volume(0x5D0_0004, |seed| {
+        let rounds = if cfg!(debug_assertions) {
+            3_000
+        } else {
+            30_000
+        };
+        let mut dice = Dice(seed);
+        let (mut read_ends, mut write_ends) = ([0_u32; 2], [0_u32; 2]);
+        let mut number = 0;
+        for round in 0..rounds {
+            let protocol = [SdoProtocol::Short, SdoProtocol::Block][round % 2];
+            let mut into = [0; 64];
+            let mut buffer = SdoBuffer::new(&mut into);
+            let start = Duration::ZERO;
+            let data = dice.bytes(round % 40);
+            let mut reads = SdoUpload::new(NODE, DOMAIN, &mut buffer, protocol, PATIENCE, start);
+            let mut writes = SdoDownload::new(NODE, DOMAIN, &data, protocol, PATIENCE, start);
+            for ms in 0_u64.. {
+                // A wire on which nothing comes any more is noticed.
+                let now = Duration::from_millis(if ms < 200 { ms } else { ms * 100 });
+                while reads.poll(now).is_some() {}
+                while writes.poll(now).is_some() {}
+                if reads.outcome().is_some() && writes.outcome().is_some() {
+                    break;
+                }
+                if ms < 200 {
+                    let frame = reply(bytes(&mut dice, &mut number));
+                    reads.receive(&frame, now);
+                    writes.receive(&frame, now);
+                }
             }
-            if ms < 200 {
-                let frame = reply(bytes(&mut dice, &mut number));
-                reads.receive(&frame, now);
-                writes.receive(&frame, now);
-            }
+            read_ends[usize::from(reads.outcome() == Some(Ok(())))] += 1;
+            write_ends[usize::from(writes.outcome() == Some(Ok(())))] += 1;
+            assert!(writes.progress() as usize <= data.len());
         }
-        read_ends[usize::from(reads.outcome() == Some(Ok(())))] += 1;
-        write_ends[usize::from(writes.outcome() == Some(Ok(())))] += 1;
-        assert!(writes.progress() as usize <= data.len());
-    }
-    // Some are taken for answered well, the most are not.
-    assert!(read_ends[0] > read_ends[1] && write_ends[0] > write_ends[1]);
-    assert!(
-        read_ends[1] + write_ends[1] > 0,
-        "{read_ends:?} {write_ends:?}"
-    );
+        // Some are taken for answered well, the most are not.
+        assert!(read_ends[0] > read_ends[1] && write_ends[0] > write_ends[1]);
+        assert!(
+            read_ends[1] + write_ends[1] > 0,
+            "{read_ends:?} {write_ends:?}"
+        );
+    });
 }
