@@ -24,7 +24,7 @@ canopen.Network.NOTIFIER_CYCLE = 0.05
 class NodeTest(unittest.TestCase):
     def setUp(self):
         logging.disable(logging.CRITICAL)
-        self.dice = random.Random(1)
+        self.dice = random.Random(int(os.environ["LEADSCREW_SEED"]))
         self.program = subprocess.Popen(
             [os.environ["CANOPEN_NODE"]], stdout=subprocess.PIPE, text=True
         )

@@ -1,9 +1,16 @@
-//! The corpora of the fuzzers, replayed: what was once found hostile stays survived.
+//! The corpora of the fuzzers, replayed: what was once found hostile stays survived. And what is like them: pieces of them
+//! from the seed of the commit, changed at random.
 
 use std::fs;
 use std::path::Path;
 
 use leadscrew_tests::hostile;
+use leadscrew_tests::random::Random;
+
+/// Inputs at random for each door.
+const INPUTS: u32 = if cfg!(debug_assertions) { 200 } else { 3_000 };
+/// The longest of them.
+const LONGEST: usize = 4096;
 
 fn replay(corpus: &str, door: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -15,10 +22,72 @@ fn replay(corpus: &str, door: fn(&[u8])) {
         .collect();
     files.sort();
     assert!(!files.is_empty(), "{} is empty", folder.display());
+    let mut inputs = Vec::new();
     for file in files {
         println!("{}", file.display());
-        door(&fs::read(&file).expect("a file of the corpus"));
+        let input = fs::read(&file).expect("a file of the corpus");
+        door(&input);
+        inputs.push(input);
     }
+    leadscrew_seed::only_fresh(|seed| {
+        let mut random = Random(seed);
+        for _ in 0..INPUTS {
+            let shown = Shown(changed(&mut random, &inputs));
+            door(&shown.0);
+        }
+    });
+}
+
+/// An input that is shown where it does harm, to be put into the corpus.
+struct Shown(Vec<u8>);
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("the input: {}", self.0.escape_ascii());
+        }
+    }
+}
+
+fn place(random: &mut Random, length: usize) -> usize {
+    random.within(0, length as i64) as usize
+}
+
+/// One of them, changed in a few places.
+fn changed(random: &mut Random, inputs: &[Vec<u8>]) -> Vec<u8> {
+    let one = |random: &mut Random| &inputs[place(random, inputs.len() - 1)];
+    let mut input = one(random).clone();
+    for _ in 0..random.within(1, 8) {
+        let at = place(random, input.len());
+        let size = random.of(&[1, 1, 2, 4, 8, 100]);
+        let end = (at + place(random, size)).min(input.len());
+        match random.within(0, 6) {
+            0 => input.insert(at, random.next_bits() as u8),
+            1 => drop(input.drain(at..end)),
+            2 => {
+                let again = input[at..end].to_vec();
+                input.splice(at..at, again);
+            }
+            3 => {
+                // The rest of another one, or a piece of it.
+                let other = one(random);
+                let from = place(random, other.len());
+                let piece = &other[from..];
+                input.splice(at..end, piece.iter().copied());
+            }
+            4 => {
+                let edge = random.of(&[0, 1, 0x7F, 0x80, 0xFE, 0xFF]);
+                input[at..end].fill(edge);
+            }
+            _ => {
+                if let Some(byte) = input.get_mut(at) {
+                    *byte ^= 1 << random.within(0, 7);
+                }
+            }
+        }
+    }
+    input.truncate(LONGEST);
+    input
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Random whole programs under a random operator: text, cycles, motion, drives. Fixed seeds.
+//! Random whole programs under a random operator: text, cycles, motion, drives.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::board::{Command, State};

@@ -1,9 +1,13 @@
 //! The setpoints of whole programs on the emulated Cortex-M4F, as hashes held against the table under version control.
-//! A test of the workspace (`tests/tests/target.rs`) holds the host's against the same table.
+//! A test of the workspace (`tests/tests/target.rs`) holds the host's against the same table. Programs from the seed of the
+//! commit are in no table: board and host run them here, one after the other.
 
 use anyhow::{Context, Result, bail};
 
 use crate::{emulator, run};
+
+/// Random programs from the seed of the commit.
+const FRESH: &str = "100";
 
 /// Runs the programs, and compares with the table or (`write`) renews it.
 pub fn bits(write: bool) -> Result<()> {
@@ -19,13 +23,13 @@ pub fn bits(write: bool) -> Result<()> {
         return Ok(());
     }
     let golden = std::fs::read_to_string(&path).context("there is no table to compare with")?;
-    let wrong = differences(&golden, &table);
+    let wrong = differences("table", &golden, &table);
     if wrong.is_empty() {
         println!(
             "{} programs, bit by bit as in the table",
             table.lines().count() - 1
         );
-        return Ok(());
+        return fresh();
     }
     bail!(
         "{}\nwhere setpoints are meant to change, renew firmware/mps2-an386/hashes.txt with `cargo xtask bits --write`",
@@ -33,20 +37,52 @@ pub fn bits(write: bool) -> Result<()> {
     );
 }
 
+/// Programs that no table has, on the board and on this host.
+fn fresh() -> Result<()> {
+    let (seed, source) = leadscrew_seed::of_run();
+    let words = [format!("seed={seed}"), format!("count={FRESH}")];
+    let words = [words[0].as_str(), words[1].as_str()];
+    let board = emulator::emulate_with("mps2-an386", "mps2-an386", &[], &words)?;
+    let here = [
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        "leadscrew-tests",
+        "--example",
+        "bits",
+        "--",
+    ];
+    let mut here = run::cargo(&run::root(), &here);
+    here.args([&seed.to_string(), FRESH]);
+    let here = run::read(here)?;
+    let wrong = differences("host", &here, &board);
+    if !wrong.is_empty() {
+        bail!(
+            "{}\nto repeat it: {}={seed} cargo xtask bits",
+            wrong.join("\n"),
+            leadscrew_seed::VARIABLE
+        );
+    }
+    println!(
+        "{} programs of seed {seed}, {source}: bit by bit as on this host",
+        board.lines().count()
+    );
+    Ok(())
+}
+
 /// The first few rows that are not as they were, and how many more there are.
-fn differences(golden: &str, now: &str) -> Vec<String> {
+fn differences(of: &str, golden: &str, now: &str) -> Vec<String> {
     const SHOWN: usize = 10;
     let mut wrong: Vec<String> = golden
         .lines()
         .zip(now.lines())
         .filter(|(old, new)| old != new)
-        .map(|(old, new)| format!("table: {old}\nboard: {new}"))
+        .map(|(old, new)| format!("{of}: {old}\nboard: {new}"))
         .collect();
     let (old, new) = (golden.lines().count(), now.lines().count());
     if old != new {
-        wrong.push(format!(
-            "the table has {old} lines, the board printed {new}"
-        ));
+        wrong.push(format!("{of}: {old} lines, the board printed {new}"));
     }
     let more = wrong.len().saturating_sub(SHOWN);
     wrong.truncate(SHOWN);
@@ -62,6 +98,7 @@ mod tests {
 
     #[test]
     fn rows_that_differ_or_are_missing_are_told() {
+        let differences = |golden: &str, now: &str| differences("table", golden, now);
         assert!(differences("a\nb\n", "a\nb\n").is_empty());
         assert_eq!(differences("a\nb\n", "a\nc\n"), ["table: b\nboard: c"]);
         assert_eq!(differences("a\nb\n", "a\n").len(), 1);

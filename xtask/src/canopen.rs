@@ -86,12 +86,22 @@ pub fn check() -> Result<u64> {
         &python.to_string_lossy(),
         &["-B", "-m", "unittest"],
     );
-    unittest.env("CANOPEN_NODE", node).env("CANOPEN_EDS", eds);
+    unittest
+        .env("CANOPEN_NODE", node)
+        .env("CANOPEN_EDS", eds)
+        .env(
+            leadscrew_seed::VARIABLE,
+            leadscrew_seed::fresh().to_string(),
+        );
     let output = unittest.output().context("cannot start Python")?;
     // It reports on standard error: `Ran 7 tests in 3.142s`, then `OK`.
     let report = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        bail!("the Python package canopen finds fault:\n{report}");
+        bail!(
+            "the Python package canopen finds fault:\n{report}\nto repeat it: {}={} cargo xtask canopen",
+            leadscrew_seed::VARIABLE,
+            leadscrew_seed::fresh()
+        );
     }
     let passed = report
         .lines()

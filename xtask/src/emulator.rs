@@ -119,12 +119,27 @@ pub const fn machine<'a>(serial: &'a str, semihosting: &'a str) -> [&'a str; 9] 
 
 /// Builds an image and runs it in the emulator; what it prints.
 pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
+    emulate_with(package, image, options, &[])
+}
+
+/// As [`emulate`], with these words in the image's command line.
+pub fn emulate_with(
+    package: &str,
+    image: &str,
+    options: &[&str],
+    words: &[&str],
+) -> Result<String> {
     let firmware = run::firmware();
     let path = build(package, image, &[])?;
     let path = path.to_string_lossy();
+    let mut semihosting = format!("enable=on,target=native,arg={image}");
+    for word in words {
+        semihosting.push_str(",arg=");
+        semihosting.push_str(word);
+    }
     // The limit is for an image that hangs.
     let mut args = vec!["1200", EMULATOR];
-    args.extend(machine("none", "enable=on,target=native"));
+    args.extend(machine("none", &semihosting));
     args.extend_from_slice(options);
     args.extend_from_slice(&["-kernel", &path]);
     run::read(run::command(&firmware, "timeout", &args))

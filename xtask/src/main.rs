@@ -47,13 +47,15 @@ usage: cargo xtask COMMAND
   audit      the link test: no panic is reachable from what runs on the board
   ticks      instructions per tick on the emulated Cortex-M4F, against firmware/audit/ticks.txt (--write renews the table)
   bits       the setpoints of every example and of random programs on the emulated Cortex-M4F, against
-             firmware/mps2-an386/hashes.txt (--write renews it)
-  soak       a machine at work for ten million ticks, disturbed at random (--ticks N --seed S)
+             firmware/mps2-an386/hashes.txt (--write renews it), and of new random programs, against this host
+  soak       a machine at work for ten million ticks, disturbed at random, on all cores (--ticks N or --hours H, --seed S)
   image      what is flashed onto a NUCLEO-G474RE, as out/nucleo-g474re.elf, .bin and .hex
   sizes      flash and RAM of the board's images, against firmware/audit/sizes.txt (--write renews it)
   docs       the documentation, without warnings and with every link alive
   licences   the licence of every dependency
   rules      the house rules that no compiler checks
+
+LEADSCREW_SEED: what random tests try beside their fixed cases; without it the beginning of the commit's hash
 ";
 
 fn main() -> ExitCode {

@@ -30,6 +30,11 @@ pub fn command(dir: &Path, program: &str, args: &[&str]) -> Command {
 pub fn cargo(dir: &Path, args: &[&str]) -> Command {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let mut command = command(dir, &cargo, args);
+    // Whatever is committed meanwhile, one run has one seed.
+    command.env(
+        leadscrew_seed::VARIABLE,
+        leadscrew_seed::fresh().to_string(),
+    );
     // What cargo told this program about itself must not be taken for settings of the inner build.
     for (name, _) in std::env::vars() {
         if name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_") {

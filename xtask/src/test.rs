@@ -16,6 +16,13 @@ pub fn test() -> Result<()> {
     let root = run::root();
     let firmware = run::firmware();
 
+    let (seed, source) = leadscrew_seed::of_run();
+    println!("random tests: their fixed cases, and those of seed {seed}, {source}");
+    println!(
+        "the same again: {}={seed} cargo xtask test",
+        leadscrew_seed::VARIABLE
+    );
+
     clock.step("set-up", setup::everything)?;
     clock.step("format", || {
         run::show(run::cargo(&root, &["fmt", "--all", "--check"]))?;

@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     /// Numbers with long runs of ones and zeros beside ordinary ones.
-    fn of_seed(seed: u64) -> impl Iterator<Item = u64> {
+    fn samples(seed: u64) -> impl Iterator<Item = u64> {
         let mut state = seed;
         (0..2_000).map(move |i| {
             state ^= state << 13;
@@ -152,60 +152,69 @@ mod tests {
         })
     }
 
-    /// Those of a fixed seed, and after them those of the seed of this run.
-    fn samples() -> impl Iterator<Item = u64> {
-        of_seed(0x9e37_79b9_7f4a_7c15).chain(of_seed(leadscrew_seed::fresh()))
-    }
-
     #[test]
     fn mul_high_is_the_high_half() {
-        for (a, b) in samples().zip(samples().skip(1)) {
-            let exact = (u128::from(a) * u128::from(b)) >> 64;
-            assert_eq!(u128::from(mul_high(a, b)), exact, "{a} * {b}");
-        }
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            for (a, b) in samples(seed).zip(samples(seed).skip(1)) {
+                let exact = (u128::from(a) * u128::from(b)) >> 64;
+                assert_eq!(u128::from(mul_high(a, b)), exact, "{a} * {b}");
+            }
+        });
     }
 
     #[test]
     fn wide_division_is_the_compilers() {
-        const DIGITS: [u64; 5] = [0, 1, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF];
-        let borders = || DIGITS.into_iter().flat_map(|a| DIGITS.map(|b| a << 32 | b));
-        let check = |a: u128, b: u64| {
-            let exact = a.checked_div(u128::from(b)).unwrap_or(u128::MAX);
-            assert_eq!(div_wide(a, b), exact, "{a} / {b}");
-            let narrow = u64::try_from(exact).unwrap_or(u64::MAX);
-            assert_eq!(narrow_div(a, b), narrow, "{a} / {b}");
-        };
-        for upper in borders() {
-            for lower in borders() {
-                for b in borders() {
-                    check(u128::from(upper) << 64 | u128::from(lower), b);
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            const DIGITS: [u64; 5] = [0, 1, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF];
+            let borders = || DIGITS.into_iter().flat_map(|a| DIGITS.map(|b| a << 32 | b));
+            let check = |a: u128, b: u64| {
+                let exact = a.checked_div(u128::from(b)).unwrap_or(u128::MAX);
+                assert_eq!(div_wide(a, b), exact, "{a} / {b}");
+                let narrow = u64::try_from(exact).unwrap_or(u64::MAX);
+                assert_eq!(narrow_div(a, b), narrow, "{a} / {b}");
+            };
+            for upper in borders() {
+                for lower in borders() {
+                    for b in borders() {
+                        check(u128::from(upper) << 64 | u128::from(lower), b);
+                    }
                 }
             }
-        }
-        for ((upper, lower), b) in samples().zip(samples().skip(1)).zip(samples().skip(2)) {
-            let a = u128::from(upper) << 64 | u128::from(lower);
-            check(a, b);
-            check(a >> 64, b);
-            check(a >> (b & 127), b);
-        }
+            for ((upper, lower), b) in samples(seed)
+                .zip(samples(seed).skip(1))
+                .zip(samples(seed).skip(2))
+            {
+                let a = u128::from(upper) << 64 | u128::from(lower);
+                check(a, b);
+                check(a >> 64, b);
+                check(a >> (b & 127), b);
+            }
+        });
     }
 
     #[test]
     fn wide_products_saturate() {
-        for ((upper, lower), b) in samples().zip(samples().skip(1)).zip(samples().skip(2)) {
-            let a = (u128::from(upper) << 64 | u128::from(lower)) >> (b & 127);
-            assert_eq!(mul_wide(a, b), a.saturating_mul(u128::from(b)));
-        }
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            for ((upper, lower), b) in samples(seed)
+                .zip(samples(seed).skip(1))
+                .zip(samples(seed).skip(2))
+            {
+                let a = (u128::from(upper) << 64 | u128::from(lower)) >> (b & 127);
+                assert_eq!(mul_wide(a, b), a.saturating_mul(u128::from(b)));
+            }
+        });
     }
 
     #[test]
     fn divisor_divides_exactly() {
-        for (a, b) in samples().zip(samples().skip(1)) {
-            let b = ((b >> 32) as u32).max(1);
-            let (q, r) = Divisor::new(b).divide(a);
-            assert_eq!((q, r), (a / u64::from(b), (a % u64::from(b)) as u32));
-        }
-        assert_eq!(Divisor::new(1).divide(u64::MAX), (u64::MAX, 0));
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            for (a, b) in samples(seed).zip(samples(seed).skip(1)) {
+                let b = ((b >> 32) as u32).max(1);
+                let (q, r) = Divisor::new(b).divide(a);
+                assert_eq!((q, r), (a / u64::from(b), (a % u64::from(b)) as u32));
+            }
+            assert_eq!(Divisor::new(1).divide(u64::MAX), (u64::MAX, 0));
+        });
     }
 
     #[test]

@@ -1,11 +1,39 @@
 #![no_std]
-//! The standard output of an emulated image, and its end: both are the emulator's, through semihosting.
+//! The standard output of an emulated image, its command line and its end: all are the emulator's, through semihosting.
 
 use core::fmt::{Arguments, Write};
 use core::panic::PanicInfo;
 
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use cortex_m_semihosting::hio;
+use cortex_m_semihosting::{hio, syscall1};
+
+/// The longest command line.
+pub const LONGEST: usize = 256;
+
+#[repr(C)]
+struct Line {
+    text: *mut u8,
+    length: usize,
+}
+
+/// The words of the command line after the image's own name.
+///
+/// # Panics
+/// Where it is no text.
+pub fn words(buffer: &mut [u8; LONGEST]) -> impl Iterator<Item = &str> {
+    let mut line = Line {
+        text: buffer.as_mut_ptr(),
+        length: buffer.len(),
+    };
+    // SAFETY: the host writes at most `length` bytes to `text`, both of which it finds in `line`.
+    let failed = unsafe { syscall1!(GET_CMDLINE, &raw mut line) };
+    let bytes = match failed {
+        0 => buffer.split(|byte| *byte == 0).next().unwrap_or_default(),
+        _ => &[],
+    };
+    let text = core::str::from_utf8(bytes).expect("a command line is text");
+    text.split_ascii_whitespace().skip(1)
+}
 
 /// Prints.
 pub fn print(text: Arguments) {

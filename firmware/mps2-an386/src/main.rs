@@ -1,7 +1,8 @@
 #![no_std]
 #![no_main]
 //! Runs every example and a thousand random programs on the emulated Cortex-M4F, the board in lock-step with its plant, and
-//! prints a row `name hash ticks alarm` for each: a host prints the same.
+//! prints a row `name hash ticks alarm` for each: a host prints the same. With `seed=S count=N` in its command line it runs
+//! N random programs from seed S on instead.
 
 use core::fmt::Arguments;
 use core::panic::PanicInfo;
@@ -24,10 +25,22 @@ const PROGRAMS: u64 = 1000;
 #[entry]
 fn main() -> ! {
     let params = Params::slant_bed();
-    for (name, text) in EXAMPLES {
-        row(format_args!("{name}"), run::run(text, &params));
+    let (mut first, mut count) = (None, PROGRAMS);
+    for word in leadscrew_console::words(&mut [0; leadscrew_console::LONGEST]) {
+        let number = |text: &str| text.parse().expect("a number");
+        match word.split_once('=') {
+            Some(("seed", text)) => first = Some(number(text)),
+            Some(("count", text)) => count = number(text),
+            _ => panic!("`{word}` is no option of this image"),
+        }
     }
-    for seed in 0..PROGRAMS {
+    if first.is_none() {
+        for (name, text) in EXAMPLES {
+            row(format_args!("{name}"), run::run(text, &params));
+        }
+    }
+    let first = first.unwrap_or(0);
+    for seed in (0..count).map(|number| first.wrapping_add(number)) {
         let outcome = run::run(programs::random(seed).as_bytes(), &params);
         row(format_args!("random-{seed}"), outcome);
     }

@@ -1,4 +1,4 @@
-//! Random cycles from fixed seeds: equal to the reference, closed, inside their box, the same when mirrored, moved or
+//! Random cycles: equal to the reference, closed, inside their box, the same when mirrored, moved or
 //! scaled.
 
 use leadscrew_core::alarm::{Alarm, Arg};

@@ -1,4 +1,4 @@
-//! Holes at random from fixed seeds, against a reference that is written from the text.
+//! Holes at random from a fixed seed and from that of the commit, against a reference that is written from the text.
 
 use leadscrew_core::cycle::*;
 use leadscrew_core::program::*;

@@ -1,4 +1,4 @@
-//! Random holes from a fixed seed: any speed, lead, depth and form, any ripple and encoder.
+//! Random holes: any speed, lead, depth and form, any ripple and encoder.
 
 use leadscrew_board_sim::plant::{PlantOptions, Ripple};
 use leadscrew_core::feasible;

@@ -1,4 +1,4 @@
-//! A fixed sequence of numbers.
+//! Random numbers.
 
 pub struct Random(u64);
 

@@ -1,4 +1,4 @@
-//! Rigid holes at random from a fixed seed, through the whole machine: limits of axis and spindle, the bottom exact,
+//! Rigid holes at random, through the whole machine: limits of axis and spindle, the bottom exact,
 //! nothing beyond it, axis and spindle on one line in every tick.
 
 use leadscrew_core::program::{

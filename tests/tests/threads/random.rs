@@ -1,4 +1,4 @@
-//! Random passes from a fixed seed: limits of both axes, exact ends, and a spindle that does what it likes.
+//! Random passes: limits of both axes, exact ends, and a spindle that does what it likes.
 
 use leadscrew_core::alarm::Code;
 use leadscrew_core::cycle::{Move, Stage};

@@ -1,6 +1,5 @@
 //! What the image is told when it is started: words of its command line, through semihosting.
 
-use cortex_m_semihosting::syscall1;
 use leadscrew_app::Failure;
 
 /// The options.
@@ -14,38 +13,16 @@ pub struct Options {
     pub provoke: Option<crate::provoke::Provoke>,
 }
 
-/// The longest command line.
-const LONGEST: usize = 256;
-
-#[repr(C)]
-struct Line {
-    text: *mut u8,
-    length: usize,
-}
-
 impl Options {
     /// Reads them. A word that is none stops the image: it would not do what it was asked.
     ///
     /// # Panics
     /// Then.
     pub fn read(failure: Option<&Failure>) -> Self {
-        let mut buffer = [0_u8; LONGEST];
-        let mut line = Line {
-            text: buffer.as_mut_ptr(),
-            length: buffer.len(),
-        };
-        // SAFETY: the host writes at most `length` bytes to `text`, both of which it finds in `line`.
-        let failed = unsafe { syscall1!(GET_CMDLINE, &raw mut line) };
         let mut options = Self::default();
         #[cfg(not(feature = "provoke"))]
         let _ = failure;
-        if failed != 0 {
-            return options;
-        }
-        let bytes = buffer.split(|byte| *byte == 0).next().unwrap_or_default();
-        let text = core::str::from_utf8(bytes).expect("a command line is text");
-        // The first word is the image.
-        for word in text.split_ascii_whitespace().skip(1) {
+        for word in leadscrew_console::words(&mut [0; leadscrew_console::LONGEST]) {
             match word {
                 "traffic=all" => options.traffic = true,
                 #[cfg(feature = "provoke")]
