@@ -138,7 +138,8 @@ struct Record {
     x: Scale,
     rotary: Scale,
     other: Scale,
-    none: Option<i64>,
+    /// What stands for "none", which C alone may have: a slide has ends.
+    rotary_none: Option<i64>,
     default: Option<String>,
 }
 
@@ -244,10 +245,10 @@ fn read_record(f: &mut Fields) -> Record {
             .list("rotary_range")
             .unwrap_or_else(|| other.range.clone()),
     };
-    let none = f.text("none").map(|none| match none.as_str() {
+    let rotary_none = f.text("rotary_none").map(|none| match none.as_str() {
         "max" => i64::MAX,
         "min" => i64::MIN,
-        _ => panic!("{}: `none` must be \"max\" or \"min\"", f.place),
+        _ => panic!("{}: `rotary_none` must be \"max\" or \"min\"", f.place),
     });
     Record {
         no,
@@ -257,7 +258,7 @@ fn read_record(f: &mut Fields) -> Record {
         x,
         rotary,
         other,
-        none,
+        rotary_none,
         default: f.text("default"),
     }
 }
@@ -302,7 +303,7 @@ impl Record {
             unit,
             min,
             max,
-            none: self.none,
+            none: self.rotary_none.filter(|_| part == Part::Axis('C')),
             slot: tables.slot(no, part),
             default,
         }

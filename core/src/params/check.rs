@@ -565,7 +565,7 @@ mod tests {
 
     #[test]
     fn an_axis_without_limits_may_have_any_increment() {
-        let values = [("1320.Z", "none"), ("1321.Z", "none"), ("9001.Z", "1000")];
+        let values = [("1320.C", "none"), ("1321.C", "none"), ("9001.C", "1000")];
         assert_eq!(reasons(&values), []);
     }
 

@@ -62,7 +62,7 @@ pub const PASSWORD: u16 = 9028;
 /// What a password reads as where there is one, and what keeps it as it is where it is written.
 pub const PASSWORD_KEPT: i64 = 1;
 
-/// Key of the parameter table: numbers, units and ranges, in order. A set belongs to one table.
+/// Key of the parameter table: numbers, units, ranges and what may be "none", in order. A set belongs to one table.
 pub const TABLE_KEY: u32 = table_key();
 
 const fn table_key() -> u32 {
@@ -79,6 +79,9 @@ const fn table_key() -> u32 {
         key = hash(key, meaning.unit as i64);
         key = hash(key, entry.min());
         key = hash(key, entry.max());
+        if let Some(none) = entry.none() {
+            key = hash(key, none);
+        }
         (entries, meanings) = (rest, more);
     }
     (key ^ (key >> 32)) as u32

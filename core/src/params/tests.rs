@@ -163,7 +163,8 @@ fn accessors_follow_the_set() {
     set("work_offset_g58.Z", "-250.5 mm");
     set("9132.X", "0.0001");
     set("tool_offset_1.z", "1");
-    set("1320.Z", "NONE");
+    set("1320.C", "90");
+    set("1320.c", "NONE");
     assert_eq!((p.thread_chamfer(), p.thread_finish_passes()), (7, 3));
     assert!(p.pq_in_mm() && p.thread_high_speed() && p.tap_deep_peck());
     assert!(!p.tap_by_g_code() && !p.tap_hold_allowed());
@@ -180,7 +181,7 @@ fn accessors_follow_the_set() {
         (p.tool_offset(0), p.tool_offset(33)),
         ([Length::ZERO; 2], [Length::ZERO; 2])
     );
-    assert_eq!(p.soft_limit_plus(Axis::Z), i64::MAX);
+    assert_eq!(p.soft_limit_plus(Axis::C), i64::MAX);
 }
 
 #[test]
@@ -254,11 +255,19 @@ fn the_value_none_has_no_number() {
         entry.parse("9223372036854.77580", Writing::UnitOptional),
         Err(SetError::OutOfRange)
     );
-    let rapid = Entry::find_text("1420.C").unwrap();
-    assert_eq!(
-        rapid.parse("none", Writing::UnitOptional),
-        Err(SetError::Value(ValueError::NoNumber))
-    );
+    // A slide has ends, and a speed has a limit.
+    for key in ["1320.X", "1320.Z", "1321.X", "1321.Z", "1420.C"] {
+        let entry = Entry::find_text(key).unwrap();
+        assert_eq!(
+            entry.parse("none", Writing::UnitOptional),
+            Err(SetError::Value(ValueError::NoNumber)),
+            "{key}"
+        );
+        let mut params = Params::slant_bed();
+        for none in [i64::MAX, i64::MIN] {
+            assert_eq!(params.set(entry, none), Err(SetError::OutOfRange), "{key}");
+        }
+    }
 }
 
 #[test]
@@ -336,6 +345,8 @@ const TABLES: &[(u16, u32)] = &[
     (1, 0xBF2A_3EBB),
     (1, 0x6449_88D3),
     (1, 0x9B54_6192),
+    // No slide without ends. A file that had one was right for no machine, and is told so at its line [D197].
+    (1, 0xE253_FECC),
 ];
 
 #[test]

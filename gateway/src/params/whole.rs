@@ -58,7 +58,7 @@ mod tests {
         let mut params = Params::slant_bed();
         for (key, raw) in [
             ("9101.X", 1_234_500),
-            ("1320.X", i64::MAX),
+            ("1320.C", 90_000_000),
             ("019", 7),
             ("5200.4", 1),
         ] {
@@ -81,8 +81,8 @@ mod tests {
         ));
         assert!(text.contains(
             "\n# 1320  Travel limit in the positive direction, machine coordinates (X: radius)\n\
-             soft_limit_plus.X = \"none\"  # built in: 300 mm\nsoft_limit_plus.Z = \"1000 mm\"\n\
-             soft_limit_plus.C = \"none\"\n"
+             soft_limit_plus.X = \"300 mm\"\nsoft_limit_plus.Z = \"1000 mm\"\n\
+             soft_limit_plus.C = \"90 °\"  # built in: none\n"
         ));
     }
 }

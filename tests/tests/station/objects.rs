@@ -104,6 +104,68 @@ fn every_object_answers_as_the_dictionary_says() {
     }
 }
 
+/// What the dictionary says of the limits, and with it the EDS, is what the board goes by: what stands after power-up is
+/// within them, and what is next to them is refused with the code that says which side it is on.
+#[test]
+fn every_value_is_within_the_limits_that_are_told_and_nothing_beyond_is_taken() {
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let (mut read, mut refusals) = (0, 0);
+    for item in items() {
+        let Some(length) = item.kind.bytes() else {
+            assert_eq!(item.range, None, "{item:?}");
+            continue;
+        };
+        // The numbers that so many bytes can say.
+        let bits = 8 * length as u32;
+        let all = match item.kind {
+            Kind::I16 | Kind::I32 | Kind::I64 => -(1_i128 << (bits - 1))..1 << (bits - 1),
+            _ => 0..1_i128 << bits,
+        };
+        let (low, high) = item.range.map_or((all.start, all.end - 1), |(low, high)| {
+            (i128::from(low), i128::from(high))
+        });
+        assert!(all.contains(&low) && all.contains(&high), "{item:?}");
+        if item.access != Access::Write
+            && let Ok(bytes) = gateway.read(&mut sim, item.object, SdoProtocol::Short)
+        {
+            let mut raw = [0; 8];
+            raw[..length].copy_from_slice(&bytes);
+            let value = match item.kind {
+                Kind::U64 => i128::from(u64::from_le_bytes(raw)),
+                kind => i128::from(kind.number(raw)),
+            };
+            assert!((low..=high).contains(&value), "{item:?}: {value}");
+            read += 1;
+        }
+        if !matches!(item.access, Access::Both | Access::Write) {
+            continue;
+        }
+        let least = all.start;
+        let most = all.end - 1;
+        for (values, abort) in [
+            ([high + 1, most], Abort::TooHigh),
+            ([low - 1, least], Abort::TooLow),
+        ] {
+            for value in values {
+                if (low..=high).contains(&value) || !all.contains(&value) {
+                    continue;
+                }
+                let bytes = value.to_le_bytes();
+                let written = gateway.write(
+                    &mut sim,
+                    item.object,
+                    &bytes[..length],
+                    SdoProtocol::Segmented,
+                );
+                assert_eq!(written, Err(refused(abort)), "{item:?}: {value}");
+                refusals += 1;
+            }
+        }
+    }
+    assert!(read > 300 && refusals > 300, "{read}, {refusals}");
+}
+
 #[test]
 fn mappings_are_those_of_the_frames() {
     let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());

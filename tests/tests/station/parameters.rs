@@ -96,12 +96,48 @@ fn bits_are_one_byte_and_no_limit_is_a_value() {
         write(&mut gateway, &mut sim, switch, 2, 1),
         refused(Abort::TooHigh)
     );
-    let limit = parameter(1320, 3);
-    assert_eq!(write(&mut gateway, &mut sim, limit, i64::MAX, 8), Ok(()));
-    assert_eq!(
-        write(&mut gateway, &mut sim, limit, i64::MAX - 1, 8),
-        refused(Abort::TooHigh)
-    );
+}
+
+/// "None" is the next number beyond the values, and C alone has it [D197].
+#[test]
+fn a_rotary_axis_may_have_no_limit_and_a_slide_has_one() {
+    /// 99 999.9999°, and millimetres.
+    const MOST: i64 = 99_999_999_900;
+    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
+    let mut gateway = Gateway::connect(&mut sim);
+    let mut expected = Params::slant_bed();
+    for (no, sign, beyond) in [(1320, 1, Abort::TooHigh), (1321, -1, Abort::TooLow)] {
+        let limit = parameter(no, 3);
+        let mut read = |sim: &mut Sim| {
+            let bytes = gateway.read(sim, limit, SdoProtocol::Segmented).unwrap();
+            i64::from_le_bytes(bytes.try_into().unwrap())
+        };
+        assert_eq!(read(&mut sim), sign * (MOST + 1), "none, as built in");
+        for value in [sign * MOST, sign * (MOST + 1)] {
+            assert_eq!(write(&mut gateway, &mut sim, limit, value, 8), Ok(()));
+            rest(&mut gateway, &mut sim);
+            let bytes = gateway.read(&mut sim, limit, SdoProtocol::Segmented);
+            assert_eq!(bytes.unwrap(), value.to_le_bytes());
+            // In the set it is what files and images have.
+            let entry = Entry::find_text(&format!("{no}.C")).unwrap();
+            let raw = entry.none().filter(|_| value.abs() > MOST);
+            expected.set(entry, raw.unwrap_or(value)).unwrap();
+            assert_eq!(
+                gateway.number(&mut sim, 0x1020, 1),
+                Ok(identity(&expected).into())
+            );
+        }
+        let integer = if sign > 0 { i64::MAX } else { i64::MIN };
+        for (sub, least) in [(1, MOST + 1), (2, MOST + 1), (3, MOST + 2)] {
+            for value in [sign * least, integer] {
+                assert_eq!(
+                    write(&mut gateway, &mut sim, parameter(no, sub), value, 8),
+                    refused(beyond),
+                    "{no}.{sub}: {value}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! It is put together in the draft and looked at as a whole; what comes then is the
 //! [`Keeper`](super::keeper::Keeper)'s. Must not know how a value travels.
 
+use super::dictionary;
 use super::keeper::Progress;
 use super::shelf::Shelf;
 use super::table::{LOAD, SAVE};
@@ -88,7 +89,8 @@ impl Shelf {
                 self.draft.put_slot(entry.place(), number);
             }
             Part::Whole | Part::Axis(_) => {
-                self.draft.set(entry, number).map_err(|_| Abort::Value)?;
+                let raw = dictionary::taken(entry, number);
+                self.draft.set(entry, raw).map_err(|_| Abort::Value)?;
             }
         }
         self.look_and_stage(params)

@@ -20,10 +20,6 @@ pub const PARAMETERS: u16 = 0x2000;
 
 impl Kind {
     fn of_entry(entry: &Entry) -> Self {
-        // The largest and the smallest integer stand for "none".
-        if entry.none().is_some() {
-            return Self::I64;
-        }
         match range_of(entry) {
             (0.., ..=0xFF) => Self::U8,
             (0.., ..=0xFFFF) => Self::U16,
@@ -99,7 +95,6 @@ impl Place {
         let range = match self {
             Self::Row(row) => row.range(),
             Self::Highest(_) => None,
-            Self::Parameter(entry) if entry.none() == Some(number) => None,
             Self::Parameter(entry) => Some(range_of(entry)),
         };
         match range {
@@ -196,11 +191,45 @@ fn of_entry(index: u16, entry: &'static Entry) -> Item {
     }
 }
 
-/// The numbers a parameter takes, but for the one that stands for "none".
+/// The numbers a parameter takes; the one that stands for "none" among them: it is the next one beyond the others, so
+/// that two limits say all of them [D197].
 fn range_of(entry: &Entry) -> (i64, i64) {
     match entry.part {
-        Part::Whole | Part::Axis(_) => (entry.min(), entry.max()),
+        Part::Whole | Part::Axis(_) => {
+            let (low, high) = (entry.min(), entry.max());
+            match none_of(entry) {
+                Some(none) => (low.min(none), high.max(none)),
+                None => (low, high),
+            }
+        }
         Part::Bit(_) => (0, entry.byte_mask()),
+    }
+}
+
+/// What stands for "none" in an object: one step beyond the values. In a set it is the largest integer or the smallest.
+fn none_of(entry: &Entry) -> Option<i64> {
+    entry.none().map(|none| {
+        if none > entry.max() {
+            entry.max().saturating_add(1)
+        } else {
+            entry.min().saturating_sub(1)
+        }
+    })
+}
+
+/// What a value of the set is as the object.
+pub(super) fn told(entry: &Entry, raw: i64) -> i64 {
+    match none_of(entry) {
+        Some(none) if entry.none() == Some(raw) => none,
+        _ => raw,
+    }
+}
+
+/// What a number that was written to the object is in the set.
+pub(super) fn taken(entry: &Entry, number: i64) -> i64 {
+    match entry.none() {
+        Some(none) if none_of(entry) == Some(number) => none,
+        _ => number,
     }
 }
 

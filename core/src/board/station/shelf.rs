@@ -5,7 +5,7 @@
 use heapless::Deque;
 
 use super::change::Change;
-use super::dictionary::Place;
+use super::dictionary::{self, Place};
 use super::door::Door;
 use super::inbox::Inbox;
 use super::keeper::Keeper;
@@ -359,7 +359,7 @@ impl Shelf {
         let row = match place {
             Place::Parameter(entry) => {
                 let told = self.current(params).told_slot(entry.place());
-                return Ok(told.unwrap_or(0));
+                return Ok(dictionary::told(entry, told.unwrap_or(0)));
             }
             Place::Highest(highest) => return Ok(highest.into()),
             Place::Row(row) => row,

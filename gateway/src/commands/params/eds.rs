@@ -198,6 +198,17 @@ mod tests {
         let cob_id = "[1801sub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\n\
                       AccessType=rw\nDefaultValue=$NODEID+0x40000280\nPDOMapping=0\n\n";
         assert!(sheet.contains(cob_id));
+        // "None" is within the limits, and a slide has no such value [D197].
+        for (section, low, high) in [
+            ("2528sub1", -99_999_999_900_000_i64, 99_999_999_900_000_i64),
+            ("2528sub3", -99_999_999_900, 99_999_999_901),
+            ("2529sub3", -99_999_999_901, 99_999_999_900),
+        ] {
+            let (_, text) = sheet.split_once(&format!("[{section}]\n")).unwrap();
+            let limits = format!("LowLimit={low}\nHighLimit={high}\n");
+            let (text, _) = text.split_once("\n\n").unwrap();
+            assert!(text.contains(&limits), "{section}: {text}");
+        }
         assert!(sheet.contains("NrOfRXPDO=1\nNrOfTXPDO=4\n"));
         assert!(sheet.contains("ParameterName=mapped object 2\n"));
     }
