@@ -4,8 +4,8 @@
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::cycle::{Move, MoveKind, Moves};
 use leadscrew_core::program::{
-    Call, CallKind, Event, Position, SpindleCall, SpindleChoice, SpindleMode, TapCall, TapCycle,
-    TapRepeat, ThreadCall, ThreadCycle,
+    Aux, Call, CallKind, Event, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode,
+    TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle,
 };
 use leadscrew_core::units::Length;
 use leadscrew_core::{cycle, feasible};
@@ -125,6 +125,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         report: Report::default(),
         at: options.position,
         hole: Hole::new(setup.tap),
+        spindle: Spindle::at_start(setup),
     };
     loop {
         if interrupt::requested() {
@@ -151,6 +152,44 @@ struct Checker<'a> {
     report: Report,
     at: Position,
     hole: Hole,
+    spindle: Spindle,
+}
+
+/// Whether what is fed into is turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spindle {
+    /// It turns, or another one does.
+    Turns,
+    /// It stands.
+    Stands,
+    /// It stands, and that has been told.
+    Told,
+}
+
+impl Spindle {
+    const fn at_start(setup: &Setup) -> Self {
+        if setup.turning {
+            Self::Turns
+        } else {
+            Self::Stands
+        }
+    }
+
+    /// As it is behind this call. M24–M27 take another spindle, which nobody here knows of.
+    const fn behind(self, call: &Call) -> Self {
+        match call.kind {
+            CallKind::Spindle(SpindleCall {
+                rpm,
+                mode: SpindleMode::Speed,
+            }) if rpm.get() != 0 => Self::Turns,
+            CallKind::Spindle(_) => match self {
+                Self::Turns => Self::Stands,
+                stands => stands,
+            },
+            CallKind::Aux(Aux::M(24..=27)) => Self::Turns,
+            _ => self,
+        }
+    }
 }
 
 impl Checker<'_> {
@@ -206,6 +245,7 @@ impl Checker<'_> {
         if let Some(warning) = moves.warning() {
             self.tell(&warning, inch);
         }
+        self.mind_spindle(call, inch);
         let params = &self.setup.params;
         let within = feasible::within_limits(moves, self.at, params);
         let time = feasible::time(moves, self.at, params);
@@ -242,6 +282,24 @@ impl Checker<'_> {
             self.hole.push(&step);
             self.report.path_nm += length::nanometres(&self.at, &step);
             self.at = step.to;
+        }
+    }
+
+    /// A feed per minute goes on whether the spindle turns or not; one per turn, and a thread, would not [D199]. Told is the
+    /// first of those that follow each other.
+    fn mind_spindle(&mut self, call: &Call, inch: bool) {
+        let at = self.at;
+        let feed = match &call.kind {
+            CallKind::Line(to, feed) if to.c == at.c && *to != at => Some(feed),
+            CallKind::Arc(arc) => Some(&arc.feed),
+            CallKind::Groove(groove) => Some(&groove.feed),
+            _ => None,
+        };
+        let cuts = matches!(feed, Some(FeedRate::PerMinute(_))) && !self.setup.global.dry_run;
+        self.spindle = self.spindle.behind(call);
+        if cuts && self.spindle == Spindle::Stands {
+            self.spindle = Spindle::Told;
+            self.tell(&Alarm::new(Code::CutStanding, call.span), inch);
         }
     }
 

@@ -50,7 +50,7 @@ impl<'a> Execution<'a> {
             return Ok(execution);
         }
         if setup.global.json {
-            execution.print_json(&Summary::new(setup.params.tick_us()), false)?;
+            execution.print_json(&Summary::new(&setup.params), false)?;
         }
         Err(Failure::Wrong)
     }

@@ -44,6 +44,8 @@ pub struct Setup<'a> {
     pub colour: bool,
     /// Where the tool stands at the start, where a board has said so; else by the options.
     pub position: Option<Position>,
+    /// The spindle turns at the start, as a board has said.
+    pub turning: bool,
     /// The newest entry of the tap journal, where a machine is known.
     pub tap: Option<TapRecord>,
     /// The flash of the simulated board, where it is kept.
@@ -114,6 +116,7 @@ impl<'a> Setup<'a> {
             signals: signals(global),
             colour: colour(),
             position: None,
+            turning: false,
             tap,
             kept,
         })
@@ -262,7 +265,7 @@ impl Answer<'_> {
                 Self::Check => o.array_at("files", |_| {}),
                 Self::Run { .. } if *bus != Address::Sim => board::no_figures(bus, o),
                 Self::Run { .. } => {
-                    Summary::new(loaded.params.tick_us()).fields(&Synchronism::default(), o);
+                    Summary::new(&loaded.params).fields(&Synchronism::default(), o);
                     Threads::default().fields(o);
                 }
             }

@@ -396,8 +396,8 @@ codes! {
     SpeedOutOfReach = 4200, "reaching {0} takes longer than {1} ticks", "raise acceleration (1620) or jerk (1622), or lower the rapid rate (1420) or the feed",
         "达到 {0} 需要超过 {1} 个插补周期", "请提高加速度（1620）或加加速度（1622），或降低快速速度（1420）或进给速度";
     /// A feed of zero, or too slow to be told from it.
-    FeedZero = 4201, "the feed is zero", "write F; a feed per turn (G99) also needs a spindle speed S",
-        "进给速度为零", "请写 F；每转进给（G99）还需要主轴转速 S";
+    FeedZero = 4201, "the feed is zero", "write F",
+        "进给速度为零", "请写 F";
     /// A position beyond what the core computes with.
     MoveTooFar = 4202, "this move starts or ends more than {0} from zero", "correct the coordinates or the offsets",
         "该移动的起点或终点距零点超过 {0}", "请修正坐标或偏置";
@@ -609,8 +609,8 @@ codes! {
         "驱动器 {0}（节点 {1}）已有 {2} 个周期未发送状态", "请检查总线接线和驱动器的 TPDO1（传输类型），然后复位";
     /// An enabled drive is too far from its target for too long.
     FollowingError = 4361, "following error of drive {0} (node {1}): {2}, limit {3} (parameter 1828)",
-        "check for a collision and the drive's tuning, or lower acceleration and feed, then reset",
-        "驱动器 {0}（节点 {1}）跟随误差 {2}，极限 {3}（参数 1828）", "请检查是否碰撞及驱动器参数，或降低加速度和进给，然后复位";
+        "check for a collision, the drive's tuning and the latency that is set for it (9003: a wrong one makes an error that grows with the speed), or lower acceleration and feed, then reset",
+        "驱动器 {0}（节点 {1}）跟随误差 {2}，极限 {3}（参数 1828）", "请检查是否碰撞、驱动器参数，以及为其设定的延迟（9003：设错时误差随速度增大），或降低加速度和进给，然后复位";
     /// A drive was enabled, and its first demand is not where it stands.
     DriveJump = 4362, "drive {0} (node {1}) would have jumped by {2} after being enabled",
         "reset; if it comes again, report it as a fault of the program in the board",
@@ -888,6 +888,12 @@ codes! {
     /// Getting onto the lead takes much of the depth; {0} the way, {1} what the holder takes.
     FloatJoinLong = 4957, "R should lie {0} or more before the material: nearer to it the holder has to take up to {1}",
         "write an R further out, or a smaller S", "R 平面应距工件至少 {0}，否则浮动夹头需补偿至多 {1}", "请加大 R 平面距离或减小 S";
+
+    // -- 4980–4999 warnings: what a program hardly means ---------------------------------------------------------------
+    /// A feed per minute, or a groove, with a spindle that nothing has started.
+    CutStanding = 4984, "this feeds with the spindle standing: no M03 or M04 with S is in force here",
+        "start the spindle before this block: M03 or M04 with S; where the tool cuts nothing, nothing needs to be done",
+        "主轴静止时进行切削进给：此处没有生效的 M03 或 M04 加 S", "请在此程序段之前用 M03 或 M04 加 S 启动主轴；若刀具未切削则无需处理";
 
     // -- 4960–4979 warnings: params/, board/ ---------------------------------------------------------------------------
     /// 5241 above 3772: both speeds.

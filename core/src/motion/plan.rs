@@ -12,7 +12,7 @@ use super::shape;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind};
 use crate::program::{FeedRate, Position};
-use crate::units::{Feed, Length, mul_div};
+use crate::units::{Feed, Length, Rpm, mul_div};
 
 /// The feed override up to which a feed leaves room in its ramp.
 pub const FEED_OVERRIDE_MAX: Rate = Rate::percent(150);
@@ -78,6 +78,8 @@ pub(super) enum Refusal {
     TooFar,
     /// The feed is nothing on this path.
     NoFeed,
+    /// It is one per turn of a spindle that stands.
+    Standing,
     /// There is no such arc.
     Arc(ArcError),
     /// Its ramp would be too long, up to this speed.
@@ -118,7 +120,10 @@ fn planned(
     };
     if feed.is_some() {
         if nominal == PathRate::ZERO {
-            return Err(Refusal::NoFeed);
+            return Err(match feed {
+                Some(FeedRate::PerTurn(_, Rpm::STOPPED)) => Refusal::Standing,
+                _ => Refusal::NoFeed,
+            });
         }
         bounds.speed = bounds.speed.min(FEED_OVERRIDE_MAX.of(nominal));
     }
@@ -178,6 +183,7 @@ impl Refusal {
                 [Arg::Length(Length::INPUT_LIMIT), Arg::None],
             ),
             Self::NoFeed => (Code::FeedZero, Some(b'F'), [Arg::None; 2]),
+            Self::Standing => (Code::SpindleStopped, Some(b'F'), [Arg::None; 2]),
             Self::Arc(ArcError::NoRadius) => (Code::ArcNoRadius, None, [Arg::None; 2]),
             Self::Arc(ArcError::NotOnCircle(start, end)) => (
                 Code::ArcEndOff,
@@ -214,7 +220,7 @@ fn nominal(feed: FeedRate, length: Length, measured: Length, tick_us: u32) -> Pa
 mod tests {
     use super::*;
     use crate::params::Params;
-    use crate::units::{Angle, FeedPerTurn, Millis, Rpm};
+    use crate::units::{Angle, FeedPerTurn, Millis};
 
     fn position(x: i64, z: i64, c: i64) -> Position {
         Position {
@@ -293,6 +299,9 @@ mod tests {
         assert_eq!(timed.feed, Some(per_turn));
         let standing = FeedRate::PerTurn(FeedPerTurn::from_nm(200_000), Rpm::STOPPED);
         let alarm = plan_to(position(0, 50_000_000, 0), MoveKind::Feed(standing)).unwrap_err();
+        assert_eq!((alarm.code, alarm.word), (Code::SpindleStopped, Some(b'F')));
+        let nothing = FeedRate::PerTurn(FeedPerTurn::from_nm(0), Rpm::new(300));
+        let alarm = plan_to(position(0, 50_000_000, 0), MoveKind::Feed(nothing)).unwrap_err();
         assert_eq!((alarm.code, alarm.word), (Code::FeedZero, Some(b'F')));
     }
 

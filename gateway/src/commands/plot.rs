@@ -30,7 +30,7 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
     let tick_us = setup.params.tick_us();
     let mut watcher = Watcher {
         tick_us: f64::from(tick_us),
-        summary: Summary::new(tick_us),
+        summary: Summary::new(&setup.params),
         series: Envelope::new(f64::from(tick_us) / 1e6),
         spindle: None,
     };

@@ -71,7 +71,7 @@ pub fn carry_out(
     let mut watcher = Watcher {
         tick_us,
         lang: setup.lang,
-        summary: Summary::new(tick_us),
+        summary: Summary::new(&setup.params),
         log,
         unwritten: None,
         bar: bar(execution.report.moves, setup.global.json, setup.lang),

@@ -35,7 +35,7 @@ pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
         None => None,
     };
     let mut recorder = Recorder {
-        summary: Summary::new(tick_us),
+        summary: Summary::new(&setup.params),
         csv,
         cannot: &cannot,
     };

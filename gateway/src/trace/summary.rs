@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use leadscrew_core::alarm::Lang;
+use leadscrew_core::params::Params;
+use leadscrew_core::units::Axis;
 
 use super::{Peaks, Setpoint, SetpointHash, Taps};
 use crate::checking::plural;
@@ -17,6 +19,8 @@ use crate::words::{Both, both, pick};
 #[derive(Debug)]
 pub struct Summary {
     tick_us: u32,
+    /// Of X, Z and C.
+    limits: [Limits; 3],
     ticks: u64,
     moves: u64,
     last: Option<(i64, i64)>,
@@ -30,11 +34,31 @@ pub struct Summary {
     hash: SetpointHash,
 }
 
-impl Summary {
-    /// Nothing yet.
-    pub fn new(tick_us: u32) -> Self {
+/// What an axis may do: nanometres (C: millionths of a degree) per minute, per second squared and cubed.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    /// Its rapid rate: no motion is faster.
+    speed: i64,
+    acceleration: i64,
+    jerk: i64,
+}
+
+impl Limits {
+    fn of(params: &Params, axis: Axis) -> Self {
         Self {
-            tick_us,
+            speed: params.rapid(axis).nm_per_min(),
+            acceleration: params.acceleration(axis).nm_per_s2(),
+            jerk: params.jerk(axis).nm_per_s3(),
+        }
+    }
+}
+
+impl Summary {
+    /// Nothing yet, of this machine.
+    pub fn new(params: &Params) -> Self {
+        Self {
+            tick_us: params.tick_us(),
+            limits: Axis::ALL.map(|axis| Limits::of(params, axis)),
             ticks: 0,
             moves: 0,
             last: None,
@@ -104,7 +128,8 @@ impl Summary {
         measured.field("measured_error_um", json);
         self.taps.fields(json, self.tick_us);
         json.object_at("peak", |json| {
-            for (axis, peak) in ["x", "z", "c"].into_iter().zip(self.peaks.overall()) {
+            let peaks = self.peaks.overall().into_iter().zip(self.limits);
+            for (axis, (peak, limits)) in ["x", "z", "c"].into_iter().zip(peaks) {
                 json.object_at(axis, |json| {
                     json.decimal::<6>("speed_mm_min", self.per_minute(peak.speed));
                     json.decimal::<6>(
@@ -112,6 +137,9 @@ impl Summary {
                         self.per_second(peak.acceleration, 2) / 1000,
                     );
                     json.decimal::<6>("jerk_m_s3", self.per_second(peak.jerk, 3) / 1000);
+                    json.decimal::<6>("speed_limit_mm_min", limits.speed);
+                    json.decimal::<6>("acceleration_limit_m_s2", limits.acceleration / 1000);
+                    json.decimal::<6>("jerk_limit_m_s3", limits.jerk / 1000);
                 });
             }
         });
@@ -202,8 +230,8 @@ impl Summary {
         text.push_str(&self.hash.text());
         text.push_str(pick(
             lang,
-            "\npeaks            speed mm/min   acceleration m/s²   jerk m/s³\n",
-            "\n峰值              速度 mm/min         加速度 m/s²  加加速度 m/s³\n",
+            "\npeaks / what the axis may do\n                       speed mm/min   acceleration m/s²           jerk m/s³\n",
+            "\n峰值 / 该轴的允许值\n                        速度 mm/min         加速度 m/s²      加加速度 m/s³\n",
         ));
         self.peak_rows(&mut text, "", &self.peaks.free);
         if self.errors.ticks > 0 {
@@ -213,20 +241,35 @@ impl Summary {
                 &self.peaks.locked,
             );
         }
+        // Half a nanometre either way, in differences of the second and the third order.
+        let acceleration = number::rounded::<9>(self.per_second(2, 2), 4);
+        let jerk = number::rounded::<9>(self.per_second(4, 3), 2);
+        let rounding = both!(
+            "  (setpoints are whole nanometres: that alone can add {acceleration} m/s² and {jerk} m/s³)\n",
+            "  （设定值取整到纳米：仅此一项即可增加 {acceleration} m/s² 和 {jerk} m/s³）\n"
+        );
+        text.push_str(rounding.get(lang));
         text
     }
 
     fn peak_rows(&self, text: &mut String, label: &str, peaks: &[super::Peak; 3]) {
-        for (axis, peak) in ["X", "Z", "C"].into_iter().zip(peaks) {
+        let peaks = peaks.iter().zip(self.limits);
+        for (axis, (peak, limits)) in ["X", "Z", "C"].into_iter().zip(peaks) {
             if *peak == super::Peak::default() {
                 continue;
             }
+            let speed = number::rounded::<6>(self.per_minute(peak.speed), 1);
+            let acceleration = number::rounded::<9>(self.per_second(peak.acceleration, 2), 4);
+            let jerk = number::rounded::<9>(self.per_second(peak.jerk, 3), 2);
             let row = format!(
-                "  {:<13} {:>13} {:>19} {:>11}\n",
+                "  {:<13} {:>19} {:>19} {:>19}\n",
                 format!("{axis}{label}"),
-                number::rounded::<6>(self.per_minute(peak.speed), 1),
-                number::rounded::<9>(self.per_second(peak.acceleration, 2), 4),
-                number::rounded::<9>(self.per_second(peak.jerk, 3), 2),
+                format!("{speed} / {}", number::rounded::<6>(limits.speed, 1)),
+                format!(
+                    "{acceleration} / {}",
+                    number::rounded::<9>(limits.acceleration, 4)
+                ),
+                format!("{jerk} / {}", number::rounded::<9>(limits.jerk, 2)),
             );
             text.push_str(&row);
         }
@@ -240,7 +283,8 @@ mod tests {
 
     #[test]
     fn sums_up_what_went_by() {
-        let mut summary = Summary::new(1000);
+        let params = Params::slant_bed();
+        let mut summary = Summary::new(&params);
         for (tick, (x_nm, z_nm, error_nm)) in [
             (0, 0, None),
             (3_000, 4_000, Some(300)),
@@ -282,6 +326,19 @@ mod tests {
         assert_eq!(value["path_mm"], 0.01);
         assert_eq!(value["sync_error_um"]["max"], 0.4);
         assert_eq!(value["peak"]["z"]["speed_mm_min"], 240.0);
+        let limits = |axis: &str| {
+            [
+                "speed_limit_mm_min",
+                "acceleration_limit_m_s2",
+                "jerk_limit_m_s3",
+            ]
+            .map(|key| value["peak"][axis][key].as_f64())
+        };
+        assert_eq!(limits("x"), [12_000.0, 2.0, 60.0].map(Some));
+        assert_eq!(limits("z"), [16_000.0, 3.0, 60.0].map(Some));
+        assert_eq!(limits("c")[..2], [432_000.0, 20.0].map(Some));
+        let text = summary.text(&Synchronism::default(), Lang::En);
+        assert!(text.contains(" 240 / 16000 "), "{text}");
         assert_eq!(value["late"], 0);
     }
 }
