@@ -9,7 +9,9 @@ use std::process::ExitCode;
 use clap::Error;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use leadscrew_can::WrongAddress;
+use leadscrew_core::alarm::Lang;
 
+use crate::failure::Failure;
 use crate::output;
 use crate::values::Mistake;
 
@@ -17,9 +19,19 @@ use crate::values::Mistake;
 #[must_use]
 pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        // A closed stream leaves nobody to tell.
-        let _ = error.print();
-        return exit(error);
+        let printed = error.print().and_then(|()| io::stdout().flush());
+        return match printed {
+            Err(unwritten) if !error.use_stderr() => {
+                let lang = if is_chinese(typed) {
+                    Lang::Zh
+                } else {
+                    Lang::En
+                };
+                Failure::stdout(&unwritten).report(lang, false)
+            }
+            // A closed standard error leaves nobody to tell.
+            _ => exit(error),
+        };
     }
     let chinese = is_chinese(typed).then(|| chinese(error)).flatten();
     match &chinese {

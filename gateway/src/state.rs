@@ -40,10 +40,18 @@ impl StateFile {
     /// The flash in it, or an erased one where there is no such file yet.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is no image.
+    /// A file that cannot be read, or that is no image; a folder that is not there, for the file could never be made.
     pub fn load_or_new(&self) -> Outcome<Flash> {
         match self.read() {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Flash::erased()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let folder = self.path.parent().filter(|path| **path != *Path::new(""));
+                match folder {
+                    Some(folder) if !folder.is_dir() => {
+                        Err(Failure::file(Doing::Write, self.name(), &error))
+                    }
+                    _ => Ok(Flash::erased()),
+                }
+            }
             read => self.image(read),
         }
     }
@@ -243,6 +251,11 @@ mod tests {
         let file = place.file();
         assert_eq!(file.load_or_new().unwrap(), Flash::erased());
         assert!(file.load().is_err());
+        let nowhere = StateFile::new(&place.0.join("no/such/flash.bin"));
+        let Err(Failure::Usage(told)) = nowhere.load_or_new() else {
+            panic!("it could never be kept");
+        };
+        assert!(told.en.contains("there is no such folder"), "{}", told.en);
         let mut store = Store::new(Flash::erased()).unwrap();
         store.write(Region::TapJournal, b"no entry").unwrap();
         let flash = store.into_flash();

@@ -25,14 +25,18 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use leadscrew::failure::Outcome;
-use leadscrew::interrupt;
+use leadscrew::{interrupt, mistyped};
 use leadscrew_core::alarm::Lang;
 
 use crate::cli::{Cli, Command};
 use crate::machine::Machine;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let typed: Vec<_> = std::env::args_os().collect();
+    let cli = match Cli::try_parse_from(&typed) {
+        Ok(cli) => cli,
+        Err(error) => return mistyped::report(&error, &typed),
+    };
     interrupt::watch();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,

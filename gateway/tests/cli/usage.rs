@@ -1,5 +1,7 @@
 //! The command line itself.
 
+use std::process::{Command, Stdio};
+
 use crate::{code, leadscrew, stderr, stdout};
 
 #[test]
@@ -232,6 +234,54 @@ fn what_cannot_be_written_says_what_is_missing() {
         let output = leadscrew(args);
         assert_eq!(code(&output), 2, "{args:?}");
         assert_eq!(stderr(&output), why, "{args:?}");
+    }
+}
+
+/// Nobody has read it then, be it the help.
+#[test]
+fn what_cannot_be_printed_is_no_success() {
+    for (args, lang) in [
+        (&["--help"][..], "en"),
+        (&["--version"], "en"),
+        (&["params", "set", "--help"], "en"),
+        (&["--help", "--lang", "zh"], "zh"),
+        (&["completions", "bash"], "en"),
+        (&["params", "docs"], "en"),
+    ] {
+        let full = std::fs::File::create("/dev/full").unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+            .args(args)
+            .stdout(full)
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        let why = match lang {
+            "en" => "error: cannot write to standard output: no space is left there\n",
+            _ => "错误：无法写入标准输出：存储空间已满\n",
+        };
+        assert_eq!(stderr(&output), why, "{args:?}");
+        assert_eq!(code(&output), 2, "{args:?}");
+    }
+}
+
+/// Also where nothing would have to be written: the flash of that board could never be kept.
+#[test]
+fn a_state_in_a_folder_that_is_not_there_is_no_board() {
+    for args in [
+        &["params", "set", "9000=1000"][..],
+        &["params", "set", "9007=12"],
+        &["params", "list"],
+        &["status"],
+        &["run", "examples/g84-tap.nc"],
+    ] {
+        let output = leadscrew(&[args, &["--state", "no/such/board.flash"]].concat());
+        assert!(
+            stderr(&output).contains("`no/such/board.flash`"),
+            "{args:?}: {}",
+            stderr(&output)
+        );
+        assert_eq!(code(&output), 2, "{args:?}");
+        assert_eq!(stdout(&output), "", "{args:?}");
     }
 }
 
