@@ -41,7 +41,7 @@ pub use log::{Entry, LogReader, LogWriter, WrongLine};
 pub use packet::{Data, FdFrame, Filter, Id, Packet, Received, Stamp};
 pub use pair::{End, pair};
 pub use slcan::Slcan;
-pub use socket::SocketCan;
+pub use socket::{SocketCan, is_virtual};
 
 /// One end of a bus.
 pub trait Can: Send {

@@ -76,6 +76,15 @@ pub struct Machine {
     last: Option<u64>,
     late: u64,
     alarm: bool,
+    /// The controller of the wire has left the bus.
+    off: Option<Off>,
+}
+
+/// A controller that has left the bus.
+#[derive(Clone, Copy, Debug, Default)]
+struct Off {
+    /// Since this tick it may be started again, and waits for the bus.
+    waits: Option<u64>,
 }
 
 impl Machine {
@@ -191,6 +200,7 @@ impl Machine {
             last: args.ticks,
             late: 0,
             alarm: false,
+            off: None,
             built_in,
         })
     }
@@ -353,6 +363,7 @@ impl Machine {
     /// What happens to the wire in this tick.
     fn suffer(&mut self, tick: u64) -> Outcome {
         let rejoin = self.board.may_rejoin();
+        self.mind_controller(tick, rejoin);
         let second = self.line.tick(tick, rejoin);
         self.out.clear();
         self.out.extend(self.line.release(Way::Out));
@@ -380,6 +391,46 @@ impl Machine {
             BusState::Passive | BusState::Off => of_line,
         });
         Ok(())
+    }
+
+    /// What an error frame says of the controller of the wire. The kernel starts one again by itself (restart-ms), or where
+    /// somebody asks it to, and says so. On an interface without one, the board's own is stood in for: started again when
+    /// the machine stands, it is back behind 128 times 11 bits of a silent bus [D196].
+    fn mind_controller(&mut self, tick: u64, rejoin: bool) {
+        const BITS: u64 = 128 * 11;
+        let name = self.wire.name();
+        if self.wire.controller().state != BusState::Off {
+            if self.off.take().is_some() {
+                say(&format!(
+                    "{name}: the controller is on the bus again; the alarm waits for a reset"
+                ));
+            }
+            return;
+        }
+        let Some(off) = &mut self.off else {
+            let then = if self.wire.is_virtual() {
+                "it is started again when the machine stands".to_owned()
+            } else {
+                format!(
+                    "the kernel starts it again if the interface has a restart-ms, else `ip link set {name} type can restart` \
+                     does, once wiring, termination and bit rate are looked at"
+                )
+            };
+            say(&format!(
+                "{name}: bus-off, as an error frame says: the controller has left the bus; {then}"
+            ));
+            self.off = Some(Off::default());
+            return;
+        };
+        if !rejoin || !self.wire.is_virtual() {
+            return;
+        }
+        let since = *off.waits.get_or_insert(tick);
+        let kbit = u64::from(self.board.params().bus_kbit()).max(1);
+        let ticks = (BITS * 1000).div_ceil(kbit * u64::from(self.tick_us).max(1));
+        if tick - since >= ticks {
+            self.wire.restart();
+        }
     }
 
     /// Time without a board: drives and spindle are as they were told last. True where it has its power again.

@@ -24,6 +24,8 @@ pub struct Wire {
     fd_kbit: Option<u32>,
     heard: Vec<Received>,
     controller: Controller,
+    /// There is no controller behind it that the kernel would start again.
+    is_virtual: bool,
     /// Frames sent, and received.
     pub counts: [u64; 2],
 }
@@ -37,6 +39,10 @@ impl Wire {
             Failure::WrongBecause(Both::same(format!("no adapter has {kbit} kbit/s (9020)")))
         })?;
         let mut wire = Self::on(leadscrew_can::open(address, rate).map_err(Failure::bus)?);
+        wire.is_virtual = match address {
+            Address::SocketCan(name) => leadscrew_can::is_virtual(name),
+            _ => true,
+        };
         if params.setpoint_frame() == 1 {
             wire.use_fd(params.fd_kbit())?;
         }
@@ -55,6 +61,7 @@ impl Wire {
     fn on(can: Box<dyn Can>) -> Self {
         Self {
             can,
+            is_virtual: true,
             fd_kbit: None,
             heard: Vec::new(),
             controller: Controller::default(),
@@ -70,6 +77,25 @@ impl Wire {
     /// How the controller is, as its error frames have told.
     pub const fn controller(&self) -> Controller {
         self.controller
+    }
+
+    /// A bus that is open already.
+    #[cfg(test)]
+    pub fn open_already(can: Box<dyn Can>, is_virtual: bool) -> Self {
+        Self {
+            is_virtual,
+            ..Self::on(can)
+        }
+    }
+
+    /// True where nobody but the board itself would start a controller again that has left the bus.
+    pub const fn is_virtual(&self) -> bool {
+        self.is_virtual
+    }
+
+    /// The controller has been started again, and is well.
+    pub fn restart(&mut self) {
+        self.controller = Controller::default();
     }
 
     /// Sends these.

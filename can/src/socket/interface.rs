@@ -19,6 +19,21 @@ pub fn check(name: &str) -> Result<(), CanError> {
     look(Path::new(INTERFACES), name)
 }
 
+/// True for an interface without a controller of its own (vcan): nobody but who uses it would start one again.
+#[must_use]
+pub fn is_virtual(name: &str) -> bool {
+    lies_with_virtual_ones(Path::new(INTERFACES), name)
+}
+
+fn lies_with_virtual_ones(all: &Path, name: &str) -> bool {
+    // The list is one of links to the devices themselves.
+    fs::canonicalize(all.join(name)).is_ok_and(|device| {
+        device
+            .components()
+            .any(|part| part.as_os_str() == "virtual")
+    })
+}
+
 /// What the kernel takes of an interface at a time where that is classical frames only.
 const CLASSICAL_ONLY: &str = "16";
 
@@ -109,6 +124,22 @@ mod tests {
             "{text}"
         );
         assert!(fd.is_ok() && none.is_ok());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_interface_without_a_controller_is_told_from_one_with() {
+        let all = std::env::temp_dir().join(format!("leadscrew-virtual-{}", std::process::id()));
+        for (name, device) in [
+            ("vcan0", "devices/virtual/net/vcan0"),
+            ("can0", "devices/pci0/usb1/net/can0"),
+        ] {
+            fs::create_dir_all(all.join(device)).unwrap();
+            std::os::unix::fs::symlink(all.join(device), all.join(name)).unwrap();
+        }
+        let said = ["vcan0", "can0", "can7"].map(|name| lies_with_virtual_ones(&all, name));
+        fs::remove_dir_all(&all).unwrap();
+        assert_eq!(said, [true, false, false]);
     }
 
     #[test]

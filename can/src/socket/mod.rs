@@ -7,6 +7,8 @@
 mod interface;
 mod raw;
 
+pub use interface::is_virtual;
+
 use std::io::{IoSlice, IoSliceMut};
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::time::Duration;

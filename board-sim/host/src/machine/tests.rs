@@ -5,7 +5,10 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::thread::JoinHandle;
 
 use clap::Parser as _;
-use leadscrew_core::bus::CobId;
+use leadscrew_can::{Can as _, End, ErrorFrame, Packet, pair};
+use leadscrew_core::alarm::Code;
+use leadscrew_core::board::Command;
+use leadscrew_core::bus::{CobId, Emcy, NmtState};
 
 use super::*;
 
@@ -92,4 +95,95 @@ fn an_adapter_is_told_the_rate_of_can_fd_that_a_set_brings_later() {
     let first = told.iter().position(|said| said.starts_with('b'));
     let rate = told.iter().position(|said| said == "Y5");
     assert!(rate < first);
+}
+
+/// A machine that is up, on a bus of this process; and the other end of that.
+fn machine_on_pair(name: &str, is_virtual: bool) -> (Machine, End) {
+    let path = std::env::temp_dir().join(format!("board-sim-{name}-{}", std::process::id()));
+    let listener = UnixListener::bind(&path).expect("a socket");
+    let line = std::thread::spawn(move || {
+        let (line, _) = listener.accept().expect("a client");
+        adapter(line).join().expect("its end")
+    });
+    let bus = format!("slcan:unix:{}", path.display());
+    let cli = cli::Cli::parse_from(["board-sim", "--bus", &bus, "--lockstep"]);
+    let mut machine = Machine::new(&cli.board).expect("a machine");
+    let (other, end) = pair();
+    machine.wire = Wire::open_already(Box::new(end), is_virtual);
+    line.join().expect("its end");
+    std::fs::remove_file(path).expect("there was one");
+    for _ in 0..200 {
+        machine.tick().expect("a bus");
+    }
+    (machine, other)
+}
+
+/// The kernel says that the controller is bus-off, or has been started again.
+fn tell(machine: &mut Machine, other: &mut End, class: u32) {
+    let data = [0, 0, 0, 0, 0, 0, 248, 3];
+    let error = ErrorFrame { class, data };
+    other.inject(Packet::Error(error)).expect("a bus");
+    machine.listen(Duration::ZERO).expect("a bus");
+}
+
+const BUS_OFF: u32 = 0x040;
+const RESTARTED: u32 = 0x100;
+
+/// Up to `ticks` until the board says by its boot-up message that it is back; the emergencies behind that.
+fn comes_back(machine: &mut Machine, other: &mut End, ticks: u32) -> Option<Vec<u16>> {
+    let (mut back, mut codes) = (false, Vec::new());
+    for _ in 0..ticks {
+        machine.tick().expect("a bus");
+        let mut heard = Vec::new();
+        other.receive(&mut heard, Duration::ZERO).expect("a bus");
+        for frame in heard.iter().filter_map(|heard| heard.packet.frame()) {
+            back |= *frame == NmtState::BootUp.frame(NodeId::BOARD);
+            codes.extend(
+                Emcy::decode(frame)
+                    .filter(|_| back)
+                    .map(|(_, emcy)| emcy.code),
+            );
+        }
+        if !codes.is_empty() {
+            return Some(codes);
+        }
+    }
+    back.then_some(codes)
+}
+
+#[test]
+fn a_controller_that_leaves_a_virtual_bus_comes_back_when_the_machine_stands() {
+    let (mut machine, mut other) = machine_on_pair("off", true);
+    for _ in 0..2 {
+        // Whatever was said before.
+        other
+            .receive(&mut Vec::new(), Duration::ZERO)
+            .expect("a bus");
+        tell(&mut machine, &mut other, BUS_OFF);
+        assert_eq!(
+            comes_back(&mut machine, &mut other, 200),
+            Some(vec![0x8140])
+        );
+        let State::Alarm(alarm) = machine.board.ticker().state() else {
+            panic!("it stands on one");
+        };
+        assert_eq!(alarm.code, Code::BusOff);
+        machine.board.command(Command::Reset);
+        for _ in 0..200 {
+            machine.tick().expect("a bus");
+        }
+        assert_eq!(machine.board.ticker().state(), State::Idle);
+    }
+}
+
+#[test]
+fn a_controller_of_the_kernel_is_started_again_by_the_kernel_alone() {
+    let (mut machine, mut other) = machine_on_pair("kernel", false);
+    tell(&mut machine, &mut other, BUS_OFF);
+    assert_eq!(comes_back(&mut machine, &mut other, 2_000), None);
+    tell(&mut machine, &mut other, RESTARTED);
+    assert_eq!(
+        comes_back(&mut machine, &mut other, 200),
+        Some(vec![0x8140])
+    );
 }
