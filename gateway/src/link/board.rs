@@ -173,6 +173,7 @@ impl Link {
         let node = self.node();
         let frame = command.frame(node);
         let before = self.seen.status.unwrap_or_default().count;
+        let mut boots = self.seen.boots;
         self.put(&[frame])?;
         let mut again = Instant::now() + REPEAT;
         let end = Instant::now() + CONFIRMED;
@@ -211,6 +212,11 @@ impl Link {
                 }
             } else if overtaken || over && sent == 3 {
                 return Ok(());
+            }
+            if over && self.seen.boots != boots {
+                // It hears and says no process data before somebody has started it.
+                boots = self.seen.boots;
+                self.start_node()?;
             }
             if over && !overtaken {
                 self.put(&[frame])?;

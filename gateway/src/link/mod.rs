@@ -31,7 +31,8 @@ use std::time::{Duration, Instant};
 
 use leadscrew_can::{Address, BitRate, Can, Filter, Health, Received};
 use leadscrew_core::bus::{
-    BoardPlace, BoardSpindle, BoardStatus, Emcy, Frame, NmtCommand, NmtState, NodeId, Service,
+    BoardPlace, BoardSpindle, BoardStatus, CobId, Emcy, Frame, NmtCommand, NmtState, NodeId,
+    Service,
 };
 
 use hold::Hold;
@@ -63,7 +64,7 @@ pub struct Seen {
     pub place: Option<BoardPlace>,
     /// Its newest TPDO3.
     pub spindle: Option<BoardSpindle>,
-    /// Its NMT state by its last heartbeat.
+    /// Its NMT state by its last heartbeat, or by what somebody has told it since.
     pub state: Option<NmtState>,
     /// It has started anew so many times.
     pub boots: u32,
@@ -85,6 +86,17 @@ pub struct Seen {
 
 impl Seen {
     fn note(&mut self, frame: &Frame, board: NodeId, own: NodeId) {
+        if let Some((command, node)) = NmtCommand::decode(frame)
+            && node.is_none_or(|node| node == board)
+        {
+            self.state = match command {
+                NmtCommand::Start => Some(NmtState::Operational),
+                NmtCommand::Stop => Some(NmtState::Stopped),
+                NmtCommand::PreOperational => Some(NmtState::PreOperational),
+                // It says so itself, by its boot-up message.
+                NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.state,
+            };
+        }
         let Some((_, node)) = frame.id().service() else {
             return;
         };
@@ -138,8 +150,9 @@ struct Beat {
 }
 
 /// What a link hears: all that the board says and is told, and who else is there.
-fn heard(board: NodeId) -> [Filter; 3] {
+fn heard(board: NodeId) -> [Filter; 4] {
     [
+        Filter::exactly(CobId::NMT),
         Filter::node(board),
         Filter::service(Service::Heartbeat),
         Filter::service(Service::SdoReply),
@@ -167,6 +180,9 @@ pub struct Link {
     opened: Instant,
     /// When its last transfer ended.
     turn_ended: Instant,
+    /// How many there were, and since when, without a silence in which somebody who waits would have come.
+    turns: u32,
+    turns_since: Instant,
     /// What an answer of the board takes.
     round_trip: RoundTrip,
     /// How long this side has listened in all.
@@ -214,6 +230,8 @@ impl Link {
             disturbed: false,
             opened: now,
             turn_ended: now,
+            turns: 0,
+            turns_since: now,
             round_trip: RoundTrip::default(),
             listened: Duration::ZERO,
             hold: Hold::default(),
@@ -255,11 +273,11 @@ impl Link {
     /// # Errors
     /// The bus does not take it.
     pub fn hear_boards(&mut self) -> LinkResult {
-        let [own, beats, answers] = heard(self.node);
+        let [nmt, own, beats, answers] = heard(self.node);
         let statuses = Filter::service(Service::Tpdo1);
         let requests = Filter::service(Service::SdoRequest);
         self.can
-            .listen_for(&[own, beats, answers, statuses, requests])
+            .listen_for(&[nmt, own, beats, answers, statuses, requests])
             .map_err(Trouble::Can)
     }
 
@@ -297,6 +315,8 @@ impl Link {
     /// # Errors
     /// The bus is gone.
     pub fn start_node(&mut self) -> LinkResult {
+        // What it was in before is over; its next heartbeat says what it is in.
+        self.seen.state = None;
         self.send(&[NmtCommand::Start.frame(Some(self.node))])
     }
 
@@ -375,11 +395,18 @@ impl Link {
         Ok(())
     }
 
-    /// The board has said nothing for too long, and nothing of it waits to be heard.
+    /// The board has said nothing for too long, and nothing of it waits to be heard; or somebody has stopped it, and it says
+    /// nothing but heartbeats.
     ///
     /// # Errors
-    /// [`Trouble::Lost`]; the bus is gone.
+    /// [`Trouble::Lost`], [`Trouble::Stopped`]; the bus is gone.
     pub fn check_alive(&mut self) -> LinkResult {
+        if self.seen.state == Some(NmtState::Stopped) {
+            return Err(Trouble::Stopped {
+                node: self.node.get(),
+                bus: self.bus.clone(),
+            });
+        }
         let is_silent = |last: Option<Instant>| last.is_some_and(|at| at.elapsed() > SILENCE);
         if is_silent(self.seen.last) {
             // It was perhaps this side that stood still.

@@ -1,9 +1,9 @@
 //! Whole values to and from objects of the board, and of the drives.
 //!
 //! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
-//! transfer. So clients listen for each other and take turns [D111]: who has had his transfer, or has only just come, waits
-//! longer for silence than who has been disturbed, and so lets him go first. What is not answered at all, without anybody
-//! else being heard, is asked four times more, and is an error then.
+//! transfer. So clients listen for each other and take turns [D111], [D198]: who has had the last transfer, or has only just
+//! come, waits longer for silence than who has not, and that one longer than who has been disturbed. What is not answered
+//! at all, without anybody else being heard, is asked four times more, and is an error then.
 //!
 //! What this side has not listened to is no silence: where it stood still itself, what came meanwhile is heard before the
 //! board is late [D178].
@@ -11,8 +11,8 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::bus::{
-    Abort, CobId, Frame, NodeId, Object, SdoDownload, SdoError, SdoProtocol, SdoSink, SdoUpload,
-    Service,
+    Abort, CobId, Frame, NmtState, NodeId, Object, SdoDownload, SdoError, SdoProtocol, SdoSink,
+    SdoUpload, Service,
 };
 
 use super::{Link, LinkResult, Trouble};
@@ -27,8 +27,12 @@ const REFUSALS: u32 = 5;
 /// next three it is longer by what an answer takes: where a computer is busy, or a wire slow, that is more than they
 /// are, and clients would break into each other's transfers for ever [D178].
 const QUIET: Duration = Duration::from_millis(8);
-/// Somebody who has had his turn leaves this much more to the others.
-const YIELD: Duration = Duration::from_millis(16);
+/// Somebody who has heard another's turn leaves this much more to who has been disturbed, and who has had his own twice
+/// this much: longer than the jitter, so that the one is never before the other by chance.
+const YIELD: Duration = Duration::from_millis(8);
+/// So long, and so many, one who hears nobody has transfers without a silence in which somebody who waits would come.
+const SHARE: Duration = Duration::from_millis(100);
+const SHARE_TRANSFERS: u32 = 32;
 /// Clients that wait equally long would meet again: each adds up to this.
 const JITTER: Duration = Duration::from_millis(8);
 /// Frames of a block that are handed over at a time: on a slow wire, what is waited for an answer begins when the last of
@@ -250,6 +254,10 @@ impl Link {
                 }
                 Err(error) => error,
             };
+            if node == self.node && self.seen.state == Some(NmtState::Stopped) {
+                // However often it is asked.
+                self.check_alive()?;
+            }
             let spoilt = self.seen.other_client.is_some_and(|last| last > attempt);
             let over = if spoilt {
                 begun.elapsed() > CONTENTION
@@ -264,7 +272,7 @@ impl Link {
                 spoilt && refusals < REFUSALS
             };
             if over || !again {
-                // A board that says nothing at all any more is more than a transfer that failed.
+                // A board that says nothing at all any more, or that has been stopped, is more than a transfer that failed.
                 self.check_alive()?;
                 return Err(Trouble::Transfer {
                     node: node.get(),
@@ -291,25 +299,35 @@ impl Link {
         Duration::from_micros(mixed % span)
     }
 
-    /// Lets other clients finish, and have their turn, but not for ever.
+    /// Lets other clients finish, and have their turn, but not for ever. Who has been disturbed comes first, then who has
+    /// heard somebody else's transfer behind his own, then who has had the last one. One who hears nobody does not know
+    /// whether somebody waits: now and then he leaves enough silence for that one [D198].
     pub(super) fn wait_for_turn(&mut self) -> LinkResult {
         let begun = Instant::now();
         let round_trip = self.round_trip.reckoned();
-        let mut quiet = QUIET + round_trip * 2 + self.jitter();
-        if !self.disturbed {
-            quiet += YIELD + round_trip * 2;
-        }
-        let end = begun + TURN + (round_trip * 10 + quiet).min(SLOW_TURN);
+        let quiet = QUIET + round_trip * 2 + self.jitter();
+        let step = YIELD + round_trip * 2;
+        let share = (SHARE + round_trip * 10).min(SLOW_TURN);
+        let end = begun + TURN + (round_trip * 10 + quiet + step * 2).min(SLOW_TURN);
         self.idle(Duration::ZERO)?;
         loop {
-            let last = match self.seen.other_client {
-                // This side's own last transfer was its turn.
-                Some(last) if last.elapsed() < PRESENT => last.max(self.turn_ended),
-                Some(_) => return Ok(()),
+            let present = |last: &Instant| last.elapsed() < PRESENT;
+            let (last, steps) = match self.seen.other_client.filter(present) {
+                Some(last) if self.disturbed => (last.max(self.turn_ended), 0),
+                Some(last) if last > self.turn_ended => (last, 1),
+                Some(_) => (self.turn_ended, 2),
+                None if self.turns >= SHARE_TRANSFERS || self.turns_since.elapsed() >= share => {
+                    (self.turn_ended, 2)
+                }
                 // Whoever has only just come does not know yet who else is there.
-                None => self.opened,
+                None if self.seen.other_client.is_none() => (self.opened, 2),
+                None => return Ok(()),
             };
-            if last.elapsed() >= quiet || Instant::now() >= end {
+            let wanted = quiet + step * steps;
+            if last.elapsed() >= wanted || Instant::now() >= end {
+                if self.turn_ended.elapsed() >= wanted {
+                    (self.turns, self.turns_since) = (0, Instant::now());
+                }
                 return Ok(());
             }
             self.idle(Duration::from_millis(1))?;
@@ -322,6 +340,7 @@ impl Link {
         let outcome = self.carry_on(transfer);
         self.seen.own_transfer = false;
         self.turn_ended = Instant::now();
+        self.turns += 1;
         outcome
     }
 

@@ -65,6 +65,13 @@ pub enum Trouble {
         /// What the error frames point to.
         suspicion: Option<Suspicion>,
     },
+    /// Somebody has stopped the board by NMT in the middle of something.
+    Stopped {
+        /// The number.
+        node: u8,
+        /// The bus.
+        bus: String,
+    },
     /// The board has started again, and has forgotten what it was told.
     Restarted {
         /// The number.
@@ -352,10 +359,21 @@ impl Trouble {
                     zh = suspicion.zh
                 )
             }
+            Self::Stopped { node, bus } => both!(
+                "somebody on `{bus}` has stopped node {node} by NMT (000#02{node:02X}, or 000#0200 for all nodes): what moved comes \
+                 to a controlled stop with alarm 4331, and a node that is stopped answers nothing. Find out which program sends \
+                 that and end it, start the node (`cansend IFACE 000#01{node:02X}`), look at the machine, `leadscrew reset`, then \
+                 run the program again",
+                "`{bus}` 上有人用 NMT 停止了节点 {node}（000#02{node:02X}，或对所有节点的 000#0200）：正在进行的运动受控停止并报警 \
+                 4331，停止状态的节点不作应答。请找出并结束发送该命令的程序，启动节点（`cansend IFACE 000#01{node:02X}`），查看机床，\
+                 执行 `leadscrew reset`，然后重新运行程序"
+            ),
             Self::Restarted { node, bus } => both!(
-                "node {node} on `{bus}` has started again in the middle of the program and has forgotten it: was its supply \
-                 interrupted? The axes stand where their drives stopped; look at the machine before anything moves",
-                "`{bus}` 上的节点 {node} 在程序运行中重新启动，程序已丢失：供电是否中断？各轴停在驱动器停止的位置；再次运动前请查看机床"
+                "node {node} on `{bus}` has started again in the middle of the program and has forgotten it (it was asked, and says \
+                 that it has another program or none): was its supply interrupted, or has somebody reset it? The axes stand where \
+                 their drives stopped; look at the machine before anything moves",
+                "`{bus}` 上的节点 {node} 在程序运行中重新启动，程序已丢失（经询问，它没有该程序）：供电是否中断，或有人将它复位？各轴停在驱动器停止的位置；\
+                 再次运动前请查看机床"
             ),
             Self::Transfer {
                 node,

@@ -3,9 +3,11 @@
 mod long;
 #[path = "../../../tests/src/long_program.rs"]
 mod long_program;
+mod nmt;
 mod params;
 mod server;
 mod terminal;
+mod turns;
 mod two;
 
 use std::path::{Path, PathBuf};

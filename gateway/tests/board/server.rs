@@ -3,7 +3,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU16, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -73,6 +73,8 @@ struct Knobs {
     ends: AtomicBool,
     unplugged: AtomicBool,
     speed: AtomicU32,
+    /// 0: it stays.
+    power_goes_at: AtomicU16,
 }
 
 /// A server until it is dropped.
@@ -93,6 +95,7 @@ impl Server {
             ends: AtomicBool::new(false),
             unplugged: AtomicBool::new(false),
             speed: AtomicU32::new(options.speed),
+            power_goes_at: AtomicU16::new(0),
         });
         let seen = Arc::new(Mutex::new(Seen::default()));
         let (turned, told, options) = (knobs.clone(), seen.clone(), options.clone());
@@ -116,6 +119,11 @@ impl Server {
     /// Nothing has to happen at its time any more: what is left goes by fast.
     pub fn hurry(&self) {
         self.knobs.speed.store(HURRY, Ordering::Relaxed);
+    }
+
+    /// The power of the boards goes for a moment before they hear that this object is written to.
+    pub fn cut_power_at(&self, index: u16) {
+        self.knobs.power_goes_at.store(index, Ordering::Relaxed);
     }
 
     /// The boards answer nothing any more.
@@ -245,20 +253,17 @@ fn serve(listener: &TcpListener, options: &Options, knobs: &Knobs, seen: &Mutex<
     for (key, value) in &options.set {
         params.set(Entry::find_text(key).unwrap(), *value).unwrap();
     }
-    let mut boards: Vec<Box<Sim>> = options
-        .nodes
-        .iter()
-        .map(|node| {
-            let mut flash = Flash::erased();
-            if options.flash_fails {
-                flash.fail_after(0);
-            }
-            let plant = PlantOptions::default();
-            let mut sim = Box::new(Sim::with_flash(&params, &plant, flash).unwrap());
-            sim.join(NodeId::new(*node).unwrap()).unwrap();
-            sim
-        })
-        .collect();
+    let power_up = |node: &u8| {
+        let mut flash = Flash::erased();
+        if options.flash_fails {
+            flash.fail_after(0);
+        }
+        let plant = PlantOptions::default();
+        let mut sim = Box::new(Sim::with_flash(&params, &plant, flash).unwrap());
+        sim.join(NodeId::new(*node).unwrap()).unwrap();
+        sim
+    };
+    let mut boards: Vec<Box<Sim>> = options.nodes.iter().map(power_up).collect();
     let mut clients: Vec<Client> = Vec::new();
     // Ticks without a heartbeat after which a gateway counts as lost; 0: never.
     let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
@@ -298,6 +303,14 @@ fn serve(listener: &TcpListener, options: &Options, knobs: &Knobs, seen: &Mutex<
             for client in &mut clients {
                 if client.number != from {
                     client.tell(&frame);
+                }
+            }
+            let index = knobs.power_goes_at.load(Ordering::Relaxed);
+            if index != 0 && is_download(&frame, index) {
+                knobs.power_goes_at.store(0, Ordering::Relaxed);
+                boards = options.nodes.iter().map(power_up).collect();
+                for sim in &mut boards {
+                    say(sim, &mut clients, (options.key, &mut next), seen);
                 }
             }
             if plugged {
@@ -360,6 +373,14 @@ fn serve(listener: &TcpListener, options: &Options, knobs: &Knobs, seen: &Mutex<
             std::thread::sleep(Duration::from_micros(100));
         }
     }
+}
+
+/// Somebody begins to write this object, of whichever node.
+fn is_download(frame: &Frame, index: u16) -> bool {
+    let [low, high] = index.to_le_bytes();
+    let request = matches!(frame.id().service(), Some((Service::SdoRequest, _)));
+    request
+        && matches!(frame.payload(), [command, l, h, ..] if command >> 5 == 1 && [*l, *h] == [low, high])
 }
 
 /// `key`: what the boards claim, and whether the frame that says it is the next one.

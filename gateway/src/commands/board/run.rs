@@ -10,6 +10,8 @@ use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::link::{Certificate, Logged, Status};
+use leadscrew_core::program::Position;
+use leadscrew_core::units::Rpm;
 
 use super::{Machine, state_words};
 use crate::checking::{Report, plural};
@@ -57,6 +59,8 @@ struct Ran {
     finished: bool,
     /// Somebody else has reset the board.
     reset: bool,
+    /// The drives have been brought up anew.
+    ready: bool,
     interrupted: bool,
 }
 
@@ -101,6 +105,7 @@ pub fn run(
     let status = link.status()?;
     ready(&status, &link, global)?;
     setup.position = Some(status.position);
+    setup.turning = status.command != Rpm::STOPPED;
     setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
     let origin = Origin {
         program: program.clone(),
@@ -372,6 +377,20 @@ struct Runner<'a> {
     pace: Pace,
 }
 
+/// The program on its way to the board.
+struct UnderWay<'a> {
+    feeder: Feeder<'a>,
+    feed: Feed,
+    started: bool,
+    /// When the event log was read last.
+    looked: Instant,
+}
+
+/// Which program a board has, and how far it has come with it.
+fn place(status: &Status) -> (u32, u32, Position) {
+    (status.program, status.next_call, status.position)
+}
+
 /// When the certificates of threads are read: something has been cut since, and the more there were the sooner.
 #[derive(Debug)]
 struct Pace {
@@ -416,6 +435,7 @@ impl Runner<'_> {
     fn all(&mut self) -> Outcome {
         let drives = DriveNodes::of(&self.setup.params);
         self.link.hear_gateways()?;
+        let mut boots = self.link.seen.boots;
         self.still_ready()?;
         let own = self.link.attend_alone(&drives)?;
         self.tell_number(own);
@@ -423,58 +443,80 @@ impl Runner<'_> {
         // The board is this program's from here on: it is held at once, whatever is under way.
         self.link.hold_when(interrupt::requested);
         self.prepare_board()?;
-        let mut feeder = Feeder::new(self.setup, self.source)?;
-        let mut feed = Feed::new(program_number());
-        let mut started = false;
-        let mut looked = Instant::now();
-        let boots = self.link.seen.boots;
+        let mut under_way = UnderWay {
+            feeder: Feeder::new(self.setup, self.source)?,
+            feed: Feed::new(program_number()),
+            started: false,
+            looked: Instant::now(),
+        };
         loop {
-            if interrupt::requested() {
-                self.ran.interrupted = true;
-                self.bring_to_rest()?;
-                // What went wrong on the way.
-                self.read_log(&feeder)?;
-                return self.conclude(&feed);
+            let done = self.round(&mut under_way, &drives);
+            let anew = self.link.seen.boots != boots;
+            match done {
+                Ok(true) => return Ok(()),
+                // A board that has started again refuses what it no longer knows, and lets go of transfers: what it says of
+                // itself counts.
+                Err(error) if !anew => return Err(error),
+                Ok(false) | Err(_) => {}
             }
-            let fed = self.feed(&mut feeder, &mut feed)?;
-            if !started && (!fed || feeder.is_over() && feed.is_empty()) {
-                // In virtual time the board waits from here on before it forgets one.
-                self.link.take_threads(self.ran.threads.whole())?;
-                self.link.order(Order::Run)?;
-                started = true;
-            }
-            if !fed {
-                self.link.idle(LOOK)?;
-            }
-            self.link.check_alive()?;
-            let own = self.link.step_aside(&drives)?;
-            self.tell_number(own);
-            if self.link.seen.boots != boots {
-                self.forgotten(&feeder)?;
-            }
-            self.look();
-            self.tell_hold();
-            let status = self.link.seen.status.unwrap_or_default();
-            let rests = started && !status.flags.program && status.state != BoardState::Run;
-            let alarm = status.state == BoardState::Alarm;
-            if alarm || rests || looked.elapsed() >= LOG {
-                looked = Instant::now();
-                self.read_log(&feeder)?;
-            }
-            let (locked, line) = (status.flags.locked, self.ran.line);
-            if started && self.pace.is_due(locked, line) {
-                let (_, told) = self.link.certificates()?;
-                let whole = self.ran.threads.whole();
-                let new = self.ran.threads.take(told);
-                if self.ran.threads.whole() != whole {
-                    self.link.take_threads(self.ran.threads.whole())?;
-                }
-                self.pace.read(new, line, locked);
-            }
-            if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
-                return self.conclude(&feed);
+            if anew {
+                boots = self.link.seen.boots;
+                self.after_boot_up(&under_way, &drives)?;
             }
         }
+    }
+
+    /// One look at everything. True where the run is over.
+    fn round(&mut self, under_way: &mut UnderWay, drives: &DriveNodes) -> Outcome<bool> {
+        let UnderWay {
+            feeder,
+            feed,
+            started,
+            looked,
+        } = under_way;
+        if interrupt::requested() {
+            self.ran.interrupted = true;
+            self.bring_to_rest()?;
+            // What went wrong on the way.
+            self.read_log(feeder)?;
+            return self.conclude(feed);
+        }
+        let fed = self.feed(feeder, feed)?;
+        if !*started && (!fed || feeder.is_over() && feed.is_empty()) {
+            // In virtual time the board waits from here on before it forgets one.
+            self.link.take_threads(self.ran.threads.whole())?;
+            self.link.order(Order::Run)?;
+            *started = true;
+        }
+        if !fed {
+            self.link.idle(LOOK)?;
+        }
+        self.link.check_alive()?;
+        let own = self.link.step_aside(drives)?;
+        self.tell_number(own);
+        self.look();
+        self.tell_hold();
+        let status = self.link.seen.status.unwrap_or_default();
+        let rests = *started && !status.flags.program && status.state != BoardState::Run;
+        let alarm = status.state == BoardState::Alarm;
+        if alarm || rests || looked.elapsed() >= LOG {
+            *looked = Instant::now();
+            self.read_log(feeder)?;
+        }
+        let (locked, line) = (status.flags.locked, self.ran.line);
+        if *started && self.pace.is_due(locked, line) {
+            let (_, told) = self.link.certificates()?;
+            let whole = self.ran.threads.whole();
+            let new = self.ran.threads.take(told);
+            if self.ran.threads.whole() != whole {
+                self.link.take_threads(self.ran.threads.whole())?;
+            }
+            self.pace.read(new, line, locked);
+        }
+        if self.ran.finished || self.ran.reset || !self.ran.alarms.is_empty() {
+            return self.conclude(feed);
+        }
+        Ok(false)
     }
 
     /// Somebody else may have begun a program while this one was checked: his board is left alone, above all the number
@@ -482,7 +524,6 @@ impl Runner<'_> {
     fn still_ready(&mut self) -> Outcome {
         let now = self.link.status()?;
         ready(&now, self.link, self.setup.global)?;
-        let place = |status: &Status| (status.program, status.next_call, status.position);
         if place(&now) != place(&self.checked) {
             let node = self.link.node().get();
             return Err(Failure::Bus(both!(
@@ -507,8 +548,8 @@ impl Runner<'_> {
         }
     }
 
-    /// What the board says of the run.
-    fn conclude(&mut self, feed: &Feed) -> Outcome {
+    /// What the board says of the run; it is over.
+    fn conclude(&mut self, feed: &Feed) -> Outcome<bool> {
         let (mut certificate, told) = self.link.certificates()?;
         self.ran.threads.take(told);
         // On an alarm the axes may still be on their way to rest.
@@ -522,17 +563,47 @@ impl Runner<'_> {
         // The board counts since its power came, and its status no farther than 255.
         self.ran.late = certificate.late.saturating_sub(self.late);
         self.ran.certificate = (certificate.program == feed.program()).then_some(certificate);
-        Ok(())
+        Ok(true)
     }
 
-    /// The board has begun anew. An alarm that it still knows says why; else it has lost its power, and the program with
-    /// it.
-    fn forgotten(&mut self, feeder: &Feeder) -> Outcome {
+    /// The board has sent a boot-up message. That says nothing of the machine: after somebody's NMT reset of the
+    /// communication everything goes on, and after a loss of power the program is gone. So the board is asked (5001h) before
+    /// a word is said [D196].
+    fn after_boot_up(&mut self, under_way: &UnderWay, drives: &DriveNodes) -> Outcome {
+        let UnderWay { feeder, feed, .. } = under_way;
+        let now = self.link.status()?;
+        let same = if feed.taken() > 0 {
+            now.program == feed.program()
+        } else {
+            place(&now) == place(&self.checked)
+        };
         self.read_log(feeder)?;
-        if self.ran.alarms.is_empty() {
+        if !same
+            && self.ran.alarms.is_empty()
+            && let Some(alarm) = &now.alarm
+        {
+            // The events before its start are forgotten with the program; the alarm that it stands on says why.
+            let alarm = placed(*alarm, self.ran.line);
+            self.ran.alarms.push(feeder.words(&alarm));
+        }
+        if !self.ran.alarms.is_empty() || self.ran.finished || self.ran.reset {
+            return Ok(());
+        }
+        if !same || self.ran.ready || now.state == BoardState::Starting {
             return Err(self.link.begun_anew().into());
         }
-        Ok(())
+        let told = both!(
+            "somebody on this bus has begun the communication of node {node} anew (NMT reset communication); its program goes on, \
+             and so does this one\n",
+            "此总线上有人重置了节点 {node} 的通信（NMT reset communication）；控制板的程序继续运行，本程序也继续\n",
+            node = self.link.node().get()
+        );
+        self.bar
+            .suspend(|| diagnostics::say(told.get(self.setup.lang)));
+        // Whom it watches (1016h) is as after power-up, and process data wait for a start.
+        let own = self.link.attend_alone(drives)?;
+        self.tell_number(own);
+        Ok(self.link.hear_status()?)
     }
 
     /// Inputs and switches as the options want them.
@@ -638,6 +709,7 @@ impl Runner<'_> {
             }
             Event::Finished => self.ran.finished = true,
             Event::Reset => self.ran.reset = true,
+            Event::Ready => self.ran.ready = true,
             _ => {}
         }
     }
@@ -646,6 +718,7 @@ impl Runner<'_> {
     fn bring_to_rest(&mut self) -> Outcome {
         self.link.order(Order::Hold)?;
         let end = Instant::now() + STOP;
+        let mut boots = self.link.seen.boots;
         let rests = |state| {
             matches!(
                 state,
@@ -655,6 +728,11 @@ impl Runner<'_> {
         while Instant::now() < end {
             self.link.idle(LOOK)?;
             self.link.check_alive()?;
+            if self.link.seen.boots != boots {
+                // Without a start its statuses are those from before.
+                boots = self.link.seen.boots;
+                self.link.start_node()?;
+            }
             if self
                 .link
                 .seen

@@ -73,6 +73,7 @@ fn watch(
     let mut since = Instant::now();
     let (mut looked, mut read) = (None::<Instant>, None::<Instant>);
     let mut last_event = link.newest_event()?.saturating_sub(8);
+    let mut boots = link.seen.boots;
     loop {
         let next = Instant::now() + PICTURE;
         let errors = &mut view.errors;
@@ -81,6 +82,11 @@ fn watch(
             false
         })?;
         link.check_alive()?;
+        if link.seen.boots != boots {
+            // It says no process data before somebody has started it.
+            boots = link.seen.boots;
+            link.start_node()?;
+        }
         if since.elapsed() >= LOAD {
             let ms = since.elapsed().as_millis() as u64;
             let traffic = std::mem::take(&mut link.seen.traffic);
