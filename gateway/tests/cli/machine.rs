@@ -154,6 +154,11 @@ fn a_machine_that_stops_on_an_alarm_is_exit_4() {
         "{}",
         stderr(&output)
     );
+    // What was set wrong here is among the causes, in both languages.
+    let zh = leadscrew(&[&["run", THREAD, "--lang", "zh"][..], &late].concat());
+    for told in [stderr(&output), stderr(&zh)] {
+        assert!(told.contains("4361") && told.contains("9003"), "{told}");
+    }
     // The line that was being carried out.
     assert!(
         stderr(&output).contains(&format!("{THREAD}:4:1")),

@@ -1,6 +1,7 @@
 //! The faults that `board-sim` offers on its command line, each in a process of its own with its own program: what it says,
 //! and how it ends. What the machine does about each stands in the tests of `faults`.
 
+use crate::bus::tool;
 use crate::machine::{
     Board, bad, both, err, example, field, finish, good, leadscrew, program, run, wait_for_status,
 };
@@ -256,6 +257,40 @@ fn a_controller_that_comes_back_is_started_and_reset_by_the_gateway() {
     });
     good(&finish_well(&path));
     drop(board);
+}
+
+/// Nobody but the simulated board itself is there to start a controller of a virtual bus again [D196].
+#[test]
+fn a_controller_that_an_error_frame_calls_off_is_told_of_and_comes_back() {
+    let board = Board::start(&["--lockstep"]);
+    wait_for_status("it is idle", |status| field(status, "state") == "idle");
+    tool("cansend", &["vcan0", "20000040#0000000000000000"]);
+    board.wait_for("vcan0: bus-off, as an error frame says");
+    board.wait_for("vcan0: the controller is on the bus again; the alarm waits for a reset");
+    wait_for_status("it is back", |status| status.contains("\"no\":4370"));
+    good(&leadscrew(&["reset"]));
+    wait_for_status("it is idle", |status| field(status, "state") == "idle");
+    good(&finish_well(&program("behind.nc", WORK)));
+}
+
+/// Whatever the board does, it goes on with it [D196].
+#[test]
+fn communication_that_somebody_begins_anew_ends_no_run() {
+    let path = program("anew.nc", WORK);
+    for options in [&["--lockstep"][..], &["--set", "9000=10000"]] {
+        let board = Board::start(options);
+        let running = run(&path, &[]);
+        wait_for_status("it runs", |status| field(status, "program") == "true");
+        tool("cansend", &["vcan0", "000#8201"]);
+        let output = finish(running);
+        let told = err(&output);
+        good(&output);
+        // In virtual time it may have been over before the command came.
+        if options.len() > 1 {
+            assert!(told.contains("NMT reset communication"), "{told}");
+        }
+        drop(board);
+    }
 }
 
 fn finish_well(path: &std::path::Path) -> std::process::Output {
