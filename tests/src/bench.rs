@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_board_sim::plant::PlantOptions;
+use leadscrew_board_sim::plant::{DriveOptions, PlantOptions};
 use leadscrew_board_sim::{Row, Sim};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Event, State};
@@ -46,11 +46,19 @@ pub struct Lathe {
 }
 
 impl Lathe {
-    /// Just switched on.
+    /// Just switched on; its drives send their statuses as the parameters say.
     #[must_use]
     pub fn new(params: &Params) -> Self {
+        let drives = DriveOptions {
+            transmission: params.drive_status_syncs() as u8,
+            ..DriveOptions::default()
+        };
+        let options = PlantOptions {
+            drives,
+            ..PlantOptions::default()
+        };
         Self {
-            sim: machine(params, &PlantOptions::default()),
+            sim: machine(params, &options),
             params: params.clone(),
             waiting: VecDeque::new(),
             rows: Vec::new(),

@@ -21,8 +21,11 @@ use crate::units::{Angle, Axis, Length};
 /// spindles those and an RPDO2.
 pub const FRAMES: usize = 16;
 
-/// A status comes every fourth SYNC; three of them missing is silence.
-const SILENCE: Periods = Periods::new(12);
+/// Silence is so many statuses missing, one after the other: one that is lost on the wire stops nothing.
+const MISSING: u32 = 3;
+
+/// And so many periods at least, where a status comes more often than at every fourth SYNC.
+const SILENCE: u32 = 12;
 
 /// A silent spindle in a tap is braked with its axis within this part of a turn from where it was last heard: what it turns
 /// in the periods of [`SILENCE`] at 1250 rpm and 1 ms, and a jump of a quarter of the lead at most [D124].
@@ -33,6 +36,8 @@ pub(super) struct Figures {
     /// Of X, Z and C.
     scales: [Scale; 3],
     step: Periods,
+    /// After so many without a status a drive is silent.
+    silence: Periods,
     /// For how long a following error is tolerated.
     patience: Periods,
 }
@@ -45,6 +50,7 @@ impl Figures {
         Some(Self {
             scales: [scale(Axis::X)?, scale(Axis::Z)?, scale(Axis::C)?],
             step: Periods::from_ms(params.drive_time_ms(), tick_us)?,
+            silence: silence(params),
             patience: Periods::from_ms(params.following_error_ms(), tick_us)?,
         })
     }
@@ -57,7 +63,7 @@ impl Figures {
             node: nodes.axis(axis),
             scale,
             step: self.step,
-            silence: SILENCE,
+            silence: self.silence,
             following: Some(FollowingLimit {
                 increments,
                 time: self.patience,
@@ -97,7 +103,7 @@ impl Drives {
             node: nodes.spindle(TapSpindle::First),
             scale: c,
             step: figures.step,
-            silence: SILENCE,
+            silence: figures.silence,
             following: None,
             reach: per_turn / SPINDLE_REACH,
         };
@@ -409,6 +415,12 @@ fn send_to(
         None => drive.tick_slowly(demand).each(put),
     }
     demand.is_some()
+}
+
+/// After so many periods without a status a drive is silent, where it sends one at every so many SYNCs (9021) [D180].
+fn silence(params: &Params) -> Periods {
+    let missing = params.drive_status_syncs().saturating_mul(MISSING);
+    Periods::new(missing.max(SILENCE))
 }
 
 /// A position as its drives count it, in the order X, Z, C: nanometres, and for C millionths of a degree.

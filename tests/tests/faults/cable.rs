@@ -6,6 +6,7 @@ use leadscrew_core::alarm::Arg;
 use leadscrew_core::board::State;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
+use leadscrew_tests::params::with;
 
 use crate::bench::{AnyBench as _, Bench, TAP, WORK, calm, places, span};
 
@@ -63,6 +64,39 @@ fn a_loose_contact_that_nobody_notices_loses_nothing() {
         bench.ticks(5);
         bench.never_jumps(&what, 0, 9);
         assert_eq!(bench.drives(), [35_000_000, 8_000_000], "{what}");
+        bench.next(&what);
+    }
+}
+
+/// Three statuses that do not come are silence, and two are none, however seldom a drive sends them (9021); where it sends
+/// them more often than at every fourth SYNC, twelve periods are.
+#[test]
+fn three_statuses_missing_are_silence_at_any_rate() {
+    for syncs in [1, 2, 3, 4, 5, 8, 12, 13, 60, 240] {
+        // Room on the bus for as many.
+        let tick = if syncs < 4 { 2_000 } else { 1_000 };
+        let params = with(&[("9021", i64::from(syncs)), ("9000", tick)]);
+        let mut bench = Bench::new(&params);
+        let silence = (3 * syncs).max(12);
+        let silent = |bench: &mut Bench, periods: u32| {
+            bench.sim.plant().drive(Axis::Z).trouble(Trouble::Silent);
+            bench.ticks(periods.into());
+            bench.sim.plant().drive(Axis::Z).trouble(Trouble::None);
+            bench.ticks((2 * syncs).into());
+        };
+        // From any tick between two statuses.
+        for start in 0..syncs.min(13) {
+            let what = format!("{syncs} SYNCs, from {start} on");
+            bench.ticks(1);
+            silent(&mut bench, silence - syncs);
+            assert_eq!(bench.alarm, None, "{what}");
+        }
+        let what = format!("{syncs} SYNCs");
+        silent(&mut bench, silence + 1);
+        let alarm = bench.stops_with(&what, 4360, 0);
+        let figures = [Arg::Letter(b'Z'), Arg::Int(17), Arg::Int(silence.into())];
+        assert_eq!(alarm.args[..3], figures, "{what}");
+        bench.reset(&what);
         bench.next(&what);
     }
 }
