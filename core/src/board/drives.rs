@@ -21,6 +21,9 @@ use crate::units::{Angle, Axis, Length};
 /// spindles those and an RPDO2.
 pub const FRAMES: usize = 16;
 
+/// Drives that a board has at most: of three axes and four spindles.
+const DRIVES: usize = 7;
+
 /// Silence is so many statuses missing, one after the other: one that is lost on the wire stops nothing.
 const MISSING: u32 = 3;
 
@@ -127,10 +130,21 @@ impl Drives {
         }
     }
 
-    /// As [`new`](Self::new), but that the places of axes whose reference was lost stay, and that SYNC goes on counting.
+    /// As [`new`](Self::new), but that the places of axes whose reference was lost stay, and the error codes that drives
+    /// have told, and that SYNC goes on counting.
     pub(super) fn begin_anew(&mut self, params: &Params, figures: &Figures) {
         let (offsets, sync) = (self.offsets, self.sync);
+        // Of each drive, by its node.
+        let mut told = [None; DRIVES];
+        for (place, drive) in told.iter_mut().zip(self.all()) {
+            *place = Some((drive.config().node, drive.error_code()));
+        }
         *self = Self::new(params, figures);
+        for (node, code) in told.into_iter().flatten() {
+            if let Some(drive) = self.all().find(|drive| drive.config().node == node) {
+                drive.set_error_code(code);
+            }
+        }
         self.offsets = offsets;
         if self.sync.is_some() && sync.is_some() {
             self.sync = sync;
@@ -307,10 +321,12 @@ impl Drives {
     }
 
     /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose
-    /// position its drive cannot count comes back; its drive is held where it is.
+    /// position its drive cannot count comes back; its drive is held where it is. So are all while the axes do not
+    /// `follow`: a drive that is enabled before the others stands where it stands, and nobody demands anything of it yet.
     pub(super) fn send(
         &mut self,
         position: Position,
+        follow: bool,
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
@@ -327,13 +343,13 @@ impl Drives {
         let [last_x, last_z, last_c] = &mut self.last;
         // One after another: a loop over so much side by side costs as much as what it does.
         let mut beyond = None;
-        if !send_to(x, off_x, last_x, position.x.nm(), &mut put) {
+        if !send_to(x, off_x, last_x, position.x.nm(), follow, &mut put) {
             beyond = Some(Axis::X);
         }
-        if !send_to(z, off_z, last_z, position.z.nm(), &mut put) {
+        if !send_to(z, off_z, last_z, position.z.nm(), follow, &mut put) {
             beyond = Some(Axis::Z);
         }
-        if !send_to(c, off_c, last_c, position.c.udeg(), &mut put) {
+        if !send_to(c, off_c, last_c, position.c.udeg(), follow, &mut put) {
             beyond = Some(Axis::C);
         }
         self.spindles.tick(spindle, &mut put);
@@ -401,20 +417,25 @@ impl Drives {
     }
 }
 
-/// What one axis is told; false where its drive cannot count so far.
+/// What one axis is told, and nothing where it does not `follow`; false where its drive cannot count so far.
 fn send_to(
     drive: &mut DriveMaster,
     offset: i32,
     last: &mut Told,
     position: i64,
+    follow: bool,
     put: &mut impl FnMut(Frame),
 ) -> bool {
-    let demand = told(drive.config().scale.follow(last, position), offset);
+    let demand = if follow {
+        told(drive.config().scale.follow(last, position), offset)
+    } else {
+        None
+    };
     match drive.follow_on(demand) {
         Some(command) => put(command),
         None => drive.tick_slowly(demand).each(put),
     }
-    demand.is_some()
+    demand.is_some() || !follow
 }
 
 /// After so many periods without a status a drive is silent, where it sends one at every so many SYNCs (9021) [D180].

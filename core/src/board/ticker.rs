@@ -146,6 +146,8 @@ pub struct Ticker {
     pauses_unless_hole: bool,
     /// The program has begun and not ended.
     in_program: bool,
+    /// The drives have come up since they were last asked to: they are told where to be. Until then each holds where it is.
+    is_up: bool,
     /// Where the segment under way lies.
     source: Source,
     /// Of the last segment of the program that was carried to its end.
@@ -275,6 +277,7 @@ impl Ticker {
             paused: false,
             pauses_unless_hole: false,
             in_program: false,
+            is_up: false,
             source: Source::None,
             done: Cut::NONE,
             detour: Detour::None,
@@ -475,6 +478,7 @@ impl Ticker {
         self.executor.set_position(position);
         self.restart(position);
         self.mode = Mode::Idle;
+        self.is_up = true;
         self.tell_found(ends);
     }
 
@@ -526,7 +530,8 @@ impl Ticker {
             Some(angle) => Spindle::Angle(angle),
             None => Spindle::Speed(velocity),
         };
-        let beyond = self.drives.send(self.executor.position(), spindle, frames);
+        let position = self.executor.position();
+        let beyond = self.drives.send(position, self.is_up, spindle, frames);
         if let Some(axis) = beyond {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             let alarm = Alarm::new(Code::BeyondDriveRange, Span::default()).with(args);

@@ -105,6 +105,17 @@ impl DriveMaster {
         self.status_id = CobId::of(Service::Tpdo1, node);
     }
 
+    /// What the drive's emergency messages have told; 0 where nothing is wrong.
+    #[must_use]
+    pub(crate) const fn error_code(&self) -> u16 {
+        self.error_code
+    }
+
+    /// The same, where another master has heard it: no drive tells it twice.
+    pub(crate) const fn set_error_code(&mut self, code: u16) {
+        self.error_code = code;
+    }
+
     /// What it was made with.
     #[must_use]
     pub const fn config(&self) -> &DriveConfig {

@@ -1,10 +1,15 @@
 //! Drives that fail.
 
-use leadscrew_board_sim::plant::Trouble;
-use leadscrew_core::board::Command;
+use leadscrew_board_sim::Sim;
+use leadscrew_board_sim::plant::{DriveOptions, PlantOptions, Power, Trouble};
+use leadscrew_core::alarm::{Arg, Code};
+use leadscrew_core::board::{Command, State};
+use leadscrew_core::bus::{NmtCommand, NodeId};
 use leadscrew_core::params::Params;
-use leadscrew_core::units::Axis;
+use leadscrew_core::program::Position;
+use leadscrew_core::units::{Angle, Axis, Length};
 use leadscrew_tests::bench::{Bench, Lathe, PATIENCE, WORK};
+use leadscrew_tests::params::with;
 
 use crate::bench::{Recovers, calm, places, stride};
 
@@ -56,5 +61,81 @@ fn a_failing_drive_anywhere_and_the_next_program() {
         bench.reset(&what);
         bench.stands(&what);
         bench.next(&what);
+    }
+}
+
+/// Drives that take their time come up one after the other where they hear one frame of CAN FD (9031): the first is held
+/// where it stands until the last is there, which takes longer than a step of one may, and nothing is said of a jump.
+#[test]
+fn a_drive_that_is_up_first_waits_for_the_last_where_it_stands() {
+    for (together, settling) in [(0, 60), (1, 60), (1, 110)] {
+        let what = format!("9031 = {together}, {settling} periods");
+        let params = with(&[("9031", together)]);
+        let options = PlantOptions {
+            at: Position {
+                x: Length::from_nm(31_000_000),
+                z: Length::from_nm(-4_000_000),
+                c: Angle::from_udeg(70_000_000),
+            },
+            drives: DriveOptions {
+                settling,
+                ..DriveOptions::default()
+            },
+            ..PlantOptions::default()
+        };
+        let mut sim =
+            Sim::new(&params, &options).unwrap_or_else(|error| panic!("{what}: {error:?}"));
+        for _ in 0..50 {
+            sim.step();
+        }
+        assert_eq!(sim.event(), None, "{what}");
+        let at = sim.board().ticker().executor().position();
+        assert_eq!(at, options.at, "{what}");
+        for axis in [Axis::X, Axis::Z, Axis::C] {
+            assert_eq!(sim.plant().drive(axis).power(), Power::Enabled, "{what}");
+        }
+    }
+}
+
+/// NMT reset node makes the application anew: the alarm that it stood on is over. A fault that is still there is told
+/// again, with the error code of the emergency that came before: the drive does not say it twice.
+#[test]
+fn a_fault_keeps_its_code_when_the_node_is_reset() {
+    let mut bench = Lathe::new(&Params::slant_bed());
+    bench.sim.join(NodeId::BOARD).expect("there is room");
+    bench.ticks(20);
+    for spindle in [false, true] {
+        let what = format!("spindle {spindle}");
+        let trouble = |bench: &mut Lathe, trouble| {
+            let plant = bench.sim.plant();
+            match spindle {
+                false => plant.drive(Axis::Z),
+                true => plant.spindle_drive(),
+            }
+            .trouble(trouble);
+        };
+        trouble(&mut bench, Trouble::Fault(0x2310));
+        for anew in [false, true] {
+            if anew {
+                let reset = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
+                bench.alarm = None;
+                bench.sim.receive(&reset);
+                bench.tick();
+                assert_eq!(bench.state(), State::Starting, "{what}");
+            }
+            bench.until(&what, 50, |bench| bench.alarm.is_some());
+            let alarm = bench.alarm.expect("an alarm");
+            assert_eq!(alarm.code, Code::DriveFault, "{what}");
+            let named = match spindle {
+                false => [Arg::Letter(b'Z'), Arg::Int(17)],
+                true => [Arg::Letter(b'S'), Arg::Int(32)],
+            };
+            assert_eq!(alarm.args[..2], named, "{what}");
+            assert_eq!(alarm.args[3], Arg::Hex(0x2310), "{what}, anew {anew}");
+            bench.until_on_alarm(&what, 50);
+        }
+        trouble(&mut bench, Trouble::None);
+        bench.ticks(10);
+        bench.reset(&what);
     }
 }

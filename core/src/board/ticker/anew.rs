@@ -41,6 +41,7 @@ impl Ticker {
             paused,
             pauses_unless_hole,
             in_program,
+            is_up,
             source,
             // What has been cut is not undone.
             done: _,
@@ -72,6 +73,7 @@ impl Ticker {
         *paused = false;
         *pauses_unless_hole = false;
         *in_program = false;
+        *is_up = false;
         *source = Source::None;
         *detour = Detour::None;
         *clearing = false;

@@ -39,6 +39,7 @@ impl Ticker {
                 // To the nanometre, where the drives have not been moved meanwhile.
                 self.remembered = self.remembered.or(Some(self.executor.position()));
                 self.mode = Mode::Starting;
+                self.is_up = false;
             }
             Mode::Idle | Mode::Running | Mode::Held => self.reset_in_motion(ends),
             // What it asks for is under way.
