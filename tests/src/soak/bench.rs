@@ -18,6 +18,7 @@ use leadscrew_core::bus::{
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 
+use super::alarms::Latch;
 use super::operator::{Mood, Operator};
 use super::script::{Draws, Luck};
 use super::trouble::OF_BUS;
@@ -156,8 +157,8 @@ pub struct Bench {
     inbox: Deque<Frame, 512>,
     /// When the board's status was heard last.
     heard: u64,
-    /// Alarms since the last reset.
-    alarms: u32,
+    /// The alarm that the machine stands on.
+    alarm: Latch,
     /// The encoder has slipped, and the board has not said so.
     pub slipped: bool,
     /// From this tick on it is known to have been said, also in rows that come late.
@@ -186,7 +187,7 @@ impl Bench {
             pending: None,
             inbox: Deque::new(),
             heard: 0,
-            alarms: 0,
+            alarm: Latch::default(),
             slipped: false,
             slip_over: None,
             must: |_| {},
@@ -199,7 +200,7 @@ impl Bench {
     pub fn connect(&mut self) {
         self.sim.join(NODE).expect("there is room on the bus");
         self.pending = None;
-        self.alarms = 0;
+        self.alarm = Latch::default();
         self.watch.power_up();
         self.heard = self.now;
         self.status = BoardStatus::default();
@@ -267,6 +268,12 @@ impl Bench {
         self.pending.is_some()
     }
 
+    /// A reset of the machine or of the node is on its way.
+    fn is_resetting(&self) -> bool {
+        let order = self.pending.and_then(|pending| pending.command.order);
+        order == Some(Order::Reset) || self.operator.resets_node()
+    }
+
     /// Sets overrides and switches.
     pub fn levels(&mut self, levels: BoardCommand) {
         let count = self.status.count;
@@ -288,6 +295,11 @@ impl Bench {
             return;
         }
         self.remind();
+        if self.is_resetting() {
+            self.alarm.asks(self.now);
+        }
+        // What came between the ticks may have been a reset.
+        self.alarm.look(&self.state());
         if self.slip_over.is_some_and(|over| self.now > over) {
             self.slip_over = None;
             self.watch.set_slipped(self.slipped);
@@ -302,6 +314,7 @@ impl Bench {
         while let Some(event) = self.sim.event() {
             self.event(&event);
         }
+        self.alarm.look(&self.state());
         self.watch.between(&self.sim);
         (self.must)(self);
     }
@@ -381,10 +394,9 @@ impl Bench {
         }
         match event {
             Event::Alarm(alarm) => {
-                self.alarms += 1;
                 self.counts.alarms += 1;
                 self.counts.bus += u64::from(OF_BUS.contains(&alarm.code));
-                assert_eq!(self.alarms, 1, "a second alarm without a reset: {alarm:?}");
+                self.alarm.raise(alarm, self.now);
                 assert!(
                     self.operator.explains(alarm),
                     "an alarm without a cause: {alarm:?}"
@@ -393,7 +405,6 @@ impl Bench {
             }
             Event::Reset if self.end.is_none() => self.end = Some(End::Reset),
             Event::Finished if self.end.is_none() => self.end = Some(End::Finished),
-            Event::Ready => self.alarms = 0,
             _ => {}
         }
     }

@@ -9,6 +9,7 @@
 //! operator of its own; shift n has seed + n, so that one that fails is repeated alone and at once:
 //! `cargo xtask soak --seed SEED --ticks 1`. It is cut down, too: what is printed is the least that fails in the same way.
 
+mod alarms;
 mod bench;
 mod hours;
 mod operator;

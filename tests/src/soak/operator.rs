@@ -77,6 +77,11 @@ impl Operator {
         self.now < self.quiet_until
     }
 
+    /// NMT reset node is on its way.
+    pub fn resets_node(&self) -> bool {
+        self.resets_node
+    }
+
     /// The node has begun anew because it was told to; it was told once.
     pub fn took_node_reset(&mut self) -> bool {
         core::mem::take(&mut self.resets_node)

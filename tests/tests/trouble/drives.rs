@@ -3,7 +3,7 @@
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{DriveOptions, PlantOptions, Power, Trouble};
 use leadscrew_core::alarm::{Arg, Code};
-use leadscrew_core::board::{Command, State};
+use leadscrew_core::board::{Command, Event, Outcome, State};
 use leadscrew_core::bus::{NmtCommand, NodeId};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
@@ -61,6 +61,67 @@ fn a_failing_drive_anywhere_and_the_next_program() {
         bench.reset(&what);
         bench.stands(&what);
         bench.next(&what);
+    }
+}
+
+/// What fails while the machine stops or stands on an alarm is acted on, and not told: the first cause stays. A reset that
+/// is carried out ends that alarm, and what is still wrong then is the next one [D181].
+#[test]
+fn a_second_failure_is_let_go_and_told_behind_the_reset() {
+    let params = Params::slant_bed();
+    let calm = calm(&params);
+    for tick in places(&calm, stride(29, 601)) {
+        // In the same tick, while it stops, and when it stands.
+        for later in [0, 1, 7, 400] {
+            let what = format!("X at {tick}, Z {later} later");
+            let mut bench = Lathe::new(&params);
+            bench.load(WORK);
+            bench.until(&what, tick, |bench| bench.ticks == tick);
+            let fault = Trouble::Fault(0x3210);
+            bench.sim.plant().drive(Axis::X).trouble(fault);
+            bench.until(&what, 20, |bench| bench.alarm.is_some());
+            let first = bench.alarm.expect("an alarm");
+            assert_eq!(first.args[0], Arg::Letter(b'X'), "{what}");
+            bench.ticks(later);
+            bench.sim.plant().drive(Axis::Z).trouble(fault);
+            bench.sim.command(Command::Stop);
+            for _ in 0..500 {
+                bench.tick();
+                let shown = match bench.state() {
+                    State::Alarm(alarm) | State::Stopping(Outcome::Alarm(alarm)) => Some(alarm),
+                    _ => None,
+                };
+                assert_eq!(shown, Some(first), "{what}");
+            }
+            bench.stands(&what);
+            for axis in [Axis::X, Axis::Z] {
+                assert_eq!(
+                    bench.sim.plant().drive(axis).power(),
+                    Power::Fault,
+                    "{what}"
+                );
+            }
+            let told = |bench: &Lathe| {
+                let alarms = bench.events.iter();
+                alarms
+                    .filter(|event| matches!(event, Event::Alarm(_)))
+                    .count()
+            };
+            assert_eq!(told(&bench), 1, "{what}");
+            // X is well again, and Z is not.
+            bench.sim.plant().drive(Axis::X).trouble(Trouble::None);
+            bench.alarm = None;
+            bench.sim.command(Command::Reset);
+            bench.until(&what, 5_000, |bench| bench.alarm.is_some());
+            let second = bench.alarm.expect("an alarm");
+            assert_eq!(second.code, Code::DriveFaultNotReset, "{what}");
+            assert_eq!(second.args[0], Arg::Letter(b'Z'), "{what}");
+            bench.until_on_alarm(&what, PATIENCE);
+            bench.sim.plant().drive(Axis::Z).trouble(Trouble::None);
+            bench.ticks(10);
+            bench.reset(&what);
+            bench.next(&what);
+        }
     }
 }
 
