@@ -10,6 +10,9 @@
 //! count rose, the upper one when it fell) and the speed carries it to the instant of the sample, never beyond the
 //! count's other boundary. Without the edge's time the middle of the count is the best guess.
 //!
+//! A spindle that is farther than a quarter turn from where the tracker expects it is taken up anew where the sample says
+//! that it is [D185].
+//!
 //! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for
 //! that tick, and what the counter has lost or gained is told [D128].
 //!
@@ -54,8 +57,12 @@ const HARDEST: u64 = 4_000;
 /// A spindle's ramp is taken for hard where it is harder: by so much more than the drive's own.
 const BEYOND_RAMP: u64 = 4;
 
-/// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product.
+/// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product. One that
+/// is larger, and not by the width of the counts alone, says that the tracker has lost the spindle.
 const LARGEST_SURPRISE: i64 = 1 << 30;
+
+/// No spindle turns faster, in turns per second: 120 000 rpm.
+const FASTEST: u64 = 2_000;
 
 /// Edges older than this many ticks are treated as this old: the speed is then far below one count a tick, and the
 /// count's boundary limits the extrapolation anyway.
@@ -113,6 +120,10 @@ pub struct Observer {
     gamma: i64,
     /// Counts by which the movement of the counter may change from tick to tick.
     hardest: u32,
+    /// The farthest way of a tick, 2⁻³² turns.
+    fastest: i64,
+    /// A larger innovation says that the spindle is lost, 2⁻³² turns.
+    lost: u64,
     // Where the counter is.
     last: Option<i32>,
     /// Its movement in the last tick that was believed; `None`: the next one is believed whatever it is.
@@ -153,6 +164,9 @@ impl Observer {
             beta,
             gamma,
             hardest: hardest(counts, tick_us, HARDEST),
+            fastest: ((FASTEST << 32) / 1_000_000).wrapping_mul(tick_us as u64) as i64,
+            // Two counts: that of the last tick and that of this one.
+            lost: (LARGEST_SURPRISE as u64).wrapping_add(scale >> 30),
             last: None,
             pace: None,
             in_turn: 0,
@@ -195,7 +209,7 @@ impl Observer {
         };
         self.last = Some(sample.count);
         let delta = sample.count.wrapping_sub(last);
-        let event = match self.pace {
+        let (moved, event) = match self.pace {
             Some(pace)
                 if self.zero.is_some()
                     && delta.wrapping_sub(pace).unsigned_abs() > self.hardest =>
@@ -203,17 +217,17 @@ impl Observer {
                 // Never twice in a row: what goes on is true, whatever it is.
                 self.pace = None;
                 self.advance(pace);
-                Some(SpindleEvent::Slipped {
-                    counts: delta.wrapping_sub(pace),
-                })
+                let counts = delta.wrapping_sub(pace);
+                (pace, Some(SpindleEvent::Slipped { counts }))
             }
             _ => {
                 // The first sample says nothing of how the counter moves.
                 self.pace = before.map(|_| delta);
                 self.advance(delta);
-                sample
+                let event = sample
                     .index
-                    .and_then(|latched| self.index(latched, sample.count))
+                    .and_then(|latched| self.index(latched, sample.count));
+                (delta, event)
             }
         };
 
@@ -223,15 +237,31 @@ impl Observer {
             .wrapping_add(rounded(self.speed.wrapping_add(self.acceleration >> 1), 16));
         let speed = self.speed.wrapping_add(self.acceleration);
         let measured = self.measured(sample.edge_age_ns, speed);
-        let surprise = measured
-            .wrapping_sub(predicted)
-            .clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
+        let surprise = measured.wrapping_sub(predicted);
+        if surprise.unsigned_abs() > self.lost {
+            self.find(measured, moved);
+            return event;
+        }
+        let surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
         self.angle = predicted.wrapping_add(rounded(self.alpha.wrapping_mul(surprise), 32));
         self.speed = speed.wrapping_add(rounded(self.beta.wrapping_mul(surprise), 16));
         self.acceleration = self
             .acceleration
             .wrapping_add(rounded(self.gamma.wrapping_mul(surprise), 16));
         event
+    }
+
+    /// The spindle is not where it was expected, by far: it is where the sample says, and turns as the counter has moved in
+    /// this tick. A tracker of the third order that follows such a leap by clipped steps swings farther each time, and
+    /// never finds the spindle again [D185].
+    #[cold]
+    #[inline(never)]
+    fn find(&mut self, measured: i64, moved: i32) {
+        // At most 2³¹ counts of 2³² each; in 10 ms the fastest makes twenty turns.
+        let way = i64::from(moved).wrapping_mul(self.width);
+        self.angle = measured;
+        self.speed = way.clamp(self.fastest.wrapping_neg(), self.fastest) << 16;
+        self.acceleration = 0;
     }
 
     /// The angle at the last sample.

@@ -380,3 +380,46 @@ fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not() {
         assert!(wrong(slowest / 20.0) > 1.0, "{coarse:?}");
     }
 }
+
+/// Whatever the counter does, the speed is one that a spindle can have, and a spindle that stands afterwards is soon known
+/// to stand.
+#[test]
+fn after_a_leap_of_the_counter_the_spindle_is_found_again() {
+    for (tick_us, bandwidth) in [(250, 35), (1000, 35), (2000, 35), (10_000, 35), (1000, 200)] {
+        for leap in [1025, 2048, 12_315, -11_435, 1 << 20, i32::MAX, i32::MIN] {
+            // In one tick, or as a drive that lags goes there: a quarter of the rest in each.
+            for lags in [false, true] {
+                for indexed in [false, true] {
+                    let mut observer = Observer::new(4096, bandwidth, tick_us);
+                    let mut sample = EncoderSample::default();
+                    observer.tick(sample);
+                    if indexed {
+                        sample.index = Some(0);
+                        assert_eq!(observer.tick(sample), Some(SpindleEvent::Indexed));
+                        sample.index = None;
+                    }
+                    let mut rest = leap;
+                    for tick in 0..2_000 {
+                        let part = if lags { rest / 4 } else { rest };
+                        let part = if part == 0 { rest } else { part };
+                        sample.count = sample.count.wrapping_add(part);
+                        rest -= part;
+                        observer.tick(sample);
+                        let rpm = observer.speed().rpm().get();
+                        // That of the fastest, and what the last clipped step added to it.
+                        assert!(
+                            rpm.abs() <= 150_000,
+                            "{rpm} rpm, {leap} counts, tick {tick}"
+                        );
+                    }
+                    let at = observer.angle();
+                    observer.tick(sample);
+                    let still = (observer.is_turning(), observer.speed().rpm().get());
+                    assert_eq!(still, (false, 0), "{leap} counts, {tick_us} µs, {lags}");
+                    // To the unit that rounding leaves.
+                    assert!(observer.angle().raw().abs_diff(at.raw()) <= 1);
+                }
+            }
+        }
+    }
+}
