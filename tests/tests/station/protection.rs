@@ -4,10 +4,10 @@ use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::station::{CommitState, LOAD, SAVE};
-use leadscrew_core::bus::{Abort, Object, Order, SdoError, SdoProtocol};
+use leadscrew_core::bus::{Abort, CobId, Frame, Object, Order, SdoError, SdoProtocol, Service};
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, Params, TABLE_KEY};
-use leadscrew_tests::gateway::{Gateway, Upload};
+use leadscrew_tests::gateway::{Gateway, NODE, Upload};
 use leadscrew_tests::machine::calls;
 use leadscrew_tests::params::with;
 
@@ -167,6 +167,61 @@ fn a_password_is_asked_for_and_never_told() {
         tolerance(&mut gateway, &mut sim, 13),
         refused(Abort::LocalControl)
     );
+}
+
+/// Where the answer was lost the write comes again, and a wire may double a frame: it is one write, also where the value is
+/// what shuts the board.
+#[test]
+fn a_password_that_is_set_twice_is_set_once() {
+    let (mut sim, mut gateway, _) = power_up(Flash::erased());
+    let object = parameter(PASSWORD, 0);
+    let done = CommitState::Done as u8;
+    assert_eq!(write(&mut gateway, &mut sim, object, 1234, 4), Ok(()));
+    rest(&mut gateway, &mut sim);
+    let before = sim.flash().written();
+    for _ in 0..3 {
+        assert_eq!(write(&mut gateway, &mut sim, object, 1234, 4), Ok(()));
+        assert_eq!(state(&mut gateway, &mut sim), done);
+    }
+    assert_eq!(sim.flash().written(), before);
+    assert_eq!(
+        tolerance(&mut gateway, &mut sim, 11),
+        refused(Abort::LocalControl)
+    );
+    // Somebody has asked for another change: now the password is asked for first, whatever is written.
+    for value in [1234, 1235, 1234] {
+        assert_eq!(
+            write(&mut gateway, &mut sim, object, value, 4),
+            refused(Abort::LocalControl)
+        );
+    }
+    // Nobody finds one by trying either.
+    let (mut sim, mut gateway, _) = power_up(Flash::erased());
+    assert_eq!(write(&mut gateway, &mut sim, object, 1234, 4), Ok(()));
+    rest(&mut gateway, &mut sim);
+    for value in [1235, 1234] {
+        assert_eq!(
+            write(&mut gateway, &mut sim, object, value, 4),
+            refused(Abort::LocalControl)
+        );
+    }
+    // One frame that comes twice at once, while the set is being stored.
+    let (mut sim, mut gateway, _) = power_up(Flash::erased());
+    let [low, high] = object.index.to_le_bytes();
+    let request = [0x23, low, high, object.sub, 0xD2, 0x04, 0, 0];
+    let frame = Frame::new(CobId::of(Service::SdoRequest, NODE), &request).expect("eight bytes");
+    sim.receive(&frame);
+    sim.receive(&frame);
+    let mut answers = Vec::new();
+    while let Some(frame) = sim.transmit() {
+        if frame.id() == CobId::of(Service::SdoReply, NODE) {
+            answers.push(frame.payload()[0]);
+        }
+    }
+    assert_eq!(answers, [0x60, 0x60]);
+    rest(&mut gateway, &mut sim);
+    assert_eq!(state(&mut gateway, &mut sim), done);
+    assert_eq!(gateway.number(&mut sim, object.index, object.sub), Ok(1));
 }
 
 #[test]

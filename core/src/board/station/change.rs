@@ -34,6 +34,8 @@ impl Shelf {
 
     /// Whether parameters may change now.
     pub(super) fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
+        // Whatever comes between, the last value is not repeated any more.
+        self.wrote = None;
         if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.is_changing() {
             return self.refuse(Code::ParametersAtWork, Abort::State);
         }
@@ -74,6 +76,9 @@ impl Shelf {
         number: i64,
         params: &Params,
     ) -> Result<(), Abort> {
+        if self.repeats(entry.place(), number, params) {
+            return Ok(());
+        }
         let change = if entry.no == PARAMETER_WRITE_ENABLE {
             Change::Switch
         } else {
@@ -93,7 +98,27 @@ impl Shelf {
                 self.draft.set(entry, raw).map_err(|_| Abort::Value)?;
             }
         }
-        self.look_and_stage(params)
+        self.look_and_stage(params)?;
+        self.wrote = Some(entry.place());
+        Ok(())
+    }
+
+    /// The value that was taken last comes once more, and nobody has asked for another change in between: its answer was
+    /// lost, or its frame came twice. What it asks for is done, or under way. It may be this very value that protects the
+    /// board now, so it is looked for before it is asked who may change anything. Nobody finds a password by trying so:
+    /// whoever names another one has asked for another change [D184].
+    fn repeats(&mut self, place: usize, number: i64, params: &Params) -> bool {
+        if self.wrote != Some(place) || self.draft.slot(place) != Some(number) {
+            return false;
+        }
+        if self.is_changing() {
+            return true;
+        }
+        let there = self.is_there(params);
+        if there {
+            self.keeper.nothing_to_do();
+        }
+        there
     }
 
     /// Whether the draft can work on this board; a password that is only named is the one there is.

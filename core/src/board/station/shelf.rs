@@ -51,6 +51,8 @@ pub struct Shelf {
     pub(super) staged: bool,
     /// The last commit named the draft with its password.
     pub(super) named: bool,
+    /// Place of the one value that the last change put into the draft; `None` where that was more, or was refused.
+    pub(super) wrote: Option<usize>,
     /// The inputs, as they were set over the bus and not handed on yet.
     pub signals: Option<Signals>,
     /// Setpoints that came late for their SYNC.
@@ -180,6 +182,7 @@ impl Shelf {
             door: Door::default(),
             staged: false,
             named: false,
+            wrote: None,
             draft: params.clone(),
             image: ImageReader::new(),
             log_from: 0,
