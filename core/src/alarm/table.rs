@@ -692,6 +692,11 @@ codes! {
     DriveOverhears = 4385, "drive {0} (node {1}) gets ready before it is told to: it takes its setpoints from another drive's place in the frame for all ({2})",
         "map its RPDO1 (1600h) for its own place (`params push` with its section), then reset",
         "驱动器 {0}（节点 {1}）未收到指令即进入就绪：它从合并帧中其他驱动器的位置接收设定值（{2}）", "请按其自身位置映射其 RPDO1（1600h，用 `params push` 及其驱动器段），然后复位";
+    /// A spindle in position mode stands, far from where it is told to be: letter and node of its drive, by how many
+    /// increments, and how many are a quarter of a turn.
+    SpindleStands = 4386, "the spindle of drive {0} (node {1}) stands {2} increments from where it is told to be, limit {3} (a quarter of a turn)",
+        "a tap may be in its hole and not in phase any more: look before anything moves; check the spindle, its brake and its drive, then reset",
+        "驱动器 {0}（节点 {1}）的主轴停止在距指令位置 {2} 个增量处，极限 {3}（四分之一转）", "丝锥可能在孔中且已失去同步：移动前请先查看；请检查主轴、其制动器和驱动器，然后复位";
 
     /// The SYNC that the board follows has stopped, or the board has come off it;
     /// so many were without, of so many periods of so many µs.

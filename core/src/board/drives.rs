@@ -43,6 +43,8 @@ pub(super) struct Figures {
     silence: Periods,
     /// For how long a following error is tolerated.
     patience: Periods,
+    /// From a setpoint of the spindle to its effect at most.
+    latency: Periods,
 }
 
 impl Figures {
@@ -55,6 +57,7 @@ impl Figures {
             step: Periods::from_ms(params.drive_time_ms(), tick_us)?,
             silence: silence(params),
             patience: Periods::from_ms(params.following_error_ms(), tick_us)?,
+            latency: Periods::from_ms(params.latency_us(Axis::Z).div_ceil(1000), tick_us)?,
         })
     }
 
@@ -70,6 +73,7 @@ impl Figures {
             following: Some(FollowingLimit {
                 increments,
                 time: self.patience,
+                standing: false,
             }),
             reach: increments,
         })
@@ -107,7 +111,12 @@ impl Drives {
             scale: c,
             step: figures.step,
             silence: figures.silence,
-            following: None,
+            following: Some(FollowingLimit {
+                increments: per_turn / SPINDLE_REACH,
+                // Its statuses tell of what it was told some time ago.
+                time: figures.patience.plus(figures.latency).plus(figures.silence),
+                standing: true,
+            }),
             reach: per_turn / SPINDLE_REACH,
         };
         Self {

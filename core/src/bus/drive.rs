@@ -258,6 +258,12 @@ impl DriveMaster {
         self.waited = Periods::new(0);
     }
 
+    /// For a spindle in speed mode: where it was told to be does not count any more.
+    pub(crate) const fn leave_position(&mut self) {
+        self.follows = false;
+        self.astray = Periods::new(0);
+    }
+
     /// True while no status comes, whatever has failed before.
     #[must_use]
     pub(crate) const fn is_silent(&self) -> bool {

@@ -43,6 +43,13 @@ pub enum DriveFailure {
         /// Where it is.
         actual: Increments,
     },
+    /// A spindle in position mode stands, and is told to be elsewhere.
+    Stands {
+        /// Where it was to be.
+        target: Increments,
+        /// Where it is.
+        actual: Increments,
+    },
 }
 
 impl DriveFailure {
@@ -58,6 +65,11 @@ impl DriveFailure {
             #[cfg(feature = "fd")]
             Self::Overhears(status) => (Arg::Statusword(status.raw()), Arg::None),
             Self::Fault { status, code } => (Arg::Statusword(status.raw()), Arg::Hex(code)),
+            Self::Stands { target, actual } => {
+                let limit = config.following.map_or(0, |limit| limit.increments);
+                let increments = |count: u32| Arg::Int(i64::from(count));
+                (increments(actual.turned(target)), increments(limit))
+            }
             Self::Jump { target, demand } => (distance(config, demand.distance(target)), Arg::None),
             Self::Following { target, actual } => {
                 let limit = config.following.map_or(0, |limit| limit.increments);
@@ -93,6 +105,7 @@ impl DriveFailure {
             Self::Jump { .. } => Code::DriveJump,
             Self::Silent => Code::DriveSilent,
             Self::Following { .. } => Code::FollowingError,
+            Self::Stands { .. } => Code::SpindleStands,
         }
     }
 }

@@ -99,6 +99,9 @@ impl SpindleMaster {
     }
 
     fn tell(&mut self, command: SpindleCommand) -> Frame {
+        if command.mode == Mode::Velocity {
+            self.drive.leave_position();
+        }
         self.told = Some(command);
         self.since = 0;
         command.frame(self.drive.config().node)
@@ -137,8 +140,10 @@ mod tests {
     extern crate std;
 
     use super::*;
+    use crate::alarm::{Arg, Code};
     use crate::bus::{
-        DriveCommand, DriveStatus, Increments, NmtState, NodeId, Periods, Scale, Statusword,
+        DriveCommand, DriveFailure, DriveStatus, FollowingLimit, Increments, NmtState, NodeId,
+        Periods, Scale, Statusword,
     };
     use std::vec::Vec;
 
@@ -254,6 +259,87 @@ mod tests {
             actual: Increments::new(actual),
         };
         master.drive_mut().receive(&status.frame(NodeId::SPINDLE_1));
+    }
+
+    /// In position mode, where a quarter of a turn is 2 500 and 5 periods are tolerated.
+    fn positioned(at: i32) -> SpindleMaster {
+        let mut m = SpindleMaster::new(DriveConfig {
+            following: Some(FollowingLimit {
+                increments: 2_500,
+                time: Periods::new(5),
+                standing: true,
+            }),
+            ..*master().drive().config()
+        });
+        start(&mut m);
+        for _ in 0..2 {
+            answer_at(&mut m, at);
+            told(&mut m, 0);
+        }
+        let base = m.engage().unwrap();
+        tick(&mut m, SpindleDemand::Position(base));
+        m
+    }
+
+    #[test]
+    fn a_spindle_that_stands_where_it_is_not_told_to_is_a_failure() {
+        let target = Increments::new(9_501);
+        let go = SpindleDemand::Position(target);
+        let mut m = positioned(7_000);
+        // As far as it may be, for ever.
+        tick(&mut m, SpindleDemand::Position(Increments::new(9_500)));
+        for _ in 0..50 {
+            answer_at(&mut m, 7_000);
+            tick(&mut m, SpindleDemand::Position(Increments::new(9_500)));
+        }
+        assert_eq!(m.drive().failure(), None);
+        tick(&mut m, go);
+        tick(&mut m, go);
+        answer_at(&mut m, 7_000);
+        for _ in 0..5 {
+            tick(&mut m, go);
+            assert_eq!(m.drive().failure(), None);
+        }
+        tick(&mut m, go);
+        let actual = Increments::new(7_000);
+        assert_eq!(
+            m.drive().failure(),
+            Some(DriveFailure::Stands { target, actual })
+        );
+        let alarm = m.drive().alarm().unwrap();
+        assert_eq!(
+            (alarm.code, &alarm.args[2..]),
+            (Code::SpindleStands, &[Arg::Int(2_501), Arg::Int(2_500)][..])
+        );
+    }
+
+    #[test]
+    fn a_spindle_that_lags_turns_round_or_is_not_in_position_mode_is_none() {
+        // By three turns, all the time.
+        let mut m = positioned(7_000);
+        for step in 1..200 {
+            let target = Increments::new(7_000 + 300 * step);
+            tick(&mut m, SpindleDemand::Position(target));
+            answer_at(&mut m, (7_000 + 300 * step - 30_000).max(7_000 + step));
+            assert_eq!(m.drive().failure(), None);
+        }
+        // Past the end of 32 bits.
+        let mut m = positioned(i32::MAX - 10);
+        for _ in 0..50 {
+            answer_at(&mut m, i32::MAX - 10);
+            tick(
+                &mut m,
+                SpindleDemand::Position(Increments::new(i32::MIN + 100)),
+            );
+        }
+        assert_eq!(m.drive().failure(), None);
+        // Turned and stopped again in speed mode.
+        let mut m = positioned(7_000);
+        for _ in 0..50 {
+            told(&mut m, 0);
+            answer_at(&mut m, 90_000);
+        }
+        assert_eq!(m.drive().failure(), None);
     }
 
     #[test]

@@ -142,7 +142,7 @@ records! {
     Controller { state errors }
     ErrorCounts { sending receiving }
     Emcy { code register detail }
-    FollowingLimit { increments time }
+    FollowingLimit { increments time standing }
     SyncHeard { count missed locked }
     Object { index sub }
     HeartbeatWatch { node ms }

@@ -10,7 +10,7 @@ use super::bench::Bench;
 use super::operator::OF_SPINDLE;
 
 /// Alarms of a drive that has any trouble.
-const OF_DRIVES: [Code; 13] = [
+const OF_DRIVES: [Code; 14] = [
     Code::DriveNoAnswer,
     Code::DriveNotInitialised,
     Code::DriveNotReleased,
@@ -23,6 +23,7 @@ const OF_DRIVES: [Code; 13] = [
     Code::DriveRestarted,
     Code::DriveSilent,
     Code::FollowingError,
+    Code::SpindleStands,
     Code::DriveJump,
 ];
 

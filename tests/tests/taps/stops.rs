@@ -2,11 +2,11 @@
 
 use leadscrew_board_sim::Doing;
 use leadscrew_board_sim::plant::{PlantOptions, Trouble};
-use leadscrew_core::board::Command;
+use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::TapCall;
 use leadscrew_core::units::{Axis, Millis};
-use leadscrew_tests::machine::{Ran, run_calls};
+use leadscrew_tests::machine::{Ran, machine, run_calls};
 use leadscrew_tests::params::with;
 
 use super::hole::{bottom, deep, high_speed, program, sheet};
@@ -145,5 +145,55 @@ fn a_drive_that_fails_in_the_hole_stops_the_others() {
         // Its angle is lost: no commanded angle any more.
         assert_eq!(last.spindle_set, None);
         assert!(depth(last, &hole) <= 4_000_000);
+    }
+}
+
+/// A spindle that does not turn with its tap is an alarm that names its drive. When it comes loose it stays where it stands:
+/// nobody tells it to be elsewhere any more, and the reset does not either.
+#[test]
+fn a_spindle_that_stands_in_the_hole_is_an_alarm_and_does_not_leap() {
+    let params = with(&[]);
+    let hole = forms()[0];
+    let calm = run(program(&[hole]), &params);
+    let ticks: Vec<u64> = locked(&calm).map(|row| row.tick).collect();
+    // In the last quarter there may be too little left to turn.
+    let places = ticks.iter().take(ticks.len() * 3 / 4).step_by(97);
+    for &tick in places {
+        let mut sim = machine(&params, &PlantOptions::default());
+        let mut waiting = program(&[hole]).into_iter().peekable();
+        let mut alarm = None;
+        for ticks in 0.. {
+            assert!(ticks < 10_000, "stuck at {tick}: no alarm");
+            while waiting.peek().is_some_and(|call| sim.offer(call)) {
+                waiting.next();
+            }
+            if ticks == tick {
+                sim.plant().spindle_drive().trouble(Trouble::Stuck);
+            }
+            sim.step();
+            while let Some(event) = sim.event() {
+                if let Event::Alarm(told) = event {
+                    alarm = alarm.or(Some(told));
+                }
+            }
+            if let State::Alarm(_) = sim.board().ticker().state() {
+                break;
+            }
+        }
+        assert_eq!(alarm.map(|alarm| alarm.number()), Some(4386), "{tick}");
+        // As long as it takes to hear that its drive has let it go.
+        for _ in 0..20 {
+            sim.step();
+        }
+        let stands = sim.plant().truth().angle;
+        sim.plant().spindle_drive().trouble(Trouble::None);
+        for ticks in 0..1_000 {
+            if ticks == 500 {
+                sim.command(Command::Reset);
+            }
+            sim.step();
+            assert_eq!(sim.plant().truth().angle, stands, "stuck at {tick}");
+        }
+        assert_eq!(sim.board().ticker().state(), State::Idle);
     }
 }

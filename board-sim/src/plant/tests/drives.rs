@@ -32,6 +32,7 @@ impl Bench {
             following: (letter != b'S').then_some(FollowingLimit {
                 increments: 10_000,
                 time: Periods::new(10),
+                standing: false,
             }),
             reach: 10_000,
         };

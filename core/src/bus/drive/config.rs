@@ -19,19 +19,21 @@ pub struct DriveConfig {
     pub step: Periods,
     /// Time without a status after which an enabled drive counts as lost.
     pub silence: Periods,
-    /// Following error; `None` for a drive that is not in position mode.
+    /// Following error in position mode; `None` for a drive that has no such limit.
     pub following: Option<FollowingLimit>,
     /// How far from where it was last heard a silent drive may still be told to be, in increments. Counts in position mode.
     pub reach: u32,
 }
 
-/// How far an enabled drive may be from its target, and for how long.
+/// How far an enabled drive may be from its target while it follows, and for how long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FollowingLimit {
     /// The largest distance, in increments.
     pub increments: u32,
     /// How long a greater one is tolerated.
     pub time: Periods,
+    /// Of a spindle, which may lag by turns: only while it stands, and counted round.
+    pub standing: bool,
 }
 
 /// A step on the way to operation enabled, or out of a fault.

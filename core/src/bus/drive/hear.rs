@@ -110,13 +110,21 @@ impl DriveMaster {
         if self.missed && !self.is_found(actual) {
             return;
         }
-        let distance = actual
-            .distance(self.target)
-            .min(actual.distance(self.last_target));
-        let astray = self
-            .config
-            .following
-            .is_some_and(|limit| distance > limit.increments);
+        let astray = self.config.following.is_some_and(|limit| {
+            if limit.standing {
+                // It has been taken up, and has told this place twice: it is told to be elsewhere, and does not go there.
+                let far = |target| actual.turned(target) > limit.increments;
+                self.follows
+                    && self.has_told_the_same(2)
+                    && far(self.target)
+                    && far(self.last_target)
+            } else {
+                let distance = actual
+                    .distance(self.target)
+                    .min(actual.distance(self.last_target));
+                distance > limit.increments
+            }
+        });
         if !astray {
             self.astray = Periods::new(0);
         } else if self.astray == Periods::new(0) {

@@ -21,6 +21,7 @@ fn master() -> DriveMaster {
         following: Some(FollowingLimit {
             increments: 1000,
             time: Periods::new(5),
+            standing: false,
         }),
         reach: 1000,
     })

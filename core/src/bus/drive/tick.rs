@@ -173,9 +173,11 @@ impl DriveMaster {
             return;
         };
         if self.astray > limit.time {
-            self.latch(DriveFailure::Following {
-                target: self.target,
-                actual: status.actual,
+            let (target, actual) = (self.target, status.actual);
+            self.latch(if limit.standing {
+                DriveFailure::Stands { target, actual }
+            } else {
+                DriveFailure::Following { target, actual }
             });
         }
         self.astray = self.astray.one_more();

@@ -41,6 +41,7 @@ impl Work for Commanding {
             following: Some(FollowingLimit {
                 increments: 10_000,
                 time: Periods::new(10),
+                standing: false,
             }),
             reach: 10_000,
         });
