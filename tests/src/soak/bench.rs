@@ -240,11 +240,13 @@ impl Bench {
         }
     }
 
-    /// A frame of the gateway, if the wire is kind.
-    pub fn send(&mut self, frame: Frame) {
-        for _ in 0..self.copies() {
+    /// A frame of the gateway, if the wire is kind. True where it has arrived.
+    pub fn send(&mut self, frame: Frame) -> bool {
+        let copies = self.copies();
+        for _ in 0..copies {
             self.sim.receive(&frame);
         }
+        copies > 0
     }
 
     /// Gives an order, and repeats it until the board has taken it. An order under way comes first.
@@ -462,15 +464,19 @@ impl Bench {
         expected: &[Abort],
     ) -> Result<(), SdoError> {
         let protocol = self.protocol(data.len());
+        let mut last = SdoError::TimedOut;
         for _ in 0..TRIES {
             let now = self.time();
             let mut transfer = SdoDownload::new(NODE, object, data, protocol, PATIENCE, now);
             match self.transfer(&mut transfer) {
-                Err(error) if self.again(error, expected) => {}
+                Err(error) if self.again(error, expected) => last = error,
                 outcome => return outcome,
             }
         }
-        panic!("no answer to a write of {object:?}: {:?}", self.status);
+        panic!(
+            "a write of {object:?} ends with {last:?} however often it is tried: {:?}",
+            self.status
+        );
     }
 
     /// Reads an object of at most `room` bytes while time goes by; how many there were.
@@ -479,16 +485,20 @@ impl Bench {
     /// As [`write`](Self::write).
     pub fn read(&mut self, object: Object, room: &mut [u8]) -> Result<usize, SdoError> {
         let protocol = self.protocol(room.len());
+        let mut last = SdoError::TimedOut;
         for _ in 0..TRIES {
             let now = self.time();
             let mut sink = SdoBuffer::new(&mut *room);
             let mut transfer = SdoUpload::new(NODE, object, &mut sink, protocol, PATIENCE, now);
             match self.transfer(&mut transfer) {
-                Err(error) if self.again(error, &[Abort::NoData]) => {}
+                Err(error) if self.again(error, &[Abort::NoData]) => last = error,
                 outcome => return outcome.map(|()| sink.bytes().len()),
             }
         }
-        panic!("no answer to a read of {object:?}: {:?}", self.status);
+        panic!(
+            "a read of {object:?} ends with {last:?} however often it is tried: {:?}",
+            self.status
+        );
     }
 
     /// Reads a number.

@@ -264,7 +264,35 @@ fn network(bench: &mut Bench) {
         NmtCommand::ResetCommunication,
     ]);
     bench.random.act(|| format!("NMT: {command:?}"));
-    bench.operator.resets_node |= command == NmtCommand::ResetNode;
     bench.operator.quiet_until = bench.now + 100;
-    bench.send(command.frame(Some(NODE)));
+    let arrived = bench.send(command.frame(Some(NODE)));
+    // One that is lost begins nothing anew: the next boot-up may be that of a reset of the communication alone.
+    bench.operator.resets_node |= arrived && command == NmtCommand::ResetNode;
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_board_sim::Sim;
+    use leadscrew_board_sim::plant::PlantOptions;
+    use leadscrew_core::params::Params;
+
+    use super::super::bench::Wire;
+    use super::super::script::Draws;
+    use super::*;
+
+    /// The boot-up that comes next may be that of a reset of the communication, and the program goes on.
+    #[test]
+    fn a_reset_of_the_node_that_is_lost_begins_nothing_anew() {
+        let (params, options) = (Params::slant_bed(), PlantOptions::default());
+        for (lost, resets) in [(100, false), (0, true)] {
+            let sim = Sim::new(&params, &options).expect("the machine starts");
+            let wire = Wire { lost, twice: 0 };
+            let mut bench = Bench::new(Draws::live(1), sim, params.clone(), options, wire);
+            // One in three of them is a reset of the node.
+            for _ in 0..50 {
+                network(&mut bench);
+            }
+            assert_eq!(bench.operator.took_node_reset(), resets);
+        }
+    }
 }
