@@ -11,8 +11,9 @@ use embassy_stm32::pac::flash::vals::Latency;
 use embassy_stm32::pac::gpio::regs::{Afr, Moder, Ospeedr, Pupdr};
 use embassy_stm32::pac::gpio::vals;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
-use embassy_stm32::pac::rcc::regs::{Apb1enr1, Ccipr, Cfgr, Cr as Oscillators, Csr};
-use embassy_stm32::pac::rcc::vals::{Fdcansel, Hpre};
+use embassy_stm32::pac::pwr::regs::Cr5;
+use embassy_stm32::pac::rcc::regs::{Ahb2enr, Apb1enr1, Ccipr, Cfgr, Cr as Oscillators, Csr};
+use embassy_stm32::pac::rcc::vals::{Fdcansel, Hpre, Sw};
 use embassy_stm32::pac::timer::regs::{
     CcerGp16, CcmrInput2ch, Cr1Core, Cr2Gp16, DierBasicNoCr2, EgrCore, SmcrGp16, SrCore, SrGp16,
 };
@@ -79,7 +80,11 @@ means! {
 means! {
     Apb1enr1(1 << 25 | 1 << 4 | 1 << 3), w => w.fdcanen() && w.tim6en() && w.tim5en();
     Apb1enr1(1 << 1 | 1), w => w.tim3en() && w.tim2en();
-    Oscillators(1 << 19), w => w.csson();
+    Oscillators(1 << 19 | 1 << 17 | 1 << 16), w => w.csson() && w.hserdy() && w.hseon();
+    Oscillators(1 << 10 | 1 << 8), w => w.hsirdy() && w.hsion();
+    Ahb2enr(0b111), w => w.gpioaen() && w.gpioben() && w.gpiocen();
+    Cfgr(0b1101), w => matches!((w.sw(), w.sws()), (Sw::HSI, Sw::PLL1_R));
+    Cfgr(0b0111), w => matches!((w.sw(), w.sws()), (Sw::PLL1_R, Sw::HSI));
     Ccipr(0), w => matches!(w.fdcansel(), Fdcansel::HSE);
     Cfgr(0b0000 << 4), w => matches!(w.hpre(), Hpre::DIV1);
     Cfgr(0b1000 << 4), w => matches!(w.hpre(), Hpre::DIV2);
@@ -90,6 +95,11 @@ means! {
     Key::RESET.to_bits(), w => w == 0xAAAA;
     Pr::DIVIDE_BY4.to_bits(), w => w == 0;
     Apb1lfzr(1 << 12), w => w.iwdg();
+}
+
+// PWR: the crate has R1MODE in bit 0, where the chip has nothing. Once that is mended, `clock.rs` needs no bit of its own.
+means! {
+    Cr5(1 << 8), w => !w.r1mode();
 }
 
 // GPIO.

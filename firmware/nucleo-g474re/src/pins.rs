@@ -32,9 +32,23 @@ pub type Switches = leadscrew_parts::Switches<Output, Output, Output>;
 const TIM2: u8 = 1;
 const FDCAN: u8 = 9;
 
+/// Gives what is switched its function: it is off. The ports have their clocks.
+pub fn start_outputs() {
+    GPIOA.moder().modify(|w| {
+        w.set_moder(5, Moder::OUTPUT);
+    });
+    GPIOB.moder().modify(|w| {
+        w.set_moder(0, Moder::OUTPUT);
+    });
+    GPIOC.moder().modify(|w| {
+        w.set_moder(3, Moder::OUTPUT);
+    });
+}
+
 /// Gives every pin its function. What is switched is off. Encoder and contacts have pull-ups: open collectors and
 /// contacts to ground need no more, and a broken wire is an open contact.
 pub fn start() {
+    start_outputs();
     GPIOA.afr(0).modify(|w| {
         w.set_afr(0, TIM2);
         w.set_afr(1, TIM2);
@@ -54,7 +68,6 @@ pub fn start() {
     GPIOA.moder().modify(|w| {
         w.set_moder(0, Moder::ALTERNATE);
         w.set_moder(1, Moder::ALTERNATE);
-        w.set_moder(5, Moder::OUTPUT);
         w.set_moder(11, Moder::ALTERNATE);
         w.set_moder(12, Moder::ALTERNATE);
     });
@@ -62,7 +75,6 @@ pub fn start() {
     GPIOB.afr(1).modify(|w| w.set_afr(10 - 8, TIM2));
     GPIOB.pupdr().modify(|w| w.set_pupdr(10, Pupdr::PULL_UP));
     GPIOB.moder().modify(|w| {
-        w.set_moder(0, Moder::OUTPUT);
         w.set_moder(10, Moder::ALTERNATE);
     });
 
@@ -75,7 +87,6 @@ pub fn start() {
         w.set_moder(0, Moder::INPUT);
         w.set_moder(1, Moder::INPUT);
         w.set_moder(2, Moder::INPUT);
-        w.set_moder(3, Moder::OUTPUT);
     });
 }
 
@@ -87,6 +98,11 @@ pub fn contacts(patience: u32) -> Contacts {
 /// What is switched.
 pub fn switches() -> Switches {
     Switches::new(Output::Clamp, Output::Spindle, Output::Light)
+}
+
+/// The light, on or off.
+pub fn light(on: bool) {
+    let _ = Output::Light.set_state(on.into());
 }
 
 /// A contact: its bit of port C.
