@@ -388,7 +388,7 @@ impl Machine {
         let of_line = self.line.controller();
         self.board.bus_state(match of_line.state {
             BusState::Active => self.wire.controller(),
-            BusState::Passive | BusState::Off => of_line,
+            BusState::Passive | BusState::Off | BusState::Restricted => of_line,
         });
         Ok(())
     }

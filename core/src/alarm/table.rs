@@ -495,6 +495,9 @@ codes! {
     /// The clamp of the C axis does not hold, or no longer [D137].
     ClampOpen = 4307, "the clamp does not hold: its feedback is open", "check the clamp and its contact, then reset",
         "夹紧装置未夹紧：反馈触点断开", "请检查夹紧装置及其触点，然后复位";
+    /// The clamp of the C axis does not let go [D191].
+    ClampShut = 4308, "the clamp does not let go: its feedback is closed", "check the clamp and its contact, then reset",
+        "夹紧装置未松开：反馈触点闭合", "请检查夹紧装置及其触点，然后复位";
     /// The spindle does not come to a stand for tapping.
     SpindleNotStopped = 4305, "the spindle still turns at {0} and cannot go into position mode", "check the spindle drive and parameter 9004",
         "主轴仍以 {0} 旋转，不能进入位置方式", "请检查主轴驱动器和参数 9004";
@@ -694,9 +697,13 @@ codes! {
         "驱动器 {0}（节点 {1}）未收到指令即进入就绪：它从合并帧中其他驱动器的位置接收设定值（{2}）", "请按其自身位置映射其 RPDO1（1600h，用 `params push` 及其驱动器段），然后复位";
     /// A spindle in position mode stands, far from where it is told to be: letter and node of its drive, by how many
     /// increments, and how many are a quarter of a turn.
-    SpindleStands = 4386, "the spindle of drive {0} (node {1}) stands {2} increments from where it is told to be, limit {3} (a quarter of a turn)",
+    SpindleStands = 4387, "the spindle of drive {0} (node {1}) stands {2} increments from where it is told to be, limit {3} (a quarter of a turn)",
         "a tap may be in its hole and not in phase any more: look before anything moves; check the spindle, its brake and its drive, then reset",
         "驱动器 {0}（节点 {1}）的主轴停止在距指令位置 {2} 个增量处，极限 {3}（四分之一转）", "丝锥可能在孔中且已失去同步：移动前请先查看；请检查主轴、其制动器和驱动器，然后复位";
+    /// The controller could not read its own message memory, and has stopped sending [D193].
+    BusRestricted = 4386, "the board's CAN controller has stopped sending: it could not read its own message memory in time",
+        "start the board's node and reset; if it comes again, report it as a fault of the board",
+        "控制板的 CAN 控制器已停止发送：未能及时读取其报文存储器", "请启动控制板节点并复位；若再次出现，请作为控制板故障报告";
 
     /// The SYNC that the board follows has stopped, or the board has come off it;
     /// so many were without, of so many periods of so many µs.

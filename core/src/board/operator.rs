@@ -66,7 +66,7 @@ impl Operator {
             Command::Stop => self.ask_for_stop(Code::EmergencyStop),
             Command::Halt(code) => self.ask_for_stop(code),
             Command::Trouble(trouble) => {
-                self.cut_off |= matches!(trouble, BusTrouble::Off(_));
+                self.cut_off |= matches!(trouble, BusTrouble::Off(_) | BusTrouble::Restricted);
                 self.trouble = Some(trouble);
                 self.reset = false;
             }

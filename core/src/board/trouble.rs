@@ -16,6 +16,8 @@ use crate::units::Axis;
 pub enum BusTrouble {
     /// The controller has left the bus: nothing reaches the drives.
     Off(ErrorCounts),
+    /// The controller has stopped sending for want of its own memory: nothing reaches the drives either.
+    Restricted,
     /// The controller is error passive.
     Passive(ErrorCounts),
     /// More setpoints than allowed came late for their SYNC.
@@ -100,6 +102,7 @@ impl BusTrouble {
             BusState::Active => None,
             BusState::Passive => Some(Self::Passive(controller.errors)),
             BusState::Off => Some(Self::Off(controller.errors)),
+            BusState::Restricted => Some(Self::Restricted),
         }
     }
 
@@ -111,6 +114,7 @@ impl BusTrouble {
         let drive = |of: Victim| [Arg::Letter(of.letter), number(of.node.get().into())];
         let (code, [first, second]) = match self {
             Self::Off(counts) => (Code::BusOff, errors(counts)),
+            Self::Restricted => (Code::BusRestricted, [Arg::None; 2]),
             Self::Passive(counts) => (Code::BusPassive, errors(counts)),
             Self::Late { count, limit } => (Code::SetpointsLate, [number(count), number(limit)]),
             Self::Intruder(Intrusion::Sync) => (Code::SecondSync, [Arg::None; 2]),

@@ -201,10 +201,10 @@ choices! {
     TapRepeat { TapRepeat::Holes(NonZeroU8::MIN.saturating_add(any())) } or TapRepeat::Stay;
     Dialect { Dialect::Gsk980td } or Dialect::Gsk988;
     BusState {
-        BusState::Active, BusState::Passive,
-    } or BusState::Off;
+        BusState::Active, BusState::Passive, BusState::Off,
+    } or BusState::Restricted;
     BusTrouble {
-        BusTrouble::Off(any()), BusTrouble::Passive(any()), BusTrouble::Late { count: any(), limit: any() },
+        BusTrouble::Off(any()), BusTrouble::Restricted, BusTrouble::Passive(any()), BusTrouble::Late { count: any(), limit: any() },
     } or BusTrouble::Intruder(any());
     Intrusion {
         Intrusion::Sync, Intrusion::Setpoint(Victim { letter: any(), node: any() }),

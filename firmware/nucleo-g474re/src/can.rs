@@ -6,7 +6,8 @@
 //! Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
 //!
 //! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
-//! have missed setpoints must not get new ones out of nowhere. What is told is its state.
+//! have missed setpoints must not get new ones out of nowhere. What is told is its state. So is it where it could not read
+//! its message memory in time: it goes into restricted operation by itself, sends nothing any more, and stays there.
 
 use embassy_stm32::pac::can::regs::Nbtp;
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
@@ -78,6 +79,7 @@ pub fn start(timing: BitTiming) {
         w.set_tce(true);
         w.set_tcfe(true);
         w.set_boe(true);
+        w.set_mrafe(true);
     });
     FDCAN1.ile().write(|w| w.set_eint0(true));
     FDCAN1.cccr().modify(|w| w.set_cce(false));
@@ -120,11 +122,11 @@ pub fn take() -> Option<(Frame, u16)> {
     leadscrew_parts::received(words)
 }
 
-/// Takes note of the interrupts. True where a frame was received while there was no place for it.
+/// Takes note of the interrupts. True where a frame was received while there was no place for it, or could not be put there.
 pub fn acknowledge() -> bool {
     let reasons = FDCAN1.ir().read();
     FDCAN1.ir().write_value(reasons);
-    reasons.rfl(0)
+    reasons.rfl(0) || reasons.mraf()
 }
 
 /// Places whose frame has not been sent yet.
@@ -139,18 +141,27 @@ pub fn call_back(places: Places) {
 
 /// How it stands on the bus.
 pub fn controller() -> Controller {
-    leadscrew_parts::controller(FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
+    let mode = FDCAN1.cccr().read().0;
+    leadscrew_parts::controller(mode, FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
 }
 
-/// It has left the bus, or is on its way back.
+/// It has left the bus, or is on its way back, or does not send.
 pub fn is_off() -> bool {
-    FDCAN1.psr().read().bo()
+    FDCAN1.psr().read().bo() || FDCAN1.cccr().read().asm()
 }
 
-/// Takes part again after bus-off: behind 129 times eleven recessive bits, and with nothing of what was to be sent
-/// before, which the controller forgets as CCE is set. It clears that together with INIT.
+/// Looks at INIT until it has come over to the clock of the bus: a few clocks of each.
+const COMES_OVER: u32 = 1000;
+
+/// Takes part again after bus-off, behind 129 times eleven recessive bits, or after restricted operation; with nothing of
+/// what was to be sent before, which the controller forgets as CCE is set. It clears that together with INIT.
 pub fn rejoin() {
+    FDCAN1.cccr().modify(|w| w.set_init(true));
+    // In bus-off it is set already. Where it does not come the state stays as it is, and this is called again.
+    let mut looks = 0..COMES_OVER;
+    while !FDCAN1.cccr().read().init() && looks.next().is_some() {}
     FDCAN1.cccr().modify(|w| w.set_cce(true));
+    FDCAN1.cccr().modify(|w| w.set_asm(false));
     FDCAN1.cccr().modify(|w| w.set_init(false));
 }
 

@@ -31,7 +31,8 @@ macro_rules! means {
 
 // FDCAN.
 means! {
-    Cccr(0b11), w => w.init() && w.cce();
+    Cccr(0b111), w => w.init() && w.cce() && w.asm();
+    Cccr(0b11), w => !w.asm();
     Rxgfc(0b10 << 2 | 0b11), w => w.rrfe() && w.rrfs();
     Rxgfc(0b10 << 2), w => matches!((w.anfe(), w.anfs()), (Anfe::REJECT, Anfs::ACCEPT_FIFO_0));
     Tscc(0b10), w => matches!(w.tss(), Tss::EXTERNAL);
@@ -41,6 +42,8 @@ means! {
     Rxfa(2), w => w.fai() == 2;
     Ie(1 << 19 | 1 << 8 | 1 << 7 | 1 << 2 | 1), w => w.rfne(0) && w.rfle(0);
     Ie(1 << 19 | 1 << 8 | 1 << 7), w => w.tce() && w.tcfe() && w.boe();
+    Ie(1 << 14), w => w.mrafe();
+    Ir(1 << 14), w => w.mraf();
     Ir(1 << 2), w => w.rfl(0);
     Ile(1), w => w.eint0();
 }

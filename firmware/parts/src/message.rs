@@ -41,14 +41,19 @@ pub fn received([head, second, low, high]: [u32; 4]) -> Option<(Frame, u16)> {
     Some((Frame::new(id, bytes.get(..length)?)?, stamp))
 }
 
-/// How the controller stands on the bus, by its protocol status (PSR) and its counters of errors (ECR).
+/// How the controller stands on the bus, by its control register (CCCR), its protocol status (PSR) and its counters of errors
+/// (ECR). The program never asks for restricted operation: where its bit is set, the controller has set it, because it could
+/// not read its message memory.
 #[must_use]
-pub const fn controller(status: u32, errors: u32) -> Controller {
+pub const fn controller(control: u32, status: u32, errors: u32) -> Controller {
+    const RESTRICTED: u32 = 1 << 2;
     const PASSIVE: u32 = 1 << 5;
     const OFF: u32 = 1 << 7;
     Controller {
         state: if status & OFF != 0 {
             BusState::Off
+        } else if control & RESTRICTED != 0 {
+            BusState::Restricted
         } else if status & PASSIVE != 0 {
             BusState::Passive
         } else {
@@ -134,10 +139,11 @@ mod tests {
 
     #[test]
     fn the_state_on_the_bus_is_that_of_the_two_registers() {
-        let of = |status, errors| {
-            let Controller { state, errors } = controller(status, errors);
+        let in_mode = |control, status, errors| {
+            let Controller { state, errors } = controller(control, status, errors);
             (state, errors.sending, errors.receiving)
         };
+        let of = |status, errors| in_mode(0, status, errors);
         // As a reset leaves them.
         assert_eq!(of(0x0000_0707, 0), (BusState::Active, 0, 0));
         // A warning changes nothing.
@@ -147,6 +153,12 @@ mod tests {
         assert_eq!(of(1 << 5, 0x0000_FF00), (BusState::Passive, 0, 127));
         // Off counts before passive.
         assert_eq!(of(0xE0, 0x0000_00F8), (BusState::Off, 248, 0));
+        // Restricted counts before passive, which it cannot get out of by itself; off, which sets INIT, before both.
+        assert_eq!(in_mode(1 << 2, 0x707, 3), (BusState::Restricted, 3, 0));
+        assert_eq!(in_mode(1 << 2, 1 << 5, 0), (BusState::Restricted, 0, 0));
+        assert_eq!(in_mode(0b101, 0xE0, 0xF8), (BusState::Off, 248, 0));
+        // No other bit of that register says so.
+        assert_eq!(in_mode(!(1 << 2), 0x707, 0), (BusState::Active, 0, 0));
     }
 
     #[test]

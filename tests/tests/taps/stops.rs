@@ -180,7 +180,7 @@ fn a_spindle_that_stands_in_the_hole_is_an_alarm_and_does_not_leap() {
                 break;
             }
         }
-        assert_eq!(alarm.map(|alarm| alarm.number()), Some(4386), "{tick}");
+        assert_eq!(alarm.map(|alarm| alarm.number()), Some(4387), "{tick}");
         // As long as it takes to hear that its drive has let it go.
         for _ in 0..20 {
             sim.step();

@@ -9,7 +9,7 @@ use crate::board::ticker::State;
 use crate::board::trouble::{BusTrouble, Intrusion};
 #[cfg(feature = "fd")]
 use crate::bus::CobId;
-use crate::bus::{BusState, Controller, Periods};
+use crate::bus::{Controller, Periods};
 use crate::params::Params;
 
 /// Setpoints that come late are counted against their limit for so long.
@@ -17,31 +17,30 @@ const LATE_MS: u32 = 1000;
 
 impl Station {
     /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or
-    /// bus-off is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the
-    /// bus must not be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the
+    /// bus-off or restricted is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the
+    /// bus, or does not send, must not be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the
     /// node says so, with the counters, and waits to be started anew [D124].
     pub fn set_controller(&mut self, controller: Controller, params: &Params) {
         let before = core::mem::replace(&mut self.controller, controller).state;
         if !self.has_joined() || before == controller.state {
             return;
         }
-        if before == BusState::Off {
+        if before.is_cut_off() {
             self.urgent.clear();
             let boot_up = self.nmt.boot();
             self.say(boot_up);
         }
-        if controller.state == BusState::Off {
+        if controller.state.is_cut_off() {
             self.end_transfer(params);
         }
         self.tell_trouble(BusTrouble::of(controller));
     }
 
-    /// True where a controller that has left the bus may be started again: the
+    /// True where a controller that has left the bus, or does not send, may be started again: the
     /// machine stands on an alarm, and the drives have been let go.
     #[must_use]
     pub const fn may_rejoin(&self) -> bool {
-        matches!(self.controller.state, BusState::Off)
-            && matches!(self.shelf.snapshot.state, State::Alarm(_))
+        self.controller.state.is_cut_off() && matches!(self.shelf.snapshot.state, State::Alarm(_))
     }
 
     /// Somebody else speaks to the drives. What keeps one from following is told by its own failure where nothing moves.

@@ -6,12 +6,13 @@ use super::Station;
 use super::served::Served;
 use super::shelf::Told;
 use crate::alarm::Code;
-use crate::bus::{BusState, Emcy, Frame, Periods};
+use crate::bus::{Emcy, Frame, Periods};
 use crate::params::Params;
 
-/// Emergency codes of CiA 301: "voltage inside the device", "internal software", "CAN in error passive mode", "heartbeat
+/// Emergency codes of CiA 301: "voltage inside the device", "device hardware", "internal software", "CAN in error passive mode", "heartbeat
 /// error", "recovered from bus-off".
 const VOLTAGE: u16 = 0x3200;
+const HARDWARE: u16 = 0x5000;
 const SOFTWARE: u16 = 0x6100;
 const ERROR_PASSIVE: u16 = 0x8120;
 pub(super) const HEARTBEAT_ERROR: u16 = 0x8130;
@@ -20,7 +21,7 @@ const RECOVERED: u16 = 0x8140;
 impl Station {
     /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
     pub fn transmit(&mut self) -> Option<Frame> {
-        if self.controller.state == BusState::Off {
+        if self.controller.state.is_cut_off() {
             return None;
         }
         self.urgent.pop_front().or_else(|| self.answers.pop_front())
@@ -52,6 +53,7 @@ impl Station {
                     Code::GatewayLost => HEARTBEAT_ERROR,
                     Code::BusPassive => ERROR_PASSIVE,
                     Code::BusOff => RECOVERED,
+                    Code::BusRestricted => HARDWARE,
                     Code::PowerDropped => VOLTAGE,
                     Code::FirmwareHung
                     | Code::FirmwareFault
@@ -96,7 +98,7 @@ impl Station {
         }
         self.shelf.emcy.elapse(elapsed);
         if self.nmt.state().allows_emcy()
-            && self.controller.state != BusState::Off
+            && !self.controller.state.is_cut_off()
             && let Some(frame) = self.shelf.emcy.poll()
         {
             self.say(frame);

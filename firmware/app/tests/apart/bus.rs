@@ -27,6 +27,15 @@ fn a_board_whose_timer_nobody_leads_says_that_it_hears_no_sync() {
 
 #[test]
 fn a_controller_that_leaves_the_bus_stops_the_machine_and_comes_back_once_it_stands() {
+    leaves(BusState::Off, Code::BusOff);
+}
+
+#[test]
+fn a_controller_that_has_stopped_sending_does_too() {
+    leaves(BusState::Restricted, Code::BusRestricted);
+}
+
+fn leaves(state: BusState, code: Code) {
     let params = Params::slant_bed();
     let mut apart = Apart::new(&params);
     let calls = calls("G0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params);
@@ -40,7 +49,7 @@ fn a_controller_that_leaves_the_bus_stops_the_machine_and_comes_back_once_it_sta
     }
     assert_eq!(apart.background.snapshot().state, State::Running);
     apart.bench.controller = Controller {
-        state: BusState::Off,
+        state,
         errors: ErrorCounts {
             sending: 248,
             receiving: 0,
@@ -48,8 +57,20 @@ fn a_controller_that_leaves_the_bus_stops_the_machine_and_comes_back_once_it_sta
     };
     apart.steps(3);
     assert_eq!(apart.bench.rejoined, 0, "not while it moves");
-    assert_eq!(alarm(&mut apart, 1000), Some(Code::BusOff));
+    assert_eq!(alarm(&mut apart, 1000), Some(code));
     assert_eq!(apart.bench.rejoined, 1);
+    // The drives have been let go, as far as they hear it.
+    for drive in [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C] {
+        let told = CobId::of(Service::Rpdo1, drive);
+        let told = apart
+            .tick
+            .output()
+            .frames
+            .iter()
+            .find(|frame| frame.id() == told);
+        let control = told.expect("a setpoint").payload().first_chunk();
+        assert_eq!(control, Some(&[0x06, 0x00]), "{drive:?}");
+    }
     let boot_up = CobId::of(Service::Heartbeat, NodeId::BOARD);
     assert!(
         apart
