@@ -40,6 +40,21 @@ pub enum Event {
     Finished,
 }
 
+/// What a tick has for the switches of a board: told in the tick itself, for the next move may hang on it, and an [`Event`]
+/// may find its queue full [D191].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Switching {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// A machine function is switched.
+    Function(Aux),
+    /// What programs have switched is forgotten: a reset is done, or the application begins anew.
+    Reset,
+    /// The same with a tap in its hole: what holds the work piece goes on to, and nothing waits for it any more.
+    ResetInHole,
+}
+
 /// What the operator asks for. Takes effect in the next tick; never waits behind a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {

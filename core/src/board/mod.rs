@@ -43,7 +43,7 @@ pub use background::{Background, Settings};
 pub use desk::{Desk, TickPort};
 pub use detour::Route;
 pub use drives::FRAMES;
-pub use event::{Command, Event};
+pub use event::{Command, Event, Switching};
 pub use guard::Guard;
 pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use nodes::DriveNodes;

@@ -37,6 +37,8 @@ pub struct Snapshot {
     pub speed: TurnRate,
     /// Its commanded speed, override included.
     pub command: Rpm,
+    /// Its power stage is needed: see [`Ticker::needs_spindle`].
+    pub needs_spindle: bool,
     /// The spindle that is in position mode while one is.
     pub spindle_in_use: TapSpindle,
     /// The newest entry of the tap journal.
@@ -62,6 +64,7 @@ impl Snapshot {
             spindle: ticker.observer().angle(),
             speed: ticker.observer().speed(),
             command: ticker.spindle_command(),
+            needs_spindle: ticker.needs_spindle(),
             spindle_in_use: ticker.tap_spindle(),
             tap: ticker.tap_entry(),
             operator: *ticker.operator(),

@@ -28,7 +28,7 @@ use self::state::{Mode, Then};
 pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, FRAMES, Figures};
-use super::event::{Command, Event};
+use super::event::{Command, Event, Switching};
 use super::kept::Found;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
@@ -64,6 +64,8 @@ pub struct Output {
     pub setpoint: Setpoint,
     /// To be stored, instead of any entry before.
     pub journal: Option<TapRecord>,
+    /// For the switches of the board.
+    pub switching: Switching,
     /// What all drives are told in one frame of CAN FD (9031), behind the other frames of the period.
     #[cfg(feature = "fd")]
     pub together: Option<Setpoints>,
@@ -144,6 +146,10 @@ pub struct Ticker {
     paused: bool,
     /// Single block stops before the next segment unless that belongs to a hole.
     pauses_unless_hole: bool,
+    /// A machine function is not answered yet: the next segment waits.
+    awaits: bool,
+    /// For the output of this tick.
+    switching: Switching,
     /// The program has begun and not ended.
     in_program: bool,
     /// The drives have come up since they were last asked to: they are told where to be. Until then each holds where it is.
@@ -167,6 +173,8 @@ pub struct Ticker {
     rigid: Rigid,
     /// Ticks that leaving it has waited.
     waited: u32,
+    /// Ticks it has stood on its alarm.
+    stood: u32,
     operator: Operator,
     given: Given,
     observer: Observer,
@@ -276,6 +284,9 @@ impl Ticker {
             slipped: false,
             paused: false,
             pauses_unless_hole: false,
+            awaits: false,
+            switching: Switching::Nothing,
+            stood: 0,
             in_program: false,
             is_up: false,
             source: Source::None,
@@ -335,6 +346,17 @@ impl Ticker {
         self.operator.take(command);
     }
 
+    /// A machine function that has been switched is not answered yet, or is: until then no other segment begins.
+    pub const fn await_machine(&mut self, awaits: bool) {
+        self.awaits = awaits;
+    }
+
+    /// Ticks of a second.
+    #[must_use]
+    pub const fn second(&self) -> u32 {
+        self.given.second
+    }
+
     /// Sets the inputs; they act in the next tick.
     pub const fn signals(&mut self, signals: Signals) {
         self.operator.signals = signals;
@@ -371,6 +393,7 @@ impl Ticker {
         let motion = setpoint.motion;
         self.settle(motion, moved, ends);
         self.keep_journal(ends, output);
+        output.switching = core::mem::take(&mut self.switching);
         output.frames.clear();
         self.send(&mut output.frames, ends);
         #[cfg(feature = "fd")]

@@ -6,7 +6,7 @@ use leadscrew_core::alarm::Code;
 use leadscrew_core::board::queue::{put, take};
 use leadscrew_core::board::{
     Command, Contacts, DetourOut, DriveNodes, Ends as TickerEnds, Event, Notice, Output, Reference,
-    SegmentOut, Snapshot, Ticker,
+    SegmentOut, Snapshot, Switching, Ticker,
 };
 #[cfg(feature = "fd")]
 use leadscrew_core::bus::Setpoints;
@@ -21,20 +21,23 @@ use crate::report::{Order, Report};
 /// that are for the background. What is left waits for the next.
 const RECEIVED: usize = 24;
 
-/// SYNC periods for which the background may be silent before the watchdog is not fed any more.
-const PATIENCE: u32 = 250;
+/// For this part of a second the background may be silent before the watchdog is not fed any more [D134].
+const PATIENCE: u32 = 4;
 
 /// What the pins of a board say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
     /// The emergency stop is pressed, or its circuit is open.
     pub stop: bool,
-    /// Feed hold is pressed.
+    /// Feed hold is pressed, or its circuit is open: while it is, nothing goes on [D192].
     pub hold: bool,
     /// The machine's inputs, where this board has pins for them. They count instead of those set over the bus.
     pub signals: Option<Signals>,
     /// The machine has to stop with this alarm: the bus is off, or a part of the board does not work.
     pub trouble: Option<Code>,
+    /// What was [switched](TickMachine::switch) is not as it is to be: the next move waits, and after a second the machine
+    /// stops with this alarm [D191].
+    pub unanswered: Option<Code>,
 }
 
 /// What a board brings for the tick. All of it is called in the timer interrupt; nothing may wait.
@@ -61,6 +64,9 @@ pub trait TickMachine {
     fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
         false
     }
+    /// Switches what a program asks for, and nothing any more behind a reset. What takes its time is
+    /// [unanswered](Inputs::unanswered) from the next tick on.
+    fn switch(&mut self, _switching: Switching) {}
     /// Feeds the watchdog: both sides are alive.
     fn feed_watchdog(&mut self);
 }
@@ -98,12 +104,17 @@ pub struct TickSide {
     elapsed: u32,
     silence: u32,
     late: u32,
+    /// SYNC periods for which what was switched is not answered.
+    unanswered: u32,
+    /// SYNC periods of a second.
+    second: u32,
 }
 
 impl TickSide {
     pub(crate) fn new(ticker: &'static mut Ticker, ends: Ends) -> Self {
         Self {
             drives: ticker.drive_nodes(),
+            second: ticker.second(),
             ticker: Some(ticker),
             sync: None,
             ends,
@@ -114,6 +125,7 @@ impl TickSide {
             elapsed: 0,
             silence: 0,
             late: 0,
+            unanswered: 0,
         }
     }
 
@@ -126,17 +138,16 @@ impl TickSide {
         self.silence = self.silence.saturating_add(1);
         if let Some(ticker) = take(&mut self.ends.returned) {
             self.drives = ticker.drive_nodes();
+            self.second = ticker.second();
             if let (Some(sync), Some(before)) = (ticker.beat_given(), self.sync) {
                 *sync = before;
             }
             self.ticker = Some(ticker);
-            // It has forgotten a feed hold; one that is still pressed counts as pressed now, like at power-up.
-            self.inputs.hold = false;
         }
         let inputs = machine.inputs();
         let received = self.receive(machine);
         self.obey(&inputs);
-        if self.silence <= PATIENCE {
+        if self.silence <= self.second / PATIENCE {
             machine.feed_watchdog();
         }
         if self.ticker.is_none() {
@@ -152,6 +163,9 @@ impl TickSide {
                 ticker.follow(heard);
             }
             ticker.tick(sample, &received, &mut ends, &mut self.output);
+        }
+        if self.output.switching != Switching::Nothing {
+            machine.switch(self.output.switching);
         }
         let sent = machine.send(&self.output.frames);
         #[cfg(feature = "fd")]
@@ -170,6 +184,7 @@ impl TickSide {
     #[inline(never)]
     fn only_beat(&mut self) {
         self.output.frames.clear();
+        self.output.switching = Switching::Nothing;
         #[cfg(feature = "fd")]
         {
             self.output.together = None;
@@ -203,10 +218,15 @@ impl TickSide {
         received
     }
 
-    /// Pins first: what was pressed last counts.
+    /// What stops first, so that a reset can follow it; the feed hold last, so that nothing resumes while it is pressed. A
+    /// reset forgets a hold, and may have a way out of a thread: it is held again when that is done.
     #[inline(never)]
     fn obey(&mut self, inputs: &Inputs) {
-        let before = core::mem::replace(&mut self.inputs, *inputs);
+        self.inputs = *inputs;
+        self.unanswered = match inputs.unanswered {
+            Some(_) => self.unanswered.saturating_add(1),
+            None => 0,
+        };
         if let Some(ticker) = &mut self.ticker {
             if inputs.stop {
                 ticker.command(Command::Stop);
@@ -214,15 +234,25 @@ impl TickSide {
             if let Some(code) = inputs.trouble {
                 ticker.command(Command::Halt(code));
             }
-            if inputs.hold && !before.hold {
-                ticker.command(Command::Hold);
+            if let Some(code) = inputs.unanswered
+                && self.unanswered > self.second
+            {
+                ticker.command(Command::Halt(code));
             }
+            ticker.await_machine(inputs.unanswered.is_some());
             if let Some(signals) = inputs.signals {
                 ticker.signals(signals);
             }
         }
         while let Some(order) = take(&mut self.ends.orders) {
             self.carry_out(order);
+        }
+        if inputs.hold
+            && let Some(ticker) = &mut self.ticker
+            && ticker.takes_calls()
+            && !ticker.operator().reset_waits()
+        {
+            ticker.command(Command::Hold);
         }
     }
 

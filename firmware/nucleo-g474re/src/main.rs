@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | fault | the end: a record, and a new start ([`fault`]) | – |
 //! | NMI | a word of the flash that cannot be read ([`flash`]); the end, where the crystal stops | a flag |
-//! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, watchdog, its end of the rings |
+//! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, clamp, watchdog, its end of the rings |
 //! | 1 | FDCAN1: frames in and out ([`wire`]) | the controller, its ends of the rings |
 //! | thread | [`BackgroundSide`], storage, switches | flash, its ends of the rings |
 //!
@@ -16,7 +16,6 @@
 //! | the tick whose frames count, and the places of the controller they are in ([`wire`]) | tick; interrupt, keeping the tick out | both |
 //! | whose SYNC gives the beat ([`wire`]) | background | tick, interrupt |
 //! | that the frames of a tick may go ([`wire`]) | tick, interrupt; background while there is no tick | both |
-//! | that the clamp is told to hold ([`CLAMPS`]) | background | tick |
 //! | the queues of `leadscrew-app` | one side each | one side each |
 //!
 //! Nothing else is shared. A tick that takes longer than its period finds its
@@ -37,7 +36,6 @@ mod watchdog;
 mod wire;
 
 use core::mem::MaybeUninit;
-use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::entry;
 use embassy_stm32::pac::{UID, interrupt};
@@ -46,7 +44,7 @@ use leadscrew_app::{
     TickSide, TickerPlace, serial_of,
 };
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest, Switching};
 use leadscrew_core::bus::{Controller, Frame, NodeId, SyncHeard};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
@@ -58,11 +56,9 @@ use leadscrew_store::{BUFFER, Store};
 use crate::encoder::Encoder;
 use crate::flash::Bank;
 use crate::owned::{Once, Owned};
-use crate::pins::{Contacts, Switches};
+use crate::pins::{Clamp, Contacts, Switches};
 use crate::wire::{BackgroundEnd, TickEnd};
 
-/// For so long a clamp may close.
-const CLAMP_MS: u32 = 1000;
 /// The bit where the parameters name a rate that the crystal does not give: 1 Mbit/s, so that the alarm can be heard.
 const FALLBACK: BitTiming = BitTiming {
     prescaler: 1,
@@ -77,8 +73,6 @@ static TICKER: Once<TickerPlace> = Once::new(TickerPlace::uninit());
 static BACKGROUND: Once<BackgroundPlace> = Once::new(BackgroundPlace::uninit());
 static PARTS: Once<MaybeUninit<BackgroundParts>> = Once::new(MaybeUninit::uninit());
 static TICK: Owned<Tick> = Owned::empty();
-/// The clamp is told to hold.
-static CLAMPS: AtomicBool = AtomicBool::new(false);
 
 struct Tick {
     side: &'static mut TickSide,
@@ -88,6 +82,7 @@ struct Tick {
 struct TickParts {
     encoder: Encoder,
     contacts: Contacts,
+    clamp: Clamp,
     wire: TickEnd,
     /// What was wrong at power-up already.
     trouble: Option<Code>,
@@ -103,12 +98,13 @@ impl TickMachine for TickParts {
     }
 
     fn inputs(&mut self) -> Inputs {
-        let said = self.contacts.look(CLAMPS.load(Ordering::Relaxed));
+        let said = self.contacts.look();
         Inputs {
             stop: said.stop,
             hold: said.hold,
             signals: None,
-            trouble: self.trouble.or(said.trouble()),
+            trouble: self.trouble,
+            unanswered: self.clamp.look(),
         }
     }
 
@@ -118,6 +114,10 @@ impl TickMachine for TickParts {
 
     fn send(&mut self, frames: &[Frame]) -> bool {
         self.wire.send(frames)
+    }
+
+    fn switch(&mut self, switching: Switching) {
+        self.clamp.switch(switching);
     }
 
     fn feed_watchdog(&mut self) {
@@ -180,8 +180,6 @@ impl Machine for BackgroundParts {
     }
 
     fn event(&mut self, event: &Event) {
-        self.switches.note(event);
-        CLAMPS.store(self.switches.clamps(), Ordering::Relaxed);
         log::event(event);
     }
 
@@ -209,7 +207,7 @@ fn main() -> ! {
     unsafe { cortex_m::interrupt::enable() };
     loop {
         while background.step(parts) {}
-        parts.switches.show(&background.snapshot().state);
+        parts.switches.show(background.snapshot());
         log::lost_frames();
         cortex_m::asm::wfi();
     }
@@ -253,14 +251,14 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     let (tick_end, background_end) = wire::start(kbit);
     wire::begin_anew(&set.params);
     let encoder = Encoder::start();
-    let patience = (CLAMP_MS * 1000).checked_div(tick_us).unwrap_or(0);
-    let contacts = pins::contacts(patience);
+    let contacts = pins::contacts();
     watchdog::start();
     let tick = Tick {
         side,
         parts: TickParts {
             encoder,
             contacts,
+            clamp: pins::clamp(),
             wire: tick_end,
             trouble,
         },

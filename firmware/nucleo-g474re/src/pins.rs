@@ -8,7 +8,7 @@
 //! | PA1 | CN7-30, A1 | encoder B | pull-up |
 //! | PB10 | CN10-25, D6 | encoder index | pull-up, pulse high |
 //! | PC0 | CN7-38, A5 | emergency stop circuit | closed to ground; open: stop |
-//! | PC1 | CN7-36, A4 | feed hold | closed to ground: hold |
+//! | PC1 | CN7-36, A4 | feed hold circuit | closed to ground; open: hold |
 //! | PC2 | CN7-35 | clamp feedback | closed to ground: clamped |
 //! | PC3 | CN7-37 | clamp | high: clamp |
 //! | PB0 | CN7-34, A3 | spindle enable | high: enabled |
@@ -23,10 +23,14 @@ use embassy_stm32::pac::gpio::vals::{Moder, Ospeedr, Pupdr};
 use embassy_stm32::pac::{GPIOA, GPIOB, GPIOC};
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin, PinState};
 
+use crate::clock;
+
 /// The board's contacts.
-pub type Contacts = leadscrew_parts::Contacts<Input, Input, Input>;
-/// What the board switches.
-pub type Switches = leadscrew_parts::Switches<Output, Output, Output>;
+pub type Contacts = leadscrew_parts::Contacts<Input, Input>;
+/// The clamp.
+pub type Clamp = leadscrew_parts::Clamp<Output, Input>;
+/// What else the board switches.
+pub type Switches = leadscrew_parts::Switches<Output, Output>;
 
 /// Numbers of what a pin is connected to within the chip.
 const TIM2: u8 = 1;
@@ -90,14 +94,21 @@ pub fn start() {
     });
 }
 
-/// The contacts. A clamp may take so many periods.
-pub fn contacts(patience: u32) -> Contacts {
-    Contacts::new(Input(1 << 0), Input(1 << 1), Input(1 << 2), patience)
+/// The contacts, as they are: some milliseconds pass until that is known.
+pub fn contacts() -> Contacts {
+    Contacts::new(Input(1 << 0), Input(1 << 1), || {
+        cortex_m::asm::delay(clock::CORE_MHZ * 1000);
+    })
 }
 
-/// What is switched.
-pub fn switches() -> Switches {
-    Switches::new(Output::Clamp, Output::Spindle, Output::Light)
+/// The clamp.
+pub const fn clamp() -> Clamp {
+    Clamp::new(Output::Clamp, Input(1 << 2))
+}
+
+/// What else is switched.
+pub const fn switches() -> Switches {
+    Switches::new(Output::Spindle, Output::Light)
 }
 
 /// The light, on or off.

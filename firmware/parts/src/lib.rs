@@ -10,7 +10,7 @@
 //! | [`Follower`] | stamps of somebody else's SYNC to the length of the own periods |
 //! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
 //! | [`WordFlash`] | flash of words with error correction to the traits of storage |
-//! | [`Contacts`], [`Switches`] | emergency stop, feed hold and clamp, behind the traits of pins |
+//! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp and spindle enable, behind the traits of pins |
 //!
 //! Knows no chip, no register and no interrupt; constants of a chip are arguments. Nothing here waits or allocates.
 
@@ -27,5 +27,5 @@ pub use flash::{WordDevice, WordError, WordFlash};
 pub use follower::{Beat, Follower};
 pub use gate::{Gate, Turn};
 pub use message::{controller, received, to_send};
-pub use panel::{Contacts, Said, Switches};
+pub use panel::{Clamp, Contacts, Said, Switches};
 pub use timing::BitTiming;

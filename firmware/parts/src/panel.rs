@@ -1,15 +1,18 @@
 //! Contacts and switches of a board, behind the traits of pins.
 //!
-//! Contacts close to ground: a stop circuit that is open, by its button or by a broken wire, reads high. What they say
-//! counts when three looks in a row agree; a look is taken in every period.
+//! Contacts close to ground: a circuit that is open, by its button or by a broken wire, reads high. Stop and hold are break
+//! contacts: open, they act. What a contact says counts when three looks in a row agree; a look is taken in every period,
+//! and before the first of them as long as it takes to know what they say.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::{Event, State};
+use leadscrew_core::board::{Snapshot, State, Switching};
 use leadscrew_core::program::Aux;
 
 /// Looks that have to agree.
 const LOOKS: u8 = 3;
+/// Looks at power-up: a contact that has not come to rest by then is not one to be trusted, and counts as open.
+const SETTLES: u8 = 100;
 /// Clamps, and releases: the M functions for a board's clamp [D137].
 const CLAMP: u16 = 10;
 const RELEASE: u16 = 11;
@@ -19,32 +22,40 @@ const RELEASE: u16 = 11;
 struct Contact<P> {
     pin: P,
     closed: bool,
-    /// Looks in a row that saw the contrary.
-    contrary: u8,
+    /// What the last look saw, and how many in a row before it, itself included.
+    last: bool,
+    alike: u8,
 }
 
 impl<P: InputPin> Contact<P> {
-    const fn new(pin: P, closed: bool) -> Self {
+    /// It counts as open until looks have agreed.
+    const fn new(pin: P) -> Self {
         Self {
             pin,
-            closed,
-            contrary: 0,
+            closed: false,
+            last: false,
+            alike: 0,
         }
     }
 
     /// A look. A pin that cannot be read is an open contact.
     fn is_closed(&mut self) -> bool {
         let closed = self.pin.is_low().unwrap_or(false);
-        if closed == self.closed {
-            self.contrary = 0;
+        self.alike = if closed == self.last {
+            self.alike.saturating_add(1)
         } else {
-            self.contrary = self.contrary.saturating_add(1);
-        }
-        if self.contrary >= LOOKS {
+            1
+        };
+        self.last = closed;
+        if self.is_settled() {
             self.closed = closed;
-            self.contrary = 0;
         }
         self.closed
+    }
+
+    /// The last looks agree.
+    const fn is_settled(&self) -> bool {
+        self.alike >= LOOKS
     }
 }
 
@@ -53,110 +64,129 @@ impl<P: InputPin> Contact<P> {
 pub struct Said {
     /// The emergency stop circuit is open.
     pub stop: bool,
-    /// Feed hold is pressed.
+    /// Feed hold is pressed, or its circuit is open.
     pub hold: bool,
-    /// The clamp is told to hold, and does not.
-    pub loose: bool,
 }
 
-impl Said {
-    /// The alarm that stops the machine for this.
-    #[must_use]
-    pub const fn trouble(&self) -> Option<Code> {
-        if self.loose {
-            Some(Code::ClampOpen)
-        } else {
-            None
-        }
-    }
-}
-
-/// The contacts of a board: emergency stop circuit, feed hold, clamp feedback.
+/// The contacts of a board: emergency stop circuit and feed hold.
 #[derive(Debug)]
-pub struct Contacts<S, H, C> {
+pub struct Contacts<S, H> {
     stop: Contact<S>,
     hold: Contact<H>,
-    clamped: Contact<C>,
-    /// Periods a clamp may take.
-    patience: u32,
-    /// Periods for which it should hold and does not.
-    loose: u32,
 }
 
-impl<S: InputPin, H: InputPin, C: InputPin> Contacts<S, H, C> {
-    /// Before the first look the stop circuit counts as open, and nothing is pressed or clamped. A clamp may take so many
-    /// periods to close.
-    pub const fn new(stop: S, hold: H, clamped: C, patience: u32) -> Self {
-        Self {
-            stop: Contact::new(stop, false),
-            hold: Contact::new(hold, false),
-            clamped: Contact::new(clamped, false),
-            patience,
-            loose: 0,
+impl<S: InputPin, H: InputPin> Contacts<S, H> {
+    /// With its pins. They are looked at until it is known what they say: so nothing is told that is not so, and nothing
+    /// comes up before it is known. `wait` takes a millisecond or so.
+    pub fn new(stop: S, hold: H, mut wait: impl FnMut()) -> Self {
+        let mut contacts = Self {
+            stop: Contact::new(stop),
+            hold: Contact::new(hold),
+        };
+        for _ in 0..SETTLES {
+            let _ = contacts.look();
+            if contacts.stop.is_settled() && contacts.hold.is_settled() {
+                break;
+            }
+            wait();
         }
+        contacts
     }
 
-    /// A look at all of them, once a period; `clamps`: the clamp is told to hold.
-    pub fn look(&mut self, clamps: bool) -> Said {
-        let clamped = self.clamped.is_closed();
-        self.loose = if clamps && !clamped {
-            self.loose.saturating_add(1)
-        } else {
-            0
-        };
+    /// A look at both of them, once a period.
+    pub fn look(&mut self) -> Said {
         Said {
             stop: !self.stop.is_closed(),
-            hold: self.hold.is_closed(),
-            loose: self.loose > self.patience,
+            hold: !self.hold.is_closed(),
         }
     }
 }
 
-/// What a board switches: clamp, spindle enable, its light. All off at power-up.
+/// A clamp, and the contact that says that it holds: closed while it does.
 #[derive(Debug)]
-pub struct Switches<C, S, L> {
-    clamp: C,
+pub struct Clamp<O, C> {
+    switch: O,
+    holds: Contact<C>,
+    /// What it has been told.
+    told: Told,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Told {
+    /// To hold.
+    Hold,
+    /// To let go, by a program.
+    Release,
+    /// Nothing that anything waits for.
+    Nothing,
+}
+
+impl<O: OutputPin, C: InputPin> Clamp<O, C> {
+    /// With its pins; the switch is low, and it need not hold.
+    pub const fn new(switch: O, holds: C) -> Self {
+        Self {
+            switch,
+            holds: Contact::new(holds),
+            told: Told::Nothing,
+        }
+    }
+
+    /// M10 clamps, M11 releases; so does a reset, for the program that clamped is forgotten. With a tap in its hole the clamp
+    /// stays as it is, and nothing waits for it: the way out must stay possible.
+    pub fn switch(&mut self, switching: Switching) {
+        self.told = match switching {
+            Switching::ResetInHole => {
+                self.told = Told::Nothing;
+                return;
+            }
+            Switching::Function(Aux::M(CLAMP)) => Told::Hold,
+            Switching::Function(Aux::M(RELEASE)) => Told::Release,
+            Switching::Reset => Told::Nothing,
+            Switching::Function(_) | Switching::Nothing => return,
+        };
+        // A pin of a chip cannot fail.
+        let _ = self.switch.set_state((self.told == Told::Hold).into());
+    }
+
+    /// A look, once a period: the alarm it will be where the clamp does not do as it was told.
+    pub fn look(&mut self) -> Option<Code> {
+        match (self.told, self.holds.is_closed()) {
+            (Told::Hold, false) => Some(Code::ClampOpen),
+            (Told::Release, true) => Some(Code::ClampShut),
+            (Told::Release, false) => {
+                self.told = Told::Nothing;
+                None
+            }
+            (Told::Hold, true) | (Told::Nothing, _) => None,
+        }
+    }
+}
+
+/// What else a board switches: spindle enable and its light. Off at power-up.
+#[derive(Debug)]
+pub struct Switches<S, L> {
     spindle: S,
     light: L,
-    clamps: bool,
     spins: bool,
 }
 
-impl<C: OutputPin, S: OutputPin, L: OutputPin> Switches<C, S, L> {
+impl<S: OutputPin, L: OutputPin> Switches<S, L> {
     /// With its pins, which are low.
-    pub const fn new(clamp: C, spindle: S, light: L) -> Self {
+    pub const fn new(spindle: S, light: L) -> Self {
         Self {
-            clamp,
             spindle,
             light,
-            clamps: false,
             spins: false,
         }
     }
 
-    /// Something has happened. M10 clamps, M11 releases; so does a reset, for the program that clamped is forgotten.
-    pub fn note(&mut self, event: &Event) {
-        match event {
-            Event::Aux(Aux::M(CLAMP)) => self.clamps = true,
-            Event::Aux(Aux::M(RELEASE)) | Event::Reset => self.clamps = false,
-            _ => return,
-        }
-        // A pin of a chip cannot fail.
-        let _ = self.clamp.set_state(self.clamps.into());
-    }
-
-    /// The clamp is told to hold.
-    pub const fn clamps(&self) -> bool {
-        self.clamps
-    }
-
-    /// The machine's state. The spindle is enabled as soon as its drive is up, and stays
-    /// so on an alarm: it may hold a tap in its hole. An alarm that the board comes up
+    /// Shows the machine. The spindle is enabled as soon as its drive is up, and on an
+    /// alarm until it stands, unless it holds a tap in its hole [D190]: what comes back
+    /// when an emergency stop is released finds it off. An alarm that the board comes up
     /// with does not enable it. The light is on while the machine is up and has no alarm.
-    pub fn show(&mut self, state: &State) {
-        let well = matches!(state, State::Idle | State::Running | State::Held);
-        let stops = matches!(state, State::Stopping(_) | State::Alarm(_));
-        self.spins = well || self.spins && stops;
+    pub fn show(&mut self, snapshot: &Snapshot) {
+        let well = matches!(snapshot.state, State::Idle | State::Running | State::Held);
+        self.spins = well || self.spins && snapshot.needs_spindle;
         let _ = self.spindle.set_state(self.spins.into());
         let _ = self.light.set_state(well.into());
     }
@@ -172,7 +202,9 @@ mod tests {
 
     use embedded_hal::digital::ErrorType;
     use leadscrew_core::alarm::{Alarm, Span};
-    use leadscrew_core::board::Outcome;
+    use leadscrew_core::board::{Board, Contacts as Mirrored, Outcome};
+    use leadscrew_core::motion::Setpoint;
+    use leadscrew_core::params::Params;
 
     use super::*;
 
@@ -205,17 +237,52 @@ mod tests {
         }
     }
 
-    /// Stop circuit closed, hold and clamp open.
-    fn contacts() -> ([Pin; 3], Contacts<Pin, Pin, Pin>) {
-        let pins: [Pin; 3] = core::array::from_fn(|_| Pin::default());
-        pins[1].0.set(true);
-        pins[2].0.set(true);
-        let [stop, hold, clamped] = pins.clone();
-        let mut contacts = Contacts::new(stop, hold, clamped, 5);
-        // It counts as open until three looks have seen it closed.
-        assert!(contacts.look(false).stop && contacts.look(false).stop);
-        assert_eq!(contacts.look(false), Said::default());
-        (pins, contacts)
+    const WELL: Said = Said {
+        stop: false,
+        hold: false,
+    };
+
+    /// Both circuits closed.
+    fn contacts() -> ([Pin; 2], Contacts<Pin, Pin>) {
+        let pins: [Pin; 2] = core::array::from_fn(|_| Pin::default());
+        let [stop, hold] = pins.clone();
+        (pins, Contacts::new(stop, hold, || {}))
+    }
+
+    #[test]
+    fn what_the_contacts_say_is_known_before_the_first_period() {
+        for stop in [false, true] {
+            for hold in [false, true] {
+                let pins = [stop, hold].map(|open| Pin(Rc::new(Cell::new(open))));
+                let (mut waits, [s, h]) = (0, pins);
+                let mut contacts = Contacts::new(s, h, || waits += 1);
+                assert_eq!(waits, 2, "three looks");
+                assert_eq!(contacts.look(), Said { stop, hold });
+            }
+        }
+    }
+
+    #[test]
+    fn a_contact_that_bounces_at_power_up_is_waited_for() {
+        let stop = Pin::default();
+        // Open and closed in turn, and at rest after 21 looks.
+        for (rest, said) in [(false, false), (true, true)] {
+            let (mut waits, moved) = (0_u32, stop.clone());
+            let mut contacts = Contacts::new(stop.clone(), Pin::default(), || {
+                waits += 1;
+                moved.0.set(if waits < 21 { waits % 2 == 1 } else { rest });
+            });
+            assert_eq!(contacts.look().stop, said);
+            assert!((22..=24).contains(&waits), "{waits}");
+        }
+        // One that never comes to rest counts as open, and is not waited for for ever.
+        let (mut waits, moved) = (0_u32, stop.clone());
+        let mut contacts = Contacts::new(stop, Pin::default(), || {
+            waits += 1;
+            moved.0.set(waits % 2 == 1);
+        });
+        assert!(contacts.look().stop);
+        assert_eq!(waits, 100);
     }
 
     #[test]
@@ -223,78 +290,129 @@ mod tests {
         let ([stop, ..], mut contacts) = contacts();
         for _ in 0..10 {
             stop.0.set(true);
-            assert!(!contacts.look(false).stop && !contacts.look(false).stop);
+            assert!(!contacts.look().stop && !contacts.look().stop);
             stop.0.set(false);
-            assert!(!contacts.look(false).stop);
+            assert!(!contacts.look().stop);
         }
         stop.0.set(true);
-        assert!(!contacts.look(false).stop && !contacts.look(false).stop);
-        assert!(contacts.look(false).stop);
+        assert!(!contacts.look().stop && !contacts.look().stop);
+        assert!(contacts.look().stop);
     }
 
     #[test]
-    fn hold_is_pressed_to_ground() {
-        let ([_, hold, _], mut contacts) = contacts();
-        hold.0.set(false);
-        let said = [(); 3].map(|()| contacts.look(false).hold);
+    fn a_hold_button_or_a_broken_wire_opens_its_circuit() {
+        let ([_, hold], mut contacts) = contacts();
+        assert_eq!(contacts.look(), WELL);
+        hold.0.set(true);
+        let said = [(); 3].map(|()| contacts.look().hold);
         assert_eq!(said, [false, false, true]);
+        hold.0.set(false);
+        let said = [(); 3].map(|()| contacts.look().hold);
+        assert_eq!(said, [true, true, false]);
+    }
+
+    const M10: Switching = Switching::Function(Aux::M(10));
+    const M11: Switching = Switching::Function(Aux::M(11));
+
+    /// A clamp that is open, its switch, and its contact.
+    fn clamp() -> (Clamp<Pin, Pin>, Pin, Pin) {
+        let (switch, contact) = (Pin::default(), Pin::default());
+        contact.0.set(true);
+        let clamp = Clamp::new(switch.clone(), contact.clone());
+        (clamp, switch, contact)
     }
 
     #[test]
-    fn a_clamp_that_does_not_close_or_opens_again_is_told() {
-        let ([_, _, clamped], mut contacts) = contacts();
-        // It is open and should be.
-        assert!((0..100).all(|_| !contacts.look(false).loose));
-        let said = [(); 7].map(|()| contacts.look(true).loose);
-        assert_eq!(said, [false, false, false, false, false, true, true]);
-        assert_eq!(contacts.look(true).trouble(), Some(Code::ClampOpen));
-        clamped.0.set(false);
-        let said = [(); 4].map(|()| contacts.look(true).loose);
+    fn a_clamp_has_not_answered_before_its_contact_says_so() {
+        let (mut clamp, switch, contact) = clamp();
+        // It is open and may be.
+        assert!((0..100).all(|_| clamp.look().is_none()));
+        clamp.switch(M10);
+        assert!(switch.0.get());
+        assert!((0..100).all(|_| clamp.look() == Some(Code::ClampOpen)));
+        contact.0.set(false);
+        let said = [(); 4].map(|()| clamp.look().is_some());
         assert_eq!(said, [true, true, false, false]);
-        assert_eq!(contacts.look(true).trouble(), None);
-        clamped.0.set(true);
-        let until = (1..).find(|_| contacts.look(true).loose);
-        // Three looks, and the patience.
-        assert_eq!(until, Some(3 + 5));
+        // It opens again.
+        contact.0.set(true);
+        let said = [(); 3].map(|()| clamp.look());
+        assert_eq!(said, [None, None, Some(Code::ClampOpen)]);
+        contact.0.set(false);
+        assert!([(); 3].map(|()| clamp.look()).contains(&None));
+        // And lets go when it is told to, not before.
+        clamp.switch(M11);
+        assert!(!switch.0.get());
+        assert!((0..100).all(|_| clamp.look() == Some(Code::ClampShut)));
+        contact.0.set(true);
+        let said = [(); 3].map(|()| clamp.look());
+        assert_eq!(said, [Some(Code::ClampShut), Some(Code::ClampShut), None]);
+        // What its contact says then is nobody's question.
+        contact.0.set(false);
+        assert!((0..100).all(|_| clamp.look().is_none()));
     }
 
     #[test]
     fn the_clamp_follows_its_functions_and_lets_go_at_a_reset() {
-        let [clamp, spindle, light] = [(); 3].map(|()| Pin::default());
-        let mut switches = Switches::new(clamp.clone(), spindle, light);
-        let m = |code| Event::Aux(Aux::M(code));
-        switches.note(&m(8));
-        assert!(!clamp.0.get());
-        switches.note(&m(10));
-        assert!(clamp.0.get() && switches.clamps());
-        switches.note(&m(9));
-        assert!(clamp.0.get());
-        switches.note(&m(11));
-        assert!(!clamp.0.get() && !switches.clamps());
-        switches.note(&m(10));
-        switches.note(&Event::Finished);
-        assert!(clamp.0.get());
-        switches.note(&Event::Reset);
-        assert!(!clamp.0.get());
+        let (mut clamp, switch, contact) = clamp();
+        for (switching, on) in [
+            (Switching::Function(Aux::M(8)), false),
+            (M10, true),
+            (Switching::Function(Aux::M(9)), true),
+            (Switching::Function(Aux::T(11)), true),
+            (Switching::Nothing, true),
+            (M11, false),
+            (Switching::ResetInHole, false),
+            (M10, true),
+            (Switching::ResetInHole, true),
+            (Switching::Reset, false),
+        ] {
+            clamp.switch(switching);
+            assert_eq!(switch.0.get(), on, "{switching:?}");
+        }
+        // Behind a reset nothing waits for it, whatever it does.
+        for reset in [Switching::Reset, Switching::ResetInHole] {
+            for before in [M10, M11] {
+                clamp.switch(before);
+                clamp.switch(reset);
+                for open in [false, true] {
+                    contact.0.set(open);
+                    assert!((0..10).all(|_| clamp.look().is_none()));
+                }
+            }
+        }
     }
 
     #[test]
-    fn the_spindle_stays_enabled_on_an_alarm_and_the_light_goes_out() {
-        let [clamp, spindle, light] = [(); 3].map(|()| Pin::default());
-        let mut switches = Switches::new(clamp, spindle.clone(), light.clone());
+    fn the_spindle_stays_enabled_while_it_is_needed_and_the_light_goes_out() {
+        let [spindle, light] = [(); 2].map(|()| Pin::default());
+        let mut switches = Switches::new(spindle.clone(), light.clone());
         let alarm = Alarm::new(Code::EmergencyStop, Span::default());
-        let mut shown = |state| {
-            switches.show(&state);
+        let board = Board::new(&Params::slant_bed(), None, None).unwrap();
+        let up = Snapshot::new(board.ticker(), &Setpoint::default(), Mirrored::default());
+        let mut shown = |state, needs_spindle| {
+            switches.show(&Snapshot {
+                state,
+                needs_spindle,
+                ..up
+            });
             (spindle.0.get(), light.0.get())
         };
-        assert_eq!(shown(State::Starting), (false, false));
-        // The stop circuit is open when it comes up: no drive has been brought up yet.
-        assert_eq!(shown(State::Alarm(alarm)), (false, false));
-        assert_eq!(shown(State::Stopping(Outcome::Reset)), (false, false));
-        assert_eq!(shown(State::Idle), (true, true));
-        assert_eq!(shown(State::Running), (true, true));
-        assert_eq!(shown(State::Stopping(Outcome::Alarm(alarm))), (true, false));
-        assert_eq!(shown(State::Alarm(alarm)), (true, false));
-        assert_eq!(shown(State::Starting), (false, false));
+        let (stops, stands) = (State::Stopping(Outcome::Alarm(alarm)), State::Alarm(alarm));
+        assert_eq!(shown(State::Starting, false), (false, false));
+        // The stop circuit is open when it comes up: no drive has been brought up yet, whatever is needed.
+        assert_eq!(shown(stands, true), (false, false));
+        assert_eq!(shown(State::Starting, true), (false, false));
+        assert_eq!(shown(State::Idle, true), (true, true));
+        assert_eq!(shown(State::Running, true), (true, true));
+        assert_eq!(shown(stops, true), (true, false));
+        assert_eq!(shown(stands, true), (true, false));
+        // It stands; and it stays off, whatever turns then.
+        assert_eq!(shown(stands, false), (false, false));
+        assert_eq!(shown(stands, true), (false, false));
+        assert_eq!(shown(State::Starting, false), (false, false));
+        assert_eq!(shown(State::Idle, true), (true, true));
+        assert_eq!(shown(stands, true), (true, false));
+        assert_eq!(shown(State::Starting, true), (true, false));
+        assert_eq!(shown(State::Starting, false), (false, false));
     }
 }

@@ -4,6 +4,7 @@ use super::state::Mode;
 use super::{Given, Rigid, Source, Ticker};
 use crate::board::detour::Detour;
 use crate::board::drives::Figures;
+use crate::board::event::Switching;
 use crate::board::kept::Found;
 use crate::board::operator::Operator;
 use crate::bus::SyncSource;
@@ -40,6 +41,9 @@ impl Ticker {
             slipped,
             paused,
             pauses_unless_hole,
+            awaits,
+            switching,
+            stood,
             in_program,
             is_up,
             source,
@@ -72,6 +76,12 @@ impl Ticker {
         *slipped = false;
         *paused = false;
         *pauses_unless_hole = false;
+        *awaits = false;
+        *switching = match journal.has_hole() {
+            true => Switching::ResetInHole,
+            false => Switching::Reset,
+        };
+        *stood = 0;
         *in_program = false;
         *is_up = false;
         *source = Source::None;

@@ -2,7 +2,7 @@
 
 use super::{Detour, Ends, LastPass, Mode, Rigid, Source, Ticker, emit};
 use crate::alarm::{Alarm, Code};
-use crate::board::event::Event;
+use crate::board::event::{Event, Switching};
 use crate::motion::{Action, Motion, Stops};
 use crate::units::Rpm;
 
@@ -44,6 +44,10 @@ impl Ticker {
             if wait.is_some() {
                 return wait;
             }
+        }
+        if self.awaits {
+            let next = ends.segments.head()?;
+            return Some((next.number, next.span.line, Motion::Wait));
         }
         if matches!(self.rigid, Rigid::On)
             && let Some(waits) = self.wait_for_journal(ends)
@@ -124,7 +128,10 @@ impl Ticker {
                 emit(ends.events, Event::Started { number, line });
                 return Some((number, line, Motion::Run));
             }
-            Action::Aux(aux) => Event::Aux(aux),
+            Action::Aux(aux) => {
+                self.switching = Switching::Function(aux);
+                Event::Aux(aux)
+            }
             Action::Alarm(alarm) => {
                 ends.segments.take();
                 self.raise(&alarm, ends);
@@ -199,7 +206,8 @@ impl Ticker {
                     emit(ends.events, Event::Held);
                 }
             }
-            Mode::Starting | Mode::Alarm => {}
+            Mode::Alarm => self.stood = self.stood.saturating_add(1),
+            Mode::Starting => {}
         }
     }
 

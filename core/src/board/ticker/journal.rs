@@ -69,6 +69,11 @@ impl Journal {
         self.fresh
     }
 
+    /// A tap is in its hole, as far as is known.
+    pub(super) const fn has_hole(&self) -> bool {
+        matches!(&self.record, Some(TapRecord { in_hole: true, .. }))
+    }
+
     /// The tick begins anew, the power being on: what is known of a hole stays.
     pub(super) const fn begin_anew(&mut self, ticks_per_second: u32) {
         self.part = None;
@@ -130,7 +135,12 @@ impl Ticker {
         self.journal.record.as_ref()
     }
 
-    /// The same, as it is.
+    /// A tap is in its hole, as far as is known.
+    pub(super) const fn has_tap_in_hole(&self) -> bool {
+        self.journal.has_hole()
+    }
+
+    /// The newest entry, as it is.
     pub(in crate::board) const fn tap_entry(&self) -> Option<TapRecord> {
         self.journal.record
     }

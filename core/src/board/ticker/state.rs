@@ -148,6 +148,20 @@ impl Ticker {
         matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm))
     }
 
+    /// The spindle's power stage is needed: the machine is up or comes to rest, the spindle still turns on an alarm (no
+    /// longer than it may take to stop), or a tap is in its hole, which must not lose its spindle [D190].
+    #[must_use]
+    pub const fn needs_spindle(&self) -> bool {
+        let brakes = match self.mode {
+            Mode::Idle | Mode::Running | Mode::Held | Mode::Stopping(_) => true,
+            Mode::Alarm => {
+                self.observer.is_turning() && self.stood <= self.given.arrival.speed_ticks
+            }
+            Mode::Starting => false,
+        };
+        brakes || self.has_tap_in_hole()
+    }
+
     /// A program is under way: its end has not been reached.
     #[must_use]
     pub const fn in_program(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Coming to rest: alarms, emergency stop and reset, and what has to be forgotten with them.
 
 use super::super::detour::Detour;
-use super::super::event::Event;
+use super::super::event::{Event, Switching};
 use super::super::queue::{EventIn, take};
 use super::{Ends, Mode, Notice, Then, Ticker, emit};
 use crate::alarm::Alarm;
@@ -40,12 +40,22 @@ impl Ticker {
                 self.remembered = self.remembered.or(Some(self.executor.position()));
                 self.mode = Mode::Starting;
                 self.is_up = false;
+                self.switching = self.switching_of_reset();
             }
             Mode::Idle | Mode::Running | Mode::Held => self.reset_in_motion(ends),
             // What it asks for is under way.
             Mode::Starting | Mode::Stopping(Then::Reset) => {}
         }
         self.operator.reset_acts();
+    }
+
+    /// What a reset has for the board's switches.
+    const fn switching_of_reset(&self) -> Switching {
+        if self.has_tap_in_hole() {
+            Switching::ResetInHole
+        } else {
+            Switching::Reset
+        }
     }
 
     /// A stroke is left along the run-out's slope until the tool is clear of the crests or at the start level, and
@@ -106,8 +116,10 @@ impl Ticker {
         self.note_stop();
         self.in_program = false;
         self.commanded = Rpm::STOPPED;
+        self.stood = 0;
         self.mode = match then {
             Then::Reset => {
+                self.switching = self.switching_of_reset();
                 emit(events, Event::Reset);
                 Mode::Idle
             }

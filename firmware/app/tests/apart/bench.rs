@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use leadscrew_app::{Inputs, Machine, TickMachine};
 use leadscrew_board_sim::plant::Plant;
-use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
+use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest, Switching};
 use leadscrew_core::bus::{Controller, Frame, SyncHeard, SyncProducer, is_sync};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
@@ -22,6 +22,10 @@ pub struct Bench {
     /// Somebody else who gives the beat, and what the board's timer says of it.
     pub beat: Option<(SyncProducer, SyncHeard)>,
     pub inputs: Inputs,
+    /// Somebody else turns the spindle: counts beside those of the plant, two a tick.
+    pub turned: Option<i32>,
+    /// What the board's switches have been told.
+    pub switched: Vec<Switching>,
     pub events: Vec<Event>,
     pub fed: u32,
     pub writing: bool,
@@ -33,7 +37,12 @@ pub struct Bench {
 
 impl TickMachine for Bench {
     fn sample(&mut self) -> EncoderSample {
-        self.plant.advance()
+        let mut sample = self.plant.advance();
+        if let Some(turned) = &mut self.turned {
+            *turned += 2;
+            sample.count = sample.count.wrapping_add(*turned);
+        }
+        sample
     }
 
     fn heard(&mut self) -> Option<SyncHeard> {
@@ -58,6 +67,10 @@ impl TickMachine for Bench {
         }
         self.plant.exchange(frames, &mut answer);
         true
+    }
+
+    fn switch(&mut self, switching: Switching) {
+        self.switched.push(switching);
     }
 
     fn feed_watchdog(&mut self) {

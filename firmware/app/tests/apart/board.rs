@@ -156,6 +156,8 @@ impl Apart {
                 given: None,
                 beat: None,
                 inputs: Inputs::default(),
+                switched: Vec::new(),
+                turned: None,
                 events: Vec::new(),
                 fed: 0,
                 writing: false,

@@ -4,7 +4,7 @@ use leadscrew_app::{Failure, FailureKind, ResetCause, VERSION};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::State;
 use leadscrew_core::bus::{NmtCommand, NodeId, Order};
-use leadscrew_core::params::Params;
+use leadscrew_core::params::{Entry, Params};
 
 use crate::board::Apart;
 use crate::setpoints::{sim, whole};
@@ -25,6 +25,23 @@ fn a_background_that_hangs_is_not_covered_up() {
     apart.step();
     apart.tick.tick(&mut apart.bench);
     assert_eq!(apart.bench.fed, before + fed + 1);
+}
+
+#[test]
+fn the_patience_with_the_background_is_a_time_whatever_the_tick() {
+    for (tick_us, periods) in [(1000, 250), (2000, 125), (4000, 62), (10_000, 25)] {
+        let mut params = Params::slant_bed();
+        let entry = Entry::find_text("9000").expect("a parameter");
+        params.set(entry, tick_us).expect("in its range");
+        let mut apart = Apart::off(&params);
+        apart.steps(10);
+        let before = apart.bench.fed;
+        for _ in 0..2000 {
+            apart.tick.tick(&mut apart.bench);
+        }
+        let fed = apart.bench.fed - before;
+        assert_eq!(fed, 1 + periods, "at {tick_us} µs");
+    }
 }
 
 #[test]

@@ -7,4 +7,5 @@ mod board;
 mod bus;
 mod failures;
 mod operator;
+mod panel;
 mod setpoints;

@@ -68,10 +68,13 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     };
     assert_eq!(told(&mut apart, false, false), 0);
     assert_eq!(told(&mut apart, true, false), 0x1000);
-    // Resumed with the contact still pressed: it is told what is pressed, and nothing is held.
+    // Nothing resumes while the contact is pressed, or its wire broken [D192].
     apart.order(Order::Resume);
     assert_eq!(told(&mut apart, true, false), 0x1000);
-    assert!(!apart.background.snapshot().operator.hold);
+    assert!(apart.background.snapshot().operator.hold);
+    assert_eq!(told(&mut apart, false, false), 0x1000);
+    apart.order(Order::Resume);
+    apart.steps(2);
     assert_eq!(told(&mut apart, false, false), 0);
     // Pressed once, it holds until it is resumed.
     assert_eq!(told(&mut apart, true, false), 0x1000);

@@ -5,6 +5,7 @@ use leadscrew_app::{
     BackgroundPlace, Failure, Inputs, Left, Machine, PowerUp, Queues, ResetCause, ResetFlags,
     TickMachine, TickPlace, TickerPlace, serial_of,
 };
+use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{self, Event, Held, Region, StoreError, StoreRequest};
 use leadscrew_core::bus::{Controller, Frame, Setpoints};
 use leadscrew_core::params::Params;
@@ -31,6 +32,7 @@ impl TickMachine for Anything {
             hold: any(),
             signals: any(),
             trouble: None,
+            unanswered: any::<bool>().then_some(Code::ClampOpen),
         }
     }
 
