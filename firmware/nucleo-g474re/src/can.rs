@@ -13,12 +13,12 @@ use embassy_stm32::pac::can::regs::Nbtp;
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
 use embassy_stm32::pac::{FDCAN1, FDCANRAM1, interrupt};
 use leadscrew_core::bus::{Controller, Frame};
-use leadscrew_parts::BitTiming;
+use leadscrew_parts::{BitTiming, Places};
 
 /// Words of an element of the message memory.
 const ELEMENT: usize = 18;
 /// Places for frames to be sent, and in each queue of received ones.
-const PLACES: u8 = 3;
+const PLACES: u8 = Places::COUNT;
 /// Words of all of them.
 const ELEMENTS: usize = ELEMENT * PLACES as usize;
 /// Where the first queue of received frames begins: behind 28 filters of one word, and 8 of two.
@@ -29,25 +29,6 @@ const TRANSMIT: usize = RECEIVE + 2 * ELEMENTS + 3 * 2;
 const WORDS: usize = TRANSMIT + ELEMENTS;
 // The manual's figures in bytes: where its header has the sections, and where the next controller's memory begins.
 const _: () = assert!(RECEIVE * 4 == 0x0B0 && TRANSMIT * 4 == 0x278 && WORDS * 4 == 0x350);
-
-/// Places for frames to be sent, a bit each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Places(pub u32);
-
-impl Places {
-    /// All of them.
-    pub const ALL: Self = Self((1 << PLACES) - 1);
-
-    /// How many these are.
-    pub const fn count(self) -> u8 {
-        self.0.count_ones() as u8
-    }
-
-    /// True for none.
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-}
 
 /// Starts the controller.
 pub fn start(timing: BitTiming) {

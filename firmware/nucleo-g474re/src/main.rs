@@ -13,9 +13,9 @@
 //! | shared | written by | read by |
 //! |---|---|---|
 //! | rings of frames ([`wire`]) | one side each | one side each |
-//! | the tick whose frames count, and the places of the controller they are in ([`wire`]) | tick; interrupt, keeping the tick out | both |
+//! | the number of the tick, and when it began ([`wire`]) | tick | interrupt |
+//! | the places of the controller that its frames are in, and that they may go ([`wire`]) | tick; interrupt, keeping the tick out | both |
 //! | whose SYNC gives the beat ([`wire`]) | background | tick, interrupt |
-//! | that the frames of a tick may go ([`wire`]) | tick, interrupt; background while there is no tick | both |
 //! | the queues of `leadscrew-app` | one side each | one side each |
 //!
 //! Nothing else is shared. A tick that takes longer than its period finds its
@@ -50,14 +50,14 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_memory as _;
-use leadscrew_parts::{BitTiming, WordFlash};
+use leadscrew_parts::{BackgroundEnd, BitTiming, TickEnd, WordFlash};
 use leadscrew_store::{BUFFER, Store};
 
 use crate::encoder::Encoder;
 use crate::flash::Bank;
 use crate::owned::{Once, Owned};
 use crate::pins::{Clamp, Contacts, Switches};
-use crate::wire::{BackgroundEnd, TickEnd};
+use crate::wire::Registers;
 
 /// The bit where the parameters name a rate that the crystal does not give: 1 Mbit/s, so that the alarm can be heard.
 const FALLBACK: BitTiming = BitTiming {
@@ -83,7 +83,7 @@ struct TickParts {
     encoder: Encoder,
     contacts: Contacts,
     clamp: Clamp,
-    wire: TickEnd,
+    wire: TickEnd<'static>,
     /// What was wrong at power-up already.
     trouble: Option<Code>,
 }
@@ -94,7 +94,7 @@ impl TickMachine for TickParts {
     }
 
     fn heard(&mut self) -> Option<SyncHeard> {
-        self.wire.follow()
+        self.wire.follow(&Registers)
     }
 
     fn inputs(&mut self) -> Inputs {
@@ -113,7 +113,7 @@ impl TickMachine for TickParts {
     }
 
     fn send(&mut self, frames: &[Frame]) -> bool {
-        self.wire.send(frames)
+        self.wire.send(frames, &Registers)
     }
 
     fn switch(&mut self, switching: Switching) {
@@ -128,7 +128,7 @@ impl TickMachine for TickParts {
 type Storage = Store<WordFlash<Bank>>;
 
 struct BackgroundParts {
-    wire: BackgroundEnd,
+    wire: BackgroundEnd<'static>,
     storage: Storage,
     stored: Option<Result<(), StoreError>>,
     switches: Switches,
@@ -163,7 +163,7 @@ impl Machine for BackgroundParts {
     }
 
     fn send(&mut self, frame: &Frame) {
-        self.wire.send(frame);
+        self.wire.send(frame, &Registers);
     }
 
     fn store(&mut self, request: &StoreRequest<'_>) {
@@ -192,7 +192,7 @@ impl Machine for BackgroundParts {
     }
 
     fn begin_anew(&mut self, params: &Params) {
-        wire::begin_anew(params);
+        wire::begin_anew(&self.wire, params);
         beat::set(params.tick_us());
     }
 }
@@ -249,7 +249,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         panic!("a set that has passed its checks works");
     };
     let (tick_end, background_end) = wire::start(kbit);
-    wire::begin_anew(&set.params);
+    wire::begin_anew(&background_end, &set.params);
     let encoder = Encoder::start();
     let contacts = pins::contacts();
     watchdog::start();

@@ -1,0 +1,119 @@
+//! What two contexts share: words, flags and rings. One side of each ring, and either side of a word, may be interrupted by
+//! the other at any access.
+//!
+//! In the tests of this crate each access is a place where that happens ([`point`]): so all of them can be tried.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use heapless::spsc::{Consumer, Producer};
+
+#[cfg(test)]
+pub(crate) use self::tested::{interrupted_by, point};
+
+/// An access to what is shared is about to happen.
+#[cfg(not(test))]
+#[inline(always)]
+const fn point() {}
+
+/// A number.
+pub(crate) struct Word(AtomicU32);
+
+impl Word {
+    pub(crate) const fn new(value: u32) -> Self {
+        Self(AtomicU32::new(value))
+    }
+
+    pub(crate) fn get(&self) -> u32 {
+        point();
+        self.0.load(Ordering::Acquire)
+    }
+
+    pub(crate) fn set(&self, value: u32) {
+        point();
+        self.0.store(value, Ordering::Release);
+    }
+}
+
+/// Yes or no.
+pub(crate) struct Flag(Word);
+
+impl Flag {
+    pub(crate) const fn new(value: bool) -> Self {
+        Self(Word::new(value as u32))
+    }
+
+    pub(crate) fn get(&self) -> bool {
+        self.0.get() != 0
+    }
+
+    pub(crate) fn set(&self, value: bool) {
+        self.0.set(value.into());
+    }
+}
+
+/// The end of a ring where values go in.
+pub(crate) struct In<'a, T>(pub(crate) Producer<'a, T>);
+
+impl<T> In<'_, T> {
+    /// False where there is no room.
+    pub(crate) fn put(&mut self, value: T) -> bool {
+        point();
+        self.0.enqueue(value).is_ok()
+    }
+
+    pub(crate) fn has_room(&self) -> bool {
+        point();
+        self.0.ready()
+    }
+
+    /// The other end has taken all of them.
+    pub(crate) fn is_empty(&self) -> bool {
+        point();
+        self.0.len() == 0
+    }
+}
+
+/// The end of a ring where values come out.
+pub(crate) struct Out<'a, T>(pub(crate) Consumer<'a, T>);
+
+impl<T> Out<'_, T> {
+    pub(crate) fn take(&mut self) -> Option<T> {
+        point();
+        self.0.dequeue()
+    }
+
+    pub(crate) fn peek(&self) -> Option<&T> {
+        point();
+        self.0.peek()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        point();
+        !self.0.ready()
+    }
+}
+
+#[cfg(test)]
+mod tested {
+    extern crate std;
+
+    use core::cell::RefCell;
+    use std::rc::Rc;
+
+    std::thread_local! {
+        static INTERRUPTS: RefCell<Option<Rc<dyn Fn()>>> = const { RefCell::new(None) };
+    }
+
+    /// What happens at each access from now on.
+    pub(crate) fn interrupted_by(by: Option<Rc<dyn Fn()>>) {
+        INTERRUPTS.set(by);
+    }
+
+    /// An access to what is shared is about to happen.
+    pub(crate) fn point() {
+        let by = INTERRUPTS.with_borrow(Clone::clone);
+        if let Some(by) = by {
+            by();
+        }
+    }
+}

@@ -1,0 +1,413 @@
+//! Frames between a CAN controller and the two sides of a board.
+//!
+//! ```text
+//! controller ──► interrupt ───heard──► tick (what is not a drive's goes on to the background)
+//!                          ──requests─► background
+//! controller ◄── interrupt ◄─setpoints─ tick
+//!                          ◄──others─── background
+//! ```
+//!
+//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in by
+//! the tick itself, so that it leaves at once.
+//!
+//! The tick may come at any instruction of the interrupt. What that has looked at is void then: a frame that was to go may
+//! have been given up, a place may be taken, SYNC may be missing again. So every tick has a number. The interrupt reads it
+//! first, looks and decides; then it keeps the tick out for the few instructions in which it takes a frame, puts it in and
+//! marks its place, and does so only while the number is the one it began with. Frames that are given up are known by
+//! their own number, which is compared with that of the tick behind each look at the ring.
+//!
+//! A board that follows sends no SYNC. Those it hears go to the tick with their time, and nobody else; until that of a tick
+//! has come, nothing is put in ([`Follower`]). A SYNC that is read behind a beat may have begun long before it: it lets the
+//! frames of that tick go only where it counts for that beat.
+//!
+//! Knows no register: those are behind [`Chip`].
+
+use heapless::spsc::Queue;
+use leadscrew_core::board::FRAMES;
+use leadscrew_core::bus::{Frame, Service, SyncHeard, is_sync};
+
+use crate::follower::Follower;
+use crate::gate::{Gate, Turn};
+use crate::shared::{Flag, In, Out, Word};
+
+#[cfg(test)]
+mod tests;
+
+// One place of a ring stays empty. In a period come two frames of each drive, and heartbeats.
+const HEARD: usize = 33;
+// While a page of the flash is erased nobody reads them: a transfer that is faster begins its block again.
+const REQUESTS: usize = 33;
+const OTHERS: usize = 9;
+// More than one in a period is wrong, however many there are.
+const SYNCS: usize = 3;
+
+/// Places of a controller for frames to be sent, a bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Places(pub u32);
+
+impl Places {
+    /// How many a controller has.
+    pub const COUNT: u8 = 3;
+    /// All of them.
+    pub const ALL: Self = Self((1 << Self::COUNT) - 1);
+
+    /// How many these are.
+    #[must_use]
+    pub const fn count(self) -> u8 {
+        self.0.count_ones() as u8
+    }
+
+    /// True for none.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// The controller, and the timer that gives the beat.
+pub trait Chip {
+    /// A frame that has been received, and what the counter for stamps showed when it began.
+    fn take(&self) -> Option<(Frame, u16)>;
+    /// Puts a frame into the controller; its place comes back, or `None` where there is none. Not to be interrupted by itself.
+    fn put(&self, frame: &Frame) -> Option<Places>;
+    /// Places whose frame has not been sent yet.
+    fn pending(&self) -> Places;
+    /// Calls the frames in these places back, but for one that is on the wire already.
+    fn call_back(&self, places: Places);
+    /// It has left the bus, or is on its way back, or does not send.
+    fn is_off(&self) -> bool;
+    /// Lets the interrupt run as soon as nothing more urgent does.
+    fn poke(&self);
+    /// What the counter for stamps showed at the last beat.
+    fn beat_stamp(&self) -> u16;
+    /// The length of the next period.
+    fn set_period(&self, us: u32);
+    /// The length of this one.
+    fn period_us(&self) -> u32;
+    /// Microseconds since the last beat.
+    fn since_us(&self) -> u32;
+    /// Does this with the tick kept out.
+    fn alone(&self, work: impl FnOnce());
+}
+
+/// A frame of a tick on its way, and the number of that tick.
+struct Setpoint {
+    tick: u32,
+    frame: Frame,
+}
+
+/// A SYNC of somebody else: its stamp, and its counter.
+type Sync = (u16, Option<u8>);
+
+/// What tick and interrupt tell each other beside the rings.
+struct Shared {
+    /// The number of the last tick that has sent. Written by the tick.
+    tick: Word,
+    /// The places of the controller that were filled for a tick last. Written by the tick, and by the interrupt while it
+    /// keeps the tick out.
+    places: Word,
+    /// Frames may be put in: the SYNC of this tick has come, or is the board's own. Written as the places are.
+    goes: Flag,
+    /// The stamp of the last beat, where the board follows. Written by the tick.
+    beat: Word,
+    /// Microseconds of the nominal period of the SYNC that the board follows; 0 where it gives the beat. Written by the
+    /// background.
+    follows: Word,
+}
+
+/// All that lies between the three.
+pub struct Rings {
+    shared: Shared,
+    heard: Queue<Frame, HEARD>,
+    syncs: Queue<Sync, SYNCS>,
+    follower: Follower,
+    requests: Queue<Frame, REQUESTS>,
+    // Those of a tick that has been given up, until the interrupt has thrown them away, and those of the next.
+    setpoints: Queue<Setpoint, { 2 * FRAMES + 1 }>,
+    others: Queue<Frame, OTHERS>,
+}
+
+/// The tick's end.
+pub struct TickEnd<'a> {
+    shared: &'a Shared,
+    heard: Out<'a, Frame>,
+    syncs: Out<'a, Sync>,
+    follower: &'a mut Follower,
+    /// The frames of the tick before had no SYNC to go behind.
+    withheld: bool,
+    setpoints: In<'a, Setpoint>,
+}
+
+/// The background's end.
+pub struct BackgroundEnd<'a> {
+    shared: &'a Shared,
+    requests: Out<'a, Frame>,
+    others: In<'a, Frame>,
+}
+
+/// The interrupt's end.
+pub struct BusEnd<'a> {
+    shared: &'a Shared,
+    heard: In<'a, Frame>,
+    syncs: In<'a, Sync>,
+    requests: In<'a, Frame>,
+    setpoints: Out<'a, Setpoint>,
+    others: Out<'a, Frame>,
+    period_us: u32,
+    gate: Gate,
+    kbit: u32,
+}
+
+impl Rings {
+    /// All of them empty; the board gives the beat.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            shared: Shared {
+                tick: Word::new(0),
+                places: Word::new(0),
+                goes: Flag::new(true),
+                beat: Word::new(0),
+                follows: Word::new(0),
+            },
+            heard: Queue::new(),
+            syncs: Queue::new(),
+            follower: Follower::new(0),
+            requests: Queue::new(),
+            setpoints: Queue::new(),
+            others: Queue::new(),
+        }
+    }
+
+    /// The ends, for a bus of so many kilobits a second.
+    pub fn split(&mut self, kbit: u32) -> (TickEnd<'_>, BackgroundEnd<'_>, BusEnd<'_>) {
+        let shared = &self.shared;
+        let (heard_in, heard_out) = self.heard.split();
+        let (syncs_in, syncs_out) = self.syncs.split();
+        let (requests_in, requests_out) = self.requests.split();
+        let (setpoints_in, setpoints_out) = self.setpoints.split();
+        let (others_in, others_out) = self.others.split();
+        let tick = TickEnd {
+            shared,
+            heard: Out(heard_out),
+            syncs: Out(syncs_out),
+            follower: &mut self.follower,
+            withheld: false,
+            setpoints: In(setpoints_in),
+        };
+        let background = BackgroundEnd {
+            shared,
+            requests: Out(requests_out),
+            others: In(others_in),
+        };
+        let bus = BusEnd {
+            shared,
+            heard: In(heard_in),
+            syncs: In(syncs_in),
+            requests: In(requests_in),
+            setpoints: Out(setpoints_out),
+            others: Out(others_out),
+            period_us: 0,
+            gate: Gate::new(0, kbit),
+            kbit,
+        };
+        (tick, background, bus)
+    }
+}
+
+impl Default for Rings {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl TickEnd<'_> {
+    /// Leads the timer to the SYNC of somebody else, where the board follows; what that was like. Once in a tick, at its
+    /// beginning.
+    #[inline(never)]
+    pub fn follow(&mut self, chip: &impl Chip) -> Option<SyncHeard> {
+        if !self.follower.follows(self.shared.follows.get() as u16) {
+            self.withheld = false;
+            self.shared.goes.set(true);
+            return None;
+        }
+        while let Some((stamp, counter)) = self.syncs.take() {
+            self.follower.hear(stamp, counter);
+        }
+        let stamp = chip.beat_stamp();
+        let beat = self.follower.beat(stamp);
+        chip.set_period(beat.next_steps);
+        self.shared.beat.set(stamp.into());
+        // The interrupt waits.
+        self.withheld = !self.shared.goes.get();
+        self.shared.goes.set(beat.goes);
+        Some(beat.heard)
+    }
+
+    /// The oldest frame not yet read.
+    pub fn receive(&mut self) -> Option<Frame> {
+        self.heard.take()
+    }
+
+    /// Sends the frames of a tick, SYNC first; once in each, also where there are none. False where some of the tick before
+    /// have not left: they are called back. Those that had no SYNC to go behind do not count: that it was missing is told
+    /// already.
+    pub fn send(&mut self, frames: &[Frame], chip: &impl Chip) -> bool {
+        let left = Places(chip.pending().0 & self.shared.places.get());
+        let in_time = left.is_empty() && self.setpoints.is_empty();
+        let tick = self.shared.tick.get().wrapping_add(1);
+        self.shared.tick.set(tick);
+        if !left.is_empty() {
+            chip.call_back(left);
+        }
+        let mut frames = frames.iter();
+        let mut mine = left;
+        if self.shared.goes.get()
+            && let Some(sync) = frames.as_slice().first()
+            && let Some(place) = chip.put(sync)
+        {
+            mine.0 |= place.0;
+            frames.next();
+        }
+        self.shared.places.set(mine.0);
+        for frame in frames {
+            let frame = *frame;
+            // There is room for two ticks.
+            let _ = self.setpoints.put(Setpoint { tick, frame });
+        }
+        chip.poke();
+        in_time || core::mem::take(&mut self.withheld)
+    }
+}
+
+impl BackgroundEnd<'_> {
+    /// The SYNC of somebody else is followed from the next tick on, in periods of so many microseconds; 0: the board gives
+    /// the beat.
+    pub fn follow(&self, period_us: u16) {
+        self.shared.follows.set(period_us.into());
+    }
+
+    /// The oldest request not yet read.
+    pub fn receive(&mut self) -> Option<Frame> {
+        self.requests.take()
+    }
+
+    /// True where there is room for a frame.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.others.has_room()
+    }
+
+    /// Sends a frame behind those of the tick. There is room.
+    pub fn send(&mut self, frame: &Frame, chip: &impl Chip) {
+        let _ = self.others.put(*frame);
+        chip.poke();
+    }
+}
+
+impl BusEnd<'_> {
+    /// The interrupt: reads what has come, and fills what is free. False where a frame has come that there was no room for.
+    /// It is lost as on the wire: drives that fall silent are missed, requests are made again.
+    pub fn serve(&mut self, chip: &impl Chip) -> bool {
+        let mut kept = true;
+        while let Some((frame, stamp)) = chip.take() {
+            let follows = self.shared.follows.get();
+            if is_sync(&frame) && follows > 0 {
+                let counter = frame.payload().first().copied();
+                chip.alone(|| self.hear(stamp, counter, follows));
+                continue;
+            }
+            let ring = if is_request(&frame) {
+                &mut self.requests
+            } else {
+                &mut self.heard
+            };
+            kept &= ring.put(frame);
+        }
+        while self.fill(chip) {}
+        kept
+    }
+
+    /// A SYNC that is followed. As [`SyncLock`](leadscrew_core::bus::SyncLock) has it, it counts for the last beat where it
+    /// began in the half of a period before that or behind it. One of before is for frames that have been given up; one of
+    /// later is for those of the next beat, which is told by [`Follower::beat`].
+    fn hear(&mut self, stamp: u16, counter: Option<u8>, follows: u32) {
+        // Where there is no room, there are too many already.
+        let _ = self.syncs.put((stamp, counter));
+        let since = stamp.wrapping_sub(self.shared.beat.get() as u16);
+        let half = (follows / 2).cast_signed();
+        if (half.wrapping_neg()..half).contains(&since.cast_signed().into()) {
+            self.shared.goes.set(true);
+        }
+    }
+
+    /// Fills one place. False where nothing has a turn; a tick that has come in between has asked for another run.
+    fn fill(&mut self, chip: &impl Chip) -> bool {
+        let period_us = chip.period_us();
+        if period_us != self.period_us {
+            self.period_us = period_us;
+            self.gate = Gate::new(period_us, self.kbit);
+        }
+        let shared = self.shared;
+        let now = shared.tick.get();
+        // The oldest stays the oldest whatever the tick adds, and what was given up stays so: first that, then the number.
+        while let Some(oldest) = self.setpoints.peek()
+            && oldest.tick != shared.tick.get()
+        {
+            let _ = self.setpoints.take();
+        }
+        if chip.is_off() {
+            // Who asked for it does not wait any more: behind the way back it would answer something else.
+            return self.others.take().is_some();
+        }
+        if !shared.goes.get() {
+            return false;
+        }
+        let pending = chip.pending();
+        let free = Places::COUNT.saturating_sub(pending.count());
+        let other = pending.0 & !shared.places.get() != 0;
+        let waiting = (!self.setpoints.is_empty(), !self.others.is_empty());
+        let turn = self.gate.turn(free, waiting, other, chip.since_us());
+        if turn == Turn::Nothing {
+            return false;
+        }
+        chip.alone(|| {
+            // Else all of it is to be looked at again.
+            if shared.tick.get() == now {
+                self.put(turn, chip);
+            }
+        });
+        true
+    }
+
+    /// Takes the frame whose turn it is, puts it in and marks its place: the tick is kept out.
+    fn put(&mut self, turn: Turn, chip: &impl Chip) {
+        let of_tick = turn == Turn::Tick;
+        let frame = if of_tick {
+            self.setpoints.take().map(|next| next.frame)
+        } else {
+            self.others.take()
+        };
+        if let Some(frame) = frame
+            && let Some(place) = chip.put(&frame)
+        {
+            let mine = self.shared.places.get();
+            self.shared.places.set(if of_tick {
+                mine | place.0
+            } else {
+                mine & !place.0
+            });
+        }
+    }
+}
+
+/// True for what only the background answers: everything that is said to a node, and NMT and SYNC, to all.
+fn is_request(frame: &Frame) -> bool {
+    match frame.id().service() {
+        None => true,
+        Some((service, _)) => matches!(
+            service,
+            Service::SdoRequest | Service::Rpdo1 | Service::Rpdo2 | Service::Rpdo3 | Service::Rpdo4
+        ),
+    }
+}

@@ -1,0 +1,576 @@
+//! Every way in which tick, interrupt and wire can come in between each other, one after the other.
+//!
+//! The tick may come at each access of the interrupt to what is shared, and to the controller; the wire takes frames
+//! whenever the controller is looked at, for what it does between two looks nobody sees. Each run takes another way
+//! through these choices, until there is none left. The tick itself is not interrupted, nor is the interrupt by itself.
+
+extern crate std;
+
+use core::cell::{Cell, RefCell};
+use std::boxed::Box;
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::vec::Vec;
+
+use leadscrew_core::bus::{CobId, Frame};
+
+use super::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
+use crate::follower::Follower;
+use crate::shared::{interrupted_by, point};
+
+/// Microseconds of a period.
+const PERIOD: u16 = 1000;
+
+/// A way through all choices, and the next one.
+#[derive(Default)]
+struct Choices {
+    way: Vec<(u8, u8)>,
+    at: usize,
+}
+
+impl Choices {
+    /// One of so many.
+    fn of(&mut self, count: u8) -> u8 {
+        if count < 2 {
+            return 0;
+        }
+        if self.at == self.way.len() {
+            self.way.push((0, count));
+        }
+        let (chosen, before) = self.way[self.at];
+        assert_eq!(count, before, "the same choices on the same way");
+        self.at += 1;
+        chosen
+    }
+
+    /// False where there is no other way.
+    fn next(&mut self) -> bool {
+        self.way.truncate(self.at);
+        self.at = 0;
+        while let Some((chosen, count)) = self.way.last_mut() {
+            *chosen += 1;
+            if chosen < count {
+                return true;
+            }
+            self.way.pop();
+        }
+        false
+    }
+}
+
+/// What a frame is, by its payload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Of this tick, and which of its frames.
+    Tick(u8, u8),
+    /// Which of the others.
+    Other(u8),
+}
+
+fn frame(kind: Kind) -> Frame {
+    let (id, payload) = match kind {
+        Kind::Tick(tick, 0) => (0x080, [1, tick, 0]),
+        Kind::Tick(tick, which) => (0x20F + u16::from(which), [1, tick, which]),
+        Kind::Other(which) => (0x581, [0, 0, which]),
+    };
+    Frame::new(CobId::new(id).unwrap(), &payload).unwrap()
+}
+
+fn kind(frame: &Frame) -> Kind {
+    match *frame.payload() {
+        [1, tick, which] => Kind::Tick(tick, which),
+        [0, 0, which] => Kind::Other(which),
+        _ => panic!("{frame:?}"),
+    }
+}
+
+/// What is tried.
+#[derive(Clone, Copy)]
+struct Scenario {
+    /// Ticks, and how many frames each sends.
+    ticks: u8,
+    frames: u8,
+    /// Frames of the background, from the beginning on.
+    others: u8,
+    /// The beat is that of somebody else.
+    follows: bool,
+    /// The controller may leave the bus.
+    leaves: bool,
+}
+
+/// The other side of [`Chip`], and what is expected of the rings.
+struct Machine {
+    scenario: Scenario,
+    choices: RefCell<Choices>,
+    tick: RefCell<TickEnd<'static>>,
+    bus: RefCell<BusEnd<'static>>,
+    background: RefCell<BackgroundEnd<'static>>,
+    /// Who is at work, and whether the tick is kept out.
+    in_tick: Cell<bool>,
+    in_bus: Cell<bool>,
+    alone: Cell<bool>,
+    poked: Cell<bool>,
+    /// Frames in the controller, and frames received.
+    places: RefCell<[Option<Kind>; 3]>,
+    received: RefCell<VecDeque<(Frame, u16)>>,
+    /// The place whose frame is on the wire: it could not be called back.
+    on_wire: Cell<Option<usize>>,
+    off: Cell<bool>,
+    /// Ticks so far, and frames of the last of them and of the others: put in; out on the wire.
+    now: Cell<u8>,
+    put: Cell<(u8, u8)>,
+    sent: Cell<(u8, u8)>,
+    /// All of the tick before had left when this one looked.
+    all_left: Cell<bool>,
+    /// SYNCs on the wire, by the beat they are for; the controller has them.
+    syncs: RefCell<Vec<u8>>,
+    /// Interrupts within interrupts, so that it is known that there were some.
+    preempted: Cell<u32>,
+    /// Nothing more is chosen.
+    rests: Cell<bool>,
+}
+
+/// Both at once: the rings see one, the test the other.
+#[derive(Clone)]
+struct Handle(Rc<Machine>);
+
+impl Machine {
+    fn choose(&self, count: u8) -> u8 {
+        self.choices.borrow_mut().of(count)
+    }
+
+    /// Between two accesses: the tick.
+    fn interrupted(self: &Rc<Self>) {
+        while self.in_bus.get()
+            && !self.in_tick.get()
+            && !self.alone.get()
+            && self.now.get() < self.scenario.ticks
+            && self.choose(2) == 1
+        {
+            self.preempted.set(self.preempted.get() + 1);
+            self.tick();
+        }
+    }
+
+    /// Before a look at the controller: the wire.
+    fn moves(&self) {
+        if self.scenario.leaves && !self.off.get() && self.choose(2) == 1 {
+            self.off.set(true);
+        }
+        while self.is_pending() && !self.off.get() && self.choose(2) == 1 {
+            self.sends();
+        }
+    }
+
+    fn is_pending(&self) -> bool {
+        self.places.borrow().iter().any(Option::is_some)
+    }
+
+    /// What is on the wire already leaves, or the smallest identifier.
+    fn sends(&self) {
+        let mut places = self.places.borrow_mut();
+        let smallest = places
+            .iter()
+            .flatten()
+            .map(|kind| frame(*kind).id().get())
+            .min();
+        let mut all = places.iter();
+        let first = all.position(|place| place.map(|kind| frame(kind).id().get()) == smallest);
+        let place = self.on_wire.take().or(first);
+        let place = place.and_then(|place| places.get_mut(place));
+        let (tick, other) = self.sent.get();
+        match place.and_then(Option::take) {
+            Some(Kind::Tick(of, which)) if of == self.now.get() => {
+                assert_eq!(which, tick, "SYNC first, then in their order");
+                self.sent.set((tick + 1, other));
+            }
+            // It could not be called back any more.
+            Some(Kind::Tick(..)) => {}
+            Some(Kind::Other(which)) => {
+                assert_eq!(which, other, "in their order");
+                self.sent.set((tick, other + 1));
+            }
+            None => panic!("nothing to be sent"),
+        }
+    }
+
+    fn tick(self: &Rc<Self>) {
+        let handle = Handle(self.clone());
+        self.in_tick.set(true);
+        let before = self.now.get();
+        let mut end = self.tick.borrow_mut();
+        let heard = end.follow(&handle);
+        assert_eq!(heard.is_some(), self.scenario.follows);
+        let number = before + 1;
+        let frames: Vec<Frame> = (0..self.scenario.frames)
+            .map(|which| frame(Kind::Tick(number, which)))
+            .collect();
+        let (put, _) = self.put.get();
+        let in_time = end.send(&frames, &handle);
+        // Late is what has not left, but for what had no SYNC to go behind.
+        let withheld = self.scenario.follows && put == 0;
+        assert!(in_time == self.all_left.get() || in_time && withheld);
+        self.in_tick.set(false);
+    }
+
+    /// The interrupt of the controller.
+    fn serve(self: &Rc<Self>) {
+        self.poked.set(false);
+        self.in_bus.set(true);
+        let kept = self.bus.borrow_mut().serve(&Handle(self.clone()));
+        assert!(kept);
+        self.in_bus.set(false);
+        // Its marks are those of the frames in the places.
+        let mut marks = 0;
+        for (place, kind) in self.places.borrow().iter().enumerate() {
+            marks |= u32::from(matches!(kind, Some(Kind::Tick(..)))) << place;
+        }
+        let pending = self.pending().0;
+        let places = self.bus.borrow().shared.places.get();
+        assert_eq!(places & pending, marks);
+    }
+
+    fn pending(&self) -> Places {
+        let mut pending = 0;
+        for (place, kind) in self.places.borrow().iter().enumerate() {
+            pending |= u32::from(kind.is_some()) << place;
+        }
+        Places(pending)
+    }
+
+    /// SYNC for this beat has come, whoever has heard of it.
+    fn has_sync(&self, beat: u8) -> bool {
+        self.syncs.borrow().contains(&beat)
+    }
+
+    /// Before the controller is asked for what it has received: a SYNC may be there, for this beat or the next. That for the
+    /// next has begun shortly before it, that for this one behind it.
+    fn hears(&self) {
+        if !self.scenario.follows {
+            return;
+        }
+        let now = self.now.get();
+        for beat in now.saturating_sub(1)..=now + 1 {
+            let known = self.syncs.borrow().last().copied().unwrap_or(0);
+            if beat > known && self.choose(2) == 1 {
+                self.arrives(beat, if beat > now { -200 } else { 60 });
+            }
+        }
+    }
+
+    fn arrives(&self, beat: u8, offset: i16) {
+        let stamp = (u16::from(beat) * PERIOD).wrapping_add_signed(offset);
+        let sync = Frame::new(CobId::SYNC, &[]).unwrap();
+        self.received.borrow_mut().push_back((sync, stamp));
+        self.syncs.borrow_mut().push(beat);
+    }
+
+    /// All that is left to do, without another choice.
+    fn comes_to_rest(self: &Rc<Self>) {
+        interrupted_by(None);
+        for _ in 0..20 {
+            self.serve();
+            while self.is_pending() && !self.off.get() {
+                self.sends();
+            }
+        }
+    }
+}
+
+impl Chip for Handle {
+    fn take(&self) -> Option<(Frame, u16)> {
+        point();
+        if !self.0.rests.get() {
+            self.0.hears();
+        }
+        self.0.received.borrow_mut().pop_front()
+    }
+
+    fn put(&self, frame: &Frame) -> Option<Places> {
+        point();
+        let machine = &self.0;
+        assert!(machine.in_tick.get() || machine.alone.get());
+        let place = machine.places.borrow().iter().position(Option::is_none)?;
+        let kind = kind(frame);
+        let (tick, other) = machine.put.get();
+        match kind {
+            Kind::Tick(of, which) => {
+                assert_eq!(of, machine.now.get(), "of a tick that was given up");
+                assert_eq!(which, tick, "in their order, and none is lost");
+                machine.put.set((tick + 1, other));
+                if machine.scenario.follows {
+                    assert!(machine.has_sync(of), "ahead of its SYNC");
+                } else if which == 0 {
+                    assert!(machine.in_tick.get(), "SYNC leaves at once");
+                }
+            }
+            Kind::Other(which) => {
+                assert_eq!(which, other, "in their order, and none is lost");
+                let places = machine.places.borrow();
+                let others = places.iter().flatten();
+                let mut others = others.filter(|kind| matches!(kind, Kind::Other(_)));
+                assert_eq!(others.next(), None, "one at a time");
+                machine.put.set((tick, other + 1));
+            }
+        }
+        machine.places.borrow_mut()[place] = Some(kind);
+        let free = machine
+            .places
+            .borrow()
+            .iter()
+            .filter(|at| at.is_none())
+            .count();
+        assert!(machine.in_tick.get() || free > 0, "one is kept for SYNC");
+        Some(Places(1 << place))
+    }
+
+    fn pending(&self) -> Places {
+        point();
+        if !self.0.rests.get() {
+            self.0.moves();
+        }
+        if self.0.in_tick.get() {
+            let (tick, _) = self.0.sent.get();
+            let before = self.0.now.get();
+            self.0
+                .all_left
+                .set(before == 0 || tick == self.0.scenario.frames);
+            self.0.now.set(before + 1);
+            self.0.put.set((0, self.0.put.get().1));
+            self.0.sent.set((0, self.0.sent.get().1));
+        }
+        self.0.pending()
+    }
+
+    fn call_back(&self, places: Places) {
+        point();
+        let mut all = self.0.places.borrow_mut();
+        let first = all
+            .iter()
+            .flatten()
+            .map(|kind| frame(*kind).id().get())
+            .min();
+        for (at, place) in all.iter_mut().enumerate() {
+            let Some(kind) = *place else { continue };
+            if places.0 & 1 << at == 0 {
+                continue;
+            }
+            assert!(
+                matches!(kind, Kind::Tick(..)),
+                "what is not the tick's stays"
+            );
+            // That which is next may be on the wire already.
+            let next = Some(frame(kind).id().get()) == first;
+            let may_go = next && self.0.on_wire.get().is_none();
+            if may_go && self.0.choose(2) == 1 {
+                self.0.on_wire.set(Some(at));
+            }
+            if self.0.on_wire.get() != Some(at) {
+                *place = None;
+            }
+        }
+    }
+
+    fn is_off(&self) -> bool {
+        point();
+        self.0.off.get()
+    }
+
+    fn poke(&self) {
+        self.0.poked.set(true);
+    }
+
+    fn beat_stamp(&self) -> u16 {
+        // The tick's number is one more once it sends.
+        u16::from(self.0.now.get() + 1) * PERIOD
+    }
+
+    fn set_period(&self, _: u32) {}
+
+    fn period_us(&self) -> u32 {
+        point();
+        PERIOD.into()
+    }
+
+    fn since_us(&self) -> u32 {
+        point();
+        0
+    }
+
+    fn alone(&self, work: impl FnOnce()) {
+        point();
+        self.0.alone.set(true);
+        work();
+        self.0.alone.set(false);
+        point();
+    }
+}
+
+/// Tries all ways; how many there are, and how many ticks came within the interrupt in all of them.
+fn try_all(scenario: Scenario) -> (u32, u32) {
+    let rings = Box::leak(Box::new(Rings::new()));
+    let (tick, background, bus) = rings.split(1000);
+    let machine = Rc::new(Machine {
+        scenario,
+        choices: RefCell::default(),
+        tick: RefCell::new(tick),
+        bus: RefCell::new(bus),
+        background: RefCell::new(background),
+        in_tick: Cell::default(),
+        in_bus: Cell::default(),
+        alone: Cell::default(),
+        poked: Cell::default(),
+        places: RefCell::default(),
+        received: RefCell::default(),
+        on_wire: Cell::default(),
+        off: Cell::default(),
+        now: Cell::default(),
+        put: Cell::default(),
+        sent: Cell::default(),
+        all_left: Cell::default(),
+        syncs: RefCell::default(),
+        preempted: Cell::default(),
+        rests: Cell::default(),
+    });
+    let mut ways = 0_u32;
+    loop {
+        run(&machine);
+        ways += 1;
+        if !machine.choices.borrow_mut().next() {
+            return (ways, machine.preempted.get());
+        }
+    }
+}
+
+/// One way.
+fn run(machine: &Rc<Machine>) {
+    begin(machine);
+    let within = machine.clone();
+    interrupted_by(Some(Rc::new(move || within.interrupted())));
+    let scenario = machine.scenario;
+    while machine.now.get() < scenario.ticks {
+        machine.tick();
+        machine.serve();
+        // What has become free tells the interrupt.
+        machine.moves();
+        machine.serve();
+    }
+    machine.rests.set(true);
+    machine.comes_to_rest();
+    let last = machine.now.get();
+    let (tick, other) = machine.sent.get();
+    if machine.off.get() {
+        return;
+    }
+    let goes = !scenario.follows || machine.has_sync(last);
+    assert_eq!(
+        tick,
+        if goes { scenario.frames } else { 0 },
+        "all of the last"
+    );
+    assert!(goes || machine.put.get().0 == 0);
+    if goes {
+        assert_eq!(other, scenario.others, "and all others");
+    }
+}
+
+/// As at power-up.
+fn begin(machine: &Machine) {
+    interrupted_by(None);
+    machine.rests.set(false);
+    *machine.places.borrow_mut() = [None; 3];
+    machine.received.borrow_mut().clear();
+    machine.syncs.borrow_mut().clear();
+    machine.off.set(false);
+    machine.on_wire.set(None);
+    machine.now.set(0);
+    machine.put.set((0, 0));
+    machine.sent.set((0, 0));
+    let mut bus = machine.bus.borrow_mut();
+    let mut tick = machine.tick.borrow_mut();
+    while bus.setpoints.take().is_some() || bus.others.take().is_some() {}
+    while tick.syncs.take().is_some() {}
+    bus.shared.tick.set(0);
+    bus.shared.places.set(0);
+    bus.shared.goes.set(true);
+    bus.shared.beat.set(0);
+    tick.withheld = false;
+    *tick.follower = Follower::new(0);
+    let background = machine.background.borrow_mut();
+    background.follow(if machine.scenario.follows { PERIOD } else { 0 });
+    drop(background);
+    if machine.scenario.follows {
+        // There has been one, so that those to come are waited for.
+        let _ = tick.follower.follows(PERIOD);
+        tick.follower.hear(0, None);
+        let _ = tick.follower.beat(0);
+    }
+    let mut background = machine.background.borrow_mut();
+    for which in 0..machine.scenario.others {
+        let ring = &mut background.others;
+        assert!(ring.put(frame(Kind::Other(which))));
+    }
+}
+
+const OWN: Scenario = Scenario {
+    ticks: 2,
+    frames: 3,
+    others: 1,
+    follows: false,
+    leaves: false,
+};
+
+/// All ways of these, of which there are so many at least.
+fn hold(scenarios: &[(Scenario, u32)]) {
+    for (scenario, least) in scenarios {
+        let (ways, within) = try_all(*scenario);
+        std::println!("{ways} ways, {within} ticks within the interrupt");
+        assert!(ways >= *least && within >= least / 2, "{ways}, {within}");
+    }
+}
+
+#[test]
+fn a_tick_anywhere_in_the_interrupt_loses_no_frame_and_sends_none_that_is_given_up() {
+    let one = Scenario { others: 0, ..OWN };
+    let three = Scenario {
+        ticks: 3,
+        frames: 2,
+        others: 0,
+        ..OWN
+    };
+    let others = Scenario {
+        frames: 2,
+        others: 3,
+        ..OWN
+    };
+    hold(&[
+        (one, 30_000),
+        (OWN, 100_000),
+        (three, 500_000),
+        (others, 50_000),
+    ]);
+}
+
+#[test]
+fn no_frame_goes_ahead_of_its_own_sync_wherever_the_tick_comes() {
+    let follows = Scenario {
+        follows: true,
+        ..OWN
+    };
+    let alone = Scenario {
+        others: 0,
+        frames: 2,
+        ..follows
+    };
+    hold(&[(alone, 30_000), (follows, 500_000)]);
+}
+
+#[test]
+fn a_controller_that_leaves_the_bus_at_any_moment_leaves_no_frame_marked_that_is_not_there() {
+    let leaves = Scenario {
+        leaves: true,
+        frames: 2,
+        ..OWN
+    };
+    hold(&[(leaves, 30_000)]);
+}
