@@ -72,15 +72,15 @@ fn word(at: usize) -> *mut u32 {
     FDCANRAM1.as_ptr().cast::<u32>().wrapping_add(at)
 }
 
-/// Puts a frame into the controller; its place comes back, or `None` where there is none. Not to be interrupted by itself.
-pub fn put(frame: &Frame) -> Option<Places> {
+/// Puts the words of a frame into the controller; its place comes back, or `None` where there is none. Not to be interrupted by itself.
+pub fn put(words: &[u32; 4]) -> Option<Places> {
     let state = FDCAN1.txfqs().read();
     if state.tfqf() {
         return None;
     }
     let place = state.tfqpi().min(PLACES - 1);
     let element = TRANSMIT + usize::from(place) * ELEMENT;
-    for (at, value) in (element..).zip(leadscrew_parts::to_send(frame)) {
+    for (at, value) in (element..).zip(*words) {
         // SAFETY: an element of this controller's memory, at a place that is free.
         unsafe { word(at).write_volatile(value) };
     }

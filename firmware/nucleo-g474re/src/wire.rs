@@ -31,8 +31,8 @@ impl Chip for Registers {
         can::take()
     }
 
-    fn put(&self, frame: &Frame) -> Option<Places> {
-        can::put(frame)
+    fn put(&self, words: &[u32; 4]) -> Option<Places> {
+        can::put(words)
     }
 
     fn pending(&self) -> Places {

@@ -65,12 +65,6 @@ impl<T> In<'_, T> {
         point();
         self.0.ready()
     }
-
-    /// The other end has taken all of them.
-    pub(crate) fn is_empty(&self) -> bool {
-        point();
-        self.0.len() == 0
-    }
 }
 
 /// The end of a ring where values come out.

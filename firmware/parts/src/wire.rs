@@ -12,7 +12,7 @@
 //!
 //! The tick may come at any instruction of the interrupt. What that has looked at is void then: a frame that was to go may
 //! have been given up, a place may be taken, SYNC may be missing again. So every tick has a number. The interrupt reads it
-//! first, looks and decides; then it keeps the tick out for the few instructions in which it takes a frame, puts it in and
+//! first, looks and decides; then it keeps the tick out for the few instructions in which it puts a frame in and
 //! marks its place, and does so only while the number is the one it began with. Frames that are given up are known by
 //! their own number, which is compared with that of the tick behind each look at the ring.
 //!
@@ -28,6 +28,7 @@ use leadscrew_core::bus::{Frame, Service, SyncHeard, is_sync};
 
 use crate::follower::Follower;
 use crate::gate::{Gate, Turn};
+use crate::message::to_send;
 use crate::shared::{Flag, In, Out, Word};
 
 #[cfg(test)]
@@ -68,8 +69,9 @@ impl Places {
 pub trait Chip {
     /// A frame that has been received, and what the counter for stamps showed when it began.
     fn take(&self) -> Option<(Frame, u16)>;
-    /// Puts a frame into the controller; its place comes back, or `None` where there is none. Not to be interrupted by itself.
-    fn put(&self, frame: &Frame) -> Option<Places>;
+    /// Puts the words of a frame ([`to_send`]) into the controller; its place comes back, or `None` where there is none. Not to
+    /// be interrupted by itself.
+    fn put(&self, words: &[u32; 4]) -> Option<Places>;
     /// Places whose frame has not been sent yet.
     fn pending(&self) -> Places;
     /// Calls the frames in these places back, but for one that is on the wire already.
@@ -106,6 +108,8 @@ struct Shared {
     /// The places of the controller that were filled for a tick last. Written by the tick, and by the interrupt while it
     /// keeps the tick out.
     places: Word,
+    /// How many frames of that tick the interrupt has put in. Written as the places are.
+    done: Word,
     /// Frames may be put in: the SYNC of this tick has come, or is the board's own. Written as the places are.
     goes: Flag,
     /// The stamp of the last beat, where the board follows. Written by the tick.
@@ -135,6 +139,8 @@ pub struct TickEnd<'a> {
     follower: &'a mut Follower,
     /// The frames of the tick before had no SYNC to go behind.
     withheld: bool,
+    /// Frames of the tick before that the interrupt was to put in.
+    left: u32,
     setpoints: In<'a, Setpoint>,
 }
 
@@ -166,6 +172,7 @@ impl Rings {
             shared: Shared {
                 tick: Word::new(0),
                 places: Word::new(0),
+                done: Word::new(0),
                 goes: Flag::new(true),
                 beat: Word::new(0),
                 follows: Word::new(0),
@@ -193,6 +200,7 @@ impl Rings {
             syncs: Out(syncs_out),
             follower: &mut self.follower,
             withheld: false,
+            left: 0,
             setpoints: In(setpoints_in),
         };
         let background = BackgroundEnd {
@@ -254,7 +262,7 @@ impl TickEnd<'_> {
     /// already.
     pub fn send(&mut self, frames: &[Frame], chip: &impl Chip) -> bool {
         let left = Places(chip.pending().0 & self.shared.places.get());
-        let in_time = left.is_empty() && self.setpoints.is_empty();
+        let in_time = left.is_empty() && self.shared.done.get() == self.left;
         let tick = self.shared.tick.get().wrapping_add(1);
         self.shared.tick.set(tick);
         if !left.is_empty() {
@@ -264,12 +272,14 @@ impl TickEnd<'_> {
         let mut mine = left;
         if self.shared.goes.get()
             && let Some(sync) = frames.as_slice().first()
-            && let Some(place) = chip.put(sync)
+            && let Some(place) = chip.put(&to_send(sync))
         {
             mine.0 |= place.0;
             frames.next();
         }
         self.shared.places.set(mine.0);
+        self.shared.done.set(0);
+        self.left = frames.as_slice().len() as u32;
         for frame in frames {
             let frame = *frame;
             // There is room for two ticks.
@@ -367,37 +377,46 @@ impl BusEnd<'_> {
         let free = Places::COUNT.saturating_sub(pending.count());
         let other = pending.0 & !shared.places.get() != 0;
         let waiting = (!self.setpoints.is_empty(), !self.others.is_empty());
-        let turn = self.gate.turn(free, waiting, other, chip.since_us());
-        if turn == Turn::Nothing {
+        let frame = match self.gate.turn(free, waiting, other, chip.since_us()) {
+            Turn::Tick => self.setpoints.peek().map(|next| (next.frame, true)),
+            Turn::Other => self.others.peek().map(|next| (*next, false)),
+            Turn::Nothing => None,
+        };
+        let Some((frame, of_tick)) = frame else {
             return false;
-        }
+        };
+        let words = to_send(&frame);
+        let mut done = false;
         chip.alone(|| {
             // Else all of it is to be looked at again.
             if shared.tick.get() == now {
-                self.put(turn, chip);
+                done = shared.put(&words, of_tick, chip);
             }
         });
-        true
-    }
-
-    /// Takes the frame whose turn it is, puts it in and marks its place: the tick is kept out.
-    fn put(&mut self, turn: Turn, chip: &impl Chip) {
-        let of_tick = turn == Turn::Tick;
-        let frame = if of_tick {
-            self.setpoints.take().map(|next| next.frame)
-        } else {
-            self.others.take()
-        };
-        if let Some(frame) = frame
-            && let Some(place) = chip.put(&frame)
-        {
-            let mine = self.shared.places.get();
-            self.shared.places.set(if of_tick {
-                mine | place.0
-            } else {
-                mine & !place.0
-            });
+        // With the tick let in again, for this takes its time: what is in the controller counts by then.
+        match (done, of_tick) {
+            (true, true) => drop(self.setpoints.take()),
+            (true, false) => drop(self.others.take()),
+            (false, _) => {}
         }
+        done || shared.tick.get() != now
+    }
+}
+
+impl Shared {
+    /// Puts a frame in and marks its place; the tick is kept out. False where there is no place.
+    fn put(&self, words: &[u32; 4], of_tick: bool, chip: &impl Chip) -> bool {
+        let Some(place) = chip.put(words) else {
+            return false;
+        };
+        let mine = self.places.get();
+        if of_tick {
+            self.places.set(mine | place.0);
+            self.done.set(self.done.get().wrapping_add(1));
+        } else {
+            self.places.set(mine & !place.0);
+        }
+        true
     }
 }
 

@@ -16,6 +16,7 @@ use leadscrew_core::bus::{CobId, Frame};
 
 use super::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
 use crate::follower::Follower;
+use crate::message::received;
 use crate::shared::{interrupted_by, point};
 
 /// Microseconds of a period.
@@ -286,12 +287,13 @@ impl Chip for Handle {
         self.0.received.borrow_mut().pop_front()
     }
 
-    fn put(&self, frame: &Frame) -> Option<Places> {
+    fn put(&self, words: &[u32; 4]) -> Option<Places> {
         point();
+        let (frame, _) = received(*words).unwrap();
         let machine = &self.0;
         assert!(machine.in_tick.get() || machine.alone.get());
         let place = machine.places.borrow().iter().position(Option::is_none)?;
-        let kind = kind(frame);
+        let kind = kind(&frame);
         let (tick, other) = machine.put.get();
         match kind {
             Kind::Tick(of, which) => {
@@ -492,9 +494,11 @@ fn begin(machine: &Machine) {
     while tick.syncs.take().is_some() {}
     bus.shared.tick.set(0);
     bus.shared.places.set(0);
+    bus.shared.done.set(0);
     bus.shared.goes.set(true);
     bus.shared.beat.set(0);
     tick.withheld = false;
+    tick.left = 0;
     *tick.follower = Follower::new(0);
     let background = machine.background.borrow_mut();
     background.follow(if machine.scenario.follows { PERIOD } else { 0 });
