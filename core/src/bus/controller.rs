@@ -1,8 +1,8 @@
 //! How a CAN controller stands on its bus, as whoever owns one tells it.
 //!
-//! CAN counts errors. At 128 of either kind a controller is *error passive*: it may still speak, with less right to. At 256
-//! sending errors it is *bus-off*: it neither sends nor hears until it is started again. One that keeps its frames in a memory
-//! and cannot read it in time is *restricted*: it hears and acknowledges, and sends nothing of its own.
+//! CAN counts errors. At 128 of either kind a controller is *error passive*: it may still speak, with less right to. At
+//! 256 sending errors it is *bus-off*: it neither sends nor hears until it is started again. One that keeps its frames in
+//! a memory and cannot read it in time is *restricted*: it hears and acknowledges, and sends nothing of its own.
 
 /// The state of a controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -39,7 +39,8 @@ pub trait Machine {
     fn event(&mut self, event: &Event);
     /// How the CAN controller is.
     fn controller(&mut self) -> Controller;
-    /// Takes part in the bus again, behind bus-off or where it has stopped sending: the machine stands, and its drives have been let go.
+    /// Takes part in the bus again, behind bus-off or where it has stopped sending: the machine stands, and its drives
+    /// have been let go.
     fn rejoin(&mut self);
     /// The application begins anew with these parameters, the time between two SYNCs among them.
     fn begin_anew(&mut self, params: &Params);

@@ -72,7 +72,8 @@ fn word(at: usize) -> *mut u32 {
     FDCANRAM1.as_ptr().cast::<u32>().wrapping_add(at)
 }
 
-/// Puts the words of a frame into the controller; its place comes back, or `None` where there is none. Not to be interrupted by itself.
+/// Puts the words of a frame into the controller; its place comes back, or `None` where there is none. Not to be
+/// interrupted by itself.
 pub fn put(words: &[u32; 4]) -> Option<Places> {
     let state = FDCAN1.txfqs().read();
     if state.tfqf() {
@@ -103,7 +104,8 @@ pub fn take() -> Option<(Frame, u16)> {
     leadscrew_parts::received(words)
 }
 
-/// Takes note of the interrupts. True where a frame was received while there was no place for it, or could not be put there.
+/// Takes note of the interrupts. True where a frame was received while there was no place for it, or could not be put
+/// there.
 pub fn acknowledge() -> bool {
     let reasons = FDCAN1.ir().read();
     FDCAN1.ir().write_value(reasons);

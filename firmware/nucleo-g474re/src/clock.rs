@@ -6,9 +6,9 @@
 //! goes on by the other one and raises the non-maskable interrupt, which ends the
 //! program ([`flash`](crate::flash)): time is not what it was, and the bus is dead.
 //!
-//! `embassy-stm32` starts crystal and PLL, whatever ran before and left on, and stays on the crystal. The last step is taken
-//! here, register by register: above 150 MHz the core needs the voltage of its boost mode, and the crate clears another bit
-//! for that than the chip has, and resets what was set before ([`R1MODE`]). Timers and CAN controller are
+//! `embassy-stm32` starts crystal and PLL, whatever ran before and left on, and stays on the crystal. The last step is
+//! taken here, register by register: above 150 MHz the core needs the voltage of its boost mode, and the crate clears
+//! another bit for that than the chip has, and resets what was set before ([`R1MODE`]). Timers and CAN controller are
 //! given their clocks here, the ports have theirs from the crate; each has its registers in a file of its own.
 
 use embassy_stm32::Config;
@@ -110,8 +110,8 @@ fn has_crystal() -> bool {
     false
 }
 
-/// Shows that there is no crystal, until the power goes or the reset button is pressed. Interrupts are off, the watchdog has
-/// not been started, and what the board switches is off.
+/// Shows that there is no crystal, until the power goes or the reset button is pressed. Interrupts are off, the watchdog
+/// has not been started, and what the board switches is off.
 fn show_no_crystal() -> ! {
     pac::RCC.cr().modify(|w| {
         w.set_hseon(false);

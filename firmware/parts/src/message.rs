@@ -41,9 +41,9 @@ pub fn received([head, second, low, high]: [u32; 4]) -> Option<(Frame, u16)> {
     Some((Frame::new(id, bytes.get(..length)?)?, stamp))
 }
 
-/// How the controller stands on the bus, by its control register (CCCR), its protocol status (PSR) and its counters of errors
-/// (ECR). The program never asks for restricted operation: where its bit is set, the controller has set it, because it could
-/// not read its message memory.
+/// How the controller stands on the bus, by its control register (CCCR), its protocol status (PSR) and its counters of
+/// errors (ECR). The program never asks for restricted operation: where its bit is set, the controller has set it,
+/// because it could not read its message memory.
 #[must_use]
 pub const fn controller(control: u32, status: u32, errors: u32) -> Controller {
     const RESTRICTED: u32 = 1 << 2;

@@ -131,8 +131,8 @@ impl<O: OutputPin, C: InputPin> Clamp<O, C> {
         }
     }
 
-    /// M10 clamps, M11 releases; so does a reset, for the program that clamped is forgotten. With a tap in its hole the clamp
-    /// stays as it is, and nothing waits for it: the way out must stay possible.
+    /// M10 clamps, M11 releases; so does a reset, for the program that clamped is forgotten. With a tap in its hole the
+    /// clamp stays as it is, and nothing waits for it: the way out must stay possible.
     pub fn switch(&mut self, switching: Switching) {
         self.told = match switching {
             Switching::ResetInHole => {

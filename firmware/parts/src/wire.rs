@@ -7,8 +7,8 @@
 //!                          ◄──others─── background
 //! ```
 //!
-//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in by
-//! the tick itself, so that it leaves at once.
+//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in
+//! by the tick itself, so that it leaves at once.
 //!
 //! The tick may come at any instruction of the interrupt. What that has looked at is void then: a frame that was to go may
 //! have been given up, a place may be taken, SYNC may be missing again. So every tick has a number. The interrupt reads it
@@ -69,8 +69,8 @@ impl Places {
 pub trait Chip {
     /// A frame that has been received, and what the counter for stamps showed when it began.
     fn take(&self) -> Option<(Frame, u16)>;
-    /// Puts the words of a frame ([`to_send`]) into the controller; its place comes back, or `None` where there is none. Not to
-    /// be interrupted by itself.
+    /// Puts the words of a frame ([`to_send`]) into the controller; its place comes back, or `None` where there is none.
+    /// Not to be interrupted by itself.
     fn put(&self, words: &[u32; 4]) -> Option<Places>;
     /// Places whose frame has not been sent yet.
     fn pending(&self) -> Places;

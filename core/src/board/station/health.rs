@@ -17,9 +17,9 @@ const LATE_MS: u32 = 1000;
 
 impl Station {
     /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or
-    /// bus-off or restricted is a controlled stop with an alarm, which no reset clears before it is well again. One that has left the
-    /// bus, or does not send, must not be started again before [`may_rejoin`](Self::may_rejoin), and never by itself; back on the bus the
-    /// node says so, with the counters, and waits to be started anew [D124].
+    /// bus-off or restricted is a controlled stop with an alarm, which no reset clears before it is well again. One that
+    /// has left the bus, or does not send, must not be started again before [`may_rejoin`](Self::may_rejoin), and never
+    /// by itself; back on the bus the node says so, with the counters, and waits to be started anew [D124].
     pub fn set_controller(&mut self, controller: Controller, params: &Params) {
         let before = core::mem::replace(&mut self.controller, controller).state;
         if !self.has_joined() || before == controller.state {

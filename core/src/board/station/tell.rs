@@ -9,8 +9,8 @@ use crate::alarm::Code;
 use crate::bus::{Emcy, Frame, Periods};
 use crate::params::Params;
 
-/// Emergency codes of CiA 301: "voltage inside the device", "device hardware", "internal software", "CAN in error passive mode", "heartbeat
-/// error", "recovered from bus-off".
+/// Emergency codes of CiA 301: "voltage inside the device", "device hardware", "internal software", "CAN in error passive
+/// mode", "heartbeat error", "recovered from bus-off".
 const VOLTAGE: u16 = 0x3200;
 const HARDWARE: u16 = 0x5000;
 const SOFTWARE: u16 = 0x6100;

@@ -244,8 +244,8 @@ impl Machine {
         self.syncs.borrow().contains(&beat)
     }
 
-    /// Before the controller is asked for what it has received: a SYNC may be there, for this beat or the next. That for the
-    /// next has begun shortly before it, that for this one behind it.
+    /// Before the controller is asked for what it has received: a SYNC may be there, for this beat or the next. That for
+    /// the next has begun shortly before it, that for this one behind it.
     fn hears(&self) {
         if !self.scenario.follows {
             return;
