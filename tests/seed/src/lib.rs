@@ -2,8 +2,9 @@
 //! own, whose cases stay, and with the seed of the commit, whose cases no commit before has tried.
 //!
 //! The commit's seed is the beginning of its hash. It stays the same while a change is being made, so that a failure is
-//! still there after an attempt to mend it. `LEADSCREW_SEED` takes its place: that is how a failure is repeated, and a test
-//! that fails says the command. Outside git the seed is a fixed one; `cargo xtask test` prints the seed and where it is from.
+//! still there after an attempt to mend it. `LEADSCREW_SEED` takes its place: that is how a failure is repeated, and a
+//! test that fails says the command. Outside git the seed is a fixed one; `cargo xtask test` prints the seed and where it
+//! is from.
 
 use std::fmt;
 use std::process::Command;

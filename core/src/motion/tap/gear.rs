@@ -78,9 +78,9 @@ impl Gear {
         if self.downwards { -way } else { way }
     }
 
-    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. What is
-    /// rounded may be too large by 2⁻⁶¹ of itself, so what is that near to the next 2⁻³² is that. No division: made for the
-    /// tick.
+    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. What
+    /// is rounded may be too large by 2⁻⁶¹ of itself, so what is that near to the next 2⁻³² is that. No division: made for
+    /// the tick.
     #[must_use]
     pub fn turns(&self, position: Position) -> Turns {
         let way = (self.axis.of(position) - self.level).nm();
