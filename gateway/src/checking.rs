@@ -285,8 +285,8 @@ impl Checker<'_> {
         }
     }
 
-    /// A feed per minute goes on whether the spindle turns or not; one per turn, and a thread, would not [D199]. Told is the
-    /// first of those that follow each other.
+    /// A feed per minute goes on whether the spindle turns or not; one per turn, and a thread, would not [D199]. Told
+    /// is the first of those that follow each other.
     fn mind_spindle(&mut self, call: &Call, inch: bool) {
         let at = self.at;
         let feed = match &call.kind {

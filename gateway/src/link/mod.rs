@@ -395,8 +395,8 @@ impl Link {
         Ok(())
     }
 
-    /// The board has said nothing for too long, and nothing of it waits to be heard; or somebody has stopped it, and it says
-    /// nothing but heartbeats.
+    /// The board has said nothing for too long, and nothing of it waits to be heard; or somebody has stopped it, and it
+    /// says nothing but heartbeats.
     ///
     /// # Errors
     /// [`Trouble::Lost`], [`Trouble::Stopped`]; the bus is gone.

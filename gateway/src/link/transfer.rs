@@ -1,9 +1,9 @@
 //! Whole values to and from objects of the board, and of the drives.
 //!
 //! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
-//! transfer. So clients listen for each other and take turns [D111], [D198]: who has had the last transfer, or has only just
-//! come, waits longer for silence than who has not, and that one longer than who has been disturbed. What is not answered
-//! at all, without anybody else being heard, is asked four times more, and is an error then.
+//! transfer. So clients listen for each other and take turns [D111], [D198]: who has had the last transfer, or has only
+//! just come, waits longer for silence than who has not, and that one longer than who has been disturbed. What is not
+//! answered at all, without anybody else being heard, is asked four times more, and is an error then.
 //!
 //! What this side has not listened to is no silence: where it stood still itself, what came meanwhile is heard before the
 //! board is late [D178].

@@ -567,8 +567,8 @@ impl Runner<'_> {
     }
 
     /// The board has sent a boot-up message. That says nothing of the machine: after somebody's NMT reset of the
-    /// communication everything goes on, and after a loss of power the program is gone. So the board is asked (5001h) before
-    /// a word is said [D196].
+    /// communication everything goes on, and after a loss of power the program is gone. So the board is asked (5001h)
+    /// before a word is said [D196].
     fn after_boot_up(&mut self, under_way: &UnderWay, drives: &DriveNodes) -> Outcome {
         let UnderWay { feeder, feed, .. } = under_way;
         let now = self.link.status()?;
