@@ -148,7 +148,7 @@ fn a_drive_that_fails_in_the_hole_stops_the_others() {
     }
 }
 
-/// A spindle that does not turn with its tap is an alarm that names its drive. When it comes loose it stays where it stands:
+/// A spindle that does not turn with its tap is an alarm that names its drive. When it comes loose it stays where it is:
 /// nobody tells it to be elsewhere any more, and the reset does not either.
 #[test]
 fn a_spindle_that_stands_in_the_hole_is_an_alarm_and_does_not_leap() {
