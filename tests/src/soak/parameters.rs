@@ -27,6 +27,16 @@ const REFUSALS: [Abort; 4] = [
     Abort::Incompatible,
 ];
 
+/// What a damaged image may be refused with: a bit that says how long a number is moves the end of the image.
+const DAMAGE: [Abort; 6] = [
+    Abort::Value,
+    Abort::TooHigh,
+    Abort::TooLow,
+    Abort::Incompatible,
+    Abort::Crc,
+    Abort::Length,
+];
+
 /// 5010h:02: a set is being stored.
 const STORING: u64 = 1;
 /// 5010h:02: it is stored and in force.
@@ -163,9 +173,7 @@ impl Shift {
             ImageWriter::new(&params).read(0, &mut image);
             let place = bench.random.within(0, image.len() as i64 - 1) as usize;
             image[place] ^= 1 << bench.random.within(0, 7);
-            // A bit of a number's length moves the end of the image.
-            let refusals = [&REFUSALS[..], &[Abort::Crc, Abort::Length]].concat();
-            bench.write(IMAGE, &image, &refusals)
+            bench.write(IMAGE, &image, &DAMAGE)
         } else {
             let tolerance = Object::new(0x2000 + 9007, 0);
             let value = bench.random.of(&[0_u8, 51, 200, 255]);
@@ -175,5 +183,48 @@ impl Shift {
             matches!(outcome, Err(SdoError::Refused(_))),
             "taken: {outcome:?}"
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use leadscrew_board_sim::Sim;
+    use leadscrew_board_sim::plant::PlantOptions;
+    use leadscrew_core::link::{ImageError, ImageReader};
+
+    use super::super::bench::Wire;
+    use super::*;
+    use crate::random::Random;
+
+    /// Of each kind of damage that one bit does, the first place.
+    #[test]
+    fn an_image_with_a_wrong_bit_is_refused_at_once_whatever_the_bit_says() {
+        let (params, options) = (Params::slant_bed(), PlantOptions::default());
+        let sim = Sim::new(&params, &options).expect("the machine starts");
+        let mut bench = Bench::new(Random(1), sim, params.clone(), options, Wire::default());
+        bench.until("the node", 100, |bench| bench.says(BoardState::Idle));
+        let mut whole = [0; ImageWriter::BYTES as usize];
+        ImageWriter::new(&params).read(0, &mut whole);
+        let mut seen: [Option<Abort>; 4] = [None; 4];
+        for bit in 0..whole.len() * 8 {
+            let mut image = whole;
+            image[bit / 8] ^= 1 << (bit % 8);
+            let mut reader = ImageReader::new();
+            let mut draft = params.clone();
+            let read = reader
+                .take(&image, &mut draft)
+                .and_then(|()| reader.finish(&draft));
+            let (kind, abort) = match read.expect_err("a wrong bit") {
+                ImageError::Table(_) => (0, Abort::Incompatible),
+                ImageError::Length => (1, Abort::Length),
+                ImageError::Checksum => (2, Abort::Crc),
+                ImageError::Range(_) => (3, Abort::Value),
+            };
+            if seen[kind].replace(abort).is_none() {
+                let refused = Err(SdoError::Refused(abort.code()));
+                assert_eq!(bench.write(IMAGE, &image, &DAMAGE), refused, "bit {bit}");
+            }
+        }
+        assert!(seen[1].is_some(), "no bit moves the end: {seen:?}");
     }
 }
