@@ -2,7 +2,7 @@
 //! before anything moves.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::cycle::{Move, MoveKind, Moves};
+use leadscrew_core::cycle::{GrooveMoves, Move, MoveKind, Moves};
 use leadscrew_core::program::{
     Aux, Call, CallKind, Event, FeedRate, Position, SpindleCall, SpindleChoice, SpindleMode,
     TapCall, TapCycle, TapRepeat, ThreadCall, ThreadCycle,
@@ -247,8 +247,8 @@ impl Checker<'_> {
         }
         self.mind_spindle(call, inch);
         let params = &self.setup.params;
-        let within = feasible::within_limits(moves, self.at, params);
-        let time = feasible::time(moves, self.at, params);
+        let within = feasible::within_limits(&moves, self.at, params);
+        let time = feasible::time(&moves, self.at, params);
         // Whoever stands beyond a limit has been told of the move that went there.
         if let Err(alarm) = within
             && moves.into_iter().any(|step| step.to != self.at)
@@ -266,13 +266,21 @@ impl Checker<'_> {
         };
         match &call.kind {
             CallKind::Thread(thread) => self.thread(thread, call.span, time_us, inch),
-            CallKind::Groove(_) => self.passes(call.span, "G75", &moves, time_us),
+            CallKind::Groove(groove) => {
+                if let Some(warning) = feasible::groove_warning(groove) {
+                    self.tell(&warning, inch);
+                }
+            }
             CallKind::Tap(tap) => self.tap(tap, call.span, time_us, inch),
             _ => {
                 if let Err(alarm) = feasible::tap_spindle(call, self.setup.signals, params) {
                     self.tell(&alarm, inch);
                 }
             }
+        }
+        if let Moves::Groove(groove) = &moves {
+            // A cycle ends where it began.
+            return self.groove(groove, call.span, time_us);
         }
         for step in moves {
             self.report.moves += 1;
@@ -309,13 +317,19 @@ impl Checker<'_> {
         }
     }
 
-    /// A cycle whose passes are its columns or holes.
-    fn passes(&mut self, span: Span, cycle: &'static str, moves: &Moves, time_us: i64) {
-        let tags = (*moves).filter_map(|step| step.tag);
+    /// A groove: the moves that differ, and how often each comes.
+    fn groove(&mut self, groove: &GrooveMoves, span: Span, time_us: i64) {
+        let report = &mut self.report;
+        let counted = groove.tally(&mut |from, step, times| {
+            report.moves += times;
+            report.path_nm += length::nanometres(from, step) * times as f64;
+            Ok(())
+        });
+        debug_assert_eq!(counted, Ok(()));
         self.keep(CycleReport {
             line: span.line,
-            cycle,
-            passes: tags.map(|tag| tag.pass).max().unwrap_or(0),
+            cycle: "G75",
+            passes: u32::try_from(groove.totals().columns).unwrap_or(u32::MAX),
             tap_speed: None,
             tap_lead_in_nm: None,
             thread: None,

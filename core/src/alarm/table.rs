@@ -385,6 +385,14 @@ codes! {
     /// L = 0.
     CycleStartsRange = 4111, "a thread has at least one start", "write L1 to L99, or leave L out",
         "螺纹至少有一个头", "请写 L1 至 L99，或省略 L";
+    /// Infeeds of a column, columns, and the most of both together.
+    TooManyGrooveInfeeds = 4112, "the groove would take {0} infeeds in each of {1} columns, and may take {2} altogether",
+        "write a larger P (infeed) or Q (step along Z); without a point and with 182.7 = 0 they count input increments, not millimetres",
+        "切槽每列进刀 {0} 次，共 {1} 列，总次数超过 {2}", "请增大 P（每次进刀量）或 Q（Z 向步距）；182.7 = 0 时它们以最小输入增量为单位，不是毫米";
+    /// An infeed of a groove, its retract, and how many infeeds that may be at most; on the radius.
+    GrooveRetractTooLong = 4113, "each infeed of the groove is {0} on the radius, and each retract R(e) of {1} takes back more than {2} of them",
+        "write a larger P (with 182.7 = 0 it counts input increments, not millimetres), or a smaller R in the block before",
+        "切槽每次进刀 {0}（半径值），而每次退刀 R(e) 为 {1}，超过进刀量的 {2} 倍", "请增大 P（182.7 = 0 时以最小输入增量为单位，不是毫米），或减小前一段的 R";
     /// A hole with too many infeeds; {0} the limit.
     TooManyPecks = 4130, "the hole would take more than {0} infeeds", "write a larger Q", "孔的进刀次数超过 {0}", "请增大 Q";
     /// A tap call that cannot be; for calls that no program made.
@@ -871,6 +879,10 @@ codes! {
     ReliefInSlot = 4920, "the relief of {0} at the bottom has no room in the first column of a groove",
         "leave R out of the block with X, unless the material beside the first column is gone",
         "槽底退刀 {0}：第一列没有退刀空间", "请在含 X 的程序段中省略 R，除非第一列旁边已无材料";
+    /// An infeed of a groove, and its retract; on the radius.
+    GrooveRetractLong = 4921, "each infeed of the groove is {0} on the radius, and each retract R(e) takes back {1}: more than it",
+        "write a larger P, or a smaller R in the block before (without one: parameter 056)",
+        "切槽每次进刀 {0}（半径值），而每次退刀 R(e) 为 {1}，大于进刀量", "请增大 P，或减小前一段的 R（未写 R 时为参数 056）";
 
     // -- 4940–4959 warnings: feasible/, motion/, spindle/ --------------------------------------------------------------
     /// The tool has to start far away to be on the lead at the material.

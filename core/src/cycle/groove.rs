@@ -14,17 +14,17 @@ use crate::units::Length;
 /// at A. Nothing can fail once it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct GrooveMoves {
-    call: GrooveCall,
+    pub(super) call: GrooveCall,
     /// Δi with the direction of the infeed.
-    peck: Length,
+    pub(super) peck: Length,
     /// Δk with the direction from A to D; zero where there is one column.
-    step: Length,
+    pub(super) step: Length,
     /// e, against the infeed.
-    retract: Length,
+    pub(super) retract: Length,
     /// Δd with its direction.
-    relief: Length,
+    pub(super) relief: Length,
     /// The last move: it ends where the tool is.
-    made: Move,
+    pub(super) made: Move,
     next: Next,
     /// Deepest target of the column so far.
     target: Length,
@@ -50,7 +50,8 @@ impl GrooveMoves {
     /// The moves of `call`, whose G word stands at `span`.
     ///
     /// # Errors
-    /// No depth (4109), no P, or no Q where the last column is not the first (0319), lengths out of range (4110).
+    /// No depth (4109), no P, or no Q where the last column is not the first (0319), lengths out of range (4110), more
+    /// infeeds (4112) or a longer retract (4113) than a groove has.
     pub fn new(call: &GrooveCall, span: Span) -> Result<Self, Alarm> {
         refuse_groove(call, span)?;
         Ok(Self::of(call, span))
@@ -201,7 +202,7 @@ impl core::iter::FusedIterator for GrooveMoves {}
 
 /// `value`, or `bound` where going in `direction` (not zero, or `value` is the bound) has passed it.
 #[cfg_attr(feature = "small", inline(never))]
-fn clip(value: Length, bound: Length, direction: Length) -> Length {
+pub(super) fn clip(value: Length, bound: Length, direction: Length) -> Length {
     if direction < Length::ZERO {
         value.max(bound)
     } else {

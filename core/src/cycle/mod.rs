@@ -7,6 +7,7 @@ mod check;
 mod depth;
 mod expand;
 mod groove;
+mod groove_count;
 mod helix;
 mod moves;
 mod refuse;
@@ -19,6 +20,7 @@ mod thread;
 
 pub use expand::{Context, Moves, expand};
 pub use groove::GrooveMoves;
+pub use groove_count::GrooveCount;
 pub use moves::*;
 pub(crate) use refuse::refuse_tap;
 pub use tap::TapMoves;

@@ -1,6 +1,7 @@
 //! Calls that geometry forbids: words that contradict each other. Knows nothing of passes and moves.
 
 use super::check::{blame, groove_ranges, tap_ranges, thread_ranges};
+use super::groove_count::GrooveCount;
 use super::shape::is_long_x;
 use super::slope::HalfAngle;
 use super::taper::scaled;
@@ -13,6 +14,12 @@ use crate::units::{Diameter, Length, signed_product};
 
 /// Most infeeds of a hole.
 const INFEEDS: i64 = 9999;
+
+/// Most infeeds of a groove, those of all its columns together.
+const GROOVE_INFEEDS: u64 = 99_999;
+
+/// How many infeeds a retract of a groove takes back at most.
+const RETRACT_INFEEDS: i64 = 10;
 
 /// Refuses a thread that cannot be, whatever its passes.
 #[inline(never)]
@@ -136,10 +143,33 @@ pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> 
         return Err(blame(Code::GrooveWithoutDepth, span, word, b'X'));
     }
     heed!(step(&call.peck, b'P', span));
-    if call.end_z.value == call.start.z {
-        return Ok(());
+    if call.end_z.value != call.start.z {
+        heed!(step(&call.step, b'Q', span));
     }
-    step(&call.step, b'Q', span)
+    let count = GrooveCount::of(call);
+    let (infeeds, columns) = (count.infeeds, count.columns);
+    if infeeds.saturating_mul(columns) > GROOVE_INFEEDS {
+        let (word, letter) = if infeeds >= columns {
+            (&call.peck, b'P')
+        } else {
+            (&call.step, b'Q')
+        };
+        let word = word.map_or_else(Span::default, |word| word.span);
+        let figures = [infeeds, columns, GROOVE_INFEEDS].map(|count| Arg::Int(count as i64));
+        return Err(blame(Code::TooManyGrooveInfeeds, span, &word, letter).with(figures));
+    }
+    let (Some(peck), retract) = (&call.peck, call.retract.value) else {
+        return Ok(());
+    };
+    if infeeds > 1 && retract > peck.value.times(RETRACT_INFEEDS) {
+        let figures = [
+            Arg::Length(peck.value),
+            Arg::Length(retract),
+            Arg::Int(RETRACT_INFEEDS),
+        ];
+        return Err(blame(Code::GrooveRetractTooLong, span, &peck.span, b'P').with(figures));
+    }
+    Ok(())
 }
 
 /// Refuses a peck or step that has to be there and is not.

@@ -1,17 +1,27 @@
 //! Travel limits (parameters 1320 and 1321): every end of a move, and how far an arc bulges.
 
+use super::groove::groove_within_limits;
 use crate::alarm::{Alarm, Arg, Code, Span, heed};
-use crate::cycle::{Move, MoveKind};
+use crate::cycle::{Move, MoveKind, Moves};
 use crate::params::Params;
 use crate::program::Position;
 use crate::units::plane::{self, Vector, ahead, side};
 use crate::units::{Angle, Axis, Diameter, Length, signed, size};
 
-/// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis.
+/// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis. A groove takes as
+/// long as any other, whatever its columns and infeeds.
 ///
 /// # Errors
 /// [`Code::SoftLimit`] with the axis, where it would go and its limit (machine coordinates).
-pub fn within_limits(
+pub fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
+    match moves {
+        Moves::Groove(groove) => groove_within_limits(groove, params),
+        _ => each_within_limits(*moves, from, params),
+    }
+}
+
+/// The same move by move.
+pub(super) fn each_within_limits(
     moves: impl Iterator<Item = Move>,
     from: Position,
     params: &Params,
@@ -40,7 +50,7 @@ pub fn within_limits(
 }
 
 #[inline(never)]
-fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
+pub(super) fn inside(at: Position, span: Span, params: &Params) -> Result<(), Alarm> {
     for axis in Axis::ALL {
         let value = match axis {
             Axis::X => at.x.nm(),

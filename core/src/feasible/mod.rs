@@ -6,6 +6,7 @@
 
 mod encoder;
 mod float;
+mod groove;
 mod limits;
 mod pass;
 mod tap;
@@ -15,6 +16,7 @@ mod thread;
 mod time;
 
 pub use float::TapJoin;
+pub use groove::groove_warning;
 pub use limits::within_limits;
 pub use tap::{TapReport, tap, tap_return, tap_spindle};
 pub(crate) use tap::{tap_can_begin, tap_strokes};

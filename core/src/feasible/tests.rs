@@ -4,6 +4,8 @@ extern crate std;
 
 use std::vec::Vec;
 
+use super::limits::each_within_limits;
+use super::time::time_of_each;
 use super::*;
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::cycle::{Move, MoveKind, ThreadMoves};
@@ -309,7 +311,7 @@ fn time_of_a_cycle() {
     let params = Params::default();
     let call = o0013(300);
     let moves = ThreadMoves::new(&call, Span::default()).unwrap();
-    let took = time(moves, call.start, &params).unwrap();
+    let took = time_of_each(moves, call.start, &params).unwrap();
     // Six strokes of 70 to 71 mm at 30 mm/s and half a turn each, and the way back.
     assert!((14.5..20.0).contains(&took.as_secs_f64()), "{took:?}");
     let dwell = Move {
@@ -318,7 +320,7 @@ fn time_of_a_cycle() {
         kind: MoveKind::Dwell(Millis::new(1500)),
         tag: None,
     };
-    let took = time([dwell].into_iter(), call.start, &params).unwrap();
+    let took = time_of_each([dwell].into_iter(), call.start, &params).unwrap();
     assert_eq!(took.as_millis(), 1500);
 }
 
@@ -331,7 +333,7 @@ fn travel_limits() {
         kind: MoveKind::Rapid,
         tag: None,
     };
-    let go = |to| within_limits([rapid(to)].into_iter(), Position::default(), &params);
+    let go = |to| each_within_limits([rapid(to)].into_iter(), Position::default(), &params);
     assert_eq!(go(point(300 * MM, -1000 * MM)), Ok(()));
     let alarm = go(point(0, 1000 * MM + 1)).unwrap_err();
     assert_eq!(alarm.code, Code::SoftLimit);
@@ -372,7 +374,7 @@ fn arcs_bulge_beyond_their_ends() {
             kind,
             tag: None,
         };
-        within_limits([one].into_iter(), from, &params).is_ok()
+        each_within_limits([one].into_iter(), from, &params).is_ok()
     };
     let (top, right) = (point(299 * MM, 0), point(289 * MM, 10 * MM));
     let left = point(289 * MM, -10 * MM);

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::pass::Gather;
 use crate::alarm::Alarm;
-use crate::cycle::{Move, MoveKind};
+use crate::cycle::{Move, MoveKind, Moves};
 use crate::motion::{Limits, ThreadPlan, float_ticks, plan, stroke};
 use crate::params::Params;
 use crate::program::{Position, TapMode};
@@ -16,6 +16,27 @@ const BETWEEN_PASSES: u64 = 3;
 /// In 2⁻³² turns.
 const HALF_TURN: u64 = 1 << 31;
 
+/// The time of the moves of a call, the first of which begins at `from`, at full override. A groove is counted by the
+/// moves that differ: it takes no longer for many columns and infeeds than for few.
+///
+/// # Errors
+/// What the planner refuses.
+pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, Alarm> {
+    let Moves::Groove(groove) = moves else {
+        return time_of_each(*moves, from, params);
+    };
+    let limits = Limits::from_params(params);
+    let tick = u64::from(limits.tick_us());
+    let mut ticks = 0_u64;
+    groove.tally(&mut |from, step, times| {
+        let timed = plan::timed(*from, step, &limits)?;
+        let each = timed.map_or(0, |timed| timed.duration_ticks());
+        ticks = ticks.saturating_add(each.saturating_mul(times));
+        Ok(())
+    })?;
+    Ok(Duration::from_micros(ticks.saturating_mul(tick)))
+}
+
 /// The time of `moves`, the first of which begins at `from`, at full override: exact for moves that time drives; a thread
 /// counts its turns at the commanded speed and the wait for its start angle, which is half a turn for the first pass and
 /// follows from the pass before for the others; an ordinary tap counts the ramps its spindle is planned with; a change of
@@ -23,7 +44,7 @@ const HALF_TURN: u64 = 1 << 31;
 ///
 /// # Errors
 /// What the planner refuses.
-pub fn time(
+pub(super) fn time_of_each(
     moves: impl Iterator<Item = Move>,
     from: Position,
     params: &Params,

@@ -3,6 +3,7 @@
 
 mod alarms;
 mod build;
+mod counted;
 mod examples;
 mod random;
 mod reference;

@@ -446,7 +446,7 @@ fn cut_in_modes_end_at_one_z_and_agree_without_an_angle() {
     });
 }
 
-fn groove(r: &mut Random) -> GrooveCall {
+pub fn groove(r: &mut Random) -> GrooveCall {
     let lsb = r.of(&[50, 500, 127, 1270]);
     let (x_a, z_a) = (
         r.length(-50_000, 90_000, lsb),
@@ -459,6 +459,7 @@ fn groove(r: &mut Random) -> GrooveCall {
         r.sign() * r.length(10, 60_000, lsb)
     };
     let written = width != 0 || r.chance(50);
+    let peck = r.length(100, 20_000, lsb).max(depth.abs() / 200).max(lsb);
     GrooveCall {
         start: Position {
             x: len(x_a),
@@ -468,10 +469,7 @@ fn groove(r: &mut Random) -> GrooveCall {
         end_x: at(len(x_a + depth)),
         end_z: at(len(z_a + width)),
         z_written: written,
-        peck: Some(at(len(r
-            .length(100, 20_000, lsb)
-            .max(depth.abs() / 200)
-            .max(lsb)))),
+        peck: Some(at(len(peck))),
         step: (width != 0 || r.chance(50)).then(|| {
             at(len(r
                 .length(100, 20_000, lsb)
@@ -486,7 +484,8 @@ fn groove(r: &mut Random) -> GrooveCall {
         retract: at(len(if r.chance(20) {
             0
         } else {
-            r.length(0, 3000, lsb)
+            // More than ten infeeds is refused.
+            r.length(0, 3000, lsb).min(10 * peck)
         })),
         feed: FeedRate::PerMinute(Feed::from_nm_per_min(1_000_000)),
     }
@@ -592,7 +591,8 @@ fn wild_calls_are_refused_or_cut() {
                 }
             }
             if let Ok(moves) = GrooveMoves::new(&call, place(1)) {
-                // Some of these have 10¹³ moves; a few show that nothing overflows.
+                let count = moves.totals();
+                assert!(count.infeeds * count.columns <= 99_999, "{call:?}");
                 assert!(moves.take(50).count() >= 2);
             }
         }

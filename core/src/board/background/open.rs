@@ -163,7 +163,7 @@ fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(
 
 #[inline(never)]
 fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
-    feasible::within_limits(&mut moves.clone(), from, params)
+    feasible::within_limits(moves, from, params)
 }
 
 /// How many segments may be left in the queue when a call is taken up. The override of a thread cycle is that of its

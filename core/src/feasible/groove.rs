@@ -1,0 +1,52 @@
+//! Grooves: travel by the ends of what repeats, and what is worth a word to whoever wrote it.
+
+use super::limits::inside;
+use crate::alarm::{Alarm, Arg, Code, heed};
+use crate::cycle::GrooveMoves;
+use crate::params::Params;
+use crate::program::{GrooveCall, Position};
+use crate::units::{Axis, Length};
+
+/// What [`super::within_limits`] gives for the moves of a groove one after the other, without making them. Infeeds go one
+/// way and so do columns: what leaves the travel first is the first infeed, the retract from it, the first infeed or the
+/// first column beyond a limit, the relief of the first column, or the start level.
+pub(super) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Result<(), Alarm> {
+    let (call, span) = (groove.call(), groove.span());
+    let start = call.start;
+    let to = |x, z| inside(Position { x, z, ..start }, span, params);
+    // The limit that lies ahead of a way.
+    let ahead = |axis, way: Length| {
+        Length::from_nm(if way > Length::ZERO {
+            params.soft_limit_plus(axis)
+        } else {
+            params.soft_limit_minus(axis)
+        })
+    };
+    let first = groove.infeed_end(1);
+    heed!(to(first, start.z));
+    if groove.totals().infeeds > 1 {
+        heed!(to(groove.retract_end(first), start.z));
+    }
+    let limit = ahead(Axis::X, call.end_x.value - start.x);
+    let beyond = groove.infeed_beyond(limit);
+    heed!(to(groove.infeed_end(beyond), start.z));
+    let aside = groove.relief_end(start.z);
+    heed!(to(call.end_x.value, aside));
+    heed!(to(start.x, aside));
+    let limit = ahead(Axis::Z, call.end_z.value - start.z);
+    let beyond = groove.column_beyond(limit);
+    to(start.x, groove.column_at(beyond))
+}
+
+/// The warning of a groove whose retract takes back more than an infeed: nothing breaks, and time is lost; mostly P was
+/// meant otherwise.
+#[must_use]
+pub fn groove_warning(call: &GrooveCall) -> Option<Alarm> {
+    let (peck, retract) = (call.peck?, call.retract.value);
+    let pecks = (call.end_x.value - call.start.x).abs() > peck.value;
+    (pecks && retract > peck.value).then(|| {
+        Alarm::new(Code::GrooveRetractLong, peck.span)
+            .word(b'P')
+            .with([Arg::Length(peck.value), Arg::Length(retract)])
+    })
+}
