@@ -13,7 +13,6 @@ use leadscrew_core::{cycle, feasible};
 use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
-use crate::interrupt;
 use crate::json::Json;
 use crate::length;
 use crate::number;
@@ -128,9 +127,6 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
         spindle: Spindle::at_start(setup),
     };
     loop {
-        if interrupt::requested() {
-            return Err(Failure::Interrupted);
-        }
         let next = program
             .next_event()
             .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;

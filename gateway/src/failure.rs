@@ -32,11 +32,16 @@ pub enum Failure {
     MachineBecause(Both),
     /// The user interrupted; the machine has been stopped.
     Interrupted,
+    /// The user interrupted what moves nothing.
+    Ended,
     /// Whoever read standard output has had enough (`| head`).
     ReaderGone,
 }
 
 impl Failure {
+    /// The exit code of an interruption, whatever signal it came by.
+    pub const INTERRUPTED: u8 = 130;
+
     /// A file that could not be read or written.
     pub fn file(doing: Doing, path: impl fmt::Display, error: &io::Error) -> Self {
         let reason = reason(error, doing);
@@ -84,8 +89,9 @@ impl Failure {
             Self::Bus(text) => (3, Some(text.get(lang))),
             Self::Machine => (4, None),
             Self::MachineBecause(text) => (4, Some(text.get(lang))),
+            Self::Ended => (Self::INTERRUPTED, Some(pick(lang, "interrupted", "已中断"))),
             Self::Interrupted => (
-                130,
+                Self::INTERRUPTED,
                 Some(pick(
                     lang,
                     "interrupted; the machine has been brought to a stop",
@@ -109,16 +115,30 @@ impl Failure {
     /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result,
     /// which is this failure where nothing has been written there.
     pub fn report(&self, lang: Lang, json: bool) -> ExitCode {
-        let (code, text) = self.told(lang);
-        if let Some(text) = text {
-            // A closed standard error leaves nobody to tell.
-            let _ = writeln!(io::stderr(), "{}{text}", pick(lang, "error: ", "错误："));
-        }
+        let code = self.tell(lang);
         if json && *self != Self::ReaderGone && !output::is_written() {
             // Standard output that cannot be written has been told of, or is what is told.
             let _ = output::json(|json| self.fields(lang, json));
         }
         ExitCode::from(code)
+    }
+
+    /// The same as the last that this process says, while it may be saying something else: that comes to its end.
+    pub fn report_last(&self, lang: Lang, json: bool) {
+        self.tell(lang);
+        if json {
+            output::last_json(|json| self.fields(lang, json));
+        }
+    }
+
+    /// For a person.
+    fn tell(&self, lang: Lang) -> u8 {
+        let (code, text) = self.told(lang);
+        if let Some(text) = text {
+            // A closed standard error leaves nobody to tell.
+            let _ = writeln!(io::stderr(), "{}{text}", pick(lang, "error: ", "错误："));
+        }
+        code
     }
 }
 
@@ -140,8 +160,30 @@ impl Doing {
     }
 }
 
+/// Why a file is not taken, where that is no word of the system's.
+#[derive(Debug)]
+struct Unreadable(Both);
+
+impl fmt::Display for Unreadable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.en)
+    }
+}
+
+impl std::error::Error for Unreadable {}
+
+/// An error of reading with words of its own.
+#[must_use]
+pub fn unreadable(why: Both) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, Unreadable(why))
+}
+
 /// The system's words without its error number.
 fn reason(error: &io::Error, doing: Doing) -> Both {
+    let inner = error.get_ref().and_then(|inner| inner.downcast_ref());
+    if let Some(Unreadable(why)) = inner {
+        return why.clone();
+    }
     match (error.kind(), doing) {
         (io::ErrorKind::NotFound, Doing::Read) => both!("there is no such file", "没有这个文件"),
         // A file that is written is made: what is missing is where it would be.

@@ -11,7 +11,7 @@ use crate::cli::Drive;
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
 use crate::feeder::{Feeder, placed};
-use crate::interrupt;
+use crate::interrupt::{self, UnderWay};
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::threads::Threads;
@@ -107,6 +107,7 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Outcome<Ended> {
     let mut sim = power_up(setup, drive)?;
+    interrupt::defer(UnderWay::Computed);
     let ended = carry_out(&mut sim, setup, source, observer);
     // Whatever has happened: what is stored is stored.
     if let Some((state, _)) = &setup.kept {

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use leadscrew::{cli, commands, mistyped};
+use leadscrew::{cli, commands, interrupt, mistyped};
 
 fn main() -> ExitCode {
     let typed: Vec<_> = std::env::args_os().collect();
@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return mistyped::report(&error, &typed),
     };
+    interrupt::watch(cli.global.lang(), cli.global.json);
     match commands::dispatch(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(cli.global.lang(), cli.global.json),

@@ -3,18 +3,36 @@
 
 use std::io::{self, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 
 /// One for the process, as standard output is.
 static WRITTEN: AtomicBool = AtomicBool::new(false);
+/// Whoever has it writes.
+static TURN: Mutex<()> = Mutex::new(());
 
 /// Writes to standard output.
 ///
 /// # Errors
 /// Standard output that cannot be written, or that nobody reads any more.
 pub fn write(bytes: &[u8]) -> Outcome {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    put(bytes)
+}
+
+/// Writes one object as a line where nothing has been written, and lets nobody write any more.
+pub fn last_json(fill: impl FnOnce(&mut Json)) {
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    if !is_written() {
+        // Nobody is left to tell that it cannot be written.
+        let _ = put(&line(fill));
+    }
+    std::mem::forget(turn);
+}
+
+fn put(bytes: &[u8]) -> Outcome {
     WRITTEN.store(true, Ordering::Relaxed);
     let mut to = io::stdout().lock();
     let written = to.write_all(bytes).and_then(|()| to.flush());

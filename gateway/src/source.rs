@@ -1,13 +1,14 @@
 //! Programs as text: read in pieces, and read again where a message wants to show a line. Mostly files; what a command
 //! carries out of itself is a text in memory.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, unreadable};
 use crate::words::both;
 
 /// Where the first line begins.
@@ -16,14 +17,54 @@ const FIRST: (u32, u64) = (1, 0);
 /// Longest line that is shown in a message.
 const SHOWN: u64 = 4096;
 
+/// Most of a pipe that is kept.
+const KEPT: usize = 1 << 24;
+
 /// A program. Of a file nothing is kept in memory.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
     path: PathBuf,
     text: Option<Arc<[u8]>>,
+    /// What is no file on a disk is opened once, and what came of it is kept: it would not come again.
+    pipe: RefCell<Option<Shared>>,
     /// The line that was shown last, and the byte that it begins with: messages come in the order of the program, and a
     /// long one is not read from its beginning for each of them.
     shown: Cell<(u32, u64)>,
+}
+
+/// A pipe, and what has come out of it.
+#[derive(Debug)]
+struct Pipe {
+    from: File,
+    kept: Vec<u8>,
+    /// Bytes that have come.
+    came: u64,
+}
+
+type Shared = Rc<RefCell<Pipe>>;
+
+impl Pipe {
+    /// What stands at byte `at` and behind it.
+    fn read(&mut self, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
+        if at < self.came {
+            let at = usize::try_from(at).unwrap_or(usize::MAX);
+            let Some(kept) = self.kept.get(at..).filter(|kept| !kept.is_empty()) else {
+                return Err(unreadable(both!(
+                    "it comes from a pipe, is read twice, and is longer than the {KEPT} bytes that are kept: save it to a file first",
+                    "它来自管道，需要读两遍，而长度超过可保留的 {KEPT} 字节：请先保存为文件"
+                )));
+            };
+            let count = kept.len().min(buffer.len());
+            buffer[..count].copy_from_slice(&kept[..count]);
+            return Ok(count);
+        }
+        let count = self.from.read(buffer)?;
+        if self.kept.len() as u64 == self.came && self.kept.len() + count <= KEPT {
+            self.kept.extend_from_slice(&buffer[..count]);
+        }
+        self.came += count as u64;
+        Ok(count)
+    }
 }
 
 /// A program being read.
@@ -33,6 +74,15 @@ pub enum Text {
     File(File),
     /// From memory.
     Memory(Cursor<Arc<[u8]>>),
+    /// From a pipe, and how far.
+    Pipe(Kept),
+}
+
+/// A place in what comes out of a pipe.
+#[derive(Debug)]
+pub struct Kept {
+    pipe: Shared,
+    at: u64,
 }
 
 impl Read for Text {
@@ -40,17 +90,26 @@ impl Read for Text {
         match self {
             Self::File(file) => file.read(buffer),
             Self::Memory(text) => text.read(buffer),
+            Self::Pipe(kept) => {
+                let count = kept.pipe.borrow_mut().read(kept.at, buffer)?;
+                kept.at += count as u64;
+                Ok(count)
+            }
         }
     }
 }
 
 impl Text {
-    /// Goes on at this byte. What cannot go back (a pipe) cannot be read twice either: its lines are not shown.
+    /// Goes on at this byte.
     fn seek(&mut self, byte: u64) -> io::Result<()> {
         let to = SeekFrom::Start(byte);
         match self {
             Self::File(file) => file.seek(to),
             Self::Memory(text) => text.seek(to),
+            Self::Pipe(kept) => {
+                kept.at = byte;
+                Ok(byte)
+            }
         }
         .map(drop)
     }
@@ -62,6 +121,7 @@ impl SourceFile {
         Self {
             path: path.to_owned(),
             text: None,
+            pipe: RefCell::default(),
             shown: Cell::new(FIRST),
         }
     }
@@ -72,6 +132,7 @@ impl SourceFile {
         Self {
             path: name.into(),
             text: Some(text.into_bytes().into()),
+            pipe: RefCell::default(),
             shown: Cell::new(FIRST),
         }
     }
@@ -98,11 +159,26 @@ impl SourceFile {
         if let Some(text) = self.text.clone() {
             return Ok(Text::Memory(Cursor::new(text)));
         }
+        let mut pipe = self.pipe.borrow_mut();
+        if let Some(pipe) = &*pipe {
+            let pipe = pipe.clone();
+            return Ok(Text::Pipe(Kept { pipe, at: 0 }));
+        }
         let file = File::open(&self.path)?;
-        if file.metadata()?.is_dir() {
+        let kind = file.metadata()?;
+        if kind.is_dir() {
             return Err(io::Error::from(io::ErrorKind::IsADirectory));
         }
-        Ok(Text::File(file))
+        if kind.is_file() {
+            return Ok(Text::File(file));
+        }
+        let shared = pipe.insert(Rc::new(RefCell::new(Pipe {
+            from: file,
+            kept: Vec::new(),
+            came: 0,
+        })));
+        let pipe = shared.clone();
+        Ok(Text::Pipe(Kept { pipe, at: 0 }))
     }
 
     /// Line `number` (from 1) without its end, at most a screenful of it; `None` where there is no such line.

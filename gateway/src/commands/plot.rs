@@ -11,7 +11,6 @@ use crate::drawing::Drawing;
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::hole::Hole;
-use crate::interrupt;
 use crate::machine::Observer;
 use crate::plot::{Envelope, Picture, Sample, Stroke};
 use crate::program::Program;
@@ -22,7 +21,6 @@ use crate::words::both;
 
 /// Draws a program.
 pub fn run(setup: &Setup, args: &Plot) -> Outcome {
-    interrupt::watch();
     let source = SourceFile::new(&args.program);
     source.protect(&args.output)?;
     let mut execution = Execution::prepare(setup, &source)?;

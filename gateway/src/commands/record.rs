@@ -12,7 +12,7 @@ use leadscrew_core::params::Params;
 
 use crate::cli::Record;
 use crate::failure::{Doing, Failure, Outcome};
-use crate::interrupt;
+use crate::interrupt::{self, UnderWay};
 use crate::output;
 use crate::params;
 use crate::recording::{Format, Recording};
@@ -33,7 +33,6 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
         ))
     })?;
     let boards = boards(setup, args)?;
-    interrupt::watch();
     let mut bus =
         leadscrew_can::open(&setup.global.bus, setup.global.bit_rate()?).map_err(Failure::bus)?;
     if setup.params.setpoint_frame() == 1 {
@@ -44,6 +43,7 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
     let mut recording = Recording::new(format, file, bus.name(), &boards, setup.global.node())
         .map_err(|error| unwritable(&error))?;
 
+    interrupt::defer(UnderWay::Computed);
     let mut watch = Watch {
         // Where setpoints are expected in them, they are read.
         fd_told: boards.iter().any(|board| board.setpoint_frame() == 1),

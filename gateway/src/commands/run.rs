@@ -15,7 +15,6 @@ use super::board;
 use crate::cli::{Drive, Global, Run};
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
-use crate::interrupt;
 use crate::machine::Observer;
 use crate::output;
 use crate::setup::Setup;
@@ -53,7 +52,6 @@ pub fn carry_out(
     drive: &Drive,
     tolerance: Option<Tolerance>,
 ) -> Outcome {
-    interrupt::watch();
     let setup = &Setup::with_drive(global, drive, source)?;
     if let Some(path) = record {
         source.protect(path)?;

@@ -7,7 +7,6 @@ use crate::cli::Simulate;
 use crate::diagnostics;
 use crate::execution::Execution;
 use crate::failure::{Doing, Failure, Outcome};
-use crate::interrupt;
 use crate::machine::Observer;
 use crate::setup::Setup;
 use crate::source::SourceFile;
@@ -15,7 +14,6 @@ use crate::trace::{Csv, Setpoint, Summary};
 
 /// Simulates a program.
 pub fn run(setup: &Setup, args: &Simulate) -> Outcome {
-    interrupt::watch();
     let source = SourceFile::new(&args.program);
     if let Some(path) = &args.output {
         source.protect(path)?;

@@ -339,6 +339,12 @@ fn a_stop_is_an_alarm_with_its_line_and_reset_clears_it() {
 
 #[test]
 fn interrupted_the_machine_is_brought_to_rest_first() {
+    for signal in ["-INT", "-TERM"] {
+        interrupted_by(signal);
+    }
+}
+
+fn interrupted_by(signal: &str) {
     let server = slow();
     let bus = server.bus();
     let run = Run::start("examples/shaft.nc", &bus);
@@ -348,7 +354,7 @@ fn interrupted_the_machine_is_brought_to_rest_first() {
     let pid = run.0.id().to_string();
     assert!(
         Command::new("kill")
-            .args(["-INT", &pid])
+            .args([signal, &pid])
             .status()
             .unwrap()
             .success()

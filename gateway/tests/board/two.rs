@@ -110,23 +110,18 @@ fn whoever_comes_too_late_leaves_the_board_to_the_gateway_it_has() {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("late.nc");
     let _ = std::fs::remove_file(&path);
     nix::unistd::mkfifo(&path, nix::sys::stat::Mode::S_IRWXU).unwrap();
-    let open = || std::fs::File::options().write(true).open(&path).unwrap();
     let second = Run::start(path.to_str().unwrap(), &bus);
-    drop(open());
+    let mut text_of_second = std::fs::File::options().write(true).open(&path).unwrap();
     // The tap journal comes behind the first look at the board.
     wait_until("the second one has found the board ready", || {
         server.was_asked(1, [0x30, 0x50, 1]).then_some(())
     });
-    let text_of_second = open();
     let first = Run::start("examples/shaft.nc", &bus);
     wait_until("the first one runs", || {
         (status(&bus, "1")["program"] == true).then_some(())
     });
-    // Whoever reads it once more finds a file.
-    let text = b"G0 X40\nM30\n";
-    std::fs::remove_file(&path).unwrap();
-    std::fs::write(&path, text).unwrap();
-    std::io::Write::write_all(&mut { text_of_second }, text).unwrap();
+    std::io::Write::write_all(&mut text_of_second, b"G0 X40\nM30\n").unwrap();
+    drop(text_of_second);
     let told = bad(&second.end(), 3);
     assert!(told.contains("node 1 is busy ("), "{told}");
     server.hurry();

@@ -87,6 +87,7 @@ fn cases(kind: &str) -> Vec<String> {
 
 mod check;
 mod expand;
+mod interrupt;
 mod json;
 mod kept;
 mod machine;

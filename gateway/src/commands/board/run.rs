@@ -20,7 +20,7 @@ use crate::diagnostics::{self, Diagnostic};
 use crate::execution::tell_report;
 use crate::failure::{Doing, Failure, Outcome};
 use crate::feeder::{Feeder, placed};
-use crate::interrupt;
+use crate::interrupt::{self, UnderWay};
 use crate::json::Json;
 use crate::link::{Feed, Link, alarm_words};
 use crate::number;
@@ -97,7 +97,6 @@ pub fn run(
     let program = source.name();
     let answer = Answer::Run { program: &program };
     alone_in(global, &global.params, &global.set, answer)?;
-    interrupt::watch();
     let machine = Machine::meet(global)?;
     let mut setup = Setup::over(global, Some(machine.params.clone()), answer)?;
     machine.agrees_with(&setup)?;
@@ -119,6 +118,7 @@ pub fn run(
         }
         return Err(Failure::Wrong);
     }
+    interrupt::defer(UnderWay::Machine);
     let (_, link_threads) = link.certificates()?;
     let mut runner = Runner {
         setup: &setup,

@@ -26,6 +26,7 @@ use crate::cli::{Global, Push};
 use crate::commands::board::{Greeted, Machine};
 use crate::diagnostics::say;
 use crate::failure::{Failure, Outcome};
+use crate::interrupt::{self, UnderWay};
 use crate::link::{Link, Trouble};
 use crate::output;
 use crate::params::difference::{self, Change, DriveChange, changes};
@@ -94,6 +95,7 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
     let mut told = None;
     if whole && alone.drives.is_empty() && !new_password(&alone.params) && !global.dry_run {
         let wanted = told_good(global, alone)?;
+        interrupt::defer(UnderWay::Machine);
         let done = replace(&mut greeted.link, &wanted.params, wish.password);
         let kept = greeted.keep();
         let done = done?;
@@ -112,6 +114,7 @@ pub fn transact(global: &Global, wish: &Wish) -> Outcome {
             told_good(global, load(global, wish, base)?)?
         }
     };
+    interrupt::defer(UnderWay::Machine);
     let done = carry_out(global, &mut machine, &wanted, wish.password);
     let kept = machine.keep();
     let done = done?;

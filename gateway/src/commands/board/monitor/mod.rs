@@ -17,7 +17,7 @@ use super::open;
 use crate::cli::Global;
 use crate::diagnostics::Diagnostic;
 use crate::failure::{Failure, Outcome};
-use crate::interrupt;
+use crate::interrupt::{self, UnderWay};
 use crate::link::{Link, Traffic};
 use crate::source::SourceFile;
 use crate::words::both;
@@ -47,7 +47,6 @@ pub fn monitor(global: &Global) -> Outcome {
             "`monitor` 需要终端，而标准输出不是终端；程序请用 `status --json`"
         )));
     }
-    interrupt::watch();
     let mut link = open(global)?;
     link.greet()?;
     link.hear_status()?;
@@ -55,6 +54,7 @@ pub fn monitor(global: &Global) -> Outcome {
     link.hear_everything()?;
     let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
     let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
+    interrupt::defer(UnderWay::Computed);
     let taken = interrupt::take_terminal().map_err(|error| Failure::stdout(&error));
     let result = taken.and_then(|mut terminal| watch(global, &mut link, rates, &mut terminal));
     interrupt::give_back();

@@ -1,0 +1,180 @@
+//! SIGINT and SIGTERM wherever a command may be: what moves nothing ends at once, and says so.
+
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::{Signal, kill};
+use nix::sys::stat::Mode;
+use nix::unistd::{Pid, mkfifo};
+use serde_json::json;
+
+use super::*;
+
+const SIGNALS: [Signal; 2] = [Signal::SIGINT, Signal::SIGTERM];
+
+/// A command that has begun to listen.
+fn listening(args: &[&str], stdin: Stdio) -> Child {
+    let child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(args)
+        .current_dir(root())
+        .stdin(stdin)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let caught = || {
+        let text = std::fs::read_to_string(&status).ok()?;
+        let line = text.lines().find_map(|line| line.strip_prefix("SigCgt:"))?;
+        u64::from_str_radix(line.trim(), 16).ok()
+    };
+    let both = SIGNALS.map(|signal| 1_u64 << (signal as u32 - 1));
+    let patience = Instant::now();
+    while caught().is_none_or(|mask| both.iter().any(|bit| mask & bit == 0)) {
+        assert!(
+            patience.elapsed() < Duration::from_secs(300),
+            "it never listened"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+fn send(child: &Child, signal: Signal) {
+    kill(Pid::from_raw(child.id().cast_signed()), signal).unwrap();
+}
+
+#[track_caller]
+fn ended(child: Child, what: &str) {
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(130),
+        "{what}: {}",
+        stderr(&output)
+    );
+    assert_eq!(stderr(&output), "error: interrupted\n", "{what}");
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        told,
+        json!({"ok": false, "exit": 130, "error": "interrupted"}),
+        "{what}"
+    );
+}
+
+/// A name in the file system from which nothing comes.
+fn fifo(folder: &Folder) -> String {
+    let path = folder.file("fifo");
+    let _ = std::fs::remove_file(&path);
+    mkfifo(path.as_str(), Mode::S_IRWXU).unwrap();
+    path
+}
+
+#[test]
+fn a_file_that_nobody_writes_is_no_trap() {
+    let folder = Folder::new("fifo");
+    let (fifo, svg) = (fifo(&folder), folder.file("out.svg"));
+    for args in [
+        vec!["check", &fifo],
+        vec!["expand", &fifo],
+        vec!["simulate", &fifo],
+        vec!["run", &fifo],
+        vec!["plot", &fifo, "-o", &svg],
+        vec!["check", "examples/shaft.nc", "--params", &fifo],
+        vec!["params", "validate", "--params", &fifo],
+        vec!["params", "list", "--params", &fifo],
+        vec!["params", "migrate", &fifo],
+        vec!["status", "--state", &fifo],
+        vec!["simulate", "examples/shaft.nc", "--state", &fifo],
+    ] {
+        for signal in SIGNALS {
+            let child = listening(&[&args[..], &["--json"]].concat(), Stdio::null());
+            send(&child, signal);
+            ended(child, &format!("{args:?} {signal}"));
+        }
+    }
+}
+
+#[test]
+fn a_pipe_that_has_stalled_is_no_trap() {
+    for command in ["check", "simulate", "run"] {
+        for signal in SIGNALS {
+            let mut child = listening(&[command, "/dev/stdin", "--json"], Stdio::piped());
+            let mut stdin = child.stdin.take().unwrap();
+            stdin.write_all(b"G0 X50 Z10\nG1 X4").unwrap();
+            send(&child, signal);
+            ended(child, command);
+            drop(stdin);
+        }
+    }
+}
+
+#[test]
+fn a_program_without_end_is_no_trap() {
+    for command in ["check", "run"] {
+        for signal in SIGNALS {
+            let mut child = listening(&[command, "/dev/stdin", "--json"], Stdio::piped());
+            let mut stdin = child.stdin.take().unwrap();
+            let writer = std::thread::spawn(move || {
+                let blocks = "G1 X10 F100\nG1 X20\n".repeat(100);
+                let mut written = 0_u64;
+                while stdin.write_all(blocks.as_bytes()).is_ok() {
+                    written += 1;
+                }
+                written
+            });
+            send(&child, signal);
+            ended(child, command);
+            let _ = writer.join().unwrap();
+        }
+    }
+}
+
+/// What is under way is brought to its end first; whoever does not take the output is not waited for a second time.
+#[test]
+fn a_second_one_does_not_wait() {
+    let folder = Folder::new("second");
+    let (fifo, program) = (fifo(&folder), folder.file("long.nc"));
+    std::fs::write(
+        &program,
+        "M3 S300\n".to_owned() + &"G1 X20 Z-100 F60\nG1 X10 Z0\n".repeat(200),
+    )
+    .unwrap();
+    let child = listening(&["simulate", &program, "-o", &fifo], Stdio::null());
+    let mut rows = File::open(&fifo).unwrap();
+    // The machine moves, and from here on nobody reads.
+    rows.read_exact(&mut [0; 4096]).unwrap();
+    for signal in SIGNALS {
+        send(&child, signal);
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    drop(rows);
+}
+
+#[test]
+fn what_comes_out_of_a_pipe_is_run_as_it_was_checked() {
+    let text = std::fs::read(root().join("examples/shaft.nc")).unwrap();
+    let from_file = leadscrew(&["run", "examples/shaft.nc"]);
+    let mut child = listening(&["run", "/dev/stdin"], Stdio::piped());
+    child.stdin.take().unwrap().write_all(&text).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let same = stdout(&from_file).replace("examples/shaft.nc", "/dev/stdin");
+    assert_eq!(stdout(&output), same);
+    // The line of a mistake is shown from there, too.
+    let mut child = listening(&["check", "/dev/stdin"], Stdio::piped());
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(b"G0 X50\nG0 XX\n")
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(
+        stderr(&output).contains("2 | G0 XX\n"),
+        "{}",
+        stderr(&output)
+    );
+}
