@@ -10,6 +10,7 @@ use leadscrew_core::bus::Statusword;
 use crate::json::Json;
 use crate::number;
 use crate::source::SourceFile;
+use crate::words::{is_obeyed, one_line, plain};
 
 /// An alarm or a warning in words.
 #[derive(Clone, Debug)]
@@ -131,6 +132,7 @@ impl Diagnostic {
         } else {
             Renderer::plain()
         };
+        let file = &one_line(&self.file);
         let title = level
             .with_name(name)
             .primary_title(&self.message)
@@ -147,11 +149,11 @@ impl Diagnostic {
                 title.element(
                     Snippet::source(text)
                         .line_start(self.line as usize)
-                        .path(&self.file)
+                        .path(file)
                         .annotation(AnnotationKind::Primary.span(span)),
                 )
             }
-            _ => title.element(annotate_snippets::Origin::path(&self.file)),
+            _ => title.element(annotate_snippets::Origin::path(file)),
         };
         renderer.render(&[group.element(help.message(&self.help))])
     }
@@ -181,7 +183,7 @@ pub fn print(diagnostic: &Diagnostic, colour: bool) {
 /// Words for people that are no diagnostic: standard error, too.
 pub fn say(text: &str) {
     // A closed standard error leaves nobody to tell.
-    let _ = std::io::stderr().write_all(text.as_bytes());
+    let _ = std::io::stderr().write_all(plain(text.to_owned()).as_bytes());
 }
 
 /// The line as it can be shown: tabs become one space each, so that columns stay columns, and control characters and
@@ -191,7 +193,7 @@ fn printable(raw: &[u8]) -> String {
         .chars()
         .map(|c| match c {
             '\t' => ' ',
-            c if c.is_control() => char::REPLACEMENT_CHARACTER,
+            c if is_obeyed(c) => char::REPLACEMENT_CHARACTER,
             c => c,
         })
         .collect()

@@ -9,7 +9,7 @@ use leadscrew_core::alarm::Lang;
 
 use crate::json::Json;
 use crate::output;
-use crate::words::{Both, both, pick};
+use crate::words::{Both, both, one_line, pick, plain};
 
 /// A command's result.
 pub type Outcome<T = ()> = Result<T, Failure>;
@@ -46,6 +46,7 @@ impl Failure {
     pub fn file(doing: Doing, path: impl fmt::Display, error: &io::Error) -> Self {
         let reason = reason(error, doing);
         let doing = doing.words();
+        let path = one_line(&path.to_string());
         Self::Usage(both!(
             "cannot {en} `{path}`: {why}",
             "无法{zh} `{path}`：{reason}",
@@ -136,6 +137,7 @@ impl Failure {
         let (code, text) = self.told(lang);
         if let Some(text) = text {
             // A closed standard error leaves nobody to tell.
+            let text = plain(text.to_owned());
             let _ = writeln!(io::stderr(), "{}{text}", pick(lang, "error: ", "错误："));
         }
         code

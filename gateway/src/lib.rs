@@ -22,6 +22,7 @@ pub mod hole;
 pub mod interrupt;
 pub mod json;
 pub mod length;
+pub mod line_ends;
 pub mod link;
 pub mod machine;
 pub mod mistyped;

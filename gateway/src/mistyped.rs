@@ -12,8 +12,10 @@ use leadscrew_can::WrongAddress;
 use leadscrew_core::alarm::Lang;
 
 use crate::failure::Failure;
+use crate::diagnostics;
 use crate::output;
 use crate::values::Mistake;
+use crate::words::{is_obeyed, plain};
 
 /// Prints the help or the version that was asked for, or what is wrong, and gives the exit code.
 #[must_use]
@@ -38,8 +40,16 @@ pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
         Some(words) => {
             let _ = writeln!(
                 io::stderr(),
-                "错误：{words}\n\n更多说明请用 `--help` 查看。"
+                "错误：{}\n\n更多说明请用 `--help` 查看。",
+                plain(words.clone())
             );
+        }
+        // The words typed are in it.
+        None if typed
+            .iter()
+            .any(|word| word.to_string_lossy().contains(is_obeyed)) =>
+        {
+            diagnostics::say(&error.render().to_string());
         }
         None => {
             let _ = error.print();

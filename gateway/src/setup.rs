@@ -27,7 +27,7 @@ use crate::state::{StateFile, stored_set};
 use crate::synchronism::Synchronism;
 use crate::threads::Threads;
 use crate::trace::Summary;
-use crate::words::both;
+use crate::words::{self, both};
 
 /// The start of a command.
 #[derive(Debug)]
@@ -102,7 +102,7 @@ impl<'a> Setup<'a> {
                  that board's parameters first (`leadscrew params push --state {file}`)",
                 "`--params` 和 `--set` 给出的机床与 `{file}` 中保存的不同：请去掉这些选项，或先修改该控制板的参数（`leadscrew \
                  params push --state {file}`）",
-                file = path.display()
+                file = words::path(path)
             )));
         }
         let tap = match &kept {

@@ -9,10 +9,11 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::failure::{Failure, Outcome, unreadable};
-use crate::words::both;
+use crate::line_ends::LineEnds;
+use crate::words::{self, both};
 
-/// Where the first line begins.
-const FIRST: (u32, u64) = (1, 0);
+/// Where the first line begins, before anything is known of line ends.
+const FIRST: (u32, u64, LineEnds) = (1, 0, LineEnds::Unknown);
 
 /// Longest line that is shown in a message.
 const SHOWN: u64 = 4096;
@@ -27,9 +28,9 @@ pub struct SourceFile {
     text: Option<Arc<[u8]>>,
     /// What is no file on a disk is opened once, and what came of it is kept: it would not come again.
     pipe: RefCell<Option<Shared>>,
-    /// The line that was shown last, and the byte that it begins with: messages come in the order of the program, and a
+    /// The line that was shown last, the byte that it begins with, and what ends lines: messages come in the order of the program, and a
     /// long one is not read from its beginning for each of them.
-    shown: Cell<(u32, u64)>,
+    shown: Cell<(u32, u64, LineEnds)>,
 }
 
 /// A pipe, and what has come out of it.
@@ -67,14 +68,14 @@ impl Pipe {
     }
 }
 
-/// A program being read.
+/// What is read, as it is.
 #[derive(Debug)]
-pub enum Text {
-    /// From a file.
+pub enum Raw {
+    /// Raw a file.
     File(File),
-    /// From memory.
+    /// Raw memory.
     Memory(Cursor<Arc<[u8]>>),
-    /// From a pipe, and how far.
+    /// Raw a pipe, and how far.
     Pipe(Kept),
 }
 
@@ -85,7 +86,38 @@ pub struct Kept {
     at: u64,
 }
 
+/// A program being read; its lines end with line feeds, whatever they end with where it is kept.
+#[derive(Debug)]
+pub struct Text {
+    from: Raw,
+    ends: LineEnds,
+    /// Half of a line end, of which the other half has not come yet.
+    half: Option<u8>,
+}
+
 impl Read for Text {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        // Half of a line end and what follows it.
+        if buffer.len() < 2 {
+            return Err(io::ErrorKind::InvalidInput.into());
+        }
+        loop {
+            let begun = usize::from(self.half.is_some());
+            let read = self.from.read(&mut buffer[begun..])?;
+            if let Some(half) = self.half.take() {
+                buffer[0] = half;
+            }
+            let all = begun + read;
+            let done = self.ends.translate(&mut buffer[..all], read == 0);
+            self.half = buffer[..all].get(done).copied();
+            if done > 0 || read == 0 {
+                return Ok(done);
+            }
+        }
+    }
+}
+
+impl Read for Raw {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self {
             Self::File(file) => file.read(buffer),
@@ -99,7 +131,7 @@ impl Read for Text {
     }
 }
 
-impl Text {
+impl Raw {
     /// Goes on at this byte.
     fn seek(&mut self, byte: u64) -> io::Result<()> {
         let to = SeekFrom::Start(byte);
@@ -137,6 +169,11 @@ impl SourceFile {
         }
     }
 
+    /// The name as messages show it.
+    pub fn shown(&self) -> String {
+        words::path(&self.path)
+    }
+
     /// The name as it was typed.
     pub fn name(&self) -> String {
         self.path.display().to_string()
@@ -148,7 +185,7 @@ impl SourceFile {
             (Ok(program), Ok(output)) if program == output => Err(Failure::Usage(both!(
                 "`{name}` is the program itself: write the output to another file",
                 "`{name}` 就是程序本身：请把输出写到别的文件",
-                name = self.name()
+                name = self.shown()
             ))),
             _ => Ok(()),
         }
@@ -156,13 +193,22 @@ impl SourceFile {
 
     /// Opens it.
     pub fn open(&self) -> io::Result<Text> {
+        Ok(Text {
+            from: self.raw()?,
+            ends: LineEnds::default(),
+            half: None,
+        })
+    }
+
+    /// The same, as it is.
+    pub fn raw(&self) -> io::Result<Raw> {
         if let Some(text) = self.text.clone() {
-            return Ok(Text::Memory(Cursor::new(text)));
+            return Ok(Raw::Memory(Cursor::new(text)));
         }
         let mut pipe = self.pipe.borrow_mut();
         if let Some(pipe) = &*pipe {
             let pipe = pipe.clone();
-            return Ok(Text::Pipe(Kept { pipe, at: 0 }));
+            return Ok(Raw::Pipe(Kept { pipe, at: 0 }));
         }
         let file = File::open(&self.path)?;
         let kind = file.metadata()?;
@@ -170,7 +216,7 @@ impl SourceFile {
             return Err(io::Error::from(io::ErrorKind::IsADirectory));
         }
         if kind.is_file() {
-            return Ok(Text::File(file));
+            return Ok(Raw::File(file));
         }
         let shared = pipe.insert(Rc::new(RefCell::new(Pipe {
             from: file,
@@ -178,16 +224,18 @@ impl SourceFile {
             came: 0,
         })));
         let pipe = shared.clone();
-        Ok(Text::Pipe(Kept { pipe, at: 0 }))
+        Ok(Raw::Pipe(Kept { pipe, at: 0 }))
     }
 
     /// Line `number` (from 1) without its end, at most a screenful of it; `None` where there is no such line.
     pub fn line(&self, number: u32) -> Option<Vec<u8>> {
         let mut text = self.open().ok()?;
-        let (mut at, mut begins) = self.shown.get();
-        if at > number || text.seek(begins).is_err() {
-            (at, begins) = FIRST;
-            text.seek(0).ok()?;
+        let (mut at, mut begins, ends) = self.shown.get();
+        if at <= number && text.from.seek(begins).is_ok() {
+            text.ends = ends;
+        } else {
+            (at, begins, _) = FIRST;
+            text.from.seek(0).ok()?;
         }
         let mut reader = BufReader::with_capacity(1 << 16, text);
         for _ in at..number {
@@ -196,9 +244,11 @@ impl SourceFile {
                 skipped => begins += skipped as u64,
             }
         }
-        self.shown.set((number.max(1), begins));
         let mut line = Vec::new();
-        let read = reader.take(SHOWN).read_until(b'\n', &mut line).ok()?;
+        let read = reader.by_ref().take(SHOWN).read_until(b'\n', &mut line);
+        let read = read.ok()?;
+        self.shown
+            .set((number.max(1), begins, reader.get_ref().ends));
         if number == 0 || read == 0 {
             return None;
         }
@@ -219,18 +269,27 @@ mod tests {
     #[test]
     fn a_line_is_the_same_in_whatever_order_lines_are_asked_for() {
         let path = std::env::temp_dir().join(format!("leadscrew-lines-{}", std::process::id()));
-        let text: String = (1..=500).map(|n| format!("N{n} G1 X{n}\r\n")).collect();
-        std::fs::write(&path, &text).unwrap();
-        for source in [SourceFile::new(&path), SourceFile::text("memory", text)] {
+        let text = |end| (1..=500).map(|n| format!("N{n} G1 X{n}{end}")).collect();
+        let file = |end| {
+            let path = path.with_extension(format!("{end:?}").replace('\\', ""));
+            let text: String = text(end);
+            std::fs::write(&path, text).unwrap();
+            SourceFile::new(&path)
+        };
+        let files = ["\r\n", "\n", "\r", "\n\r"].map(file);
+        let memory = SourceFile::text("memory", text("\r\n"));
+        for source in files.iter().chain([&memory]) {
             for number in [1, 3, 2, 500, 499, 500, 500, 1, 250, 251, 501, 7] {
                 let expected = (number <= 500).then(|| format!("N{number} G1 X{number}"));
                 let line = source
                     .line(number)
-                    .map(|line| String::from_utf8(line).unwrap());
+                    .map(|line| String::from_utf8(line).unwrap().trim_end().to_owned());
                 assert_eq!(line, expected, "{number}");
             }
             assert_eq!(source.line(0), None);
         }
-        std::fs::remove_file(&path).unwrap();
+        for source in files {
+            std::fs::remove_file(&source.path).unwrap();
+        }
     }
 }

@@ -16,7 +16,7 @@ use leadscrew_store::{BUFFER, Region, Store};
 
 use crate::failure::{Doing, Failure, Outcome};
 use crate::link::alarm_words;
-use crate::words::both;
+use crate::words::{self, both};
 
 /// A file with the flash of a simulated board.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ impl StateFile {
     }
 
     fn name(&self) -> String {
-        self.path.display().to_string()
+        words::path(&self.path)
     }
 
     /// The flash in it, or an erased one where there is no such file yet.

@@ -1,5 +1,7 @@
 //! Words for people in both languages, side by side so that neither is forgotten.
 
+use std::path::Path;
+
 use leadscrew_core::alarm::Lang;
 
 /// The same words in English and Chinese.
@@ -28,6 +30,48 @@ impl Both {
     }
 }
 
+/// True for what a terminal obeys instead of showing it: control characters, and those that turn the direction of writing.
+#[must_use]
+pub fn is_obeyed(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
+}
+
+/// The text with every such character written out (`\u{1b}`); line feeds and tabs stay.
+#[must_use]
+pub fn plain(text: String) -> String {
+    let obeyed = |c: char| is_obeyed(c) && !matches!(c, '\n' | '\t');
+    if text.contains(obeyed) {
+        written_out(&text, obeyed)
+    } else {
+        text
+    }
+}
+
+/// The same of what has to stay on one line: a name.
+#[must_use]
+pub fn one_line(text: &str) -> String {
+    written_out(text, is_obeyed)
+}
+
+/// The name of a file as a message shows it.
+#[must_use]
+pub fn path(path: &Path) -> String {
+    one_line(&path.display().to_string())
+}
+
+fn written_out(text: &str, which: impl Fn(char) -> bool) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if which(c) {
+            out.extend(c.escape_default());
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
 /// One of two constants.
 #[must_use]
 pub const fn pick(lang: Lang, en: &'static str, zh: &'static str) -> &'static str {
@@ -41,13 +85,19 @@ pub const fn pick(lang: Lang, en: &'static str, zh: &'static str) -> &'static st
 /// figure that is itself words can be given in each language.
 macro_rules! both {
     ($en:literal, $zh:literal $(,)?) => {
-        $crate::words::Both { en: format!($en), zh: format!($zh) }
+        $crate::words::Both {
+            en: $crate::words::plain(format!($en)),
+            zh: $crate::words::plain(format!($zh)),
+        }
     };
     ($en:literal, $zh:literal $(, $name:ident = $value:expr)+ $(,)?) => {
         // A match keeps temporaries alive until both texts are made.
         match ($(&$value,)+) {
             #[allow(unused_variables, reason = "a figure may be meant for one language")]
-            ($($name,)+) => $crate::words::Both { en: format!($en), zh: format!($zh) },
+            ($($name,)+) => $crate::words::Both {
+                en: $crate::words::plain(format!($en)),
+                zh: $crate::words::plain(format!($zh)),
+            },
         }
     };
 }
@@ -64,5 +114,15 @@ mod tests {
         assert_eq!(words.get(Lang::En), "3 moves of O1");
         assert_eq!(words.get(Lang::Zh), "O1 的 3 段移动");
         assert_eq!(pick(Lang::Zh, "a", "b"), "b");
+    }
+
+    #[test]
+    fn what_a_terminal_would_obey_is_written_out() {
+        let name = "a\u{1b}[31m\u{9b}\u{202e}\r\n\t车";
+        let told = "a\\u{1b}[31m\\u{9b}\\u{202e}\\r";
+        assert_eq!(both!("{name}", "{name}").en, format!("{told}\n\t车"));
+        assert_eq!(both!("{n}", "{n}", n = name).zh, format!("{told}\n\t车"));
+        assert_eq!(one_line(name), format!("{told}\\n\\t车"));
+        assert_eq!(path(Path::new("a b/车.nc")), "a b/车.nc");
     }
 }

@@ -149,8 +149,8 @@ codes! {
         "此处的字符没有意义", "请写一个字：字母加数字";
     /// A character outside ASCII outside a comment.
     NotAscii = 4002, "a character other than ASCII stands outside a comment",
-        "write letters, digits, signs and spaces of the plain (half-width) kind",
-        "注释之外出现非 ASCII 字符", "请使用半角字母、数字、符号和空格";
+        "write letters, digits, signs and spaces of the plain (half-width) kind; full-width parentheses are read in UTF-8 alone, not in GBK",
+        "注释之外出现非 ASCII 字符", "请使用半角字母、数字、符号和空格；全角括号只在 UTF-8 文件中有效，GBK 文件请用半角括号";
     /// A letter without a number.
     NumberMissing = 4003, "{w} has no number", "write the number directly behind the letter, without a space",
         "{w} 后没有数字", "请在字母后直接写数字，不留空格";
@@ -290,6 +290,9 @@ codes! {
         "F 与 I 同时指定导程", "请只写 F（每转导程）或 I（每英寸牙数）";
     /// G75 with a cycle word and no X or U.
     GrooveWithoutX = 4050, "the groove has no bottom", "write X or U", "切槽没有槽底", "请写 X 或 U";
+    /// A zero byte, or the mark of UTF-16.
+    WideText = 4051, "this is UTF-16 text (two bytes a character), or no text at all", "save the program as UTF-8 or plain ASCII (in an editor: Save as, Encoding: UTF-8)",
+        "这是 UTF-16 文本（每字符两个字节），或者根本不是文本", "请将程序另存为 UTF-8 或纯 ASCII（编辑器：另存为 → 编码：UTF-8）";
 
     // 4060–4079: tapping.
     /// G84 or G88 without rigid mode and with a standing spindle; {0} the code, {1} the rigid M code.
@@ -769,6 +772,12 @@ codes! {
         "`leadscrew params migrate FILE` shows what has changed, and with `-o` writes a file of schema {1}",
         "该文件的参数表版本（schema）是 {0}，本程序读取版本 {1}",
         "`leadscrew params migrate FILE` 可查看有何变化，加 `-o` 可写出版本 {1} 的文件";
+    /// A parameter file in another encoding; {0} its name.
+    ParamEncoding = 4414, "this file is {0} text, and a machine file is UTF-8", "save it as UTF-8 (in an editor: Save as, Encoding: UTF-8)",
+        "该文件的编码是 {0}，而机床参数文件应为 UTF-8", "请另存为 UTF-8（编辑器：另存为 → 编码：UTF-8）";
+    /// A parameter file with a byte that is no text; {0} the byte.
+    ParamNoText = 4415, "the byte {0} here is no UTF-8 text", "save the file as UTF-8 (in an editor: Save as, Encoding: UTF-8), or name another file",
+        "此处的字节 {0} 不是 UTF-8 文本", "请将文件另存为 UTF-8（编辑器：另存为 → 编码：UTF-8），或指定另一个文件";
     /// A ramp does not fit a profile: axis with the longest part of it, ticks, most ticks.
     RampTooLong = 4420, "speeding up takes {1} ticks, {0} most of them, and a profile holds {2}",
         "raise 1620.{0} or 1622.{0}, lower 1420.{0}, or make the tick (9000) longer",

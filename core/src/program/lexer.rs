@@ -228,6 +228,7 @@ impl<'t> Cursor<'t> {
                 Ok(if start { None } else { Some(Ended::Text) })
             }
             [b'#' | b'[' | b']' | b'=' | b'*', ..] => Err(self.alarm(Code::MacroNotAvailable)),
+            [0, ..] | [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Err(self.alarm(Code::WideText)),
             [0x80..=0xFF, ..] => Err(self.alarm(Code::NotAscii)),
             _ => Err(self.alarm(Code::UnknownCharacter)),
         }
@@ -304,6 +305,8 @@ impl<'t> Cursor<'t> {
             // `X#100`, `X[…]`: a macro, not a slip.
             if matches!(rest, [b'#' | b'[', ..]) {
                 Code::MacroNotAvailable
+            } else if matches!(rest, [0, ..]) {
+                Code::WideText
             } else {
                 Code::NumberMissing
             }

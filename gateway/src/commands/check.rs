@@ -58,7 +58,7 @@ fn tell(setup: &Setup, source: &SourceFile, report: &Report) -> Outcome {
             second = plural(warnings, "warning")
         ),
     };
-    let (name, lang) = (source.name(), setup.lang);
+    let (name, lang) = (source.shown(), setup.lang);
     let line = both!(
         "{name}: {en}; {moves}\n",
         "{name}：{zh}；移动 {count} 段\n",

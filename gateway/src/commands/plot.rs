@@ -17,7 +17,7 @@ use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::trace::{Setpoint, Summary};
-use crate::words::both;
+use crate::words::{self, both};
 
 /// Draws a program.
 pub fn run(setup: &Setup, args: &Plot) -> Outcome {
@@ -45,7 +45,7 @@ pub fn run(setup: &Setup, args: &Plot) -> Outcome {
         std::fs::write(&args.output, picture.svg())
             .map_err(|error| Failure::file(Doing::Write, args.output.display(), &error))?;
         if !setup.global.json {
-            let (output, line) = (args.output.display(), summary.line(setup.lang));
+            let (output, line) = (words::path(&args.output), summary.line(setup.lang));
             let told = both!("{output}: {line}\n", "{output}：{line}\n");
             diagnostics::say(told.get(setup.lang));
         }
@@ -64,22 +64,20 @@ pub fn format(output: &Path) -> Outcome {
         known @ ("png" | "html") => Err(Failure::Usage(both!(
             "pictures as `{known}` are not available yet; write `-o {svg}`",
             "尚不能输出 `{known}` 图片；请写 `-o {svg}`",
-            svg = output.with_extension("svg").display()
+            svg = words::path(&output.with_extension("svg"))
         ))),
         _ => Err(Failure::Usage(both!(
             "`{output}`: the ending of the file chooses the format, and `.svg` is the one there is",
             "`{output}`：文件的扩展名决定格式，目前只有 `.svg`",
-            output = output.display()
+            output = words::path(output)
         ))),
     }
 }
 
 fn title(program: &Path) -> String {
-    program
-        .file_name()
-        .unwrap_or(program.as_os_str())
-        .to_string_lossy()
-        .into_owned()
+    words::path(Path::new(
+        program.file_name().unwrap_or(program.as_os_str()),
+    ))
 }
 
 /// The tool path of a program that has been checked.

@@ -17,7 +17,7 @@ use crate::output;
 use crate::params;
 use crate::recording::{Format, Recording};
 use crate::setup::{Setup, told_good};
-use crate::words::both;
+use crate::words::{self, both};
 
 /// How long to listen before the file is brought up to date.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -29,7 +29,7 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
         Failure::Usage(both!(
             "`{path}`: the ending says what is written: `.log` a candump log, `.csv` a table of setpoints and events",
             "`{path}`：扩展名决定格式：`.log` 为 candump 记录，`.csv` 为设定点与事件表",
-            path = path.display()
+            path = words::path(path)
         ))
     })?;
     let boards = boards(setup, args)?;
@@ -75,7 +75,7 @@ pub fn run(setup: &Setup, args: &Record) -> Outcome {
     }
     recording.flush().map_err(|error| unwritable(&error))?;
     let dropped = bus.dropped().unwrap_or(0);
-    watch.conclude(setup, &path.display().to_string(), dropped)?;
+    watch.conclude(setup, &words::path(path), dropped)?;
     end.map_err(|error: CanError| Failure::bus(error))
 }
 
@@ -99,7 +99,7 @@ fn boards(setup: &Setup, args: &Record) -> Outcome<Vec<Params>> {
                 "`{path}`: node {node} is a drive of another board, too: two boards on one bus have drives of their own \
                  (parameters 9015 and 9016)",
                 "`{path}`：节点 {node} 也是另一块控制板的驱动器：同一总线上的两块控制板各有自己的驱动器（参数 9015 和 9016）",
-                path = path.display(),
+                path = words::path(path),
                 node = node.get()
             )));
         }

@@ -93,7 +93,7 @@ pub fn carry_out(
             }
             Err(_) => pick(setup.lang, "out of tolerance", "超差"),
         };
-        let (name, summary) = (source.name(), &watcher.summary);
+        let (name, summary) = (source.shown(), &watcher.summary);
         let line = summary.line(setup.lang);
         let measured = execution.measured().as_measured(setup.lang);
         let told = both!(

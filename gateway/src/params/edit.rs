@@ -349,7 +349,7 @@ mod tests {
             (high, |entry| entry.none().unwrap_or(entry.max())),
         ] {
             let mut loader = super::super::Loader::new(None, leadscrew_core::alarm::Lang::En);
-            loader.file("f", &text);
+            loader.file("f", text.as_bytes());
             assert!(loader.loaded.is_good(), "{:?}", loader.loaded.diagnostics);
             for entry in Entry::all() {
                 assert_eq!(loader.loaded.params.get(entry), pick(entry), "{entry}");

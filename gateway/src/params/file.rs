@@ -11,33 +11,150 @@
 //! Two keys are no parameters: `schema`, the version of the table the file was written for, and `drive`, the sections of
 //! the drives.
 
+use std::borrow::Cow;
+use std::cell::Cell;
 use std::io::Read as _;
 use std::ops::Range;
 use std::path::Path;
 
-use leadscrew_core::alarm::Code;
+use leadscrew_core::alarm::{Code, Lang};
 use leadscrew_core::params::{Entry, FindError, Writing};
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::{Loader, drives, mistake, schema};
-use crate::diagnostics::Place;
-use crate::failure::{Doing, Failure, Outcome};
+use crate::diagnostics::{self, Diagnostic, Place};
+use crate::failure::{Doing, Failure, Outcome, unreadable};
+use crate::setup;
 use crate::source::SourceFile;
+use crate::words::both;
+
+/// Longest machine file in bytes; the whole table with all its comments is a twentieth of it.
+pub const LONGEST: u64 = 1 << 18;
+
+/// Longest part of a line that is shown in a message, in bytes.
+const SHOWN: usize = 1024;
+
+/// The bytes of a file, whatever they are; no more than a machine file may have.
+pub fn read_bytes(path: &Path) -> Outcome<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let opened = SourceFile::new(path).raw();
+    opened
+        .and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes))
+        .and_then(|read| match read as u64 {
+            0..=LONGEST => Ok(()),
+            _ => Err(unreadable(both!(
+                "it is longer than the {LONGEST} bytes that a machine file may have, and one has some thousand: name another \
+                 file, or remove from this one what is no parameter",
+                "它超过机床参数文件允许的 {LONGEST} 字节，而这种文件通常只有几千字节：请指定另一个文件，或删去其中不是参数的内容"
+            ))),
+        })
+        .map_err(|error| Failure::file(Doing::Read, path.display(), &error))?;
+    Ok(bytes)
+}
 
 /// The text of a file.
-pub fn read(path: &Path) -> Outcome<String> {
-    let mut text = String::new();
-    let opened = SourceFile::new(path).open();
-    opened
-        .and_then(|mut file| file.read_to_string(&mut text))
-        .map_err(|error| Failure::file(Doing::Read, path.display(), &error))?;
-    Ok(text)
+///
+/// # Errors
+/// A file that cannot be read, or that is no text; its place and the remedy have been told.
+pub fn read(path: &Path, lang: Lang) -> Outcome<String> {
+    let bytes = read_bytes(path)?;
+    match text(&bytes) {
+        Ok(text) => Ok(text.into_owned()),
+        Err(wrong) => {
+            let name = path.display().to_string();
+            let place = wrong.place(&name, &bytes);
+            let told = Diagnostic::of_option(wrong.code, &wrong.figures, &place, lang);
+            diagnostics::print(&told, setup::colour());
+            Err(Failure::Wrong)
+        }
+    }
+}
+
+/// Why bytes are no text, and where.
+struct NoText {
+    code: Code,
+    figures: Vec<String>,
+    at: usize,
+}
+
+impl NoText {
+    fn place(&self, name: &str, bytes: &[u8]) -> Place {
+        let before = &bytes[..self.at];
+        let start = before
+            .iter()
+            .rposition(|b| *b == b'\n')
+            .map_or(0, |at| at + 1);
+        let rest = &bytes[start..];
+        let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
+        let lossy = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let column = lossy(&before[start..]).chars().count() + 1;
+        Place {
+            file: name.to_owned(),
+            line: u32::try_from(before.iter().filter(|b| **b == b'\n').count() + 1)
+                .unwrap_or(u32::MAX),
+            column,
+            end_column: column + 1,
+            text: lossy(&rest[..end.min(SHOWN)]),
+        }
+    }
+}
+
+/// The text that bytes are.
+fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NoText> {
+    let wrong = |name: &str, at| NoText {
+        code: Code::ParamEncoding,
+        figures: vec![name.to_owned()],
+        at,
+    };
+    match bytes {
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => return Err(wrong("UTF-16", 0)),
+        [0, other, ..] | [other, 0, ..] if *other != 0 => return Err(wrong("UTF-16", 0)),
+        _ => {}
+    }
+    let text = std::str::from_utf8(bytes);
+    let text = text.map_err(|error| {
+        let at = error.valid_up_to();
+        if is_gbk(&bytes[at..]) {
+            return wrong("GBK", at);
+        }
+        let byte = bytes.get(at).copied().unwrap_or_default();
+        NoText {
+            code: Code::ParamNoText,
+            figures: vec![format!("{byte:02X}h")],
+            at,
+        }
+    })?;
+    // Lines of an old editor: a carriage return alone ends them.
+    Ok(if text.contains('\r') && !text.contains('\n') {
+        text.replace('\r', "\n").into()
+    } else {
+        text.into()
+    })
+}
+
+/// Every byte beyond ASCII is one of a pair of GBK.
+fn is_gbk(mut bytes: &[u8]) -> bool {
+    loop {
+        bytes = match bytes {
+            [] => return true,
+            [0..=0x7F, rest @ ..] => rest,
+            [0x81..=0xFE, 0x40..=0x7E | 0x80..=0xFE, rest @ ..] => rest,
+            _ => return false,
+        };
+    }
 }
 
 /// Takes every value of a file.
-pub fn apply(loader: &mut Loader, name: &str, text: &str) {
-    let source = Source { name, text };
+pub fn apply(loader: &mut Loader, name: &str, bytes: &[u8]) {
+    match text(bytes) {
+        Ok(text) => apply_text(loader, name, &text),
+        Err(wrong) => loader.report(wrong.code, &wrong.figures, &wrong.place(name, bytes)),
+    }
+}
+
+fn apply_text(loader: &mut Loader, name: &str, text: &str) {
+    let source = Source::new(name, text);
     match DeTable::parse(text) {
         Ok(table) => source.table(loader, table.get_ref()),
         Err(error) => {
@@ -55,9 +172,23 @@ pub fn apply(loader: &mut Loader, name: &str, text: &str) {
 pub struct Source<'a> {
     name: &'a str,
     text: &'a str,
+    /// Where its lines begin.
+    lines: Vec<usize>,
+    /// The beginning of a line, a byte in it, and how many characters lie between: places come in the order of the file.
+    counted: Cell<(usize, usize, usize)>,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    fn new(name: &'a str, text: &'a str) -> Self {
+        let ends = text.match_indices('\n').map(|(at, _)| at + 1);
+        Self {
+            name,
+            text,
+            lines: std::iter::once(0).chain(ends).collect(),
+            counted: Cell::default(),
+        }
+    }
+
     fn table(&self, loader: &mut Loader, table: &DeTable) {
         // A file of another version would only make reasons that are none.
         if let Some(value) = table.get(schema::KEY)
@@ -136,20 +267,30 @@ impl Source<'_> {
 
     /// Line and columns of a span; what goes on over the end of its first line is cut there.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        let before = self.text.get(..span.start).unwrap_or(self.text);
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        let rest = self.text.get(line_start..).unwrap_or_default();
-        let text = rest.lines().next().unwrap_or_default();
-        let column = |byte: usize| {
-            let within = byte.saturating_sub(line_start).min(text.len());
-            text.get(..within).map_or(0, |s| s.chars().count()) + 1
+        let after = self.lines.partition_point(|begin| *begin <= span.start);
+        let begin = self.lines[after.saturating_sub(1)];
+        let end = self
+            .lines
+            .get(after)
+            .map_or(self.text.len(), |next| next - 1);
+        let line = self.text[begin..end].trim_end_matches('\r');
+        let within = |byte: usize| byte.clamp(begin, begin + line.len());
+        let count = |from: usize, to: usize| {
+            let part = self.text.get(from..to);
+            part.map_or(0, |part| part.chars().count())
         };
+        let (start, end) = (within(span.start), within(span.end));
+        let before = match self.counted.get() {
+            (line, byte, known) if line == begin && byte <= start => known + count(byte, start),
+            _ => count(begin, start),
+        };
+        self.counted.set((begin, start, before));
         Place {
             file: self.name.to_owned(),
-            line: u32::try_from(before.matches('\n').count() + 1).unwrap_or(u32::MAX),
-            column: column(span.start),
-            end_column: column(span.end),
-            text: text.to_owned(),
+            line: u32::try_from(after.max(1)).unwrap_or(u32::MAX),
+            column: before + 1,
+            end_column: before + count(start, end) + 1,
+            text: line[..line.floor_char_boundary(SHOWN)].to_owned(),
         }
     }
 }

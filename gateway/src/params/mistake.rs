@@ -102,7 +102,7 @@ fn spellings(entry: &Entry) -> String {
 fn nearest(key: &str) -> Option<String> {
     let (head, tail) = key.split_at(key.find('.').unwrap_or(key.len()));
     let head = head.to_lowercase();
-    if head.chars().count() < 3 || head.bytes().all(|b| b.is_ascii_digit()) {
+    if !(3..=60).contains(&head.chars().count()) || head.bytes().all(|b| b.is_ascii_digit()) {
         return None;
     }
     let allowed = (head.chars().count() / 3).max(1);

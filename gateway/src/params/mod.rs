@@ -27,7 +27,7 @@ use crate::diagnostics::{self, Diagnostic, Place, figure};
 use crate::failure::Outcome;
 use crate::json::Json;
 use crate::output;
-use crate::words::pick;
+use crate::words::{one_line, pick};
 
 pub use file::read;
 pub use mistake::unknown_key;
@@ -94,8 +94,8 @@ pub fn load_over(
 ) -> Outcome<Loaded> {
     let mut loader = Loader::new(base, lang);
     for path in files {
-        let text = read(path)?;
-        loader.file(&path.display().to_string(), &text);
+        let bytes = file::read_bytes(path)?;
+        loader.file(&path.display().to_string(), &bytes);
     }
     for text in options {
         loader.layer += 1;
@@ -107,8 +107,14 @@ pub fn load_over(
 /// As [`load`], for the text of one file and no options.
 #[must_use]
 pub fn load_text(name: &str, text: &str, lang: Lang) -> Loaded {
+    load_bytes(name, text.as_bytes(), lang)
+}
+
+/// The same of whatever stands in a file.
+#[must_use]
+pub fn load_bytes(name: &str, bytes: &[u8], lang: Lang) -> Loaded {
     let mut loader = Loader::new(None, lang);
-    loader.file(name, text);
+    loader.file(name, bytes);
     loader.finish()
 }
 
@@ -129,9 +135,9 @@ impl Loader {
         }
     }
 
-    fn file(&mut self, name: &str, text: &str) {
+    fn file(&mut self, name: &str, bytes: &[u8]) {
         self.layer += 1;
-        file::apply(self, name, text);
+        file::apply(self, name, bytes);
     }
 
     fn finish(mut self) -> Loaded {
@@ -209,7 +215,7 @@ impl Loaded {
         Some(if place.file == option::NAME {
             format!("{} {}", option::NAME, place.text)
         } else {
-            format!("{}:{}", place.file, place.line)
+            format!("{}:{}", one_line(&place.file), place.line)
         })
     }
 

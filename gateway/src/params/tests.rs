@@ -11,7 +11,7 @@ fn load_texts(files: &[&str], options: &[&str]) -> Loaded {
     let mut loader = Loader::new(None, Lang::En);
     for (number, text) in (1..).zip(files) {
         loader.layer += 1;
-        file::apply(&mut loader, &format!("{number}.toml"), text);
+        file::apply(&mut loader, &format!("{number}.toml"), text.as_bytes());
     }
     for text in options {
         loader.layer += 1;

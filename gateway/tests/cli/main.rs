@@ -93,4 +93,5 @@ mod kept;
 mod machine;
 mod recovery;
 mod taps;
+mod texts;
 mod usage;

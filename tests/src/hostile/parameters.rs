@@ -1,11 +1,11 @@
 //! A parameter file of any text.
 
-use leadscrew::params::load_text;
+use leadscrew::params::load_bytes;
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_core::alarm::Lang;
 
-/// The first byte chooses the language; the rest is the file, where it is UTF-8.
+/// The first byte chooses the language; the rest is the file, in whatever encoding.
 ///
 /// # Panics
 /// Where a file is neither taken nor refused with a place in it, or a set that was found good gives no machine.
@@ -13,12 +13,19 @@ pub fn parameters(data: &[u8]) {
     let Some((choice, text)) = data.split_first() else {
         return;
     };
-    let Ok(text) = core::str::from_utf8(text) else {
-        return;
-    };
     let lang = if choice & 1 == 0 { Lang::En } else { Lang::Zh };
-    let loaded = load_text("fuzz.toml", text, lang);
+    let loaded = load_bytes("fuzz.toml", text, lang);
     assert!(!loaded.report().is_empty());
+    let lines = text
+        .iter()
+        .filter(|byte| matches!(byte, b'\n' | b'\r'))
+        .count() as u32
+        + 1;
+    for told in &loaded.diagnostics {
+        assert!(told.line <= lines, "{told:?} of {lines} lines");
+        assert!(told.line == 0 || told.column < told.end_column, "{told:?}");
+        assert!(!told.render(false).is_empty());
+    }
     if !loaded.is_good() {
         return;
     }

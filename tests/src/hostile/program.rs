@@ -1,7 +1,8 @@
 //! Program text: read whole and in pieces, expanded, judged.
 
+use leadscrew::line_ends::LineEnds;
 use leadscrew_core::alarm::Alarm;
-use leadscrew_core::cycle::{Context, expand};
+use leadscrew_core::cycle::{Context, Moves, expand};
 use leadscrew_core::feasible;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, CallKind, Dialect, Event, Events, Options, Position, Reader};
@@ -21,6 +22,7 @@ pub fn program(data: &[u8]) {
     let Some((choice, text)) = data.split_first() else {
         return;
     };
+    line_ends(text, usize::from(choice >> 4) + 1);
     let params = Params::slant_bed();
     let options = Options {
         dialect: if choice & 1 == 0 {
@@ -48,6 +50,24 @@ pub fn program(data: &[u8]) {
         }
     });
     look_at(calls, text, &params, options.position);
+}
+
+/// Line ends of any kind become line feeds, the same in pieces, and nothing else changes its place.
+fn line_ends(text: &[u8], size: usize) {
+    let (mut ends, mut whole) = (LineEnds::default(), text.to_vec());
+    assert_eq!(ends.translate(&mut whole, true), text.len());
+    let (mut ends, mut again, mut rest) = (LineEnds::default(), Vec::new(), Vec::new());
+    for piece in text.chunks(size) {
+        rest.extend_from_slice(piece);
+        let done = ends.translate(&mut rest, false);
+        again.extend(rest.drain(..done));
+    }
+    let done = ends.translate(&mut rest, true);
+    again.extend(rest.drain(..done));
+    assert_eq!(whole, again, "pieces make a difference to line ends");
+    let end = |byte: &u8| matches!(byte, b'\r' | b'\n');
+    let kept = |(old, new): (&u8, &u8)| old == new || (end(old) && matches!(new, b' ' | b'\n'));
+    assert!(text.iter().zip(&whole).all(kept));
 }
 
 fn whole(text: &[u8], params: &Params, options: Options) -> (Vec<Event>, Result<(), Alarm>) {
@@ -108,6 +128,16 @@ fn look_at(calls: impl Iterator<Item = Call>, text: &[u8], params: &Params, from
         };
         if let Some(alarm) = judged {
             return lies_within(&alarm, text);
+        }
+        if let Moves::Groove(groove) = &moves {
+            let totals = groove.totals();
+            assert!(totals.infeeds * totals.columns <= 99_999, "{call:?}");
+            let mut steps = 0;
+            let all = groove.tally(&mut |_, _, _| {
+                steps += 1;
+                Ok(())
+            });
+            assert!(all.is_ok() && steps <= 32, "{call:?}: {steps} steps");
         }
         for next in moves.take(left) {
             left -= 1;

@@ -197,7 +197,7 @@ pub fn run(
         let text = both!(
             "{name}: {word}: {words} · {time} s · {late} setpoints late{en}\nsetpoints {hash}\n",
             "{name}：{word}：移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n设定值校验 {hash}\n",
-            name = source.name(),
+            name = source.shown(),
             words = plural(ran.moves, "move"),
             moves = ran.moves,
             time = number::rounded::<6>(figures.time_us, 3),

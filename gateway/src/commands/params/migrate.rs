@@ -10,13 +10,13 @@ use crate::params::schema::{MIGRATIONS, Migrated, SCHEMA, Unmigratable, migrate}
 use crate::params::{self};
 use crate::replace::replace;
 use crate::setup;
-use crate::words::{both, pick};
+use crate::words::{self, both, pick};
 
 /// Shows, and writes where it may.
 pub fn run(global: &Global, args: &Migrate) -> Outcome {
     let lang = global.lang();
-    let name = args.file.display().to_string();
-    let text = params::read(&args.file)?;
+    let name = words::path(&args.file);
+    let text = params::read(&args.file, lang)?;
     let migrated = match migrate(&text, MIGRATIONS, SCHEMA, args.from) {
         Ok(migrated) => migrated,
         Err(Unmigratable::Version(version)) => {
@@ -47,7 +47,7 @@ pub fn run(global: &Global, args: &Migrate) -> Outcome {
             return Err(Failure::Usage(both!(
                 "`{path}` is there already: name a new file",
                 "`{path}` 已存在：请指定一个新文件",
-                path = path.display()
+                path = words::path(path)
             )));
         }
         replace(path, migrated.text.as_bytes())

@@ -15,7 +15,7 @@ use crate::params::difference::changes;
 use crate::params::{self, Loaded, edit, whole};
 use crate::replace::replace;
 use crate::setup::{self, told_good};
-use crate::words::{Both, both};
+use crate::words::{self, Both, both};
 
 /// Fetches it.
 pub fn run(global: &Global, args: &Pull) -> Outcome {
@@ -28,7 +28,7 @@ pub fn run(global: &Global, args: &Pull) -> Outcome {
         return Err(Failure::Usage(both!(
             "`{path}` is there already: `--into {path}` takes the values over and keeps its comments",
             "`{path}` 已存在：`--into {path}` 可更新其中的值并保留注释",
-            path = path.display()
+            path = words::path(path)
         )));
     }
     let mut home = Home::open(global)?;
@@ -76,7 +76,7 @@ struct Into<'a> {
 
 /// It, as it is.
 fn file<'a>(global: &Global, path: &'a Path) -> Outcome<Into<'a>> {
-    let text = params::read(path)?;
+    let text = params::read(path, global.lang())?;
     let loaded = params::load(&[path.to_owned()], &[], global.lang())?;
     Ok(Into {
         path,
@@ -112,7 +112,7 @@ fn told(global: &Global, path: &Path, from: &Both) -> Outcome {
     let words = both!(
         "`{path}` has the parameters of {en}\n",
         "`{path}` 已有{zh}的参数\n",
-        path = path.display(),
+        path = words::path(path),
         en = from.en,
         zh = from.zh
     );

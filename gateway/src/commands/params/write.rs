@@ -39,7 +39,7 @@ fn into_file(global: &Global, set: &[String]) -> Outcome {
     };
     let before = told_good(global, params::load(&global.params, &[], lang)?)?;
     let after = told_good(global, params::load(&global.params, set, lang)?)?;
-    let text = params::read(path)?;
+    let text = params::read(path, lang)?;
     let new = edit::with_values(&text, &after.by_options());
     if new != text && !global.dry_run {
         replace(path, new.as_bytes())
