@@ -1,9 +1,9 @@
 //! Ctrl-C, and what ends a program from elsewhere (SIGTERM, a terminal that goes away).
 //!
-//! A command that only reads and computes ends at once, wherever it is: in a loop, in a read that nothing comes from, before
-//! a file that nobody opens. What has to be brought to an end first says so ([`defer`]): a machine that moves, a transaction
-//! with a board, a terminal that is drawn on. There the wish is remembered, and [`requested`] tells it. A second one does not
-//! wait.
+//! A command that only reads and computes ends at once, wherever it is: in a loop, in a read that nothing comes from,
+//! before a file that nobody opens. What has to be brought to an end first says so ([`defer`]): a machine that moves, a
+//! transaction with a board, a terminal that is drawn on. There the wish is remembered, and [`requested`] tells it. A
+//! second one does not wait.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};

@@ -28,8 +28,8 @@ pub struct SourceFile {
     text: Option<Arc<[u8]>>,
     /// What is no file on a disk is opened once, and what came of it is kept: it would not come again.
     pipe: RefCell<Option<Shared>>,
-    /// The line that was shown last, the byte that it begins with, and what ends lines: messages come in the order of the program, and a
-    /// long one is not read from its beginning for each of them.
+    /// The line that was shown last, the byte that it begins with, and what ends lines: messages come in the order of the
+    /// program, and a long one is not read from its beginning for each of them.
     shown: Cell<(u32, u64, LineEnds)>,
 }
 
