@@ -96,6 +96,25 @@ fn cycles_are_reported_with_what_they_need() {
 }
 
 #[test]
+fn a_retract_longer_than_an_infeed_is_a_warning_and_no_more() {
+    let folder = Folder::new("retract");
+    let program = folder.file("p.nc");
+    let text = "M3 S500\nG0 X125 Z-24\nG75 R0.5 F150\nG75 X40 Z-50 P6000 Q30000\nM30\n";
+    for (text, warnings) in [
+        (text.to_owned(), vec![4921]),
+        (text.replace("R0.5", "R0.3"), vec![]),
+        // The last infeed that needs no retract.
+        (text.replace("P6000", "P850000"), vec![]),
+    ] {
+        std::fs::write(&program, text).unwrap();
+        let result = checked(&[&program]);
+        let told = result["files"][0]["warnings"].as_array().unwrap();
+        let numbers: Vec<_> = told.iter().map(|w| w["no"].as_u64().unwrap()).collect();
+        assert_eq!((result["ok"].as_bool(), numbers), (Some(true), warnings));
+    }
+}
+
+#[test]
 fn one_bad_file_among_good_ones_fails() {
     let output = leadscrew(&["check", "examples/shaft.nc", "examples/g78-as-printed.nc"]);
     assert_eq!(code(&output), 1);
