@@ -17,17 +17,21 @@ const PYTHON: Tool = Tool {
 
 /// The interpreter with the pinned packages; installs them where they are missing or others.
 pub fn python() -> Result<PathBuf> {
-    let dir = run::root().join("target").join("python");
+    environment("python", &tests().join("requirements.txt"))
+}
+
+/// The interpreter of the virtual environment with this name below the build folder, with the packages of a list.
+pub fn environment(name: &str, wanted: &Path) -> Result<PathBuf> {
+    let dir = run::root().join("target").join(name);
     let python = dir.join("bin").join("python");
-    let wanted = tests().join("requirements.txt");
     let list =
-        fs::read_to_string(&wanted).with_context(|| format!("cannot read {}", wanted.display()))?;
+        fs::read_to_string(wanted).with_context(|| format!("cannot read {}", wanted.display()))?;
     let installed = dir.join("installed.txt");
     if python.is_file() && fs::read_to_string(&installed).is_ok_and(|have| have == list) {
         return Ok(python);
     }
     setup::tools(&[PYTHON])?;
-    println!("installing the Python package canopen below target/");
+    println!("installing the Python packages of {name} below target/");
     let make = || {
         let dir = dir.to_string_lossy();
         let args = ["-m", "venv", "--clear", &dir];
@@ -52,6 +56,12 @@ pub fn python() -> Result<PathBuf> {
         .context("the Python packages did not install; see that the package index is reachable")?;
     fs::write(&installed, list).with_context(|| format!("cannot write {}", installed.display()))?;
     Ok(python)
+}
+
+/// How many tests a run of Python's `unittest` reports: `Ran 7 tests in 3.142s`; 0 where it does not say.
+pub fn count(report: &str) -> u64 {
+    let ran = |line: &str| line.strip_prefix("Ran ")?.split(' ').next()?.parse().ok();
+    report.lines().find_map(ran).unwrap_or(0)
 }
 
 /// Writes the data sheet that this program prints. Gives the file.
@@ -103,10 +113,7 @@ pub fn check() -> Result<u64> {
             leadscrew_seed::fresh()
         );
     }
-    let passed = report
-        .lines()
-        .find_map(|line| line.strip_prefix("Ran ")?.split(' ').next()?.parse().ok())
-        .unwrap_or(0);
+    let passed = count(&report);
     if passed == 0 {
         bail!("Python found no tests in {}:\n{report}", tests().display());
     }

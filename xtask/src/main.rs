@@ -11,6 +11,7 @@ mod bench_real_time;
 mod bits;
 mod callgraph;
 mod canopen;
+mod chip;
 mod demo;
 mod docs;
 mod emulated;
@@ -39,6 +40,7 @@ usage: cargo xtask COMMAND
   vcan       the tests on a CAN bus alone (vcan NAME: those with this in their name)
   emulated   the board on the emulated Cortex-M4F, driven by `leadscrew` (emulated NAME: tests with this in their name)
   canopen    the board's CANopen services against the Python package canopen
+  chip       the flashed image on a model of its chip (chip NAME: tests with this in their name; --all: in full volume)
   ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   bench can  the cost of receiving and recording a CAN frame, likewise
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
         ["vcan", filter] => test::vcan(filter),
         ["emulated"] => test::emulated(""),
         ["emulated", filter] => test::emulated(filter),
+        ["chip", rest @ ..] => chip::command(rest),
         ["canopen"] => canopen::check().map(drop),
         ["audit"] => target::ensure().and_then(|()| audit::audit()),
         ["ticks"] => setup::everything().and_then(|()| emulator::ticks(false)),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, docs, emulated, emulator, licences, rules, run, setup, sizes, target,
+    audit, bits, canopen, chip, docs, emulated, emulator, licences, rules, run, setup, sizes, target,
     vcan as bus,
 };
 
@@ -102,6 +102,10 @@ pub fn test() -> Result<()> {
         on_the_board(&mut counts, "")
     })?;
     clock.step("images of the boards", || sizes::sizes(false))?;
+    clock.step("the image against a model of its chip", || {
+        counts.passed += chip::check("", false)?;
+        Ok(())
+    })?;
     clock.step("documentation", docs::check)?;
     clock.step("tests in release, full volume", || {
         tests(&mut counts, &["--release"])

@@ -1,0 +1,78 @@
+//! The image for the NUCLEO-G474RE, as it is flashed, on a model of its chip: Unicorn runs the instructions, and the
+//! registers are in `tests/python/chip`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+
+use crate::{canopen, run, target};
+
+/// Runs the tests, all or those with `filter` in their name; `all`: in full volume. Gives how many passed.
+pub fn check(filter: &str, all: bool) -> Result<u64> {
+    let python = canopen::environment("python-chip", &tests().join("requirements.txt"))?;
+    let root = run::root();
+    let image = image()?;
+    let build = |what: &[&str]| {
+        let args = [&["build", "--quiet"], what].concat();
+        run::show(run::cargo(&root, &args))
+    };
+    build(&["--package", "leadscrew-tests", "--example", "chip_plant"])?;
+    build(&["--package", "leadscrew"])?;
+    let built = root.join("target").join("debug");
+    let pattern = format!("*{filter}*");
+    let mut args = vec!["-B", "-m", "unittest"];
+    if !filter.is_empty() {
+        args.extend(["-k", &pattern]);
+    }
+    let mut unittest = run::command(&tests(), &python.to_string_lossy(), &args);
+    unittest
+        .env("CHIP_IMAGE", image)
+        .env("CHIP_PLANT", built.join("examples").join("chip_plant"))
+        .env("LEADSCREW", built.join("leadscrew"))
+        .env("CHIP_EXAMPLES", root.join("examples"))
+        .env_remove("CHIP_ALL");
+    if all {
+        unittest.env("CHIP_ALL", "1");
+    }
+    let output = unittest.output().context("cannot start Python")?;
+    let report = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        bail!("the image on the model of its chip:\n{report}");
+    }
+    let passed = canopen::count(&report);
+    if passed == 0 {
+        bail!("Python found no tests in {}:\n{report}", tests().display());
+    }
+    // What a volume has tried, line by line.
+    print!("{}", String::from_utf8_lossy(&output.stdout));
+    println!("{passed} tests of the image against a model of its chip passed");
+    Ok(passed)
+}
+
+/// The command by itself.
+pub fn command(args: &[&str]) -> Result<()> {
+    let (all, names): (Vec<&str>, Vec<&str>) = args.iter().partition(|arg| **arg == "--all");
+    let [] | [_] = names.as_slice() else {
+        bail!("cargo xtask chip [NAME] [--all]");
+    };
+    target::ensure()?;
+    check(names.first().unwrap_or(&""), !all.is_empty()).map(drop)
+}
+
+/// Builds the image as it is flashed; where it is.
+fn image() -> Result<PathBuf> {
+    let firmware = run::firmware();
+    let args = ["build", "--quiet", "--release", "--bin", "nucleo-g474re"];
+    // In its own folder: the settings there are the ones it is flashed with.
+    run::show(run::cargo(&firmware.join("nucleo-g474re"), &args))?;
+    let built = firmware.join("target").join(target::TARGET);
+    let built = built.join("release").join("nucleo-g474re");
+    // The same place has another image when another step builds one.
+    let image = run::scratch("chip")?.join("nucleo-g474re");
+    std::fs::copy(&built, &image).with_context(|| format!("there is no {}", built.display()))?;
+    Ok(image)
+}
+
+fn tests() -> PathBuf {
+    run::root().join("tests").join("python").join("chip")
+}
