@@ -94,7 +94,7 @@ class Board:
         # Steps of a cycle of the processor.
         self.cycle = 255
         self.resets = None
-        self.limit = None
+        self.limit = self.deadline = None
         self.ticks = 0
         self.on_tick = None
         self.shown = {}
@@ -105,8 +105,9 @@ class Board:
         self.cpu = Cpu(self, self.image.code if code is None else code)
         # UID, 96 bits ("Unique device ID register").
         self.cpu.uc.mem_write(SYSTEM + 0x590, bytes.fromhex("003A001E3235510A34353738"))
-        # Nothing in the contacts: the stop circuit is closed, hold and clamp are open.
+        # Stop and hold are break contacts, and closed while nobody presses them; the clamp is open.
         self.contact("stop", True)
+        self.contact("hold", True)
 
     # Registers.
 
@@ -143,7 +144,8 @@ class Board:
 
     def clock_on(self):
         """An access takes a few cycles of the bus."""
-        self.clock.now += 4 * self.cycle
+        if not self.wire.instant:
+            self.clock.now += 4 * self.cycle
         due = self.clock.next()
         if due is not None and due <= self.clock.now:
             self.clock.until(self.clock.now)
@@ -174,7 +176,16 @@ class Board:
     def run_for(self, steps):
         end = self.clock.now + steps
         before, self.limit = self.limit, end
+        # The image may wait for something and not sleep.
+        self.deadline = end
         self.cpu.run(lambda: self.clock.now >= end)
+        self.limit, self.deadline = before, None
+
+    def settle(self):
+        """Lets the image do what it can without any time."""
+        before, self.limit = self.limit, self.clock.now
+        self.cpu.asleep = False
+        self.cpu.run(lambda: self.cpu.asleep)
         self.limit = before
 
     def run_ticks(self, count):

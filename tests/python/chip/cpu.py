@@ -54,7 +54,7 @@ class Cpu:
         for base, size in PERIPHERALS:
             uc.mmio_map(base, size, self.load, base, self.store, base)
         self.active = []
-        self.poked = False
+        self.poked = self.asleep = False
         self.failure = None
         # Instructions without a sleep after which time goes on; 0: it does not.
         self.slice = 0
@@ -110,7 +110,7 @@ class Cpu:
         if self.poked and base + offset not in ONCE and self.is_interrupted():
             # Unicorn stops before the reading is done: it is done again when the interrupt is over.
             uc.emu_stop()
-        elif self.chip.limit is not None and self.chip.clock.now >= self.chip.limit and base + offset not in ONCE:
+        elif self.chip.deadline is not None and self.chip.clock.now >= self.chip.deadline and base + offset not in ONCE:
             # As far as the test wants it to run, though it waits for something.
             self.poked = True
             uc.emu_stop()
@@ -218,6 +218,13 @@ class Cpu:
         uc.reg_write(arm.UC_ARM_REG_LR, 0xFFFF_FFFF)
         self.pc = int.from_bytes(uc.mem_read(FLASH + 4, 4), "little") & ~1
 
+    def hang(self):
+        """What runs now gets no further: an instruction that branches to itself, in memory that is not used."""
+        self.uc.mem_write(TRAP + 0x100, b"\xfe\xe7")
+        self.pc = TRAP + 0x100
+        # Time goes on meanwhile.
+        self.slice = 1000
+
     def run(self, until):
         """Runs until `until()` is true; it is asked whenever the processor sleeps or is interrupted."""
         uc, nvic = self.uc, self.chip.nvic
@@ -252,9 +259,14 @@ class Cpu:
         elif self.jump is None and not chip.resets:
             if int.from_bytes(uc.mem_read(self.pc - 2, 2), "little") == WFI:
                 while not chip.nvic.wakes() and not chip.resets:
+                    due = chip.clock.next()
+                    if due is not None and due <= chip.clock.now:
+                        chip.clock.until(chip.clock.now)
+                        continue
                     if chip.limit is not None and chip.clock.now >= chip.limit:
                         # The sleep goes on: it is gone to again.
                         self.pc -= 2
+                        self.asleep = True
                         return
                     if not chip.clock.leap():
                         raise AssertionError("the processor sleeps, and nothing ever wakes it")

@@ -219,10 +219,18 @@ class Fdcan(Registers):
         self.tell()
 
     def recovered(self):
+        """129 times eleven recessive bits are counted where there are any."""
         self.recovery = None
+        if self.wire.shorted:
+            self.recover()
+            return
         self.off = False
         self.tec = self.rec = 0
         self.wire.kick()
+
+    def recover(self):
+        self.chip.clock.drop(self.recovery)
+        self.recovery = self.chip.clock.after(129 * 11 * self.wire.bit, self.recovered)
 
     # Registers.
 
@@ -282,6 +290,8 @@ class Fdcan(Registers):
             if value & 7 in self.fifo:
                 count = self.fifo.index(value & 7) + 1
                 del self.fifo[:count]
+                if self.wire.instant:
+                    self.wire.kick()
         elif at in (RXF0S, TXBRP, TXFQS, TXBTO, TXBCF, PSR, ECR):
             pass
         else:
@@ -313,9 +323,8 @@ class Fdcan(Registers):
             self.word[TXBTO] = self.word[TXBCF] = 0
         if before & INIT and not value & INIT:
             if self.off:
-                # 129 times eleven recessive bits ("Bus-off recovery").
-                self.chip.clock.drop(self.recovery)
-                self.recovery = self.chip.clock.after(129 * 11 * self.wire.bit, self.recovered)
+                # "Bus-off recovery".
+                self.recover()
             else:
                 self.wire.kick()
         self.tell()

@@ -62,10 +62,18 @@ class Clocks(unittest.TestCase):
             board.load(0x4000_5C00, 4)
 
     def test_without_a_crystal_nothing_is_on_the_wire(self):
-        board, ear = up()
+        board = Board()
+        ear = Ear(board)
         board.rcc.crystal = False
-        board.run_for(20 * MS)
+        # Nothing sleeps there: time goes by with the instructions.
+        board.cpu.slice = 20_000
+        board.power_up()
+        board.run_for(1000 * MS)
         self.assertEqual(ear.frames, [])
+        light = [level for _, name, level in board.pins if name == "light"]
+        self.assertGreaterEqual(light.count("high"), 2, light)
+        for name in ("clamp", "spindle enable"):
+            self.assertNotIn("high", [level for _, one, level in board.pins if one == name])
 
 
 class Wire(unittest.TestCase):
