@@ -132,7 +132,11 @@ class Cpu:
 
     def is_interrupted(self):
         """Something has its turn now. With each instruction counted, the processor is where Unicorn says it is."""
-        return bool(self.chip.resets) or self.chip.nvic.next(self.priority(), self.masked()) is not None
+        if self.chip.resets or self.chip.nvic.next(self.priority(), self.masked()) is not None:
+            return True
+        # It waits: what lets it in looks by itself.
+        self.poked = False
+        return False
 
     def load_second(self, uc, offset, size, _):
         try:
