@@ -54,7 +54,7 @@ class Cpu:
         for base, size in PERIPHERALS:
             uc.mmio_map(base, size, self.load, base, self.store, base)
         self.active = []
-        self.poked = self.asleep = False
+        self.poked = self.asleep = self.watched = False
         self.failure = None
         # Instructions without a sleep after which time goes on; 0: it does not.
         self.slice = 0
@@ -80,6 +80,21 @@ class Cpu:
         def block(uc, address, size, _):
             self.chip.clock.now += (size >> 2) * self.chip.cycle
         self.counter = self.uc.hook_add(unicorn.UC_HOOK_BLOCK, block)
+
+    def each(self, what):
+        """Calls `what` with address and first half of every instruction from now on; where it says so, interrupts that
+        wait come before that instruction."""
+        image = self.chip.image.code
+
+        def code(uc, address, size, _):
+            if not self.watched:
+                return
+            at = address - FLASH
+            if what(address, image[at] | image[at + 1] << 8) and self.is_interrupted():
+                self.jump = address
+                uc.emu_stop()
+        self.uc.hook_add(unicorn.UC_HOOK_CODE, code, None, FLASH, SECOND - 1)
+        self.uc.ctl_flush_tb()
 
     def unmasks(self, uc, address, size, what):
         half, is_msr = what

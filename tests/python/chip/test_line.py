@@ -152,12 +152,12 @@ class Operator(unittest.TestCase):
         self.assertNotEqual(code, 0)
         stopped = machine.status()
         self.assertEqual(stopped["state"], "alarm")
-        self.assertIsNotNone(stopped["tap"])
+        self.assertTrue(stopped["tap"]["in_hole"])
         self.assertEqual(machine.board.shown["spindle enable"], "high", "a tap in its hole keeps its spindle")
         machine.good("reset")
         machine.wait("the machine", lambda status: status["state"] == "idle")
         machine.good("retract")
-        self.assertIsNone(machine.status()["tap"])
+        self.assertFalse(machine.status()["tap"]["in_hole"])
 
     def test_parameters_are_pulled_pushed_and_kept_over_a_reset(self):
         machine = Machine(self)
