@@ -11,8 +11,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use leadscrew_can::WrongAddress;
 use leadscrew_core::alarm::Lang;
 
-use crate::failure::Failure;
 use crate::diagnostics;
+use crate::failure::Failure;
 use crate::output;
 use crate::values::Mistake;
 use crate::words::{is_obeyed, plain};

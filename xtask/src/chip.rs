@@ -52,7 +52,7 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
 /// The command by itself.
 pub fn command(args: &[&str]) -> Result<()> {
     let (all, names): (Vec<&str>, Vec<&str>) = args.iter().partition(|arg| **arg == "--all");
-    let [] | [_] = names.as_slice() else {
+    let ([] | [_]) = names.as_slice() else {
         bail!("cargo xtask chip [NAME] [--all]");
     };
     target::ensure()?;

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, chip, docs, emulated, emulator, licences, rules, run, setup, sizes, target,
-    vcan as bus,
+    audit, bits, canopen, chip, docs, emulated, emulator, licences, rules, run, setup, sizes,
+    target, vcan as bus,
 };
 
 /// The whole test, as the README names it.

@@ -87,7 +87,7 @@ pub fn run_with(
             }
             write_script(&init, &boot(&root, script, &status)?)?;
             let mut inside = false;
-            let command = kernel(&init, terminal);
+            let command = kernel(&init, terminal, &registers()?);
             run::watch_some(command, |line| match line.trim_end() {
                 BEGIN => {
                     inside = true;
@@ -114,7 +114,17 @@ pub fn run_with(
     }
 }
 
-fn kernel(init: &Path, terminal: Option<&str>) -> std::process::Command {
+/// The library that lets the kernel start on processors with larger registers than it knows.
+fn registers() -> Result<PathBuf> {
+    let root = run::root();
+    run::show(run::cargo(
+        &root,
+        &["build", "--quiet", "-p", "leadscrew-regset"],
+    ))?;
+    Ok(root.join("target/debug/libleadscrew_regset.so"))
+}
+
+fn kernel(init: &Path, terminal: Option<&str>, registers: &Path) -> std::process::Command {
     let init = format!("init={}", init.display());
     let mut command = run::command(
         &run::root(),
@@ -135,6 +145,7 @@ fn kernel(init: &Path, terminal: Option<&str>) -> std::process::Command {
             "quiet",
         ],
     );
+    command.env("LD_PRELOAD", registers);
     if let Some(terminal) = terminal {
         command.arg(format!("ssl0=tty:{terminal}"));
     }
