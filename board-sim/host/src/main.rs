@@ -37,7 +37,9 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return mistyped::report(&error, &typed),
     };
-    interrupt::watch();
+    interrupt::watch(Lang::En, false);
+    // The machine is brought to its end, with its flash and its figures.
+    interrupt::defer(interrupt::UnderWay::Machine);
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(Lang::En, false),

@@ -469,7 +469,7 @@ codes! {
     /// An ordinary tap by another spindle; {0} its number.
     FloatSpindleWithoutEncoder = 4271, "spindle {0} has no encoder here: an ordinary tap follows spindle 1 only", "write E1 or M24, or tap in rigid mode",
         "{0} 号主轴没有编码器：普通攻丝只能跟随 1 号主轴", "请写 E1 或 M24，或使用刚性攻丝";
-    /// An encoder whose edges are not timed shakes an axis on this lead: the lead, noise and limit in m/s², the longest lead.
+    /// An encoder whose edges are not timed shakes an axis on this lead: lead, noise and limit in m/s², the longest lead.
     LeadForEncoder = 4272, "the counts of the spindle encoder would shake the axis by up to {1} m/s² on a lead of {0}; its acceleration is {2} m/s²",
         "write a lead of {3} or less, or use an encoder with more lines or timed edges (3720, 9006.0), or lower 9005",
         "主轴编码器的计数在导程 {0} 上会使该轴抖动达 {1} m/s²，而其加速度为 {2} m/s²",

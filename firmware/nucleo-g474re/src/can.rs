@@ -139,10 +139,14 @@ const COMES_OVER: u32 = 1000;
 /// Takes part again after bus-off, behind 129 times eleven recessive bits, or after restricted operation; with nothing of
 /// what was to be sent before, which the controller forgets as CCE is set. It clears that together with INIT.
 pub fn rejoin() {
-    FDCAN1.cccr().modify(|w| w.set_init(true));
-    // In bus-off it is set already. Where it does not come the state stays as it is, and this is called again.
-    let mut looks = 0..COMES_OVER;
-    while !FDCAN1.cccr().read().init() && looks.next().is_some() {}
+    if FDCAN1.cccr().read().asm() {
+        FDCAN1.cccr().modify(|w| w.set_init(true));
+        // Where it does not come the state stays as it is, and this is called again.
+        let mut looks = 0..COMES_OVER;
+        while !FDCAN1.cccr().read().init() && looks.next().is_some() {}
+    }
+    // Bus-off has set INIT. This is called until the state is another one: it must not be set again, or those bits would
+    // have to be waited for from the first.
     FDCAN1.cccr().modify(|w| w.set_cce(true));
     FDCAN1.cccr().modify(|w| w.set_asm(false));
     FDCAN1.cccr().modify(|w| w.set_init(false));

@@ -193,15 +193,21 @@ mod tests {
     use leadscrew_core::link::{ImageError, ImageReader};
 
     use super::super::bench::Wire;
+    use super::super::script::Draws;
     use super::*;
-    use crate::random::Random;
 
     /// Of each kind of damage that one bit does, the first place.
     #[test]
     fn an_image_with_a_wrong_bit_is_refused_at_once_whatever_the_bit_says() {
         let (params, options) = (Params::slant_bed(), PlantOptions::default());
         let sim = Sim::new(&params, &options).expect("the machine starts");
-        let mut bench = Bench::new(Random(1), sim, params.clone(), options, Wire::default());
+        let mut bench = Bench::new(
+            Draws::live(1),
+            sim,
+            params.clone(),
+            options,
+            Wire::default(),
+        );
         bench.until("the node", 100, |bench| bench.says(BoardState::Idle));
         let mut whole = [0; ImageWriter::BYTES as usize];
         ImageWriter::new(&params).read(0, &mut whole);

@@ -378,7 +378,7 @@ struct Runner<'a> {
 }
 
 /// The program on its way to the board.
-struct UnderWay<'a> {
+struct Feeding<'a> {
     feeder: Feeder<'a>,
     feed: Feed,
     started: bool,
@@ -443,7 +443,7 @@ impl Runner<'_> {
         // The board is this program's from here on: it is held at once, whatever is under way.
         self.link.hold_when(interrupt::requested);
         self.prepare_board()?;
-        let mut under_way = UnderWay {
+        let mut under_way = Feeding {
             feeder: Feeder::new(self.setup, self.source)?,
             feed: Feed::new(program_number()),
             started: false,
@@ -467,8 +467,8 @@ impl Runner<'_> {
     }
 
     /// One look at everything. True where the run is over.
-    fn round(&mut self, under_way: &mut UnderWay, drives: &DriveNodes) -> Outcome<bool> {
-        let UnderWay {
+    fn round(&mut self, under_way: &mut Feeding, drives: &DriveNodes) -> Outcome<bool> {
+        let Feeding {
             feeder,
             feed,
             started,
@@ -569,8 +569,8 @@ impl Runner<'_> {
     /// The board has sent a boot-up message. That says nothing of the machine: after somebody's NMT reset of the
     /// communication everything goes on, and after a loss of power the program is gone. So the board is asked (5001h)
     /// before a word is said [D196].
-    fn after_boot_up(&mut self, under_way: &UnderWay, drives: &DriveNodes) -> Outcome {
-        let UnderWay { feeder, feed, .. } = under_way;
+    fn after_boot_up(&mut self, under_way: &Feeding, drives: &DriveNodes) -> Outcome {
+        let Feeding { feeder, feed, .. } = under_way;
         let now = self.link.status()?;
         let same = if feed.taken() > 0 {
             now.program == feed.program()
