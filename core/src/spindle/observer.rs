@@ -260,7 +260,7 @@ impl Observer {
         // At most 2³¹ counts of 2³² each; in 10 ms the fastest makes twenty turns.
         let way = i64::from(moved).wrapping_mul(self.width);
         self.angle = measured;
-        self.speed = way.clamp(self.fastest.wrapping_neg(), self.fastest) << 16;
+        self.speed = way.min(self.fastest).max(self.fastest.wrapping_neg()) << 16;
         self.acceleration = 0;
     }
 

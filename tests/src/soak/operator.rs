@@ -7,7 +7,7 @@ use leadscrew_core::units::Axis;
 
 use super::bench::Bench;
 use super::script::Luck;
-use super::trouble::{break_something, mend_wire};
+use super::trouble::{OF_BUS, OF_DRIVES, break_something, mend_wire};
 use crate::gateway::NODE;
 
 /// How much happens: the mean number of ticks between two things done, 0 for none, and what they may be.
@@ -39,13 +39,17 @@ impl Default for Mood {
     }
 }
 
+/// Room for all causes at once: those of drives, spindle and bus, and what else is named one by one.
+const CAUSES: usize = 64;
+const _: () = assert!(OF_DRIVES.len() + OF_SPINDLE.len() + OF_BUS.len() + 16 <= CAUSES);
+
 /// The operator, and what is broken.
 #[derive(Debug, Default)]
 pub struct Operator {
     /// How much happens.
     pub mood: Mood,
     /// Causes of alarms since everything was well.
-    causes: heapless::Vec<Code, 32>,
+    causes: heapless::Vec<Code, CAUSES>,
     /// Until this tick the node is left as it is.
     quiet_until: u64,
     /// NMT reset node is on its way, or done.

@@ -10,7 +10,7 @@ use super::bench::Bench;
 use super::operator::OF_SPINDLE;
 
 /// Alarms of a drive that has any trouble.
-const OF_DRIVES: [Code; 14] = [
+pub(super) const OF_DRIVES: [Code; 14] = [
     Code::DriveNoAnswer,
     Code::DriveNotInitialised,
     Code::DriveNotReleased,
