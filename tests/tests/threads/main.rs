@@ -1,6 +1,7 @@
 //! Threads on a spindle that is not ideal: how far the setpoints are from the exact helix.
 
 mod random;
+mod ripple;
 mod spindle;
 mod watch;
 
