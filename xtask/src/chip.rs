@@ -51,10 +51,11 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
 
 /// The command by itself.
 pub fn command(args: &[&str]) -> Result<()> {
-    let (all, names): (Vec<&str>, Vec<&str>) = args.iter().partition(|arg| **arg == "--all");
-    let ([] | [_]) = names.as_slice() else {
+    let (all, names): (Vec<&str>, Vec<&str>) =
+        args.iter().copied().partition(|arg| *arg == "--all");
+    if names.len() > 1 {
         bail!("cargo xtask chip [NAME] [--all]");
-    };
+    }
     target::ensure()?;
     check(names.first().unwrap_or(&""), !all.is_empty()).map(drop)
 }
