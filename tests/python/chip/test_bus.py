@@ -9,7 +9,8 @@ from plant import Plant
 from talk import START, Ear, Sdo
 from wire import Frame
 
-BUS_OFF, RESTRICTED = 4370, 4386
+# On its way to bus-off the controller is error passive for half a millisecond: a look that falls into that tells it first.
+BUS_OFF, RESTRICTED = (4370, 4371), (4386,)
 RESET = 4
 
 
@@ -45,15 +46,17 @@ IDLE, ALARM = 1, 7
 
 
 class Trouble(unittest.TestCase):
-    def comes_back(self, machine, alarm):
+    def comes_back(self, machine, alarms):
         """It stands on the alarm, and a reset brings drives and machine up again."""
         board = machine.board
         board.run_ticks(400)
         # As after a power-up: it waits for NMT start.
         board.wire.send(START)
         board.run_ticks(30)
-        self.assertEqual(machine.state(), (ALARM, alarm))
-        self.assertEqual(machine.ear.alarms()[-1], alarm)
+        state, alarm = machine.state()
+        self.assertEqual(state, ALARM)
+        self.assertIn(alarm, alarms)
+        self.assertIn(machine.ear.alarms()[-1], alarms)
         board.wire.send(order(1, RESET))
         board.run_ticks(100)
         self.assertEqual(machine.state(), (IDLE, 0))

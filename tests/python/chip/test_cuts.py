@@ -20,7 +20,7 @@ OBJECT, AXIS = 0x2000 + 1420, 1
 # 5010h:02, state of the last change: 2 is done.
 STATE = 0x5010, 2
 ROUNDS = 80 if os.environ.get("CHIP_ALL") else 12
-CUTS = int(os.environ.get("CHIP_CUTS", 10_500 if os.environ.get("CHIP_ALL") else 300))
+CUTS = int(os.environ.get("CHIP_CUTS", 10_500 if os.environ.get("CHIP_ALL") else 200))
 
 
 class Step:

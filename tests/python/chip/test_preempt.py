@@ -149,5 +149,5 @@ class Preempted(unittest.TestCase):
         print(f"the tick came at {tried} instructions of the interrupt of the controller", flush=True)
 
     def test_at_instructions_of_the_background_that_answers(self):
-        tried = self.through(0, 1 if ALL else 250, ask=True)
+        tried = self.through(0, 1 if ALL else 500, ask=True)
         print(f"the tick came at {tried} instructions of the background", flush=True)
