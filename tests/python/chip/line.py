@@ -15,6 +15,8 @@ GATEWAY = "gateway"
 SERVED = 600 * US
 # States in which nothing moves by itself: idle, and an alarm.
 RESTS = (1, 7)
+# Seconds after which nothing comes of it any more. The longest example has 600 000 ticks.
+PATIENCE = 36_000 if os.environ.get("CHIP_ALL") else 600
 # Ticks of a machine that has nothing to do, at once: drives answer every fourth SYNC.
 TURN = 40
 
@@ -154,9 +156,9 @@ class Line:
         board.run_for(SERVED)
         board.settle()
 
-    def work(self, until, patience=300):
+    def work(self, until):
         """Goes on until that is true."""
-        ended = time.monotonic() + patience
+        ended = time.monotonic() + PATIENCE
         while not until():
             if time.monotonic() > ended:
                 raise AssertionError(f"it takes too long; the board says {self.status and self.status.hex()}")

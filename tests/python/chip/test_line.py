@@ -10,23 +10,27 @@ from pathlib import Path
 from board import Board
 from line import Line
 from plant import Plant
+from prepared import prepared
 from talk import Ear
 
 LEADSCREW = os.environ.get("LEADSCREW", "leadscrew")
+# One spindle: with the four of the built-in set the wire is so full at 1 ms that setpoints come late.
+PARAMS = ("9014=1",)
 EXAMPLES = Path(os.environ.get("CHIP_EXAMPLES", "examples"))
-# The first is a tap, the second a thread; the others take minutes.
-ALWAYS = ("g84-tap.nc", "g78-straight.nc")
-# A tap that goes out of its hole again waits for what only a retract has; it has a test of its own.
-APART = ("g84-recovery.nc",)
+# The shortest; some of the others take many minutes.
+ALWAYS = ("g84-left-hand.nc", "g84-floating.nc")
+# The first does not run alone, for it is about a stop in a tap; the second is refused, as it is to be.
+APART = ("g84-recovery.nc", "g78-as-printed.nc")
 
 
 class Machine:
     """A board with its drives, and `leadscrew` on its line."""
 
-    def __init__(self, test, *params):
+    def __init__(self, test):
         self.board = Board()
+        self.board.flash.second[:] = prepared(PARAMS)
         self.ear = Ear(self.board)
-        self.plant = Plant(self.board, *params)
+        self.plant = Plant(self.board, *PARAMS)
         test.addCleanup(self.plant.close)
         self.line = Line(self.board)
         test.addCleanup(self.line.close)
@@ -87,18 +91,19 @@ class Setpoints(unittest.TestCase):
         machine.good("params", "set", "9006.0=0")
         machine.wait("the machine", lambda status: status["state"] == "idle")
         ran = json.loads(machine.good("run", path, "--json"))
-        there = simulated("run", path, "--set", "9006.0=0")
-        for field in ("ok", "moves", "setpoint_hash"):
+        there = simulated("run", path, "--set", "9006.0=0", "--set", PARAMS[0])
+        for field in ("ok", "moves", "setpoint_hash", "late"):
             self.assertEqual(ran[field], there[field], f"{field} of {path}")
         return machine.board.ticks
 
     def test_setpoints_are_those_of_the_simulation(self):
-        names = sorted(path.name for path in EXAMPLES.glob("*.nc")) if os.environ.get("CHIP_ALL") else ALWAYS
+        names = ALWAYS
+        if os.environ.get("CHIP_ALL"):
+            names = sorted({path.name for path in EXAMPLES.glob("*.nc")} - set(APART))
         ticks = 0
         for name in names:
-            if name not in APART:
-                with self.subTest(name):
-                    ticks += self.same(str(EXAMPLES / name))
+            with self.subTest(name):
+                ticks += self.same(str(EXAMPLES / name))
         print(f"setpoints of {len(names)} programs as in the simulation, {ticks} ticks", flush=True)
 
 

@@ -8,10 +8,10 @@ import random
 import unittest
 
 from board import Board
-from clock import MS
-from nvic import LOWEST
 from plant import Plant
-from talk import SYNC, START, Ear, Sdo
+from prepared import prepared
+from talk import SYNC, START, Ear
+from wire import Frame
 from test_cuts import seed
 
 ALL = bool(os.environ.get("CHIP_ALL"))
@@ -59,30 +59,10 @@ class Preempter:
         return True
 
 
-def prepared():
-    """A flash with the parameters: a board without drives takes them as well."""
-    board = Board()
-    ear = Ear(board)
-    board.power_up()
-    board.run_ticks(20)
-    sdo = Sdo(board, ear)
-    for text in PARAMS:
-        number, value = text.split("=")
-        index = 0x2000 + int(number)
-        size = len(sdo.read(index, 0))
-        sdo.write(index, 0, int(value).to_bytes(size, "little"))
-        for _ in range(400):
-            if sdo.number(0x5010, 2) == 2:
-                break
-            board.run_ticks(2)
-        board.run_ticks(20)
-    return bytes(board.flash.second)
-
-
 class Preempted(unittest.TestCase):
     def setUp(self):
         self.board = board = Board()
-        board.flash.second[:] = prepared()
+        board.flash.second[:] = prepared(PARAMS)
         self.ear = Ear(board)
         self.plant = Plant(board, *PARAMS)
         self.addCleanup(self.plant.close)
@@ -110,7 +90,6 @@ class Preempted(unittest.TestCase):
         board.run_ticks(2)
         self.preempter.arm(context, wanted)
         if ask:
-            from wire import Frame
             board.wire.send(Frame(0x601, bytes([0x40, 0x18, 0x10, 4, 0, 0, 0, 0])))
         board.run_ticks(4)
         board.cpu.watched = False
@@ -145,7 +124,7 @@ class Preempted(unittest.TestCase):
         return tried
 
     def test_at_each_instruction_of_the_interrupt_that_fills_the_controller(self):
-        tried = self.through(CAN, 1 if ALL else 16, ask=False)
+        tried = self.through(CAN, 1 if ALL else 32, ask=False)
         print(f"the tick came at {tried} instructions of the interrupt of the controller", flush=True)
 
     def test_at_instructions_of_the_background_that_answers(self):

@@ -1,0 +1,29 @@
+"""A flash in which the board has other parameters than the built-in ones."""
+
+from board import Board
+from talk import Ear, Sdo
+
+_MADE = {}
+
+
+def prepared(params):
+    """A flash with the parameters: a board without drives takes them as well."""
+    if params in _MADE:
+        return _MADE[params]
+    board = Board()
+    ear = Ear(board)
+    board.power_up()
+    board.run_ticks(20)
+    sdo = Sdo(board, ear)
+    for text in params:
+        number, value = text.split("=")
+        index = 0x2000 + int(number)
+        size = len(sdo.read(index, 0))
+        sdo.write(index, 0, int(value).to_bytes(size, "little"))
+        for _ in range(400):
+            if sdo.number(0x5010, 2) == 2:
+                break
+            board.run_ticks(2)
+        board.run_ticks(20)
+    _MADE[params] = bytes(board.flash.second)
+    return _MADE[params]
