@@ -220,7 +220,8 @@ class Board:
     def begin(self, flags, why):
         self.resets = None
         self.wire.power_off()
-        for part in (self.pwr, self.flash, self.nvic, self.fdcan, self.tim2, self.tim3, self.tim5, self.tim6, self.watchdog):
+        timers = (self.tim2, self.tim3, self.tim5, self.tim6)
+        for part in (self.pwr, self.flash, self.nvic, self.fdcan, *timers, self.watchdog):
             part.reset()
         for port in self.ports.values():
             port.reset()

@@ -12,7 +12,8 @@ FLASH, SECOND, RAM, RAM_SIZE = 0x0800_0000, 0x0804_0000, 0x2000_0000, 128 * 1024
 # Pages of the second bank that are looked at word by word; the rest is as empty as it reads.
 WATCHED = 64 * 1024
 SYSTEM = 0x1FFF_7000
-PERIPHERALS = ((0x4000_0000, 0x30000), (0x4800_0000, 0x2000), (0xE000_E000, 0x1000), (0xE004_2000, 0x1000), (0xE000_1000, 0x1000))
+PERIPHERALS = (
+    (0x4000_0000, 0x30000), (0x4800_0000, 0x2000), (0xE000_E000, 0x1000), (0xE004_2000, 0x1000), (0xE000_1000, 0x1000))
 # What a handler returns to.
 TRAP = 0x1FFE_0000
 LOWEST = 256
@@ -27,7 +28,8 @@ FRAME = (arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG
 def plain_store(code):
     """Bytes of a store that changes no register; 0: it is another one (ARMv7-M, A7.7 "STR", "STRB", "STRH")."""
     half = int.from_bytes(code[:2], "little")
-    if half >> 13 == 0b011 and not half & 1 << 11 or half >> 11 in (0b10000, 0b10010) or half >> 9 in (0b0101000, 0b0101001, 0b0101010):
+    immediate = half >> 13 == 0b011 and not half & 1 << 11 or half >> 11 in (0b10000, 0b10010)
+    if immediate or half >> 9 in (0b0101000, 0b0101001, 0b0101010):
         return 2
     if half & 0xFF90 == 0xF880:
         return 4

@@ -9,7 +9,8 @@ AHB1ENR, AHB2ENR, AHB3ENR, APB1ENR1, APB1ENR2, APB2ENR = 0x48, 0x4C, 0x50, 0x58,
 CCIPR, BDCR, CSR, CRRCR, CCIPR2 = 0x88, 0x90, 0x94, 0x98, 0x9C
 
 # CSR: flags of the last reset.
-RMVF, OBLRSTF, PINRSTF, BORRSTF, SFTRSTF, IWDGRSTF, WWDGRSTF, LPWRRSTF = (1 << bit for bit in (23, 25, 26, 27, 28, 29, 30, 31))
+RMVF, OBLRSTF, PINRSTF, BORRSTF, SFTRSTF, IWDGRSTF, WWDGRSTF, LPWRRSTF = (
+    1 << bit for bit in (23, 25, 26, 27, 28, 29, 30, 31))
 
 HSI_MHZ, CRYSTAL_MHZ = 16, 24
 # Datasheet, "HSE oscillator characteristics": the crystal starts in 2 ms; "PLL characteristics": lock in 40 µs.
