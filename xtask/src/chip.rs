@@ -5,7 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{canopen, run, target};
+use crate::{canopen, run, sizes, target};
+
+/// What is flashed.
+const IMAGE: &str = "nucleo-g474re";
 
 /// Runs the tests, all or those with `filter` in their name; `all`: in full volume. Gives how many passed.
 pub fn check(filter: &str, all: bool) -> Result<u64> {
@@ -62,14 +65,11 @@ pub fn command(args: &[&str]) -> Result<()> {
 
 /// Builds the image as it is flashed; where it is.
 fn image() -> Result<PathBuf> {
-    let firmware = run::firmware();
-    let args = ["build", "--quiet", "--release", "--bin", "nucleo-g474re"];
-    // In its own folder: the settings there are the ones it is flashed with.
-    run::show(run::cargo(&firmware.join("nucleo-g474re"), &args))?;
-    let built = firmware.join("target").join(target::TARGET);
-    let built = built.join("release").join("nucleo-g474re");
+    let args = ["build", "--quiet", "--release", "--package", IMAGE];
+    run::show(run::cargo(&run::firmware(), &args))?;
+    let built = sizes::flashed(IMAGE);
     // The same place has another image when another step builds one.
-    let image = run::scratch("chip")?.join("nucleo-g474re");
+    let image = run::scratch("chip")?.join(IMAGE);
     std::fs::copy(&built, &image).with_context(|| format!("there is no {}", built.display()))?;
     Ok(image)
 }
