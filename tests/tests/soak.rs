@@ -139,13 +139,14 @@ fn a_failure_is_cut_down_to_what_it_needs() {
     let seed = planted();
     let shortest = shrink(seed, plant).expect("it fails again");
     assert!(shortest.failure.kind.ends_with("planted"), "{shortest}");
-    // One job, its hole, and whoever holds in it.
+    // The job with the hole, perhaps the one that brings the tap to where the hole begins, and whoever holds in it.
     let [jobs, chances, lines] = shortest.sizes;
-    assert_eq!((jobs[1], chances[1]), (1, 1), "{shortest}");
+    assert!(jobs[1] <= 2 && jobs[0] > jobs[1], "{shortest}");
+    assert_eq!(chances[1], 1, "{shortest}");
     assert!(chances[0] > 1 && lines[0] > lines[1], "{shortest}");
     let what: Vec<_> = shortest.script.chances.iter().map(|one| one.luck).collect();
     assert_eq!(what, [Luck::Act]);
-    let job = shortest.script.jobs[0];
+    let job = *shortest.script.jobs.last().expect("one at least");
     let text = shortest.script.programs[&job].left();
     let left: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
     // The first line, the way to the end and M30 stay in any case. A hole takes its own line, M29 or M3 ahead of it, and
@@ -175,7 +176,7 @@ fn a_soak_goes_on_after_a_failure() {
     let seed = planted();
     let told = std::sync::Mutex::new(Vec::new());
     let tell = |words: &str| told.lock().expect("nobody failed").push(words.to_owned());
-    let report = hours(seed, Until::Ticks(400_000), 2, plant, &tell);
+    let report = hours(seed, Until::Ticks(1_500_000), 2, plant, &tell);
     assert!(report.soaked.shifts > 1 && report.failed() > 1, "{report}");
     assert_eq!(report.failures.len(), 1, "{report}");
     let failures = &report.failures.values().next().expect("one");
