@@ -367,7 +367,12 @@ impl Bench {
     fn listen(&mut self) {
         while let Some(frame) = self.sim.transmit() {
             if let Some((NODE, NmtState::BootUp)) = NmtState::decode(&frame) {
-                self.status = BoardStatus::default();
+                // Where the communication alone began anew, the board still knows the count of the last order: the same
+                // count would be that order repeated.
+                self.status = BoardStatus {
+                    count: self.status.count,
+                    ..BoardStatus::default()
+                };
                 if self.operator.took_node_reset() {
                     // The application began anew.
                     self.pending = None;

@@ -5,7 +5,7 @@ use leadscrew_board_sim::{Doing, Sim};
 use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{Board, Event};
 use leadscrew_core::bus::{
-    BoardState, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoProtocol,
+    BoardCommand, BoardState, Frame, NmtCommand, NmtState, NodeId, Object, Order, SdoProtocol,
 };
 use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{Gateway, NODE, Upload};
@@ -129,6 +129,27 @@ fn a_node_that_is_reset_stops_first_and_begins_anew() {
     sim.receive(&NmtCommand::ResetCommunication.frame(Some(NODE)));
     assert_eq!(steps(&mut sim, &mut gateway, 100), []);
     assert_eq!(gateway.heartbeats.last(), Some(&NmtState::BootUp));
+}
+
+/// A frame that was long on its way is the order that it was, and no new one.
+#[test]
+fn the_count_of_the_last_order_outlives_the_communication() {
+    let (mut sim, mut gateway) = running(&Params::slant_bed());
+    let hold = BoardCommand::order(Order::Hold, gateway.status.count);
+    sim.receive(&hold.frame(NODE));
+    steps(&mut sim, &mut gateway, 500);
+    assert_eq!(gateway.status.state, BoardState::Hold);
+    sim.receive(&NmtCommand::ResetCommunication.frame(Some(NODE)));
+    sim.receive(&NmtCommand::Start.frame(Some(NODE)));
+    steps(&mut sim, &mut gateway, 100);
+    assert_eq!(gateway.status.count, hold.count);
+    let order = Object::new(0x5000, 2);
+    let resume = [Order::Resume as u8];
+    let resumed = gateway.write(&mut sim, order, &resume, SdoProtocol::Short);
+    assert_eq!(resumed, Ok(()));
+    sim.receive(&hold.frame(NODE));
+    steps(&mut sim, &mut gateway, 500);
+    assert_eq!(gateway.status.state, BoardState::Run);
 }
 
 #[test]
