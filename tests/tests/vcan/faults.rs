@@ -277,7 +277,7 @@ fn a_controller_that_an_error_frame_calls_off_is_told_of_and_comes_back() {
 #[test]
 fn communication_that_somebody_begins_anew_ends_no_run() {
     let path = program("anew.nc", WORK);
-    for options in [&["--lockstep"][..], &["--set", "9000=10000"]] {
+    for options in [&["--lockstep"][..], &["--set", "9000=5000"]] {
         let board = Board::start(options);
         let running = run(&path, &[]);
         wait_for_status("it runs", |status| field(status, "program") == "true");
