@@ -11,9 +11,9 @@ use crate::{callgraph, run, target};
 /// The function that the panic handler of the image calls and that nobody defines.
 const UNDEFINED: &str = "a_panic_is_reachable";
 
-/// Links the image for speed and at the level that is flashed, and once with a panic in it to see that the test can fail.
+/// Links the image for speed and for size, and once with a panic in it to see that the test can fail.
 pub fn audit() -> Result<()> {
-    for profile in ["speed", "release"] {
+    for profile in ["speed", "small"] {
         match link(profile, None)? {
             Outcome::Linked => println!("{profile}: no panic is reachable ({})", size(profile)?),
             Outcome::PanicReachable => {

@@ -21,6 +21,9 @@ use crate::units::{Angle, Axis, Length};
 /// spindles those and an RPDO2.
 pub const FRAMES: usize = 16;
 
+/// X, Z and C.
+const AXES: usize = 3;
+
 /// Drives that a board has at most: of three axes and four spindles.
 const DRIVES: usize = 7;
 
@@ -89,6 +92,9 @@ pub(super) struct Drives {
     offsets: [i32; 3],
     /// Where each axis was told to be last.
     last: [Told; 3],
+    /// So many axes, from X on, are told where to be. One more in each tick: the first place that an axis is told costs a
+    /// division.
+    told: usize,
     spindles: Spindles,
     /// Where it is the board that gives the beat.
     sync: Option<SyncProducer>,
@@ -127,6 +133,7 @@ impl Drives {
             ],
             offsets: [0; 3],
             last: [x.find(0), z.find(0), c.find(0)],
+            told: 0,
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
             sync: match SyncSource::of(params.sync_source()) {
                 SyncSource::Own => Some(SyncProducer::new()),
@@ -347,24 +354,56 @@ impl Drives {
         if let Some(sync) = &mut self.sync {
             put(sync.next());
         }
-        let [x, z, c] = &mut self.axes;
-        let [off_x, off_z, off_c] = self.offsets;
-        let [last_x, last_z, last_c] = &mut self.last;
-        // One after another: a loop over so much side by side costs as much as what it does.
         let mut beyond = None;
-        if !send_to(x, off_x, last_x, position.x.nm(), follow, &mut put) {
-            beyond = Some(Axis::X);
-        }
-        if !send_to(z, off_z, last_z, position.z.nm(), follow, &mut put) {
-            beyond = Some(Axis::Z);
-        }
-        if !send_to(c, off_c, last_c, position.c.udeg(), follow, &mut put) {
-            beyond = Some(Axis::C);
+        if follow && self.told == AXES {
+            let [x, z, c] = &mut self.axes;
+            let [off_x, off_z, off_c] = self.offsets;
+            let [last_x, last_z, last_c] = &mut self.last;
+            // One after another: a loop over so much side by side costs as much as what it does.
+            if !send_to(x, off_x, last_x, position.x.nm(), &mut put) {
+                beyond = Some(Axis::X);
+            }
+            if !send_to(z, off_z, last_z, position.z.nm(), &mut put) {
+                beyond = Some(Axis::Z);
+            }
+            if !send_to(c, off_c, last_c, position.c.udeg(), &mut put) {
+                beyond = Some(Axis::C);
+            }
+        } else {
+            beyond = self.take_up(position, follow, &mut put);
         }
         self.spindles.tick(spindle, &mut put);
         #[cfg(feature = "fd")]
         if self.together.is_some() {
             self.put_together(frames);
+        }
+        beyond
+    }
+
+    /// What the axes are told until all of them follow.
+    #[inline(never)]
+    fn take_up(
+        &mut self,
+        position: Position,
+        follow: bool,
+        put: &mut impl FnMut(Frame),
+    ) -> Option<Axis> {
+        self.told = if follow {
+            self.told.saturating_add(1)
+        } else {
+            0
+        };
+        let mut beyond = None;
+        let places = figures(position);
+        let axes = self.axes.iter_mut().zip(self.offsets).zip(&mut self.last);
+        for (number, (((drive, offset), last), axis)) in axes.zip(Axis::ALL).enumerate() {
+            if number >= self.told {
+                drive.tick_slowly(None).each(put);
+            } else if let Some(place) = places.get(number)
+                && !send_to(drive, offset, last, *place, put)
+            {
+                beyond = Some(axis);
+            }
         }
         beyond
     }
@@ -426,25 +465,20 @@ impl Drives {
     }
 }
 
-/// What one axis is told, and nothing where it does not `follow`; false where its drive cannot count so far.
+/// What one axis is told; false where its drive cannot count so far.
 fn send_to(
     drive: &mut DriveMaster,
     offset: i32,
     last: &mut Told,
     position: i64,
-    follow: bool,
     put: &mut impl FnMut(Frame),
 ) -> bool {
-    let demand = if follow {
-        told(drive.config().scale.follow(last, position), offset)
-    } else {
-        None
-    };
+    let demand = told(drive.config().scale.follow(last, position), offset);
     match drive.follow_on(demand) {
         Some(command) => put(command),
         None => drive.tick_slowly(demand).each(put),
     }
-    demand.is_some() || !follow
+    demand.is_some()
 }
 
 /// After so many periods without a status a drive is silent, where it sends one at every so many SYNCs (9021) [D180].
