@@ -21,9 +21,6 @@ use crate::units::{Angle, Axis, Length};
 /// spindles those and an RPDO2.
 pub const FRAMES: usize = 16;
 
-/// X, Z and C.
-const AXES: usize = 3;
-
 /// Drives that a board has at most: of three axes and four spindles.
 const DRIVES: usize = 7;
 
@@ -92,9 +89,6 @@ pub(super) struct Drives {
     offsets: [i32; 3],
     /// Where each axis was told to be last.
     last: [Told; 3],
-    /// So many axes, from X on, are told where to be. One more in each tick: the first place that an axis is told costs a
-    /// division.
-    told: usize,
     spindles: Spindles,
     /// Where it is the board that gives the beat.
     sync: Option<SyncProducer>,
@@ -133,7 +127,6 @@ impl Drives {
             ],
             offsets: [0; 3],
             last: [x.find(0), z.find(0), c.find(0)],
-            told: 0,
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
             sync: match SyncSource::of(params.sync_source()) {
                 SyncSource::Own => Some(SyncProducer::new()),
@@ -355,7 +348,7 @@ impl Drives {
             put(sync.next());
         }
         let mut beyond = None;
-        if follow && self.told == AXES {
+        if follow {
             let [x, z, c] = &mut self.axes;
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;
@@ -370,40 +363,14 @@ impl Drives {
                 beyond = Some(Axis::C);
             }
         } else {
-            beyond = self.take_up(position, follow, &mut put);
+            for drive in &mut self.axes {
+                drive.tick_slowly(None).each(&mut put);
+            }
         }
         self.spindles.tick(spindle, &mut put);
         #[cfg(feature = "fd")]
         if self.together.is_some() {
             self.put_together(frames);
-        }
-        beyond
-    }
-
-    /// What the axes are told until all of them follow.
-    #[inline(never)]
-    fn take_up(
-        &mut self,
-        position: Position,
-        follow: bool,
-        put: &mut impl FnMut(Frame),
-    ) -> Option<Axis> {
-        self.told = if follow {
-            self.told.saturating_add(1)
-        } else {
-            0
-        };
-        let mut beyond = None;
-        let places = figures(position);
-        let axes = self.axes.iter_mut().zip(self.offsets).zip(&mut self.last);
-        for (number, (((drive, offset), last), axis)) in axes.zip(Axis::ALL).enumerate() {
-            if number >= self.told {
-                drive.tick_slowly(None).each(put);
-            } else if let Some(place) = places.get(number)
-                && !send_to(drive, offset, last, *place, put)
-            {
-                beyond = Some(axis);
-            }
         }
         beyond
     }

@@ -47,6 +47,8 @@ pub struct DriveMaster {
     config: DriveConfig,
     /// The identifier of its statuses.
     status_id: CobId,
+    /// Increments to a nanometre: the same nanometre may be another increment. Known beforehand, for it is a division.
+    nanometre: u32,
     phase: Phase,
     failure: Option<DriveFailure>,
     /// Periods since the step began; while enabled, ticks for which demands have been refused.
@@ -82,6 +84,7 @@ impl DriveMaster {
         Self {
             config,
             status_id: CobId::of(Service::Tpdo1, config.node),
+            nanometre: config.scale.limit(1),
             phase: Phase::Offline,
             failure: None,
             waited: Periods::new(0),

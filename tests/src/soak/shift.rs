@@ -18,8 +18,8 @@ use super::watch::Judged;
 use crate::gateway::{BATCH, Upload};
 use crate::params::set;
 
-/// A program undisturbed, and any stop, is over within so many ticks: two threads of a fine lead by a slow spindle have been
-/// seen to take 180 000.
+/// A program undisturbed, and any stop, is over within so many ticks: two threads of a fine lead by a slow spindle have
+/// been seen to take 180 000.
 pub(super) const LONGEST: u64 = 1_000_000;
 
 /// What was wrong shows within so many ticks of being put right: three statuses that were lost before, and the turn of a

@@ -213,11 +213,18 @@ fn holes_at_random() {
                     // On from there, a little deeper, with the same words.
                     let from = (call.bottom.value - call.level.value).abs();
                     let inward = (call.bottom.value - call.level.value).signum();
+                    // In no more infeeds than a hole may have.
+                    let room = match call.form {
+                        TapForm::Standard => i64::MAX,
+                        TapForm::HighSpeed(peck) | TapForm::Deep(peck) => {
+                            9_999 * peck.infeed.value.nm() - from.nm()
+                        }
+                    };
+                    let more = Length::from_nm((r.within(1, 40_000) * 100).min(room));
                     let deeper = TapCall {
                         start: at,
                         bottom: leadscrew_core::alarm::At::new(
-                            call.bottom.value
-                                + Length::from_nm(r.within(1, 40_000) * 100).times(inward),
+                            call.bottom.value + more.times(inward),
                             place(3),
                         ),
                         repeat: holes(1),

@@ -121,10 +121,7 @@ impl DriveMaster {
 
     fn follow(&mut self, demand: Increments) {
         if !self.follows {
-            // Where increments are finer than nanometres, the same nanometre may be another increment. A division, which
-            // is over with once the drive follows.
-            let one_nanometre = self.config.scale.limit(1);
-            self.follows = demand.distance(self.target) <= one_nanometre;
+            self.follows = demand.distance(self.target) <= self.nanometre;
         }
         if self.follows {
             self.target = demand;
