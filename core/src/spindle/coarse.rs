@@ -44,7 +44,9 @@ impl Coarse {
         let divisor = counts.saturating_mul(tick).saturating_mul(tick);
         let turns_per_s2 = mul_div(gain >> 1, 1_000_000_000_000, divisor);
         let (nm, turns) = lead.parts();
-        Acceleration::from_nm_per_s2(signed(mul_div(turns_per_s2, nm, turns << 32)))
+        // One division after the other rounds as one by both would, and no lead is too odd for it.
+        let along = mul_div(turns_per_s2, nm, 1 << 32);
+        Acceleration::from_nm_per_s2(signed(mul_div(along, 1, turns)))
     }
 
     /// The slowest spindle whose speed the observer knows to 15 %, rounded up.
