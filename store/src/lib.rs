@@ -7,14 +7,15 @@
 //!
 //! - a word that was torn in the middle may read as an error (a real controller's
 //!   ECC): [`Patient`] reads it as zeros, which no checksum takes for a value;
-//! - an erase that was cut may leave a page that looks open and is not empty, or two pages in use: [`Store::recover`] ends
-//!   such an erase, before anything else is done.
+//! - an erase that was cut may leave anything on its page, and the moving of values from page to page half done:
+//!   [`Store::recover`] ends both, before anything else is done.
 //!
 //! Knows regions and flash; knows nothing of what the bytes mean. The same code runs in firmware and in simulation. The
 //! flash is one whose operations end by themselves (simulated, or a driver that waits for its chip):
 //! `sequential-storage` would let others run meanwhile, of which there are none here.
 
 mod patient;
+mod recover;
 mod value;
 mod wait;
 
@@ -36,9 +37,6 @@ const SPARE: usize = 256;
 
 /// Bytes of a buffer for the longest value, with its key and the padding of a flash word.
 pub const BUFFER: usize = (Region::LONGEST + SPARE + 1).next_multiple_of(WORD);
-
-/// Bits of a word that are zero where it marks its page.
-const MARK_BITS: u32 = 4;
 
 /// Word and page of the largest flash this is made for.
 const WORD: usize = 32;
@@ -67,33 +65,6 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    /// Ends an erase that a loss of power has cut. To be done once after power-up, before anything else.
-    ///
-    /// # Errors
-    /// [`StoreError::Device`].
-    pub fn recover(&mut self) -> Result<(), StoreError> {
-        let end = self.map.flash_range().end;
-        let page = F::ERASE_SIZE as u32;
-        let pages = end.checked_div(page).unwrap_or(0);
-        let mut writing = None;
-        for index in 0..pages {
-            let start = index.saturating_mul(page);
-            match self.page(start)? {
-                Page::Erased | Page::Closed => {}
-                Page::Cut => self.erase(start)?,
-                Page::Writing => match writing {
-                    None => writing = Some(index),
-                    // Of two pages in use, the later one was about to be erased: all that counts is on the one before.
-                    Some(first) if first == 0 && index.saturating_add(1) == pages => {
-                        self.erase(0)?;
-                    }
-                    Some(_) => self.erase(start)?,
-                },
-            }
-        }
-        Ok(())
-    }
-
     /// The newest bytes of a region, in `buffer`; `None` where nothing was ever stored.
     ///
     /// # Errors
@@ -103,8 +74,7 @@ impl<F: NorFlash> Store<F> {
         region: Region,
         buffer: &'b mut [u8; BUFFER],
     ) -> Result<Option<&'b [u8]>, StoreError> {
-        let fetched = block_on(self.map.fetch_item::<&[u8]>(buffer, &region.key()));
-        fetched.map_err(|error| reason(&error))
+        self.get(region.key(), buffer)
     }
 
     /// Stores bytes in a region; they replace what was there.
@@ -138,6 +108,15 @@ impl<F: NorFlash> Store<F> {
         Ok(bytes.map(|bytes| bytes.first_chunk().copied().unwrap_or_default()))
     }
 
+    fn get<'b>(
+        &mut self,
+        key: u8,
+        buffer: &'b mut [u8; BUFFER],
+    ) -> Result<Option<&'b [u8]>, StoreError> {
+        let fetched = block_on(self.map.fetch_item::<&[u8]>(buffer, &key));
+        fetched.map_err(|error| reason(&error))
+    }
+
     /// The buffer is on the stack for as long as it is needed.
     fn put<'d, V: Value<'d>>(&mut self, region: Region, value: &V) -> Result<(), StoreError> {
         let mut buffer = [0; BUFFER];
@@ -150,55 +129,6 @@ impl<F: NorFlash> Store<F> {
     pub fn into_flash(self) -> F {
         self.map.destroy().0.into_inner()
     }
-
-    /// What a page looks like from its first and last word, and, where these are erased, from all of them.
-    fn page(&mut self, start: u32) -> Result<Page, StoreError> {
-        let word = F::WRITE_SIZE as u32;
-        let page = F::ERASE_SIZE as u32;
-        let last = start.saturating_add(page.saturating_sub(word));
-        let first = !self.is_marked(start)?;
-        let closed = self.is_marked(last)?;
-        Ok(match (first, closed) {
-            (true, true) => Page::Cut,
-            (false, true) => Page::Closed,
-            (false, false) => Page::Writing,
-            (true, false) if self.is_erased(start, page)? => Page::Erased,
-            (true, false) => Page::Cut,
-        })
-    }
-
-    /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not
-    /// make one.
-    fn is_marked(&mut self, address: u32) -> Result<bool, StoreError> {
-        let mut word = [0xFF; WORD];
-        let read = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
-        let read = self.map.flash().read_words(address, read);
-        read.map_err(|_| StoreError::Device)?;
-        let zeros = word.iter().map(|byte| byte.count_zeros()).sum::<u32>();
-        Ok(zeros >= MARK_BITS)
-    }
-
-    /// True where so many bytes from an address on are erased.
-    fn is_erased(&mut self, from: u32, length: u32) -> Result<bool, StoreError> {
-        let mut word = [0; WORD];
-        let word = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
-        let (mut address, end) = (from, from.saturating_add(length));
-        while address < end {
-            let read = self.map.flash().read_words(address, word);
-            read.map_err(|_| StoreError::Device)?;
-            if word.iter().any(|byte| *byte != 0xFF) {
-                return Ok(false);
-            }
-            address = address.saturating_add(F::WRITE_SIZE.max(1) as u32);
-        }
-        Ok(true)
-    }
-
-    fn erase(&mut self, start: u32) -> Result<(), StoreError> {
-        let end = start.saturating_add(F::ERASE_SIZE as u32);
-        let done = self.map.flash().erase_pages(start, end);
-        done.map_err(|_| StoreError::Device)
-    }
 }
 
 /// A mark by itself, so that the buffer it came in is free again.
@@ -209,18 +139,6 @@ fn held(mark: &Result<Option<Few>, StoreError>) -> Held<'_> {
         Ok(mark) => Ok(mark.as_ref().map(<[u8; _]>::as_slice)),
         Err(error) => Err(*error),
     }
-}
-
-/// What a page looks like.
-enum Page {
-    /// Nothing is on it.
-    Erased,
-    /// It is full.
-    Closed,
-    /// It is being filled.
-    Writing,
-    /// An erase of it was cut.
-    Cut,
 }
 
 fn reason<E>(error: &Error<E>) -> StoreError {

@@ -10,14 +10,52 @@ use super::WORD;
 
 /// A flash that reads a word as zeros where the device below reports an error of its own. Wrong addresses stay errors,
 /// and so does a device that answers nothing at all: what it holds must not be taken for damage and repaired.
+///
+/// The map can be shown some of the pages only ([`View`]).
 pub struct Patient<F> {
     flash: F,
+    view: View,
+}
+
+/// The pages that the map sees, each by its first address; the others read as erased. Nothing is changed meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// All of them.
+    All,
+    /// All but one.
+    Without(u32),
+    /// One alone, which reads as the page in use.
+    Only(u32),
+}
+
+/// Why an access is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error<E> {
+    /// By the device.
+    Device(E),
+    /// By the view.
+    Hidden,
+}
+
+impl<E: NorFlashError> NorFlashError for Error<E> {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::Device(error) => error.kind(),
+            Self::Hidden => NorFlashErrorKind::Other,
+        }
+    }
 }
 
 impl<F> Patient<F> {
     /// Around a flash.
     pub const fn new(flash: F) -> Self {
-        Self { flash }
+        let view = View::All;
+        Self { flash, view }
+    }
+
+    /// What the map sees from now on.
+    pub const fn look(&mut self, view: View) {
+        self.view = view;
     }
 
     /// The flash back.
@@ -77,8 +115,29 @@ fn now<T>(mut work: impl FnMut() -> T) -> impl Future<Output = T> {
     poll_fn(move |_| Poll::Ready(work()))
 }
 
+impl<F: NorFlash> Patient<F> {
+    fn hides(&self, address: u32) -> bool {
+        let size = (F::ERASE_SIZE as u32).max(1);
+        let within = address.checked_rem(size).unwrap_or(0);
+        let page = address.saturating_sub(within);
+        match self.view {
+            View::All => false,
+            View::Without(hidden) => page == hidden,
+            // Without the mark in its last word it is not closed.
+            View::Only(seen) => page != seen || within >= size.saturating_sub(F::WRITE_SIZE as u32),
+        }
+    }
+
+    const fn changeable(&self) -> Result<(), Error<F::Error>> {
+        match self.view {
+            View::All => Ok(()),
+            View::Without(_) | View::Only(_) => Err(Error::Hidden),
+        }
+    }
+}
+
 impl<F: ErrorType> ErrorType for Patient<F> {
-    type Error = F::Error;
+    type Error = Error<F::Error>;
 }
 
 impl<F: NorFlash> waited::ReadNorFlash for Patient<F> {
@@ -90,7 +149,16 @@ impl<F: NorFlash> waited::ReadNorFlash for Patient<F> {
         offset: u32,
         bytes: &mut [u8],
     ) -> impl Future<Output = Result<(), Self::Error>> {
-        now(move || self.read_words(offset, bytes))
+        now(move || {
+            self.read_words(offset, bytes).map_err(Error::Device)?;
+            let words = bytes.chunks_mut(F::WRITE_SIZE.max(1));
+            for (address, word) in (offset..).step_by(F::WRITE_SIZE.max(1)).zip(words) {
+                if self.hides(address) {
+                    word.fill(0xFF);
+                }
+            }
+            Ok(())
+        })
     }
 
     fn capacity(&self) -> usize {
@@ -103,7 +171,10 @@ impl<F: NorFlash> waited::NorFlash for Patient<F> {
     const ERASE_SIZE: usize = F::ERASE_SIZE;
 
     fn erase(&mut self, from: u32, to: u32) -> impl Future<Output = Result<(), Self::Error>> {
-        now(move || self.erase_pages(from, to))
+        now(move || {
+            self.changeable()?;
+            self.erase_pages(from, to).map_err(Error::Device)
+        })
     }
 
     fn write(
@@ -111,6 +182,9 @@ impl<F: NorFlash> waited::NorFlash for Patient<F> {
         offset: u32,
         bytes: &[u8],
     ) -> impl Future<Output = Result<(), Self::Error>> {
-        now(move || self.flash.write(offset, bytes))
+        now(move || {
+            self.changeable()?;
+            self.flash.write(offset, bytes).map_err(Error::Device)
+        })
     }
 }

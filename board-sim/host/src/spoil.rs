@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use leadscrew_board_sim::line::{self, Faults, Intruder, Noise, Way};
-use leadscrew_board_sim::plant::Tear;
+use leadscrew_board_sim::plant::{Order, Tear};
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::program::TapSpindle;
@@ -156,7 +156,7 @@ impl FromStr for Torn {
         })?;
         let tear = Tear {
             unreadable,
-            from_the_end: false,
+            order: Order::Rising,
         };
         Ok(Self { bytes, tear })
     }
@@ -247,7 +247,7 @@ mod tests {
         let torn = |bytes, unreadable| {
             let tear = Tear {
                 unreadable,
-                from_the_end: false,
+                order: Order::Rising,
             };
             Ok(Torn { bytes, tear })
         };

@@ -13,30 +13,49 @@ use embedded_storage::nor_flash::{
 pub struct Tear {
     /// A torn word cannot be read (an ECC error); else it reads half written.
     pub unreadable: bool,
-    /// An erase that is cut has erased the end of its page; else the beginning.
-    pub from_the_end: bool,
+    /// Which words of its page an erase reaches first.
+    pub order: Order,
+}
+
+/// Which words of its page an erase reaches first. A real one works on all cells at once: what is left is scattered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// Those at the beginning.
+    #[default]
+    Rising,
+    /// Those at the end.
+    Falling,
+    /// Some here, some there, each time others.
+    Scattered,
 }
 
 impl Tear {
     /// Every way it can look.
-    pub const ALL: [Self; 4] = [
-        Self {
-            unreadable: false,
-            from_the_end: false,
-        },
-        Self {
-            unreadable: true,
-            from_the_end: false,
-        },
-        Self {
-            unreadable: false,
-            from_the_end: true,
-        },
-        Self {
-            unreadable: true,
-            from_the_end: true,
-        },
-    ];
+    pub const ALL: [Self; 6] = {
+        const fn tear(unreadable: bool, order: Order) -> Tear {
+            Tear { unreadable, order }
+        }
+        [
+            tear(false, Order::Rising),
+            tear(true, Order::Rising),
+            tear(false, Order::Falling),
+            tear(true, Order::Falling),
+            tear(false, Order::Scattered),
+            tear(true, Order::Scattered),
+        ]
+    };
+}
+
+impl Order {
+    /// The word of a page that is erased as number `nth`; `turn` is another number for each erase.
+    const fn word(self, nth: usize, turn: usize) -> usize {
+        match self {
+            Self::Rising => nth,
+            Self::Falling => Flash::PAGE_WORDS.wrapping_sub(1).wrapping_sub(nth),
+            // An odd factor, so that each word comes once: the words of a page are a power of two.
+            Self::Scattered => nth.wrapping_mul(149).wrapping_add(turn) % Flash::PAGE_WORDS,
+        }
+    }
 }
 
 /// What an access is refused with.
@@ -108,6 +127,7 @@ impl Flash {
     pub const IMAGE: usize = Self::MARK.len() + Self::SIZE + Self::WORDS / 8 + 4;
 
     const WORDS: usize = Self::SIZE / Self::WORD;
+    const PAGE_WORDS: usize = Self::PAGE / Self::WORD;
     const MARK: [u8; 8] = *b"LSFLASH1";
 
     /// Nothing was ever written.
@@ -118,7 +138,7 @@ impl Flash {
             unreadable: [0; Self::WORDS / 8],
             tear: Tear {
                 unreadable: false,
-                from_the_end: false,
+                order: Order::Rising,
             },
             left: None,
             off: false,
@@ -282,27 +302,28 @@ impl Flash {
     }
 
     fn erase_page(&mut self, at: usize) -> Result<(), FlashError> {
+        let turn = self.written as usize / Self::WORD;
         let got = self.spend(Self::PAGE);
-        let from = if self.tear.from_the_end {
-            at.wrapping_add(Self::PAGE).wrapping_sub(got)
-        } else {
-            at
-        };
-        for byte in self.bytes.iter_mut().skip(from).take(got) {
-            *byte = 0xFF;
-        }
-        let words = from.div_ceil(Self::WORD)..from.wrapping_add(got) / Self::WORD;
-        for word in words {
-            self.mark(word, false);
-        }
-        // The word in which the erase was cut.
-        if got < Self::PAGE && !got.is_multiple_of(Self::WORD) && self.tear.unreadable {
-            let edge = if self.tear.from_the_end {
-                from
+        let Tear { unreadable, order } = self.tear;
+        for nth in 0..Self::PAGE_WORDS {
+            let erased = got.saturating_sub(nth.wrapping_mul(Self::WORD));
+            let torn = erased > 0 && erased < Self::WORD;
+            if erased == 0 {
+                break;
+            }
+            let word = order.word(nth, turn);
+            let from = at.wrapping_add(word.wrapping_mul(Self::WORD));
+            let bytes = self.bytes.iter_mut().skip(from).take(Self::WORD);
+            // Of a torn word the erase reaches the end first where it comes from the end.
+            let kept = if order == Order::Falling {
+                Self::WORD.saturating_sub(erased)
             } else {
-                from.wrapping_add(got)
+                0
             };
-            self.mark(edge / Self::WORD, true);
+            for byte in bytes.skip(kept).take(erased.min(Self::WORD)) {
+                *byte = 0xFF;
+            }
+            self.mark(from / Self::WORD, torn && unreadable);
         }
         if got < Self::PAGE {
             return Err(FlashError::NoPower);

@@ -40,7 +40,7 @@ mod tests;
 
 pub use drive::{Drive, DriveOptions, Trouble};
 pub use encoder::Encoder;
-pub use flash::{Flash, FlashError, ImageError, Tear};
+pub use flash::{Flash, FlashError, ImageError, Order, Tear};
 pub use follower::Follower;
 pub use power::Power;
 pub use spindle::{FineTurns, Piece, Ripple, Spindle};

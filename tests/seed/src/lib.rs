@@ -13,9 +13,6 @@ use std::sync::OnceLock;
 /// The variable that takes the place of the commit.
 pub const VARIABLE: &str = "LEADSCREW_SEED";
 
-/// Takes the place of the commit's while a fault is open that fresh seeds find: docs/reliability.md names the fault.
-const HELD: Option<u64> = Some(971_407_224_594_752_004);
-
 /// Where there is no commit.
 const NO_COMMIT: u64 = 1;
 
@@ -27,8 +24,6 @@ const DIGITS: usize = 15;
 pub enum Source {
     /// From `LEADSCREW_SEED`.
     Given,
-    /// Held, while a fault is open.
-    Held,
     /// From the hash of the commit that is checked out.
     Commit,
     /// From nowhere: this is no working copy of git.
@@ -39,7 +34,6 @@ impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Given => "from LEADSCREW_SEED",
-            Self::Held => "held, while the fault is open that docs/reliability.md names",
             Self::Commit => "from the commit",
             Self::Fixed => "a fixed one, for there is no commit here",
         })
@@ -54,7 +48,6 @@ pub fn of_run() -> (u64, Source) {
     static SEED: OnceLock<(u64, Source)> = OnceLock::new();
     *SEED.get_or_init(|| match std::env::var(VARIABLE) {
         Ok(given) => (read(&given), Source::Given),
-        Err(_) if HELD.is_some() => (HELD.unwrap_or(NO_COMMIT), Source::Held),
         Err(_) => match commit().as_deref().and_then(of_hash) {
             Some(seed) => (seed, Source::Commit),
             None => (NO_COMMIT, Source::Fixed),

@@ -1,0 +1,224 @@
+//! What a loss of power leaves half done, and how it is ended at power-up.
+//!
+//! The pages are a ring: closed pages, the page in use, an erased page. When the page in use is full, the map closes it and
+//! marks the erased page as the page in use. It then copies to that page (the *target*) what is still valid on the page
+//! after it (the *source*, which is the oldest), and erases the source. A value on the target is therefore a copy, and
+//! the source is erased only after everything valid on it has been copied.
+//!
+//! An erase that was cut leaves anything on its page: old words, erased words, words that cannot be read, also where the
+//! marks of the page are. The map's own repair trusts the marks: it erases the target although the source may be half
+//! erased, and gives up where all pages look closed. So nothing half done is left to it:
+//!
+//! - a page whose marks no whole page has is erased again, and so is the later one of two pages in use;
+//! - a move is ended by erasing the source, or, where the target lacks something, the target;
+//! - where all pages look closed, one of them is a target that was being erased. It has nothing but copies.
+
+use embedded_storage::nor_flash::NorFlash;
+
+use super::patient::View;
+use super::wait::block_on;
+use super::{BUFFER, Store, StoreError, WORD, reason};
+
+/// Bits of a word that are zero where it marks its page.
+const MARK_BITS: u32 = 4;
+
+/// What a page looks like.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Page {
+    /// Nothing is on it.
+    Erased,
+    /// It is full.
+    Closed,
+    /// It is being filled.
+    Writing,
+    /// An erase of it was cut.
+    Cut,
+}
+
+/// Which keys have a value on a page.
+type Keys = [bool; 1 << u8::BITS];
+
+impl<F: NorFlash> Store<F> {
+    /// Ends what a loss of power has left half done. Call it once after power-up, before anything else.
+    ///
+    /// # Errors
+    /// [`StoreError::Device`].
+    pub fn recover(&mut self) -> Result<(), StoreError> {
+        self.end_erases()?;
+        let mut all_closed = true;
+        for page in self.pages() {
+            let state = self.state(page)?;
+            all_closed &= state == Page::Closed;
+            let next = self.after(page);
+            if state == Page::Writing && self.state(next)? == Page::Closed {
+                return self.end_move(next, page);
+            }
+        }
+        if all_closed {
+            self.open_a_target()?;
+        }
+        Ok(())
+    }
+
+    /// Erases again each page that a cut erase has left.
+    fn end_erases(&mut self) -> Result<(), StoreError> {
+        let mut writing = None;
+        for page in self.pages() {
+            match self.state(page)? {
+                Page::Erased | Page::Closed => {}
+                Page::Cut => self.erase(page)?,
+                Page::Writing => match writing {
+                    None => writing = Some(page),
+                    // Of two pages in use, the later one was being erased: its values are on the one before.
+                    Some(first) if self.after(page) == first => self.erase(first)?,
+                    Some(_) => self.erase(page)?,
+                },
+            }
+        }
+        Ok(())
+    }
+
+    /// Erases the source where all of it that counts is on other pages, else the target. The source of a target that
+    /// lacks something is whole, and the map moves everything anew.
+    fn end_move(&mut self, source: u32, target: u32) -> Result<(), StoreError> {
+        for key in present(&self.keys_on(source)?) {
+            let mut buffer = [0; BUFFER];
+            if self
+                .seen(View::Without(source), key, &mut buffer)?
+                .is_none()
+            {
+                return self.erase(target);
+            }
+        }
+        self.erase(source)
+    }
+
+    /// Erases the target of a move, where all pages look closed: the page that has nothing but copies of what is on the
+    /// page after it. It was being erased when the power went. Where there is none, a read tells of the damage.
+    fn open_a_target(&mut self) -> Result<(), StoreError> {
+        for page in self.pages() {
+            if self.has_only_copies(page)? {
+                return self.erase(page);
+            }
+        }
+        Ok(())
+    }
+
+    fn has_only_copies(&mut self, page: u32) -> Result<bool, StoreError> {
+        let source = self.after(page);
+        for key in present(&self.keys_on(page)?) {
+            let (mut here, mut there) = ([0; BUFFER], [0; BUFFER]);
+            let here = self.seen(View::Only(page), key, &mut here)?;
+            if here != self.seen(View::Only(source), key, &mut there)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The newest value of a key on the pages of a view.
+    fn seen<'b>(
+        &mut self,
+        view: View,
+        key: u8,
+        buffer: &'b mut [u8; BUFFER],
+    ) -> Result<Option<&'b [u8]>, StoreError> {
+        self.map.flash().look(view);
+        let value = self.get(key, buffer);
+        self.map.flash().look(View::All);
+        value
+    }
+
+    fn keys_on(&mut self, page: u32) -> Result<Keys, StoreError> {
+        self.map.flash().look(View::Only(page));
+        let keys = self.keys();
+        self.map.flash().look(View::All);
+        keys
+    }
+
+    fn keys(&mut self) -> Result<Keys, StoreError> {
+        let mut keys = [false; _];
+        let mut buffer = [0; BUFFER];
+        let values = block_on(self.map.fetch_all_items(&mut buffer));
+        let mut values = values.map_err(|error| reason(&error))?;
+        loop {
+            let value = block_on(values.next::<&[u8]>(&mut buffer));
+            let Some((key, _)) = value.map_err(|error| reason(&error))? else {
+                return Ok(keys);
+            };
+            if let Some(known) = keys.get_mut(usize::from(key)) {
+                *known = true;
+            }
+        }
+    }
+
+    /// Where each page begins.
+    fn pages(&self) -> impl Iterator<Item = u32> + use<F> {
+        (0..self.map.flash_range().end).step_by(F::ERASE_SIZE.max(1))
+    }
+
+    /// Where the page after this one in the ring begins.
+    fn after(&self, page: u32) -> u32 {
+        let next = page.saturating_add(F::ERASE_SIZE as u32);
+        if next < self.map.flash_range().end {
+            next
+        } else {
+            0
+        }
+    }
+
+    /// What a page looks like from its first and last word, and, where these are erased, from all of them.
+    fn state(&mut self, start: u32) -> Result<Page, StoreError> {
+        let word = F::WRITE_SIZE as u32;
+        let page = F::ERASE_SIZE as u32;
+        let last = start.saturating_add(page.saturating_sub(word));
+        let begun = self.is_marked(start)?;
+        let closed = self.is_marked(last)?;
+        Ok(match (begun, closed) {
+            (true, true) => Page::Closed,
+            (true, false) => Page::Writing,
+            (false, true) => Page::Cut,
+            (false, false) if self.is_erased(start, page)? => Page::Erased,
+            (false, false) => Page::Cut,
+        })
+    }
+
+    /// True where a word is a mark of its page. As the map judges it: a bit or two that have changed by themselves do not
+    /// make one.
+    fn is_marked(&mut self, address: u32) -> Result<bool, StoreError> {
+        let mut word = [0xFF; WORD];
+        let read = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
+        let read = self.map.flash().read_words(address, read);
+        read.map_err(|_| StoreError::Device)?;
+        let zeros = word.iter().map(|byte| byte.count_zeros()).sum::<u32>();
+        Ok(zeros >= MARK_BITS)
+    }
+
+    /// True where so many bytes from an address on are erased.
+    fn is_erased(&mut self, from: u32, length: u32) -> Result<bool, StoreError> {
+        let mut word = [0; WORD];
+        let word = word.get_mut(..F::WRITE_SIZE).ok_or(StoreError::Device)?;
+        let (mut address, end) = (from, from.saturating_add(length));
+        while address < end {
+            let read = self.map.flash().read_words(address, word);
+            read.map_err(|_| StoreError::Device)?;
+            if word.iter().any(|byte| *byte != 0xFF) {
+                return Ok(false);
+            }
+            address = address.saturating_add(F::WRITE_SIZE.max(1) as u32);
+        }
+        Ok(true)
+    }
+
+    fn erase(&mut self, start: u32) -> Result<(), StoreError> {
+        let end = start.saturating_add(F::ERASE_SIZE as u32);
+        let done = self.map.flash().erase_pages(start, end);
+        done.map_err(|_| StoreError::Device)
+    }
+}
+
+fn present(keys: &Keys) -> impl Iterator<Item = u8> {
+    (0..=u8::MAX)
+        .zip(keys)
+        .filter_map(|(key, present)| present.then_some(key))
+}
