@@ -30,8 +30,8 @@ mod tests;
 
 use std::time::Duration;
 
-pub use leadscrew_core::bus::slcan::BitRate;
 use leadscrew_core::bus::{self, Frame};
+pub use leadscrew_slcan::BitRate;
 
 pub use address::{Address, WrongAddress};
 pub use error::CanError;

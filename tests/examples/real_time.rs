@@ -10,8 +10,8 @@ use std::net::TcpListener;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::slcan::{Adapter, Heard, Lines, SlcanFrame};
 use leadscrew_core::bus::{DriveCommand, NodeId, is_sync};
+use leadscrew_slcan::{Adapter, Heard, Lines, SlcanFrame};
 
 /// The beat.
 const TICK: Duration = Duration::from_millis(1);

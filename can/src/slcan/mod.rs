@@ -1,6 +1,6 @@
 //! Lawicel (SLCAN) adapters, and boards that behave like one: on a serial line, behind TCP or behind a Unix socket.
 //!
-//! The protocol itself is `leadscrew_core::bus::slcan`, what some adapters add to it for FD frames is [`fd`]. Such adapters
+//! The protocol itself is `leadscrew_slcan`, what some adapters add to it for FD frames is [`fd`]. Such adapters
 //! tell no error frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under
 //! way at a time, so that its buffer is not overrun.
 
@@ -13,8 +13,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
-use leadscrew_core::bus::slcan::{BitRate, Heard, Lines, Reply, Request, SlcanFrame};
 use leadscrew_core::bus::{self, Frame};
+use leadscrew_slcan::{BitRate, Heard, Lines, Reply, Request, SlcanFrame};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::TimeSpec;

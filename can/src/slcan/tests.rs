@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use leadscrew_core::bus::slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
 use leadscrew_core::bus::{self, CobId, Frame};
+use leadscrew_slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
 use nix::pty::openpty;
 
 use crate::{Address, Can, CanError, Filter, Packet, Received, Slcan};

@@ -31,7 +31,6 @@ mod periods;
 mod sdo;
 #[cfg(feature = "fd")]
 mod setpoints;
-pub mod slcan;
 mod spindle;
 mod sync;
 mod sync_lock;

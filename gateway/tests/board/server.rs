@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use leadscrew::trace::{Setpoint, SetpointHash};
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_board_sim::{Row, Sim};
-use leadscrew_core::bus::slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
 use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
 use leadscrew_core::params::{Entry, Params};
+use leadscrew_slcan::{Adapter, BitRate, Heard, Lines, SlcanFrame};
 
 /// Ticks taken in one go at most, before clients are heard again.
 const BURST: u32 = 20;

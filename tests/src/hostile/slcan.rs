@@ -1,6 +1,6 @@
 //! Lines of any content on both ends of a serial CAN adapter.
 
-use leadscrew_core::bus::slcan::{Adapter, Heard, Lines, Reply, Request};
+use leadscrew_slcan::{Adapter, Heard, Lines, Reply, Request};
 
 /// What is understood must mean the same when it is written again.
 ///

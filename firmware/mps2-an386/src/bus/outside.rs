@@ -4,9 +4,9 @@ use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_app::Machine;
 use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest};
-use leadscrew_core::bus::slcan::{Adapter, Lines, Reply, SlcanFrame};
 use leadscrew_core::bus::{Controller, Frame, NodeId, Service};
 use leadscrew_core::params::Params;
+use leadscrew_slcan::{Adapter, Lines, Reply, SlcanFrame};
 use leadscrew_store::BUFFER;
 
 use crate::flash::RamFlash;

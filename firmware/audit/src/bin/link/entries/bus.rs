@@ -4,7 +4,7 @@ use audit::any::{Any as _, any, sink};
 use leadscrew_core::bus::{
     CobId, DriveCommand, DriveMaster, DriveStatus, Emcy, FdBits, FdFrame, Frame, Increments,
     MilliRpm, NmtCommand, NmtState, Scale, Setpoints, SpindleCommand, SpindleMaster, Statusword,
-    SyncProducer, is_sync, slcan,
+    SyncProducer, is_sync,
 };
 
 /// All of this room.
@@ -54,7 +54,7 @@ fn fd_frames() {
     for mapped in Setpoints::mapping(usize::any() & 0xFF) {
         sink(mapped.raw());
     }
-    let mut lines = slcan::Lines::<143>::with_room();
+    let mut lines = leadscrew_slcan::Lines::<143>::with_room();
     sink(lines.push(any()).is_some());
 }
 
@@ -83,28 +83,28 @@ fn decode() {
 
 #[inline(never)]
 fn serial_line() {
-    let mut lines = slcan::Lines::new();
-    let mut adapter = slcan::Adapter::new(any(), any(), any());
+    let mut lines = leadscrew_slcan::Lines::new();
+    let mut adapter = leadscrew_slcan::Adapter::new(any(), any(), any());
     for _ in 0..u8::MAX {
         let Some(heard) = lines.push(any()) else {
             continue;
         };
-        if let Some(reply) = slcan::Reply::of(heard) {
+        if let Some(reply) = leadscrew_slcan::Reply::of(heard) {
             sink(reply.line().bytes());
         }
-        if let Some(request) = slcan::Request::of(heard) {
+        if let Some(request) = leadscrew_slcan::Request::of(heard) {
             sink(request.line().bytes());
         }
         let handled = adapter.handle(heard);
         sink(handled.reply.line().bytes());
-        adapter.flag(slcan::Flags::WARNING);
+        adapter.flag(leadscrew_slcan::Flags::WARNING);
         if let Some(frame) = handled.send {
             sink(adapter.received(&frame, any()).map(|reply| reply.line()));
         }
         sink((adapter.is_open(), adapter.bit_rate(), adapter.timing()));
     }
     let frame: Frame = any();
-    sink(slcan::Request::Send(slcan::SlcanFrame::Data(frame)).line());
+    sink(leadscrew_slcan::Request::Send(leadscrew_slcan::SlcanFrame::Data(frame)).line());
 }
 
 #[inline(never)]

@@ -1,7 +1,7 @@
 //! Frames as text.
 
 use super::line::{Line, number};
-use crate::bus::frame::{CobId, Frame};
+use leadscrew_core::bus::{CobId, Frame};
 
 /// A 29-bit identifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,10 +1,8 @@
-extern crate std;
-
 use std::string::String;
 use std::vec::Vec;
 
 use super::*;
-use crate::bus::{CobId, Frame};
+use leadscrew_core::bus::{CobId, Frame};
 
 fn cut(text: &[u8]) -> Vec<Option<Request>> {
     let mut lines = Lines::new();

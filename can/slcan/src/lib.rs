@@ -1,3 +1,4 @@
+#![no_std]
 //! The serial-line protocol of Lawicel's CAN adapters (SLCAN): classical frames as lines of text.
 //!
 //! Terms. The *host* gives requests, the *adapter* replies to each and, while it is open, sends a line for every frame it
@@ -14,6 +15,9 @@
 //! [`Lines`] cuts bytes into lines, [`Request`] and [`Reply`] are what the lines mean, both ways. [`Adapter`] is the
 //! behaviour of the adapter's side, for a board that is reached over a serial line.
 //! Sans-IO: it must not know what the bytes travel on.
+
+#[cfg(test)]
+extern crate std;
 
 mod acceptance;
 mod adapter;
