@@ -3,7 +3,8 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use leadscrew::{cli, commands, interrupt, mistyped};
+use leadscrew::{cli, commands};
+use leadscrew_common::{interrupt, mistyped};
 
 fn main() -> ExitCode {
     let typed: Vec<_> = std::env::args_os().collect();

@@ -1,6 +1,5 @@
 //! What every command starts from: the machine's parameters, the language, and whether colour is welcome.
 
-use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use leadscrew_board_sim::plant::Flash;
@@ -16,7 +15,7 @@ use leadscrew_core::units::{Angle, Length};
 
 use crate::cli::{DialectName, Drive, Global};
 use crate::commands::board;
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::{self, Diagnostic};
 use crate::failure::{Failure, Outcome};
 use crate::hole::Hole;
 use crate::origin::Origin;
@@ -114,7 +113,7 @@ impl<'a> Setup<'a> {
             params,
             lang: global.lang(),
             signals: signals(global),
-            colour: colour(),
+            colour: diagnostics::colour(),
             position: None,
             turning: false,
             tap,
@@ -218,7 +217,7 @@ pub fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
 
 /// The same where `--json` has the form of another command's result.
 fn told_good_in(global: &Global, loaded: Loaded, answer: Answer<'_>) -> Outcome<Loaded> {
-    loaded.tell(colour());
+    loaded.tell(diagnostics::colour());
     if loaded.is_good() {
         return Ok(loaded);
     }
@@ -280,10 +279,4 @@ impl Answer<'_> {
             }
         })
     }
-}
-
-/// <https://no-color.org>: any non-empty `NO_COLOR` switches colour off.
-pub fn colour() -> bool {
-    std::io::stderr().is_terminal()
-        && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }

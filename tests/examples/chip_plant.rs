@@ -14,7 +14,7 @@
 use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::process::ExitCode;
 
-use leadscrew::params;
+use leadscrew_common::params;
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::{CobId, Frame};

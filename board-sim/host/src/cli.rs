@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use leadscrew::failure::{Failure, Outcome};
-use leadscrew::params;
-use leadscrew::setup;
-use leadscrew::values::{At, Ripple, SetSignal};
 use leadscrew_board_sim::plant::{self, DriveOptions, PlantOptions};
 use leadscrew_can::Address;
+use leadscrew_common::diagnostics;
+use leadscrew_common::failure::{Failure, Outcome};
+use leadscrew_common::params;
+use leadscrew_common::values::{At, Ripple, SetSignal};
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::NodeId;
 use leadscrew_core::params::Params;
@@ -247,7 +247,7 @@ impl Common {
     /// The parameters, with everything that is wrong with them told.
     pub fn load(&self) -> Outcome<Params> {
         let loaded = params::load(&self.params, &self.set, Lang::En)?;
-        loaded.tell(setup::colour());
+        loaded.tell(diagnostics::colour());
         if loaded.is_good() {
             Ok(loaded.params)
         } else {

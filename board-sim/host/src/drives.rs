@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use leadscrew::failure::{Failure, Outcome};
-use leadscrew::interrupt;
-use leadscrew::words::Both;
 use leadscrew_board_sim::plant::{Drive, PlantError, Tapper, axis_drive, tapper};
+use leadscrew_common::failure::{Failure, Outcome};
+use leadscrew_common::interrupt;
+use leadscrew_common::words::Both;
 use leadscrew_core::bus::{Frame, is_sync};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::TapSpindle;

@@ -10,8 +10,8 @@
 
 use std::time::{Duration, Instant};
 
-use leadscrew::failure::Outcome;
-use leadscrew::interrupt;
+use leadscrew_common::failure::Outcome;
+use leadscrew_common::interrupt;
 use leadscrew_core::bus::{NodeId, SyncProducer};
 
 use crate::machine::Machine;

@@ -24,8 +24,8 @@ mod wire;
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use leadscrew::failure::Outcome;
-use leadscrew::{interrupt, mistyped};
+use leadscrew_common::failure::Outcome;
+use leadscrew_common::{interrupt, mistyped};
 use leadscrew_core::alarm::Lang;
 
 use crate::cli::{Cli, Command};

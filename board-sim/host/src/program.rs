@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use leadscrew::failure::{Doing, Failure, Outcome};
-use leadscrew::program::Program;
-use leadscrew::source::SourceFile;
+use leadscrew_common::failure::{Doing, Failure, Outcome};
+use leadscrew_common::program::Program;
+use leadscrew_common::source::SourceFile;
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Board;
 use leadscrew_core::params::Params;

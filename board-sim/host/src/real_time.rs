@@ -7,8 +7,8 @@
 
 use std::time::{Duration, Instant};
 
-use leadscrew::failure::Outcome;
-use leadscrew::interrupt;
+use leadscrew_common::failure::Outcome;
+use leadscrew_common::interrupt;
 
 use leadscrew_can::Stamp;
 

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use leadscrew::failure::{Failure, Outcome};
-use leadscrew::words::Both;
 use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received, Stamp};
+use leadscrew_common::failure::{Failure, Outcome};
+use leadscrew_common::words::Both;
 use leadscrew_core::bus::{BusState, Controller, ErrorCounts, FdFrame, Frame};
 use leadscrew_core::params::Params;
 

@@ -42,7 +42,7 @@ pub use board::BoardParams;
 pub use feed::Feed;
 pub use inside::Inside;
 pub use traffic::Traffic;
-pub use trouble::{LinkResult, Trouble, alarm_words, reason};
+pub use trouble::{LinkResult, Trouble, reason};
 
 /// The board may be silent for so long before it counts as lost; a status comes every few milliseconds. Nothing moves
 /// by this time, and a computer may stand still for seconds: at either end of the line [D178].

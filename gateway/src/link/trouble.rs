@@ -1,15 +1,12 @@
 //! What can go wrong between this side and a board: each with the node, the object, the code and what to do.
 
-use std::path::Path;
-
 use leadscrew_can::{CanError, Suspicion};
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::bus::{Abort, Object, SdoError};
 use leadscrew_core::link::Version;
 
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::alarm_words;
 use crate::failure::Failure;
-use crate::source::SourceFile;
 use crate::words::{Both, both};
 
 /// A result of the link.
@@ -232,20 +229,6 @@ pub fn reason(error: SdoError) -> Both {
             "timed out, abort code {code:08X}h ({en})",
             "超时，中止代码 {code:08X}h（{zh}）"
         ),
-    }
-}
-
-/// An alarm that a board tells as a reason: number, cause and remedy in one sentence.
-#[must_use]
-pub fn alarm_words(alarm: &Alarm) -> Both {
-    let source = SourceFile::new(Path::new("the board"));
-    let told = |lang| {
-        let told = Diagnostic::new(alarm, &source, lang, false);
-        format!("{:04} {}; {}", told.number, told.message, told.help)
-    };
-    Both {
-        en: told(Lang::En),
-        zh: told(Lang::Zh),
     }
 }
 

@@ -1,6 +1,6 @@
 //! A parameter file of any text.
 
-use leadscrew::params::load_bytes;
+use leadscrew_common::params::load_bytes;
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_core::alarm::Lang;

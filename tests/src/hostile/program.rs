@@ -1,6 +1,6 @@
 //! Program text: read whole and in pieces, expanded, judged.
 
-use leadscrew::line_ends::LineEnds;
+use leadscrew_common::line_ends::LineEnds;
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::cycle::{Context, Moves, expand};
 use leadscrew_core::feasible;

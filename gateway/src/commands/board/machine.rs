@@ -128,7 +128,7 @@ fn keep(inside: Option<&(Inside, StateFile, Flash)>) -> Outcome {
 fn simulated(global: &Global, flash: Flash) -> Outcome<Inside> {
     let told = |error: SimError| {
         let reason = match error {
-            SimError::Board(alarm) => crate::link::alarm_words(&alarm),
+            SimError::Board(alarm) => crate::diagnostics::alarm_words(&alarm),
             SimError::Plant(error) => Both::same(format!("{error:?}")),
         };
         Failure::WrongBecause(both!(

@@ -9,8 +9,8 @@ use crate::output;
 use crate::params::schema::{MIGRATIONS, Migrated, SCHEMA, Unmigratable, migrate};
 use crate::params::{self};
 use crate::replace::replace;
-use crate::setup;
 use crate::words::{self, both, pick};
+use crate::{diagnostics, setup};
 
 /// Shows, and writes where it may.
 pub fn run(global: &Global, args: &Migrate) -> Outcome {
@@ -40,7 +40,7 @@ pub fn run(global: &Global, args: &Migrate) -> Outcome {
         output::write(&report(&migrated, &loaded, lang))?;
     } else {
         output::write(words(&migrated, lang).as_bytes())?;
-        loaded.tell(setup::colour());
+        loaded.tell(diagnostics::colour());
     }
     if let Some(path) = &args.output {
         if path.exists() {

@@ -6,7 +6,7 @@ use leadscrew_core::params::Entry;
 use crate::cli::Global;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::{params, setup};
+use crate::{diagnostics, params};
 
 /// Tells everything that is wrong; exit 1 where an alarm is among it.
 pub fn run(global: &Global) -> Outcome {
@@ -15,7 +15,7 @@ pub fn run(global: &Global) -> Outcome {
     if global.json {
         output::write(&loaded.report())?;
     } else {
-        loaded.tell(setup::colour());
+        loaded.tell(diagnostics::colour());
         if loaded.is_good() {
             let set = Entry::all().iter().filter(|e| loaded.source(e).is_some());
             let (all, set) = (Entry::all().len(), set.count());

@@ -5,6 +5,7 @@ mod view;
 use std::collections::VecDeque;
 use std::io::IsTerminal as _;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::Alarm;
@@ -55,10 +56,23 @@ pub fn monitor(global: &Global) -> Outcome {
     let kbit = link.read_number(BUS_KBIT).unwrap_or(1000);
     let rates = [kbit, link.read_number(FD_KBIT).unwrap_or(kbit)];
     interrupt::defer(UnderWay::Computed);
-    let taken = interrupt::take_terminal().map_err(|error| Failure::stdout(&error));
+    interrupt::before_the_end(give_back);
+    DRAWING.store(true, Ordering::Relaxed);
+    let taken = ratatui::try_init().map_err(|error| Failure::stdout(&error));
     let result = taken.and_then(|mut terminal| watch(global, &mut link, rates, &mut terminal));
-    interrupt::give_back();
+    give_back();
     result
+}
+
+/// The whole terminal is drawn on.
+static DRAWING: AtomicBool = AtomicBool::new(false);
+
+/// Gives the terminal back as it was, where it was taken.
+fn give_back() {
+    if DRAWING.swap(false, Ordering::Relaxed) {
+        // A terminal that is gone takes nothing back.
+        let _ = ratatui::try_restore();
+    }
 }
 
 fn watch(

@@ -14,10 +14,10 @@ use leadscrew_core::alarm::Lang;
 use crate::failure::Failure;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
-static DRAWING: AtomicBool = AtomicBool::new(false);
 static STATE: Mutex<State> = Mutex::new(State {
     under_way: 0,
     patience: None,
+    last: None,
     lang: Lang::En,
     json: false,
 });
@@ -33,6 +33,8 @@ struct State {
     under_way: u32,
     /// How long that may take.
     patience: Option<Duration>,
+    /// What is done before the process ends: a terminal is given back.
+    last: Option<fn()>,
     /// How the end is told.
     lang: Lang,
     json: bool,
@@ -65,10 +67,12 @@ pub fn watch(lang: Lang, json: bool) {
 
 /// Ends the process. The state is held until then: nothing begins any more that would be left half done.
 fn end(state: &State) -> ! {
-    let (lang, json) = (state.lang, state.json);
+    let (last, lang, json) = (state.last, state.lang, state.json);
     let (told, done) = mpsc::channel();
     std::thread::spawn(move || {
-        give_back();
+        if let Some(last) = last {
+            last();
+        }
         Failure::Ended.report_last(lang, json);
         let _ = told.send(());
     });
@@ -113,19 +117,7 @@ pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Takes the whole terminal to draw on.
-///
-/// # Errors
-/// It is none, or does not do that.
-pub fn take_terminal() -> std::io::Result<ratatui::DefaultTerminal> {
-    DRAWING.store(true, Ordering::Relaxed);
-    ratatui::try_init()
-}
-
-/// Gives the terminal back as it was, where it was taken.
-pub fn give_back() {
-    if DRAWING.swap(false, Ordering::Relaxed) {
-        // A terminal that is gone takes nothing back.
-        let _ = ratatui::try_restore();
-    }
+/// Has this done before the process ends, once.
+pub fn before_the_end(work: fn()) {
+    state().last = Some(work);
 }

@@ -14,8 +14,8 @@ use leadscrew_core::journal::{RecordError, TapRecord};
 use leadscrew_core::params::Params;
 use leadscrew_store::{BUFFER, Region, Store};
 
+use crate::diagnostics::alarm_words;
 use crate::failure::{Doing, Failure, Outcome};
-use crate::link::alarm_words;
 use crate::words::{self, both};
 
 /// A file with the flash of a simulated board.

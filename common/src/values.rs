@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use leadscrew_core::signals::Signal;
 
-use crate::words::{Both, both};
+use crate::words::Both;
 
 /// Why a value cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,10 +20,11 @@ impl fmt::Display for Mistake {
 impl std::error::Error for Mistake {}
 
 /// `Mistake` of both texts.
+#[macro_export]
 macro_rules! mistake {
-    ($($words:tt)*) => { Mistake(both!($($words)*)) };
+    ($($words:tt)*) => { $crate::values::Mistake($crate::both!($($words)*)) };
 }
-pub(crate) use mistake;
+pub use crate::mistake;
 
 /// Reads a decimal as an integer with `decimals` digits after the point; refuses more digits than that.
 fn decimal(text: &str, decimals: usize) -> Result<i64, Mistake> {

@@ -25,7 +25,6 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::{Loader, drives, mistake, schema};
 use crate::diagnostics::{self, Diagnostic, Place};
 use crate::failure::{Doing, Failure, Outcome, unreadable};
-use crate::setup;
 use crate::source::SourceFile;
 use crate::words::both;
 
@@ -65,7 +64,7 @@ pub fn read(path: &Path, lang: Lang) -> Outcome<String> {
             let name = path.display().to_string();
             let place = wrong.place(&name, &bytes);
             let told = Diagnostic::of_option(wrong.code, &wrong.figures, &place, lang);
-            diagnostics::print(&told, setup::colour());
+            diagnostics::print(&told, diagnostics::colour());
             Err(Failure::Wrong)
         }
     }

@@ -83,6 +83,7 @@ pub const fn pick(lang: Lang, en: &'static str, zh: &'static str) -> &'static st
 
 /// Both texts from one set of figures: `both!("cannot read `{path}`", "无法读取 `{path}`")`. Named figures may follow; a
 /// figure that is itself words can be given in each language.
+#[macro_export]
 macro_rules! both {
     ($en:literal, $zh:literal $(,)?) => {
         $crate::words::Both {
@@ -101,7 +102,7 @@ macro_rules! both {
         }
     };
 }
-pub(crate) use both;
+pub use crate::both;
 
 #[cfg(test)]
 mod tests {

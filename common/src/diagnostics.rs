@@ -1,7 +1,8 @@
 //! Words for alarms and warnings: a template of the core's table, its figures in the reader's units, and the place in
 //! the source with a caret under it.
 
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
+use std::path::Path;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use leadscrew_core::alarm::{Alarm, Arg, Code, Lang};
@@ -10,7 +11,7 @@ use leadscrew_core::bus::Statusword;
 use crate::json::Json;
 use crate::number;
 use crate::source::SourceFile;
-use crate::words::{is_obeyed, one_line, plain};
+use crate::words::{Both, is_obeyed, one_line, plain};
 
 /// An alarm or a warning in words.
 #[derive(Clone, Debug)]
@@ -285,6 +286,26 @@ fn written(mantissa: i64, decimals: u8) -> String {
     let sign = if mantissa < 0 { "-" } else { "" };
     let point = if fraction.is_empty() { "" } else { "." };
     format!("{sign}{whole}{point}{fraction}")
+}
+
+/// <https://no-color.org>: any non-empty `NO_COLOR` switches colour off.
+pub fn colour() -> bool {
+    std::io::stderr().is_terminal()
+        && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// An alarm that a board tells as a reason: number, cause and remedy in one sentence.
+#[must_use]
+pub fn alarm_words(alarm: &Alarm) -> Both {
+    let source = SourceFile::new(Path::new("the board"));
+    let told = |lang| {
+        let told = Diagnostic::new(alarm, &source, lang, false);
+        format!("{:04} {}; {}", told.number, told.message, told.help)
+    };
+    Both {
+        en: told(Lang::En),
+        zh: told(Lang::Zh),
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,22 @@
+//! What the programs of the host share: the command line `leadscrew` and the simulator `board-sim`.
+//!
+//! Words for people in both languages ([`words`]), for alarms ([`diagnostics`]) and for what goes wrong ([`failure`],
+//! [`mistyped`]); machine files and `--set` ([`params`]); values of the command line ([`values`]); program files as streams of
+//! events ([`source`], [`program`]); the flash of a simulated board ([`state`]); standard output ([`output`], [`json`]);
+//! SIGINT and SIGTERM ([`interrupt`]). Knows no command, and nothing of a board on a bus.
+
+pub mod diagnostics;
+pub mod failure;
+pub mod interrupt;
+pub mod json;
+pub mod line_ends;
+pub mod mistyped;
+pub mod number;
+pub mod output;
+pub mod params;
+pub mod program;
+pub mod replace;
+pub mod source;
+pub mod state;
+pub mod values;
+pub mod words;
