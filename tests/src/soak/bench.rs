@@ -10,7 +10,7 @@ use heapless::Deque;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::alarm::{Alarm, Code};
-use leadscrew_core::board::{Event, State};
+use leadscrew_core::board::{Event, Outcome, State};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardState, BoardStatus, Frame, NmtCommand, NmtState, NodeId, Object,
     Order, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload,
@@ -342,6 +342,11 @@ impl Bench {
         {
             self.send(NmtCommand::Start.frame(Some(NODE)));
         }
+        if self.is_cut_off()
+            && let Some(pending) = &mut self.pending
+        {
+            pending.since = self.now;
+        }
         if let Some(pending) = self.pending {
             if self.status.count == pending.command.count {
                 self.pending = None;
@@ -361,6 +366,18 @@ impl Bench {
                 self.send(pending.command.frame(NODE));
             }
         }
+    }
+
+    /// The board is off the bus and comes back when its machine stands. A spindle that turns keeps it waiting: it cannot be
+    /// told to stop.
+    fn is_cut_off(&self) -> bool {
+        matches!(
+            self.state(),
+            State::Stopping(Outcome::Alarm(Alarm {
+                code: Code::BusOff,
+                ..
+            }))
+        )
     }
 
     /// What the board says reaches the gateway, or not.

@@ -364,6 +364,8 @@ impl Shift {
         bench.sim = Sim::with_flash(&self.built_in, &bench.options, flash).expect("it starts");
         bench.slipped = false;
         bench.watch.set_slipped(false);
+        // Where another set was being stored, it is the old one or the new one that the way out of a hole keeps to.
+        bench.watch.set_params(bench.sim.board().params());
         bench.operator.spoilt = None;
         bench.connect();
         if let Some(hole) = inside {
