@@ -1,8 +1,8 @@
 //! What the programs of the host share: the command line `leadscrew` and the simulator `board-sim`.
 //!
 //! Words for people in both languages ([`words`]), for alarms ([`diagnostics`]) and for what goes wrong ([`failure`],
-//! [`mistyped`]); machine files and `--set` ([`params`]); values of the command line ([`values`]); program files as streams of
-//! events ([`source`], [`program`]); the flash of a simulated board ([`state`]); standard output ([`output`], [`json`]);
+//! [`mistyped`]); machine files and `--set` ([`params`]); values of the command line ([`values`]); program files as streams
+//! of events ([`source`], [`program`]); the flash of a simulated board ([`state`]); standard output ([`output`], [`json`]);
 //! SIGINT and SIGTERM ([`interrupt`]). Knows no command, and nothing of a board on a bus.
 
 pub mod diagnostics;
