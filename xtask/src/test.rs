@@ -11,6 +11,11 @@ use crate::{
     sizes, target, vcan as bus,
 };
 
+/// How many tests of a program run at once. Those with processes and time-outs mostly wait, so that a core has time for
+/// several of them.
+const THREADS: &str = "RUST_TEST_THREADS";
+const THREADS_PER_CORE: usize = 4;
+
 /// What stands below a test that was not a full one.
 const NOT_RUN: &str = "\
 not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
@@ -22,7 +27,7 @@ not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
   flash, RAM and stack of all images (alone: cargo xtask sizes)
 by no test: cargo xtask soak --hours H, cargo xtask chip --all, cargo xtask bench, the fuzzers (docs/reliability.md)";
 
-/// The same as [`test`] with full volumes and all steps.
+/// The test with full volumes and all steps.
 pub fn full() -> Result<()> {
     let mut again = run::cargo(&run::root(), &["xtask", "test"]);
     again.env(leadscrew_seed::FULL, "1");
@@ -179,8 +184,13 @@ fn on_a_bus(counts: &mut Counts, filter: &str) -> Result<()> {
 fn tests(counts: &mut Counts) -> Result<()> {
     // Never coloured: the counts are read from what is printed.
     let args = ["test", "--workspace", "--no-fail-fast", "--color", "never"];
+    let mut all = run::cargo(&run::root(), &args);
+    if std::env::var_os(THREADS).is_none() {
+        let cores = std::thread::available_parallelism()?.get();
+        all.env(THREADS, (THREADS_PER_CORE * cores).to_string());
+    }
     let before = counts.failed;
-    let ok = run::watch(run::cargo(&run::root(), &args), |line| counts.take(line))?;
+    let ok = run::watch(all, |line| counts.take(line))?;
     if !ok {
         println!("{} passed, {} failed", counts.passed, counts.failed);
         match counts.failed.saturating_sub(before) {
