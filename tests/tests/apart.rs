@@ -113,7 +113,7 @@ impl Apart {
 fn a_late_background_carries_nothing_over_a_stop() {
     leadscrew_seed::volume(0, |first| {
         let params = Params::slant_bed();
-        let rounds = if cfg!(debug_assertions) { 20 } else { 600 };
+        let rounds = leadscrew_seed::amount(20, 600);
         let next: VecDeque<Call> = calls(NEXT, &params).into();
         for seed in (0..rounds).map(|round| first.wrapping_add(round)) {
             let mut random = Random(seed);

@@ -8,7 +8,9 @@ use leadscrew_tests::hostile;
 use leadscrew_tests::random::Random;
 
 /// Inputs at random for each door.
-const INPUTS: u32 = if cfg!(debug_assertions) { 200 } else { 3_000 };
+fn random_inputs() -> u32 {
+    leadscrew_seed::amount(200, 3_000)
+}
 /// The longest of them.
 const LONGEST: usize = 4096;
 
@@ -31,7 +33,7 @@ fn replay(corpus: &str, door: fn(&[u8])) {
     }
     leadscrew_seed::only_fresh(|seed| {
         let mut random = Random(seed);
-        for _ in 0..INPUTS {
+        for _ in 0..random_inputs() {
             let shown = Shown(changed(&mut random, &inputs));
             door(&shown.0);
         }

@@ -10,17 +10,13 @@ use leadscrew_core::units::Length;
 use leadscrew_tests::soak::{Bench, Luck, Soaked, Until, hours, shrink, soak};
 
 /// Ticks from the fixed seed.
-const TICKS: u64 = if cfg!(debug_assertions) {
-    1_000_000
-} else {
-    3_000_000
-};
+fn ticks() -> u64 {
+    leadscrew_seed::amount(1_000_000, 3_000_000)
+}
 /// Ticks from the seed of the run.
-const FRESH_TICKS: u64 = if cfg!(debug_assertions) {
-    500_000
-} else {
-    7_000_000
-};
+fn fresh_ticks() -> u64 {
+    leadscrew_seed::amount(500_000, 7_000_000)
+}
 
 /// The allocator of these tests: it counts what lives, for each thread.
 struct Counting;
@@ -79,12 +75,12 @@ fn soak_dry(seed: u64, ticks: u64) -> Soaked {
 
 #[test]
 fn whatever_happens_nothing_happens_that_must_not() {
-    let soaked = soak_dry(1, TICKS);
+    let soaked = soak_dry(1, ticks());
     let counts = soaked.counts;
     // It was a soak, and no bath.
     assert!(counts.finished * 3 > counts.programs, "{soaked}");
     assert!(counts.finished < counts.programs, "{soaked}");
-    let often = TICKS / 250_000;
+    let often = ticks() / 250_000;
     let all = [
         counts.alarms,
         counts.bus,
@@ -98,7 +94,7 @@ fn whatever_happens_nothing_happens_that_must_not() {
     let judged = soaked.judged;
     let synchronous = [judged.threads, judged.taps, judged.floats];
     assert!(
-        synchronous.iter().all(|rows| *rows > TICKS / 100),
+        synchronous.iter().all(|rows| *rows > ticks() / 100),
         "{soaked}"
     );
 }
@@ -113,7 +109,7 @@ fn a_soak_is_repeated_by_its_seed() {
 #[test]
 fn nor_where_nobody_has_looked_before() {
     leadscrew_seed::only_fresh(|seed| {
-        let soaked = soak_dry(seed, FRESH_TICKS);
+        let soaked = soak_dry(seed, fresh_ticks());
         assert!(soaked.counts.finished > 0, "{soaked}");
     });
 }

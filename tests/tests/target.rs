@@ -10,13 +10,15 @@ mod programs;
 #[path = "../../firmware/mps2-an386/src/run.rs"]
 mod run;
 
-/// Without optimisation every so many of the random programs, and no example of more ticks.
-const EVERY: usize = if cfg!(debug_assertions) { 25 } else { 1 };
-const MOST_TICKS: u64 = if cfg!(debug_assertions) {
-    50_000
-} else {
-    u64::MAX
-};
+/// Of the random programs one of so many.
+fn every() -> usize {
+    leadscrew_seed::amount(25, 1)
+}
+
+/// No example of more ticks.
+fn most_ticks() -> u64 {
+    leadscrew_seed::amount(50_000, u64::MAX)
+}
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -37,14 +39,14 @@ fn the_board_and_a_host_make_the_same_setpoints() {
             Some(seed) => {
                 random += 1;
                 let seed: u64 = seed.parse().expect("a seed");
-                if !(seed as usize).is_multiple_of(EVERY) {
+                if !(seed as usize).is_multiple_of(every()) {
                     continue;
                 }
                 programs::random(seed).as_bytes().to_vec()
             }
             None => {
                 examples += 1;
-                if ticks.parse::<u64>().expect("a number") > MOST_TICKS {
+                if ticks.parse::<u64>().expect("a number") > most_ticks() {
                     continue;
                 }
                 std::fs::read(root().join("examples").join(name)).expect("an example")

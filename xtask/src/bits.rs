@@ -43,19 +43,14 @@ fn fresh() -> Result<()> {
     let words = [format!("seed={seed}"), format!("count={FRESH}")];
     let words = [words[0].as_str(), words[1].as_str()];
     let board = emulator::emulate_with("mps2-an386", "mps2-an386", &[], &words)?;
-    let here = [
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "leadscrew-tests",
-        "--example",
-        "bits",
-        "--",
-    ];
-    let mut here = run::cargo(&run::root(), &here);
-    here.args([&seed.to_string(), FRESH]);
-    let here = run::read(here)?;
+    let program = run::programs(&["--example", "bits"])?.join("examples/bits");
+    let first = seed.to_string();
+    let args = [first.as_str(), FRESH];
+    let here = run::read(run::command(
+        &run::root(),
+        &program.to_string_lossy(),
+        &args,
+    ))?;
     let wrong = differences("host", &here, &board);
     if !wrong.is_empty() {
         bail!(

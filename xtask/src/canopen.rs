@@ -80,14 +80,7 @@ pub fn sheet(leadscrew: &Path) -> Result<PathBuf> {
 /// Runs the tests. Gives how many passed.
 pub fn check() -> Result<u64> {
     let python = python()?;
-    let root = run::root();
-    let build = |what: &[&str]| {
-        let args = [&["build", "--quiet"], what].concat();
-        run::show(run::cargo(&root, &args))
-    };
-    build(&["--package", "leadscrew-tests", "--example", "canopen_node"])?;
-    build(&["--package", "leadscrew"])?;
-    let built = root.join("target").join("debug");
+    let built = run::programs(&["--example", "canopen_node", "--bin", "leadscrew"])?;
     let node = built.join("examples").join("canopen_node");
     let leadscrew = built.join("leadscrew");
     let eds = sheet(&leadscrew)?;

@@ -15,13 +15,7 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
     let python = canopen::environment("python-chip", &tests().join("requirements.txt"))?;
     let root = run::root();
     let image = image()?;
-    let build = |what: &[&str]| {
-        let args = [&["build", "--quiet"], what].concat();
-        run::show(run::cargo(&root, &args))
-    };
-    build(&["--package", "leadscrew-tests", "--example", "chip_plant"])?;
-    build(&["--package", "leadscrew"])?;
-    let built = root.join("target").join("debug");
+    let built = run::programs(&["--example", "chip_plant", "--bin", "leadscrew"])?;
     let pattern = format!("*{filter}*");
     let mut args = vec!["-B", "-m", "unittest"];
     if !filter.is_empty() {

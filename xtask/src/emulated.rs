@@ -25,11 +25,8 @@ pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     // The next one is built in the same place.
     std::fs::copy(built, &image)?;
     let with_messages = emulator::build("mps2-an386", "mps2-bus", &["--features", "defmt"])?;
-    run::show(run::cargo(
-        &root,
-        &["build", "--quiet", "--package", "leadscrew"],
-    ))?;
-    let program = run::test_program("emulated", &[])?;
+    run::programs(&["--bin", "leadscrew"])?;
+    let program = run::test_program("emulated")?;
     let program = program.to_string_lossy();
     let list = run::read(run::command(&root, &program, &["--list", filter]))?;
     let (inside, outside): (Vec<&str>, Vec<&str>) =

@@ -1,4 +1,4 @@
-//! The habits of the project, one command for each: `cargo xtask demo | setup | test | ci | bench …`.
+//! The habits of the project, one command for each: `cargo xtask demo | setup | test | bench …`.
 //!
 //! Each command prints what it does, stops at the first thing that is wrong, and says what to do about it. Nothing
 //! here is needed to build or run Leadscrew itself: `cargo build` and `cargo run` work alone.
@@ -36,12 +36,12 @@ usage: cargo xtask COMMAND
 
   demo       checks, runs and draws examples/shaft.nc on the simulated machine
   setup      what the other commands need: Debian packages, a few Python packages, the ARM target
-  test       everything a change must pass; installs what it needs first
+  test       what a change must pass first, in ten minutes; installs what it needs
+  test --full  everything that a change must pass, in full volume
   vcan       the tests on a CAN bus alone (vcan NAME: those with this in their name)
   emulated   the board on the emulated Cortex-M4F, driven by `leadscrew` (emulated NAME: tests with this in their name)
   canopen    the board's CANopen services against the Python package canopen
   chip       the flashed image on a model of its chip (chip NAME: tests with this in their name; --all: in full volume)
-  ci         the same with the settings of a build server: nothing incremental, lock files as committed
   bench      instruction counts and wall times, as the tables of docs/performance.md (--write puts them there)
   bench can  the cost of receiving and recording a CAN frame, likewise
   bench real-time  how a board in real time keeps a beat of 1 kHz on this host, likewise
@@ -58,6 +58,7 @@ usage: cargo xtask COMMAND
   rules      the house rules that no compiler checks
 
 LEADSCREW_SEED: what random tests try beside their fixed cases; without it the beginning of the commit's hash
+LEADSCREW_FULL: 1 for full volumes, as in `test --full`
 ";
 
 fn main() -> ExitCode {
@@ -66,6 +67,7 @@ fn main() -> ExitCode {
     let result = match args.as_slice() {
         ["setup"] => setup::everything(),
         ["test"] => test::test(),
+        ["test", "--full"] => test::full(),
         ["demo"] => demo::demo(),
         ["bench"] => bench::bench(false),
         ["bench", "can"] => bench_can::bench(false),
@@ -75,7 +77,6 @@ fn main() -> ExitCode {
         ["bench", "real-time"] => bench_real_time::bench(false),
         ["bench", "real-time", "--write"] => bench_real_time::bench(true),
         ["bench", "--write"] => bench::bench(true),
-        ["ci"] => test::ci(),
         ["vcan"] => test::vcan(""),
         ["vcan", filter] => test::vcan(filter),
         ["emulated"] => test::emulated(""),

@@ -44,22 +44,30 @@ pub fn cargo(dir: &Path, args: &[&str]) -> Command {
     command
 }
 
+/// Builds programs of the workspace, named as `--bin` or `--example`; the folder where they are. Chosen from the whole
+/// workspace, they share all libraries with the tests: with `--package` some have other features, and are built anew.
+pub fn programs(which: &[&str]) -> Result<PathBuf> {
+    let build = ["build", "--quiet", "--workspace"];
+    show(cargo(&root(), &[&build[..], which].concat()))?;
+    Ok(root().join("target").join("debug"))
+}
+
 /// Builds the tests of the feature of this name; where the program is.
-pub fn test_program(name: &str, profile: &[&str]) -> Result<PathBuf> {
+pub fn test_program(name: &str) -> Result<PathBuf> {
+    let feature = format!("leadscrew-tests/{name}");
     let build = [
         "test",
         "--quiet",
-        "--package",
-        "leadscrew-tests",
+        "--workspace",
         "--test",
         name,
         "--features",
-        name,
+        &feature,
         "--no-run",
         "--message-format",
         "json",
     ];
-    let told = read(cargo(&root(), &[&build[..], profile].concat()))?;
+    let told = read(cargo(&root(), &build))?;
     told.lines()
         .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
         .find(|message| message["target"]["name"] == name && message["executable"].is_string())

@@ -55,8 +55,16 @@ pub const CAN: &[Tool] = &[
 
 /// All that any command needs. Quick where it is already there.
 pub fn everything() -> Result<()> {
-    tools(&[EMULATOR, VALGRIND])?;
-    tools(CAN)?;
+    tools(&[VALGRIND])?;
+    for_test(true)
+}
+
+/// What `cargo xtask test` needs, with `--full` or without.
+pub fn for_test(full: bool) -> Result<()> {
+    if full {
+        tools(&[EMULATOR])?;
+        tools(CAN)?;
+    }
     canopen::python()?;
     target::ensure()
 }

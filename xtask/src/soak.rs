@@ -27,19 +27,8 @@ pub fn soak(arguments: &[&str]) -> Result<()> {
         Some(seed) => seed,
         None => fresh()?,
     };
-    let mut command = run::cargo(
-        &run::root(),
-        &[
-            "run",
-            "--quiet",
-            "--release",
-            "-p",
-            "leadscrew-tests",
-            "--example",
-            "soak",
-            "--",
-        ],
-    );
+    let program = run::programs(&["--example", "soak"])?.join("examples/soak");
+    let mut command = run::command(&run::root(), &program.to_string_lossy(), &[]);
     command.arg(seed.to_string()).arg(wish.length);
     run::show(command)
 }

@@ -1,125 +1,144 @@
-//! Everything a change must pass, in the order that finds most mistakes soonest.
+//! Everything a change must pass, in the order that finds most mistakes soonest: in ten minutes what finds most, and with
+//! `--full` the rest.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 
 use crate::{
-    audit, bits, canopen, chip, docs, emulated, emulator, licences, rules, run, setup, sizes,
-    target, vcan as bus,
+    audit, bits, canopen, chip, docs, emulated, emulator, image, licences, rules, run, setup,
+    sizes, target, vcan as bus,
 };
 
-/// The whole test, as the README names it.
+/// How many tests of a program run at once. Those with processes and time-outs mostly wait, so that a core has time for
+/// several of them.
+const THREADS: &str = "RUST_TEST_THREADS";
+const THREADS_PER_CORE: usize = 4;
+
+/// What stands below a test that was not a full one.
+const NOT_RUN: &str = "\
+not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
+  the long volumes: a million moves, cuts of power at every byte of the flash, ten million ticks of soak
+  tests on a CAN bus, with processes that are killed and with other people's tools (alone: cargo xtask vcan)
+  instructions per tick and the same bits on the emulated Cortex-M4F (alone: cargo xtask ticks, cargo xtask bits)
+  the board on it, driven by `leadscrew`, its failures too (alone: cargo xtask emulated)
+  the flashed image on a model of its chip (alone: cargo xtask chip)
+  flash, RAM and stack of all images (alone: cargo xtask sizes)
+by no test: cargo xtask soak --hours H, cargo xtask chip --all, cargo xtask bench, the fuzzers (docs/reliability.md)";
+
+/// The test with full volumes and all steps.
+pub fn full() -> Result<()> {
+    let mut again = run::cargo(&run::root(), &["xtask", "test"]);
+    again.env(leadscrew_seed::FULL, "1");
+    run::show(again)
+}
+
+/// The test as the README names it, or all of it where full volumes are asked for.
 pub fn test() -> Result<()> {
     let mut counts = Counts::default();
     let mut clock = Clock::default();
-    let root = run::root();
-    let firmware = run::firmware();
+    let full = leadscrew_seed::full();
 
     let (seed, source) = leadscrew_seed::of_run();
     println!("random tests: their fixed cases, and those of seed {seed}, {source}");
     println!(
-        "the same again: {}={seed} cargo xtask test",
-        leadscrew_seed::VARIABLE
+        "the same again: {} cargo xtask test",
+        leadscrew_seed::settings(seed, full)
     );
 
-    clock.step("set-up", setup::everything)?;
-    clock.step("format", || {
-        run::show(run::cargo(&root, &["fmt", "--all", "--check"]))?;
-        run::show(run::cargo(&firmware, &["fmt", "--all", "--check"]))
-    })?;
+    clock.step("set-up", || setup::for_test(full))?;
+    clock.step("format", format)?;
     clock.step("house rules", rules::check)?;
+    clock.step("lock files", lock_files)?;
     clock.step("licences", licences::check)?;
-    clock.step("clippy", || {
-        run::show(run::cargo(
-            &root,
-            &[
-                "clippy",
-                "--workspace",
-                "--all-targets",
-                "--features",
-                "leadscrew-tests/vcan,leadscrew-tests/emulated",
-                "--quiet",
-                "--",
-                "-D",
-                "warnings",
-            ],
-        ))?;
-        run::show(run::cargo(
-            &firmware,
-            &[
-                "clippy",
-                "--release",
-                "--workspace",
-                "--quiet",
-                "--",
-                "-D",
-                "warnings",
-            ],
-        ))?;
-        run::show(run::cargo(
-            &firmware,
-            &[
-                "clippy",
-                "--release",
-                "--package",
-                "nucleo-g474re",
-                "--package",
-                "mps2-an386",
-                "--features",
-                "defmt,mps2-an386/provoke",
-                "--quiet",
-                "--",
-                "-D",
-                "warnings",
-            ],
-        ))
-    })?;
-    clock.step("tests with overflow checks", || tests(&mut counts, &[]))?;
-    clock.step("tests on a CAN bus", || on_a_bus(&mut counts, &[], ""))?;
+    clock.step("clippy", clippy)?;
+    clock.step("tests with overflow checks", || tests(&mut counts))?;
     clock.step("another CANopen master", || {
         counts.passed += canopen::check()?;
         Ok(())
     })?;
-    clock.step("core for the microcontroller", || {
-        run::show(run::cargo(
-            &root,
-            &[
-                "build",
-                "--quiet",
-                "--release",
-                "-p",
-                "leadscrew-core",
-                "--target",
-                target::TARGET,
-            ],
-        ))
-    })?;
     clock.step("no panic is reachable", audit::audit)?;
-    clock.step("instructions per tick", || emulator::ticks(false))?;
-    clock.step("the same bits on the microcontroller", || bits::bits(false))?;
-    clock.step("the emulated board on a bus", || {
-        on_the_board(&mut counts, "")
-    })?;
-    clock.step("images of the boards", || sizes::sizes(false))?;
-    clock.step("the image against a model of its chip", || {
-        counts.passed += chip::check("", false)?;
-        Ok(())
-    })?;
     clock.step("documentation", docs::check)?;
-    clock.step("tests in release, full volume", || {
-        tests(&mut counts, &["--release"])
-    })?;
+    if full {
+        clock.step("tests on a CAN bus", || on_a_bus(&mut counts, ""))?;
+        clock.step("core for the microcontroller", core_alone)?;
+        clock.step("instructions per tick", || emulator::ticks(false))?;
+        clock.step("the same bits on the microcontroller", || bits::bits(false))?;
+        clock.step("the emulated board on a bus", || {
+            on_the_board(&mut counts, "")
+        })?;
+        clock.step("images of the boards", || sizes::sizes(false))?;
+        clock.step("the image against a model of its chip", || {
+            counts.passed += chip::check("", false)?;
+            Ok(())
+        })?;
+    } else {
+        clock.step("the image that is flashed", image::image)?;
+    }
 
     clock.report();
+    if !full {
+        println!("\n{NOT_RUN}\n");
+    }
     println!("{} passed, {} failed", counts.passed, counts.failed);
     Ok(())
+}
+
+fn format() -> Result<()> {
+    for dir in [run::root(), run::firmware()] {
+        run::show(run::cargo(&dir, &["fmt", "--all", "--check"]))?;
+    }
+    Ok(())
+}
+
+/// They are as committed: what is tested is what anybody builds.
+fn lock_files() -> Result<()> {
+    for dir in [run::root(), run::firmware()] {
+        run::read(run::cargo(
+            &dir,
+            &["metadata", "--locked", "--format-version", "1"],
+        ))?;
+    }
+    Ok(())
+}
+
+fn clippy() -> Result<()> {
+    let check = |dir: &Path, what: &[&str]| {
+        let args = [&["clippy", "--quiet"], what, &["--", "-D", "warnings"]].concat();
+        run::show(run::cargo(dir, &args))
+    };
+    let of_features = "leadscrew-tests/vcan,leadscrew-tests/emulated";
+    check(
+        &run::root(),
+        &["--workspace", "--all-targets", "--features", of_features],
+    )?;
+    let firmware = run::firmware();
+    check(&firmware, &["--release", "--workspace"])?;
+    check(
+        &firmware,
+        &[
+            "--release",
+            "--package",
+            "nucleo-g474re",
+            "--package",
+            "mps2-an386",
+            "--features",
+            "defmt,mps2-an386/provoke",
+        ],
+    )
+}
+
+fn core_alone() -> Result<()> {
+    let build = ["build", "--quiet", "--release", "-p", "leadscrew-core"];
+    let target = ["--target", target::TARGET];
+    run::show(run::cargo(&run::root(), &[&build[..], &target].concat()))
 }
 
 /// The tests on a CAN bus alone.
 pub fn vcan(filter: &str) -> Result<()> {
     let mut counts = Counts::default();
-    on_a_bus(&mut counts, &[], filter)?;
+    on_a_bus(&mut counts, filter)?;
     println!("{} passed, {} failed", counts.passed, counts.failed);
     Ok(())
 }
@@ -145,9 +164,9 @@ fn on_the_board(counts: &mut Counts, filter: &str) -> Result<()> {
     Ok(())
 }
 
-fn on_a_bus(counts: &mut Counts, profile: &[&str], filter: &str) -> Result<()> {
+fn on_a_bus(counts: &mut Counts, filter: &str) -> Result<()> {
     let before = (counts.passed, counts.failed);
-    let ok = bus::tests(profile, filter, |line| counts.take(line))?;
+    let ok = bus::tests(filter, |line| counts.take(line))?;
     let ran = counts.passed.saturating_sub(before.0);
     if !ok {
         match counts.failed.saturating_sub(before.1) {
@@ -161,28 +180,17 @@ fn on_a_bus(counts: &mut Counts, profile: &[&str], filter: &str) -> Result<()> {
     Ok(())
 }
 
-/// The test with the settings of a build server.
-pub fn ci() -> Result<()> {
-    for dir in [run::root(), run::firmware()] {
-        run::read(run::cargo(
-            &dir,
-            &["metadata", "--locked", "--format-version", "1"],
-        ))?;
-    }
-    let mut again = run::cargo(&run::root(), &["xtask", "test"]);
-    again
-        .env("CARGO_INCREMENTAL", "0")
-        .env("CARGO_TERM_COLOR", "never");
-    run::show(again)
-}
-
 /// All tests of the workspace, documentation examples included, counted.
-fn tests(counts: &mut Counts, profile: &[&str]) -> Result<()> {
+fn tests(counts: &mut Counts) -> Result<()> {
     // Never coloured: the counts are read from what is printed.
-    let mut args = vec!["test", "--workspace", "--no-fail-fast", "--color", "never"];
-    args.extend_from_slice(profile);
+    let args = ["test", "--workspace", "--no-fail-fast", "--color", "never"];
+    let mut all = run::cargo(&run::root(), &args);
+    if std::env::var_os(THREADS).is_none() {
+        let cores = std::thread::available_parallelism()?.get();
+        all.env(THREADS, (THREADS_PER_CORE * cores).to_string());
+    }
     let before = counts.failed;
-    let ok = run::watch(run::cargo(&run::root(), &args), |line| counts.take(line))?;
+    let ok = run::watch(all, |line| counts.take(line))?;
     if !ok {
         println!("{} passed, {} failed", counts.passed, counts.failed);
         match counts.failed.saturating_sub(before) {
@@ -231,16 +239,25 @@ impl Clock {
         println!("\n== {name}");
         let started = Instant::now();
         let result = what();
-        self.steps.push((name, started.elapsed()));
+        let took = started.elapsed();
+        println!("{}", row(name, took));
+        self.steps.push((name, took));
         result
     }
 
     fn report(&self) {
-        println!();
+        println!("\n== seconds of each step");
         for (name, took) in &self.steps {
-            println!("{:>6.1} s  {name}", took.as_secs_f64());
+            println!("{}", row(name, *took));
         }
+        let all: Duration = self.steps.iter().map(|(_, took)| *took).sum();
+        println!("{}", row("in all", all));
     }
+}
+
+/// A step with its time.
+fn row(name: &str, took: Duration) -> String {
+    format!("{:>6.1} s  {name}", took.as_secs_f64())
 }
 
 #[cfg(test)]

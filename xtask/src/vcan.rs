@@ -166,9 +166,11 @@ fn boot(root: &Path, script: &str, status: &Path) -> Result<String> {
         let _ = writeln!(text, "insmod {}", module.display());
     }
     let path = std::env::var("PATH").unwrap_or_default();
+    // It has none of the variables of this machine.
+    let settings = leadscrew_seed::settings(leadscrew_seed::fresh(), leadscrew_seed::full());
     let _ = write!(
         text,
-        "export PATH='{path}:/usr/sbin:/usr/bin:/sbin:/bin' LEADSCREW_BOOTED=1 TERMINAL=/dev/ttyS0\n\
+        "export PATH='{path}:/usr/sbin:/usr/bin:/sbin:/bin' LEADSCREW_BOOTED=1 TERMINAL=/dev/ttyS0 {settings}\n\
          ip link set lo up\n\
          ip link add dev {INTERFACE} type vcan && ip link set {INTERFACE} mtu 72 up\n\
          cd '{}'\n\
@@ -212,24 +214,9 @@ fn write_script(path: &Path, text: &str) -> Result<()> {
 }
 
 /// Builds the tests that need a bus, with the programs they start, and runs them where the bus is.
-pub fn tests(profile: &[&str], filter: &str, seen: impl FnMut(&str)) -> Result<bool> {
-    let root = run::root();
-    let programs = [
-        "build",
-        "--quiet",
-        "-p",
-        "leadscrew",
-        "-p",
-        "leadscrew-board-sim-host",
-    ];
-    run::show(run::cargo(&root, &[&programs[..], profile].concat()))?;
-    let program = run::test_program("vcan", profile)?;
-    // Built beside the tests, in the folder above theirs.
-    let leadscrew = program
-        .ancestors()
-        .nth(2)
-        .context("the program of the tests lies in no folder")?
-        .join("leadscrew");
+pub fn tests(filter: &str, seen: impl FnMut(&str)) -> Result<bool> {
+    let leadscrew = run::programs(&["--bin", "leadscrew", "--bin", "board-sim"])?.join("leadscrew");
+    let program = run::test_program("vcan")?;
     let (python, eds) = (canopen::python()?, canopen::sheet(&leadscrew)?);
     println!("{}", place().name());
     // They share one bus.

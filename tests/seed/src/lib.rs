@@ -5,6 +5,9 @@
 //! still there after an attempt to mend it. `LEADSCREW_SEED` takes its place: that is how a failure is repeated, and a
 //! test that fails says the command. Outside git the seed is a fixed one; `cargo xtask test` prints the seed and where it
 //! is from.
+//!
+//! How much a test tries is [`amount`]: a part of it each time, all of it with `LEADSCREW_FULL=1`, which is what
+//! `cargo xtask test --full` sets.
 
 use std::fmt;
 use std::process::Command;
@@ -12,6 +15,9 @@ use std::sync::OnceLock;
 
 /// The variable that takes the place of the commit.
 pub const VARIABLE: &str = "LEADSCREW_SEED";
+
+/// The variable that asks for full volumes: 1.
+pub const FULL: &str = "LEADSCREW_FULL";
 
 /// Where there is no commit.
 const NO_COMMIT: u64 = 1;
@@ -55,6 +61,23 @@ pub fn of_run() -> (u64, Source) {
     })
 }
 
+/// True where this run tries full volumes.
+///
+/// # Panics
+/// Where `LEADSCREW_FULL` is neither 1 nor 0.
+pub fn full() -> bool {
+    static IS_FULL: OnceLock<bool> = OnceLock::new();
+    *IS_FULL.get_or_init(|| std::env::var(FULL).is_ok_and(|asked| is_full(&asked)))
+}
+
+/// How much a test tries, or how far apart the places are that it tries: `usual`, or `full` in a run of full volumes.
+///
+/// # Panics
+/// As [`full`].
+pub fn amount<T>(usual: T, full: T) -> T {
+    if self::full() { full } else { usual }
+}
+
 /// The seed of this run.
 ///
 /// # Panics
@@ -86,6 +109,14 @@ fn read(given: &str) -> u64 {
     match given.parse() {
         Ok(seed) if seed > 0 => seed,
         _ => panic!("{VARIABLE}={given} is no whole number from 1 on"),
+    }
+}
+
+fn is_full(asked: &str) -> bool {
+    match asked {
+        "1" => true,
+        "0" => false,
+        _ => panic!("{FULL}={asked} is neither 1 nor 0"),
     }
 }
 
@@ -124,16 +155,12 @@ fn again(seed: u64) -> String {
     let stem = own.file_stem().unwrap_or_default().to_string_lossy();
     let target = stem.rsplit_once('-').map_or(&*stem, |(name, _)| name);
     let package = std::env::var("CARGO_PKG_NAME").unwrap_or_default();
-    let release = if cfg!(debug_assertions) {
-        ""
-    } else {
-        " --release"
-    };
+    let settings = settings(seed, full());
     let thread = std::thread::current();
     let test = thread.name().filter(|name| *name != "main").unwrap_or("");
     // Some need more than cargo: a bus, an image.
     if ["vcan", "emulated"].contains(&target) {
-        return format!("{VARIABLE}={seed} cargo xtask {target} {test}");
+        return format!("{settings} cargo xtask {target} {test}");
     }
     let which = if target.replace('_', "-") == package {
         String::new()
@@ -145,7 +172,17 @@ fn again(seed: u64) -> String {
     } else {
         format!(" {test} -- --exact")
     };
-    format!("{VARIABLE}={seed} cargo test{release} -p {package}{which}{only}")
+    format!("{settings} cargo test -p {package}{which}{only}")
+}
+
+/// The variables of a run, as a shell takes them.
+pub fn settings(seed: u64, full: bool) -> String {
+    let full = if full {
+        format!("{FULL}=1 ")
+    } else {
+        String::new()
+    };
+    format!("{full}{VARIABLE}={seed}")
 }
 
 #[cfg(test)]
@@ -181,14 +218,23 @@ mod tests {
 
     #[test]
     fn what_repeats_a_test_is_one_command() {
-        let own = format!(
-            "cargo test{} -p leadscrew-seed tests::what_repeats_a_test_is_one_command -- --exact",
-            if cfg!(debug_assertions) {
-                ""
-            } else {
-                " --release"
-            }
-        );
-        assert_eq!(again(5), format!("LEADSCREW_SEED=5 {own}"));
+        let own =
+            "cargo test -p leadscrew-seed tests::what_repeats_a_test_is_one_command -- --exact";
+        let full = if full() { "LEADSCREW_FULL=1 " } else { "" };
+        assert_eq!(again(5), format!("{full}LEADSCREW_SEED=5 {own}"));
+    }
+
+    #[test]
+    fn a_run_of_full_volumes_is_asked_for_in_one_way() {
+        assert_eq!(settings(5, true), "LEADSCREW_FULL=1 LEADSCREW_SEED=5");
+        assert_eq!(settings(5, false), "LEADSCREW_SEED=5");
+        assert_eq!(amount(2, 9), if full() { 9 } else { 2 });
+        assert!(is_full("1") && !is_full("0"));
+        for wrong in ["", "yes", "2", "true"] {
+            assert!(
+                std::panic::catch_unwind(|| is_full(wrong)).is_err(),
+                "{wrong}"
+            );
+        }
     }
 }

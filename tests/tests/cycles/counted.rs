@@ -13,7 +13,7 @@ use leadscrew_core::units::*;
 use leadscrew_tests::random::Random;
 
 use crate::build::*;
-use crate::random::{CYCLES, groove};
+use crate::random::{cycles, groove};
 
 /// A move as a check sees it: a feed, its way along X and along Z.
 type Way = (bool, i64, i64);
@@ -87,7 +87,7 @@ fn narrow(r: &mut Random, call: &GrooveCall, params: &mut Params) {
 fn a_groove_counted_is_the_groove_walked() {
     let mut r = Random(751);
     let (mut inside, mut outside) = (0, 0);
-    for _ in 0..CYCLES / 5 {
+    for _ in 0..cycles() / 5 {
         let call = groove(&mut r);
         let groove = GrooveMoves::new(&call, place(1)).unwrap();
         let mut params = Params::slant_bed();
@@ -107,7 +107,7 @@ fn a_groove_counted_is_the_groove_walked() {
         assert_eq!(columns.map(u64::from), Some(groove.totals().columns));
     }
     assert!(
-        inside > CYCLES / 50 && outside > CYCLES / 50,
+        inside > cycles() / 50 && outside > cycles() / 50,
         "{inside} {outside}"
     );
 }

@@ -11,12 +11,10 @@ use leadscrew_tests::random::Random;
 use crate::build::*;
 use crate::reference;
 
-/// Cycles per test; in release the number the project promises.
-pub const CYCLES: u32 = if cfg!(debug_assertions) {
-    3_000
-} else {
-    100_000
-};
+/// Cycles per test; the full volume is the number that the project promises.
+pub fn cycles() -> u32 {
+    leadscrew_seed::amount(3_000, 100_000)
+}
 
 fn len(nm: i64) -> Length {
     Length::from_nm(nm)
@@ -220,7 +218,7 @@ fn threads_equal_the_reference() {
     leadscrew_seed::volume(76, |seed| {
         let mut r = Random(seed);
         let (mut done, mut refused) = (0, 0);
-        while done < CYCLES {
+        while done < cycles() {
             let call = thread(&mut r);
             match (expand_thread(&call), reference::thread(&call)) {
                 (Ok(got), Ok(want)) => {
@@ -242,7 +240,7 @@ fn threads_equal_the_reference() {
             }
         }
         assert!(
-            refused > CYCLES / 100,
+            refused > cycles() / 100,
             "{refused} refused: the alarms were not tried"
         );
     });
@@ -252,7 +250,7 @@ fn threads_equal_the_reference() {
 fn threads_are_the_same_mirrored_and_moved() {
     leadscrew_seed::volume(78, |seed| {
         let mut r = Random(seed);
-        for _ in 0..CYCLES / 2 {
+        for _ in 0..cycles() / 2 {
             let call = thread(&mut r);
             let axis = len(r.within(-1_000_000_000, 1_000_000_000));
             let twice = axis + axis;
@@ -342,7 +340,7 @@ fn threads_scale() {
     leadscrew_seed::volume(254, |seed| {
         const FACTOR: i64 = 127;
         let mut r = Random(seed);
-        for _ in 0..CYCLES / 4 {
+        for _ in 0..cycles() / 4 {
             let call = thread(&mut r);
             let large =
                 |at: leadscrew_core::alarm::At<Length>| crate::build::at(at.value.times(FACTOR));
@@ -391,7 +389,7 @@ fn cut_in_modes_end_at_one_z_and_agree_without_an_angle() {
     leadscrew_seed::volume(4, |seed| {
         use CutIn::*;
         let mut r = Random(seed);
-        for _ in 0..CYCLES / 10 {
+        for _ in 0..cycles() / 10 {
             let base = ThreadCall {
                 run_in: at(Length::ZERO),
                 ..thread(&mut r)
@@ -495,7 +493,7 @@ pub fn groove(r: &mut Random) -> GrooveCall {
 fn grooves_equal_the_reference() {
     leadscrew_seed::volume(75, |seed| {
         let mut r = Random(seed);
-        for _ in 0..CYCLES / 5 {
+        for _ in 0..cycles() / 5 {
             let call = groove(&mut r);
             let moves: Vec<Move> = GrooveMoves::new(&call, place(1)).unwrap().collect();
             let want = reference::groove(&call);
@@ -535,7 +533,7 @@ fn wild_calls_are_refused_or_cut() {
     leadscrew_seed::volume(13, |seed| {
         let mut r = Random(seed);
         let mut cut = 0;
-        for _ in 0..CYCLES {
+        for _ in 0..cycles() {
             let mut call = thread(&mut r);
             for _ in 0..r.within(1, 6) {
                 let value = edge(&mut r);
@@ -596,6 +594,6 @@ fn wild_calls_are_refused_or_cut() {
                 assert!(moves.take(50).count() >= 2);
             }
         }
-        assert!(cut > CYCLES / 50, "{cut}");
+        assert!(cut > cycles() / 50, "{cut}");
     });
 }

@@ -7,7 +7,7 @@ use leadscrew_core::units::*;
 use crate::build::*;
 use leadscrew_tests::random::Random;
 
-use crate::random::CYCLES;
+use crate::random::cycles;
 use crate::taps::{holes, moves, tap_of};
 
 /// Ends of the strokes of a hole below R, straight from the text: "targets are R ± n·q, clipped at the bottom".
@@ -169,7 +169,7 @@ fn holes_at_random() {
     leadscrew_seed::volume(84, |seed| {
         let mut r = Random(seed);
         let (mut strokes, mut stays) = (0, 0);
-        for _ in 0..CYCLES {
+        for _ in 0..cycles() {
             let call = random_call(&mut r);
             let list = moves(&call);
             // Nothing but the tap axis moves between R and the bottom, and every move goes somewhere.
@@ -238,7 +238,7 @@ fn holes_at_random() {
             }
         }
         assert!(
-            strokes > 10 * CYCLES && stays > CYCLES / 20,
+            strokes > 10 * cycles() && stays > cycles() / 20,
             "{strokes} {stays}"
         );
     });
@@ -248,7 +248,7 @@ fn holes_at_random() {
 fn turned_round_it_is_the_same() {
     leadscrew_seed::volume(88, |seed| {
         let mut r = Random(seed);
-        for _ in 0..CYCLES / 10 {
+        for _ in 0..cycles() / 10 {
             let call = random_call(&mut r);
             let turn = |nm: Length| -nm;
             let mirror = |p: Position| call.axis.with(p, turn(call.axis.of(p)));

@@ -6,7 +6,7 @@ use leadscrew_core::program::*;
 use leadscrew_core::units::*;
 
 use crate::build::*;
-use crate::random::CYCLES;
+use crate::random::cycles;
 use leadscrew_tests::random::Random;
 
 /// Everything a program yields: moves and the numbers of warnings, in order; or the number of its alarm.
@@ -110,7 +110,7 @@ fn millimetres_and_inches_make_the_same_moves() {
     leadscrew_seed::volume(25, |seed| {
         let mut r = Random(seed);
         let (mut same, mut refused) = (0, 0);
-        for _ in 0..CYCLES / 20 {
+        for _ in 0..cycles() / 20 {
             let w = r.sign() * r.within(60, 900);
             let (s, k) = (r.sign(), r.within(4, 60));
             let i = if r.chance(50) {
@@ -175,7 +175,7 @@ fn millimetres_and_inches_make_the_same_moves() {
             }
         }
         assert!(
-            same > CYCLES / 50 && refused > 0,
+            same > cycles() / 50 && refused > 0,
             "{same} alike, {refused} refused"
         );
     });

@@ -12,14 +12,16 @@ use leadscrew_tests::random::Random;
 use super::hole::Hole;
 use super::watch::{depth, judge, locked};
 
-const HOLES: usize = if cfg!(debug_assertions) { 150 } else { 1_500 };
+fn holes() -> usize {
+    leadscrew_seed::amount(150, 1_500)
+}
 
 #[test]
 fn random_holes() {
     leadscrew_seed::volume(0xF10A7, |seed| {
         let mut random = Random(seed);
         let mut tapped = 0;
-        while tapped < HOLES {
+        while tapped < holes() {
             let r = &mut random;
             let deep = i64::from(r.chance(50));
             let edge = i64::from(r.chance(50));

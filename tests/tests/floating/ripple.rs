@@ -16,7 +16,9 @@ use leadscrew_tests::random::Random;
 use super::hole::Hole;
 use super::watch::{depth, judge_uneven};
 
-const HOLES: u32 = if cfg!(debug_assertions) { 100 } else { 4_000 };
+fn holes() -> u32 {
+    leadscrew_seed::amount(100, 4_000)
+}
 
 /// What the noise of counts without their edges' times is worth as acceleration of the axis, in m/s².
 const NOISE: f64 = 0.3;
@@ -33,7 +35,7 @@ fn a_rippling_spindle_is_no_alarm() {
     leadscrew_seed::volume(0x0051_BB1E, |seed| {
         let mut random = Random(seed);
         let mut tapped = 0;
-        while tapped < HOLES {
+        while tapped < holes() {
             let r = &mut random;
             let tick = r.of(&[500, 1000, 2000]);
             let latency = r.of(&[0, 1000, 3000]);

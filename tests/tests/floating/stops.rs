@@ -11,8 +11,10 @@ use leadscrew_tests::params::{set, with};
 use super::hole::{Hole, plain};
 use super::watch::{depth, judge, locked, tap};
 
-/// Ticks between two that are tried; a release build tries more of them.
-const STRIDE: usize = if cfg!(debug_assertions) { 23 } else { 5 };
+/// Ticks between two that are tried.
+fn stride() -> usize {
+    leadscrew_seed::amount(23, 5)
+}
 
 fn forms() -> [(Hole, i64); 3] {
     let hole = Hole {
@@ -61,7 +63,7 @@ fn at_any_tick(command: Command, params: &Params) {
         let mut params = params.clone();
         set(&mut params, "5200.5", deep);
         let mut in_the_hole = 0;
-        for tick in ticks_of(&hole, &params).step_by(STRIDE) {
+        for tick in ticks_of(&hole, &params).step_by(stride()) {
             let ran = run(
                 &hole.program(),
                 &params,

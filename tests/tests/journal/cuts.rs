@@ -80,7 +80,7 @@ fn history(tear: Tear) -> Vec<(Flash, u32)> {
 
 #[test]
 fn a_cut_at_every_byte_leaves_the_old_entry_or_the_new_one() {
-    let stride = if cfg!(debug_assertions) { 5 } else { 1 };
+    let stride = leadscrew_seed::amount(5, 1);
     let mut cuts = 0;
     let mut erases = 0;
     for tear in Tear::ALL {
@@ -108,7 +108,7 @@ fn a_cut_at_every_byte_leaves_the_old_entry_or_the_new_one() {
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(7, |seed| {
         let mut random = Random(seed);
-        let rounds = if cfg!(debug_assertions) { 12 } else { 600 };
+        let rounds = leadscrew_seed::amount(12, 600);
         let mut cuts = 0;
         for round in 0..rounds {
             let mut flash = Flash::erased();

@@ -233,7 +233,7 @@ fn a_journal_that_cannot_be_written_stops_a_tap_before_the_hole_only() {
 fn power_that_goes_in_a_write_of_the_journal() {
     let params = with(&[("5382", 1_000_000)]);
     let mut after = 0;
-    for cut in (0..1_400).step_by(if cfg!(debug_assertions) { 37 } else { 1 }) {
+    for cut in (0..1_400).step_by(leadscrew_seed::amount(37, 1)) {
         let mut sim = machine(&params, &PlantOptions::default());
         sim.flash_mut().cut_after(cut);
         let mut told = Told::default();

@@ -192,7 +192,7 @@ pub const HIGH_SPEED: &str =
     "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 Q1.5 D0.4 P20 F2000\nG80\nM30\n";
 
 fn stride() -> usize {
-    if cfg!(debug_assertions) { 23 } else { 1 }
+    leadscrew_seed::amount(23, 1)
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn a_loss_of_power_at_any_tick_then_the_return() {
 fn forms_hands_and_axes_come_out_the_same_way() {
     let deep = with(&[("5200.5", 1), ("5382", 1_500_000)]);
     let plain = with(&[("5382", 1_500_000)]);
-    let wide = if cfg!(debug_assertions) { 97 } else { 5 };
+    let wide = leadscrew_seed::amount(97, 5);
     for (text, params) in [
         // Deep pecks, left hand, both ways along Z, along X, a lead that does not end.
         (HIGH_SPEED, &deep),
@@ -298,7 +298,7 @@ fn forms_hands_and_axes_come_out_the_same_way() {
 #[test]
 fn a_return_that_is_stopped_goes_on_with_the_next_one() {
     let params = with(&[("5382", 2_000_000)]);
-    let wide = if cfg!(debug_assertions) { 31 } else { 3 };
+    let wide = leadscrew_seed::amount(31, 3);
     let mut again = 0;
     for command in [Command::Reset, Command::Stop] {
         for tick in (0..600).step_by(wide) {

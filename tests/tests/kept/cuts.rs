@@ -121,7 +121,7 @@ fn history(tear: usize) -> Vec<Step> {
 
 #[test]
 fn a_cut_at_every_byte_leaves_the_old_set_or_the_new_one() {
-    let stride = if cfg!(debug_assertions) { 7 } else { 1 };
+    let stride = leadscrew_seed::amount(7, 1);
     let (mut cuts, mut erases, mut new) = (0, 0, 0);
     for tear in 0..Tear::ALL.len() {
         for (step, number) in history(tear).iter().zip(1..) {
@@ -154,7 +154,7 @@ fn a_cut_at_every_byte_leaves_the_old_set_or_the_new_one() {
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(11, |seed| {
         let mut random = Random(seed);
-        let rounds = if cfg!(debug_assertions) { 12 } else { 240 };
+        let rounds = leadscrew_seed::amount(12, 240);
         let mut cuts = 0;
         for round in 0..rounds {
             let mut flash = Flash::erased();

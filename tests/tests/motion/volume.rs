@@ -11,11 +11,9 @@ use leadscrew_core::program::{FeedRate, Position};
 use leadscrew_core::units::{Angle, Feed, FeedPerTurn, Length, Rpm};
 use std::f64::consts::TAU;
 
-const MOVES: u32 = if cfg!(debug_assertions) {
-    20_000
-} else {
-    1_000_000
-};
+fn moves() -> u32 {
+    leadscrew_seed::amount(20_000, 1_000_000)
+}
 const MOVES_OF_A_MACHINE: u32 = 500;
 
 #[test]
@@ -25,7 +23,7 @@ fn no_setpoint_exceeds_a_limit_and_every_move_ends_on_its_target() {
         let mut run = Run::new();
         let (mut ticks, mut abandoned, mut used) = (0_u64, 0_u32, [0.0_f64; 3]);
         let mut done = 0;
-        while done < MOVES {
+        while done < moves() {
             let params = machine::random(&mut random);
             let limits = Limits::from_params(&params);
             let mut at = Position::default();
@@ -81,7 +79,7 @@ fn no_setpoint_exceeds_a_limit_and_every_move_ends_on_its_target() {
         );
         // The limits are reached, not merely kept.
         assert!(used.iter().all(|used| *used > 0.99), "{used:?}");
-        assert!(abandoned > MOVES / 100);
+        assert!(abandoned > moves() / 100);
     });
 }
 

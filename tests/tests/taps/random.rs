@@ -11,7 +11,9 @@ use leadscrew_tests::random::Random;
 use super::hole::{bottom, deep, high_speed, nm, sheet};
 use super::watch::tap;
 
-const HOLES: u32 = if cfg!(debug_assertions) { 60 } else { 2000 };
+fn holes() -> u32 {
+    leadscrew_seed::amount(60, 2000)
+}
 
 fn random_hole(r: &mut Random) -> TapCall {
     let rpm = r.within(20, 2500);
@@ -60,7 +62,7 @@ fn random_hole(r: &mut Random) -> TapCall {
 fn holes_at_random_keep_every_promise() {
     leadscrew_seed::volume(0x7A9, |seed| {
         let mut r = Random(seed);
-        for _ in 0..HOLES {
+        for _ in 0..holes() {
             let hole = random_hole(&mut r);
             let latency = r.of(&[0, 0, 1000, 3000]);
             let params = with(&[

@@ -51,13 +51,14 @@ fn rests(ran: &Ran, hole: &TapCall, params: &Params, tick: u64) {
     }
 }
 
-/// Every tick of a tap in all its forms.
+/// Every tick of a tap in all its forms, or one of a few.
 fn at_every_tick(command: Command, params: &Params) {
     for hole in forms() {
         let calm = run(program(&[hole]), params);
         let ticks: Vec<u64> = locked(&calm).map(|row| row.tick).collect();
+        let stride = leadscrew_seed::amount(7, 1);
         let mut in_the_hole = 0;
-        for tick in ticks {
+        for tick in ticks.into_iter().step_by(stride) {
             let ran = stopped(&hole, params, tick, command);
             rests(&ran, &hole, params, tick);
             let last = ran.rows.last().expect("rows");
@@ -68,7 +69,7 @@ fn at_every_tick(command: Command, params: &Params) {
             };
             assert_eq!(last.doing, doing, "stop at {tick}");
         }
-        assert!(in_the_hole > 300, "{in_the_hole}");
+        assert!(in_the_hole * stride > 300, "{in_the_hole}");
     }
 }
 

@@ -10,12 +10,10 @@ use leadscrew_core::units::{Axis, Lead, Length, Rpm, StartAngle, TurnRate, Turns
 use crate::watch::Watch;
 use crate::{pass, position};
 
-/// Passes tried: many where the code is fast.
-const PASSES: u32 = if cfg!(debug_assertions) {
-    1_000
-} else {
-    10_000
-};
+/// Passes tried.
+fn passes() -> u32 {
+    leadscrew_seed::amount(1_000, 10_000)
+}
 
 /// xorshift64*.
 struct Random(u64);
@@ -170,7 +168,7 @@ fn no_limit_is_exceeded_and_every_pass_ends_exactly() {
         let mut random = Random(seed);
         let (mut run_count, mut lagging, mut ticks) = (0_u32, 0_u32, 0_u64);
         let mut worst = [[0.0_f64; 3]; 2];
-        for n in 0..PASSES {
+        for n in 0..passes() {
             let case = case(&mut random);
             let plan = match ThreadPlan::new(case.from, &case.moves, &case.params, TurnRate::ZERO) {
                 Ok(plan) => plan,
@@ -230,9 +228,10 @@ fn no_limit_is_exceeded_and_every_pass_ends_exactly() {
             }
         }
         println!(
-            "{run_count} of {PASSES} passes, {lagging} with a lagging run-out, {ticks} ticks; worst shares {worst:?}"
+            "{run_count} of {} passes, {lagging} with a lagging run-out, {ticks} ticks; worst shares {worst:?}",
+            passes()
         );
-        assert!(run_count * 2 > PASSES && lagging > 0);
+        assert!(run_count * 2 > passes() && lagging > 0);
     });
 }
 
@@ -259,7 +258,7 @@ fn the_end_plane_is_never_passed_whatever_the_spindle_does() {
     leadscrew_seed::volume(2, |seed| {
         let mut random = Random(seed);
         let mut run_count = 0_u32;
-        while run_count < PASSES {
+        while run_count < passes() {
             let case = case(&mut random);
             let Ok(plan) = ThreadPlan::new(case.from, &case.moves, &case.params, TurnRate::ZERO)
             else {
@@ -303,7 +302,7 @@ fn interrupted(act: Act, seed: u64) -> [[f64; 3]; 2] {
     let mut random = Random(seed);
     let mut worst = [[0.0_f64; 3]; 2];
     let (mut run_count, mut leaving) = (0_u32, 0_u32);
-    while run_count < PASSES {
+    while run_count < passes() {
         let case = case(&mut random);
         let Ok(plan) = ThreadPlan::new(case.from, &case.moves, &case.params, TurnRate::ZERO) else {
             continue;

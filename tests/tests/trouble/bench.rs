@@ -50,15 +50,6 @@ impl Recovers for Lathe {
     }
 }
 
-/// How the ticks of a test are chosen: all of them where the machine is fast enough.
-pub fn stride(release: usize, debug: usize) -> usize {
-    if cfg!(debug_assertions) {
-        debug
-    } else {
-        release
-    }
-}
-
 pub fn calm(params: &Params) -> Vec<Row> {
     let mut bench = Lathe::new(params);
     bench.runs("calm", WORK, 35_000_000, 8_000_000);

@@ -8,10 +8,11 @@ use leadscrew_core::bus::{NmtCommand, NodeId};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Position;
 use leadscrew_core::units::{Angle, Axis, Length};
+use leadscrew_seed::amount;
 use leadscrew_tests::bench::{Bench, Lathe, PATIENCE, WORK};
 use leadscrew_tests::params::with;
 
-use crate::bench::{Recovers, calm, places, stride};
+use crate::bench::{Recovers, calm, places};
 
 /// All that a drive can do wrong, at every place; then it is mended, and the next program runs.
 #[test]
@@ -24,7 +25,7 @@ fn a_failing_drive_anywhere_and_the_next_program() {
         Trouble::Fault(0x3210),
         Trouble::TorqueOff,
     ];
-    for (turn, tick) in places(&calm, stride(5, 293)).enumerate() {
+    for (turn, tick) in places(&calm, amount(293, 5)).enumerate() {
         let trouble = troubles[turn % 4];
         let which = turn / 4 % 4;
         // A spindle has no position to be away from; a standing axis does not miss one.
@@ -70,7 +71,7 @@ fn a_failing_drive_anywhere_and_the_next_program() {
 fn a_second_failure_is_let_go_and_told_behind_the_reset() {
     let params = Params::slant_bed();
     let calm = calm(&params);
-    for tick in places(&calm, stride(29, 601)) {
+    for tick in places(&calm, amount(601, 29)) {
         // In the same tick, while it stops, and when it stands.
         for later in [0, 1, 7, 400] {
             let what = format!("X at {tick}, Z {later} later");

@@ -3,11 +3,12 @@
 use leadscrew_board_sim::Row;
 use leadscrew_core::board::{Command, Event, State};
 use leadscrew_core::params::Params;
+use leadscrew_seed::amount;
 use leadscrew_tests::bench::{Bench, Lathe, NEXT, PATIENCE, WORK};
 use leadscrew_tests::limits::{first_excess, first_excess_with};
 use leadscrew_tests::params::with;
 
-use crate::bench::{Recovers, calm, places, stride};
+use crate::bench::{Recovers, calm, places};
 
 #[test]
 fn a_reset_anywhere_and_the_next_program() {
@@ -15,7 +16,7 @@ fn a_reset_anywhere_and_the_next_program() {
     let calm = calm(&params);
     // The thread's crest is at X60 + 2 · 0.8 mm.
     let crest = 30_000_000 + 800_000;
-    for tick in places(&calm, stride(1, 61)) {
+    for tick in places(&calm, amount(61, 1)) {
         let what = format!("reset at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);
@@ -40,7 +41,7 @@ fn a_reset_anywhere_and_the_next_program() {
 fn an_emergency_stop_anywhere_and_the_next_program() {
     let params = Params::slant_bed();
     let calm = calm(&params);
-    for tick in places(&calm, stride(1, 61)) {
+    for tick in places(&calm, amount(61, 1)) {
         let what = format!("stop at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);
@@ -83,7 +84,7 @@ fn commands_one_after_another_in_any_order() {
     ];
     for params in [Params::slant_bed(), retracting()] {
         let calm = calm(&params);
-        for (index, tick) in places(&calm, stride(7, 401)).enumerate() {
+        for (index, tick) in places(&calm, amount(401, 7)).enumerate() {
             let order = orders[index % orders.len()];
             let gap = [0, 1, 3, 17, 60, 250][index / orders.len() % 6];
             let what = format!("{order:?} from {tick} on, {gap} ticks apart");
@@ -132,7 +133,7 @@ fn a_stop_while_a_reset_retracts_leaves_the_tool_where_it_stops() {
         .filter(|row| row.error.is_some())
         .map(|row| row.tick)
         .collect();
-    for tick in strokes.iter().step_by(stride(3, 31)).copied() {
+    for tick in strokes.iter().step_by(amount(31, 3)).copied() {
         for later in [1, 5, 20, 60, 120] {
             let what = format!("reset at {tick}, stop {later} later");
             let mut bench = Lathe::new(&params);
@@ -171,7 +172,7 @@ fn a_tapered_thread_is_left_outwards() {
         .filter(|row| row.error.is_some())
         .copied()
         .collect();
-    for row in strokes.iter().step_by(stride(7, 97)) {
+    for row in strokes.iter().step_by(amount(97, 7)) {
         let what = format!("reset at {}", row.tick);
         let mut bench = Lathe::new(&params);
         bench.load(text);
@@ -197,7 +198,7 @@ fn the_spindle_override_is_frozen_in_a_thread() {
     let text = WORK.replace("Q7000", "Q2000");
     let mut calm = Lathe::new(&params);
     calm.runs("calm", &text, 35_000_000, 8_000_000);
-    for tick in places(&calm.rows, stride(41, 401)) {
+    for tick in places(&calm.rows, amount(401, 41)) {
         for percent in [50, 80, 120] {
             let what = format!("{percent} % at {tick}");
             let mut bench = Lathe::new(&params);

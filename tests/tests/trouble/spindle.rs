@@ -3,9 +3,10 @@
 use leadscrew_board_sim::{Doing, Row};
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
+use leadscrew_seed::amount;
 use leadscrew_tests::bench::{Bench, Lathe, NEXT, PATIENCE, WORK};
 
-use crate::bench::{Recovers, calm, places, stride};
+use crate::bench::{Recovers, calm, places};
 
 /// The first tick of the n-th row held to the helix.
 fn locked(rows: &[Row], nth: usize) -> u64 {
@@ -39,7 +40,7 @@ fn brakes_at_once(rows: &[Row], params: &Params, what: &str) {
 fn spindle_trouble(percent: i16, alarm: u16, within: u64) {
     let params = Params::slant_bed();
     let calm = calm(&params);
-    for nth in (0..600).step_by(stride(37, 199)) {
+    for nth in (0..600).step_by(amount(199, 37)) {
         let tick = locked(&calm, nth);
         let what = format!("spindle at {percent} % from {tick} on");
         let mut bench = Lathe::new(&params);
@@ -82,7 +83,7 @@ fn a_spindle_far_too_fast_in_a_stroke() {
 fn an_encoder_that_slips_anywhere_and_the_next_program() {
     let params = Params::slant_bed();
     let calm = calm(&params);
-    for tick in places(&calm, stride(11, 293)) {
+    for tick in places(&calm, amount(293, 11)) {
         let what = format!("slip at {tick}");
         let mut bench = Lathe::new(&params);
         bench.load(WORK);

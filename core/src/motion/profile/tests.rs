@@ -83,11 +83,7 @@ fn constant_pulse_is_the_time_optimal_ramp() {
 #[test]
 fn no_operator_breaks_a_limit_or_the_end() {
     leadscrew_seed::volume(11, |seed| {
-        let rounds = if cfg!(debug_assertions) {
-            60_000
-        } else {
-            3_000_000
-        };
+        let rounds = leadscrew_seed::amount(60_000, 3_000_000);
         let mut random = Random(seed);
         let mut watch = Watch {
             profile: Profile::new(),

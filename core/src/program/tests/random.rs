@@ -139,11 +139,7 @@ fn any_text_gives_calls_or_an_alarm_however_it_is_cut() {
     leadscrew_seed::volume(2024, |seed| {
         let mut random = Random(seed);
         let params = Params::slant_bed();
-        let rounds = if cfg!(debug_assertions) {
-            20_000
-        } else {
-            300_000
-        };
+        let rounds = leadscrew_seed::amount(20_000, 300_000);
         let (mut clean, mut refused, mut done) = (0, 0, 0);
         for round in 0..rounds {
             let text = if round % 4 == 0 {

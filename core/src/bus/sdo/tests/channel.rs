@@ -190,7 +190,7 @@ fn a_good_wire_brings_everything() {
 #[test]
 fn a_bad_wire_brings_all_of_a_value_or_nothing() {
     leadscrew_seed::volume(0x5D0_0002, |seed| {
-        let rounds = if cfg!(debug_assertions) { 1000 } else { 10_000 };
+        let rounds = leadscrew_seed::amount(1000, 10_000);
         let mut dice = Dice(seed);
         let mut server = server();
         let mut shelf = Shelf::new();

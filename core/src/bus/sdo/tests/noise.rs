@@ -45,11 +45,7 @@ fn bytes(dice: &mut Dice, number: &mut u8) -> [u8; 8] {
 #[test]
 fn a_server_keeps_its_promises_to_its_objects() {
     leadscrew_seed::volume(0x5D0_0003, |seed| {
-        let rounds = if cfg!(debug_assertions) {
-            300_000
-        } else {
-            3_000_000
-        };
+        let rounds = leadscrew_seed::amount(300_000, 3_000_000);
         let mut dice = Dice(seed);
         let mut server = server();
         let mut shelf = Shelf::new();
@@ -89,11 +85,7 @@ fn a_server_keeps_its_promises_to_its_objects() {
 #[test]
 fn a_client_comes_to_an_end() {
     leadscrew_seed::volume(0x5D0_0004, |seed| {
-        let rounds = if cfg!(debug_assertions) {
-            3_000
-        } else {
-            30_000
-        };
+        let rounds = leadscrew_seed::amount(3_000, 30_000);
         let mut dice = Dice(seed);
         let (mut read_ends, mut write_ends) = ([0_u32; 2], [0_u32; 2]);
         let mut number = 0;
