@@ -14,8 +14,8 @@
 use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::process::ExitCode;
 
-use leadscrew_common::params;
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
+use leadscrew_common::params;
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::bus::{CobId, Frame};
 

@@ -1,8 +1,8 @@
 //! A parameter file of any text.
 
-use leadscrew_common::params::load_bytes;
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Sim, SimError};
+use leadscrew_common::params::load_bytes;
 use leadscrew_core::alarm::Lang;
 
 /// The first byte chooses the language; the rest is the file, in whatever encoding.
