@@ -27,6 +27,23 @@ const SOURCE_PACKAGE: &str = "rust-src";
 const SOURCE_VERSION: &str = "1.95.0+dfsg1-2~bpo13+1";
 const SOURCE_SUITE: &str = "trixie-backports";
 
+/// Builds a program of the firmware in the one profile there is, that of what is flashed. Gives where it is.
+pub fn build(package: &str, program: &str, more: &[&str]) -> Result<PathBuf> {
+    let build = ["build", "--quiet", "--release", "--package", package];
+    let build = [&build[..], &["--bin", program], more].concat();
+    run::show(run::cargo(&run::firmware(), &build))?;
+    Ok(built(program))
+}
+
+/// Where a program of the firmware lies once it is built.
+pub fn built(program: &str) -> PathBuf {
+    run::firmware()
+        .join("target")
+        .join(TARGET)
+        .join("release")
+        .join(program)
+}
+
 /// Sees to it that the target builds.
 pub fn ensure() -> Result<()> {
     if works() {
