@@ -94,6 +94,13 @@ impl Depths {
         }
     }
 
+    /// True where the passes of `call` are certainly no more than [`MOST_PASSES`]: they are never shallower than `√n·Δd`
+    /// less half an increment, and √9999 > 99.99 (those of equal infeed are deeper).
+    pub(crate) fn are_surely_few(call: &ThreadCall) -> bool {
+        let limit = magnitude(call.height.value - call.allowance.value);
+        limit <= magnitude(call.first_depth.value).saturating_mul(99)
+    }
+
     /// The depth of the next pass, which is number `n` (from 1, one after the other); `None` after the one at the limit.
     #[inline]
     pub(crate) fn next_depth(&mut self, n: u32) -> Option<Length> {

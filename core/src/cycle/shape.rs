@@ -92,6 +92,7 @@ struct Leave {
 
 impl Shape {
     /// The shape of a cycle that [can be](super::refuse::refuse_thread).
+    #[inline]
     pub(crate) fn of(call: &ThreadCall) -> Self {
         let (x, z) = (call.end_x.value, call.start.z);
         let stroke = call.end_z.value - z;
@@ -123,6 +124,7 @@ impl Shape {
     }
 
     /// A point in machine coordinates.
+    #[inline]
     pub(crate) fn place(&self, at: &Point) -> Place {
         // Saturates nowhere: coordinates are far inside the integer's range, and this is the innermost arithmetic of the
         // cycles.
@@ -156,6 +158,7 @@ impl Shape {
     }
 
     /// The corners of a pass.
+    #[inline]
     pub(crate) fn corners(&self, pass: &Pass) -> Corners {
         let depth = pass.depth.nm();
         let u = self.shifted(pass);
@@ -303,6 +306,32 @@ impl Shape {
             ]));
         }
         Ok(())
+    }
+
+    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, two nanometres
+    /// to spare for rounding. False decides nothing.
+    pub(crate) fn is_surely_long_enough(&self) -> bool {
+        let most = match self.cut_in {
+            CutIn::Centre => 0,
+            CutIn::Trailing => self.height,
+            _ => self.limit.saturating_mul(2),
+        };
+        let u = most.unsigned_abs();
+        let out = self
+            .run_out
+            .as_ref()
+            .map_or(0, |out| out.long.unsigned_abs());
+        let shift = self.tangent.shift(u);
+        let taken = shift.saturating_add(self.run_in).saturating_add(2);
+        let travel = self.travel.unsigned_abs();
+        if !self.long_x {
+            return travel > taken.saturating_add(out);
+        }
+        let Some(taper) = &self.taper else {
+            return false;
+        };
+        let lost = (after(u, taper.per_depth) >> FINE_BITS) as u64;
+        travel > taken && taper.size > lost.saturating_add(out).saturating_add(2)
     }
 
     /// Way on the long axis from the pass's start to D.

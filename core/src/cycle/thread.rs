@@ -99,6 +99,10 @@ impl ThreadMoves {
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         heed!(refuse_thread(call, span));
         let moves = Self::of(call, span);
+        // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at.
+        if moves.shape.is_surely_long_enough() && Depths::are_surely_few(call) {
+            return Ok(moves);
+        }
         heed!(moves.examine(span));
         Ok(moves)
     }
@@ -125,6 +129,7 @@ impl ThreadMoves {
     }
 
     /// The moves of a call that [`refuse_thread`] has let pass; [`ThreadMoves::examine`] tells whether its passes can be.
+    #[inline]
     pub(crate) fn of(call: &ThreadCall, span: Span) -> Self {
         let shape = Shape::of(call);
         let tag = Tag {
@@ -411,5 +416,124 @@ impl Iterator for Passes {
             depth,
             stroke,
         })
+    }
+}
+
+#[cfg(test)]
+#[allow(
+    clippy::arithmetic_side_effects,
+    clippy::indexing_slicing,
+    clippy::unwrap_used
+)]
+mod tests {
+    use super::*;
+    use crate::alarm::At;
+    use crate::program::{CutIn, Infeed, Position, RunOut};
+    use crate::units::{Angle, Lead, Remainder, Rpm};
+
+    /// A thread with little room for what it asks for.
+    fn narrow(mut draw: impl FnMut(i64, i64) -> i64) -> ThreadCall {
+        fn at<T>(value: T) -> At<T> {
+            At::new(value, Span::default())
+        }
+        let nm = Length::from_nm;
+        let mut chance = |one_in: i64| draw(0, one_in - 1) == 0;
+        let (left_out, no_taper, long_x) = (chance(3), chance(2), chance(2));
+        let (external, towards_plus, equal) = (chance(2), chance(2), chance(3));
+        let size = [10_000, 1_000_000, 50_000_000][draw(0, 2) as usize];
+        let travel = draw(1, size);
+        let height = draw(2, size);
+        let allowance = draw(0, height / 2);
+        let lean = match (no_taper, long_x) {
+            (true, _) => 0,
+            (_, true) => draw(-size, size),
+            (_, false) => draw(-travel, travel),
+        };
+        let room = height + lean.abs() + draw(0, height);
+        let side = if external { 1 } else { -1 };
+        let sigma = if towards_plus { 1 } else { -1 };
+        let start = Position {
+            x: nm(draw(-size, size)),
+            z: nm(draw(-size, size)),
+            c: Angle::ZERO,
+        };
+        let run_in = if draw(0, 1) == 0 {
+            draw(0, size / 4)
+        } else {
+            0
+        };
+        ThreadCall {
+            cycle: ThreadCycle::G78,
+            start,
+            end_x: at(start.x - nm(room * side)),
+            end_z: at(start.z + nm(travel * sigma)),
+            taper: at(nm(lean)),
+            height: at(nm(height)),
+            first_depth: at(nm(draw(1, height))),
+            min_step: at(nm(draw(0, height / 20))),
+            allowance: at(nm(allowance)),
+            finish_passes: at(draw(1, 3) as u8),
+            angle: at([0, 29, 30, 55, 60, 80][draw(0, 5) as usize]),
+            infeed: if equal {
+                Infeed::Equal
+            } else {
+                Infeed::Decreasing
+            },
+            cut_in: at([
+                CutIn::Centre,
+                CutIn::Left,
+                CutIn::Right,
+                CutIn::RightCentre,
+                CutIn::LeftRight,
+                CutIn::Trailing,
+            ][draw(0, 5) as usize]),
+            starts: at(1),
+            run_in: at(nm(run_in)),
+            run_out: (!left_out).then(|| RunOut {
+                short: at(nm(draw(1, size / 4))),
+                long: at(nm(draw(1, size / 4))),
+                short_rest: Remainder::ZERO,
+                long_rest: Remainder::ZERO,
+            }),
+            lead: at(Lead::new(1_000_000, 1).unwrap()),
+            increment: nm(1),
+            rpm: Rpm::new(300),
+        }
+    }
+
+    /// What the short cut lets pass, a look at every pass lets pass, too; and both happen in plenty.
+    #[test]
+    fn no_thread_is_let_pass_that_a_look_at_every_pass_refuses() {
+        leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {
+            let mut state = seed;
+            let mut draw = |low: i64, high: i64| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                low + (state % (high - low + 1) as u64) as i64
+            };
+            let (mut sure, mut doubtful, mut refused) = (0, 0, 0);
+            for _ in 0..60_000 {
+                let call = narrow(&mut draw);
+                let span = Span::default();
+                if refuse_thread(&call, span).is_err() {
+                    continue;
+                }
+                let moves = ThreadMoves::of(&call, span);
+                let looked_at = moves.examine(span);
+                if moves.shape.is_surely_long_enough() && Depths::are_surely_few(&call) {
+                    assert!(looked_at.is_ok(), "{call:?}: {looked_at:?}");
+                    sure += 1;
+                } else if looked_at.is_ok() {
+                    doubtful += 1;
+                } else {
+                    refused += 1;
+                }
+            }
+            assert!(
+                sure > 5_000 && doubtful > 500 && refused > 500,
+                "{sure} {doubtful} {refused}"
+            );
+        });
     }
 }

@@ -1,7 +1,4 @@
 //! 64-bit arithmetic that saturates, each operation written once.
-//!
-//! On a 32-bit processor each of them is a dozen instructions or more. Where time counts the compiler puts them in place;
-//! an image that has to be small has them here once (feature `small`) [D143].
 
 /// a + b.
 pub(crate) const fn sum(a: i64, b: i64) -> i64 {
