@@ -1,6 +1,6 @@
 //! The link test: an image whose panic handler is an undefined function links only if no panic is reachable.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Stdio;
 
 use anyhow::{Context, Result, bail};
@@ -11,27 +11,25 @@ use crate::{callgraph, run, target};
 /// The function that the panic handler of the image calls and that nobody defines.
 const UNDEFINED: &str = "a_panic_is_reachable";
 
-/// Links the image for speed and for size, and once with a panic in it to see that the test can fail.
+/// Links the image as it would be flashed, and once with a panic in it to see that the test can fail.
 pub fn audit() -> Result<()> {
-    for profile in ["speed", "small"] {
-        match link(profile, None)? {
-            Outcome::Linked => println!("{profile}: no panic is reachable ({})", size(profile)?),
-            Outcome::PanicReachable => {
-                println!("{profile}: a panic is reachable");
-                link(profile, Some("diagnose"))?;
-                let ways = callgraph::ways_to_panic(&image(profile, "link"))?;
-                bail!("what runs on a board can panic:\n{}", ways.join("\n"));
-            }
+    match link(None)? {
+        Outcome::Linked => println!("no panic is reachable ({})", size()?),
+        Outcome::PanicReachable => {
+            println!("a panic is reachable");
+            link(Some("diagnose"))?;
+            let ways = callgraph::ways_to_panic(&target::built("link"))?;
+            bail!("what runs on a board can panic:\n{}", ways.join("\n"));
         }
     }
-    match link("speed", Some("self-test"))? {
+    match link(Some("self-test"))? {
         Outcome::PanicReachable => {}
         Outcome::Linked => {
             bail!("the image links with a reachable panic in it: the test proves nothing")
         }
     }
-    link("speed", Some("self-test,diagnose"))?;
-    let ways = callgraph::ways_to_panic(&image("speed", "link"))?;
+    link(Some("self-test,diagnose"))?;
+    let ways = callgraph::ways_to_panic(&target::built("link"))?;
     match ways.as_slice() {
         [way] if way.contains("reachable_panic") => {
             println!("self-test: a panic put in on purpose is found:\n{way}");
@@ -51,30 +49,18 @@ enum Outcome {
 /// Bytes of flash and of RAM of the image that holds what a board needs and nothing
 /// else of the core: neither the hardware's part nor stacks.
 pub fn of_board() -> Result<(u64, u64)> {
-    let build = [
-        "build",
-        "--quiet",
-        "--profile",
-        "speed",
-        "--package",
-        "audit",
-        "--bin",
-        "board",
-    ];
-    run::show(run::cargo(&run::firmware(), &build))?;
-    bytes(&image("speed", "board"))
+    bytes(&target::build("audit", "board", &[])?)
 }
 
-fn link(profile: &str, feature: Option<&str>) -> Result<Outcome> {
+fn link(feature: Option<&str>) -> Result<Outcome> {
     let mut args = vec![
         "build",
         "--quiet",
+        "--release",
         "--package",
         "audit",
         "--bin",
         "link",
-        "--profile",
-        profile,
     ];
     if let Some(feature) = feature {
         args.extend(["--features", feature]);
@@ -92,17 +78,9 @@ fn link(profile: &str, feature: Option<&str>) -> Result<Outcome> {
     bail!("the link image does not build:\n{errors}")
 }
 
-fn image(profile: &str, name: &str) -> PathBuf {
-    run::firmware()
-        .join("target")
-        .join(target::TARGET)
-        .join(profile)
-        .join(name)
-}
-
 /// Bytes of flash and RAM that the image takes, for reading along.
-fn size(profile: &str) -> Result<String> {
-    let (flash, ram) = bytes(&image(profile, "link"))?;
+fn size() -> Result<String> {
+    let (flash, ram) = bytes(&target::built("link"))?;
     Ok(format!(
         "{flash} bytes of code and constants, {ram} of variables"
     ))

@@ -81,7 +81,7 @@ fn conditions() -> Result<String> {
     let emulator = emulator.lines().next().unwrap_or("unknown");
     Ok(format!(
         "Host: {cpu}, {}, profile `release`, one thread; instructions by {}. Board: {emulator}, machine mps2-an386, \
-         `-icount shift=0`, `opt-level` 3, fat LTO.\n\n",
+         `-icount shift=0`, the profile that is flashed.\n\n",
         compiler.trim(),
         valgrind.trim()
     ))

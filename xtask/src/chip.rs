@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{canopen, run, sizes, target};
+use crate::{canopen, run, target};
 
 /// What is flashed.
 const IMAGE: &str = "nucleo-g474re";
@@ -59,9 +59,7 @@ pub fn command(args: &[&str]) -> Result<()> {
 
 /// Builds the image as it is flashed; where it is.
 fn image() -> Result<PathBuf> {
-    let args = ["build", "--quiet", "--release", "--package", IMAGE];
-    run::show(run::cargo(&run::firmware(), &args))?;
-    let built = sizes::flashed(IMAGE);
+    let built = target::build(IMAGE, IMAGE, &[])?;
     // The same place has another image when another step builds one.
     let image = run::scratch("chip")?.join(IMAGE);
     std::fs::copy(&built, &image).with_context(|| format!("there is no {}", built.display()))?;

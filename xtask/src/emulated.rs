@@ -7,7 +7,7 @@ use std::process::{Child, Stdio};
 
 use anyhow::{Context, Result};
 
-use crate::{emulator, run, vcan};
+use crate::{emulator, run, target, vcan};
 
 /// Where the tests find the image, and the one with messages.
 const IMAGE: &str = "LEADSCREW_IMAGE";
@@ -19,12 +19,12 @@ const IN_KERNEL: &str = "kernel::";
 /// them; each line that is printed is handed to `seen`. True where they passed.
 pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
-    let built = emulator::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
+    let built = target::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
     let scratch = run::scratch("emulated")?;
     let image = scratch.join("mps2-bus");
     // The next one is built in the same place.
     std::fs::copy(built, &image)?;
-    let with_messages = emulator::build("mps2-an386", "mps2-bus", &["--features", "defmt"])?;
+    let with_messages = target::build("mps2-an386", "mps2-bus", &["--features", "defmt"])?;
     run::programs(&["--bin", "leadscrew"])?;
     let program = run::test_program("emulated")?;
     let program = program.to_string_lossy();

@@ -1,7 +1,6 @@
 //! Instructions per tick on the emulated Cortex-M4F, held against the table under version control.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow, bail};
 
@@ -11,8 +10,8 @@ use crate::{audit, run, target};
 const TICK_LIMIT: u64 = 2000;
 /// Rows of this name count whole ticks of the board.
 const WHOLE_TICK: &str = "board/";
-/// Those that may cost more: three more spindles are three more drives. They may not grow either.
-const NOT_LIMITED: [&str; 1] = ["board/seven-drives"];
+/// The one that may cost more, and how much: three more spindles are three more drives.
+const SEVEN_DRIVES: (&str, u64) = ("board/seven-drives", 2200);
 /// A row may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
 /// The loop of known length that shows that the emulated clock counts instructions.
@@ -78,27 +77,6 @@ pub fn measure() -> Result<Vec<Row>> {
     Ok(rows.into_iter().chain(sizes).collect())
 }
 
-/// Builds an image. Gives where it is.
-pub fn build(package: &str, image: &str, more: &[&str]) -> Result<PathBuf> {
-    let firmware = run::firmware();
-    let build = [
-        "build",
-        "--quiet",
-        "--profile",
-        "speed",
-        "--package",
-        package,
-        "--bin",
-        image,
-    ];
-    run::show(run::cargo(&firmware, &[&build[..], more].concat()))?;
-    Ok(firmware
-        .join("target")
-        .join(target::TARGET)
-        .join("speed")
-        .join(image))
-}
-
 /// The emulator of the board's processor.
 pub const EMULATOR: &str = "qemu-system-arm";
 
@@ -130,7 +108,7 @@ pub fn emulate_with(
     words: &[&str],
 ) -> Result<String> {
     let firmware = run::firmware();
-    let path = build(package, image, &[])?;
+    let path = target::build(package, image, &[])?;
     let path = path.to_string_lossy();
     let mut semihosting = format!("enable=on,target=native,arg={image}");
     for word in words {
@@ -169,7 +147,7 @@ fn parse(text: &str) -> Result<Vec<Row>> {
 
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "# Instructions a step on a Cortex-M4F: mps2-an386 in QEMU, -icount shift=0, opt-level 3, fat LTO.\n\
+        "# Instructions a step on a Cortex-M4F: mps2-an386 in QEMU, -icount shift=0, in the profile that is flashed.\n\
          # bytes/…: a part of the board in memory; stack/…: its stack at the deepest, in bytes.\n",
     );
     // Writing to a string cannot fail.
@@ -184,11 +162,14 @@ fn table(rows: &[Row]) -> String {
 fn too_dear(rows: &[Row]) -> Vec<String> {
     rows.iter()
         .filter(|row| row.name.starts_with(WHOLE_TICK))
-        .filter(|row| !NOT_LIMITED.contains(&row.name.as_str()))
-        .filter(|row| row.worst > TICK_LIMIT)
         .map(|row| {
+            let (name, limit) = SEVEN_DRIVES;
+            (row, if row.name == name { limit } else { TICK_LIMIT })
+        })
+        .filter(|(row, limit)| row.worst > *limit)
+        .map(|(row, limit)| {
             format!(
-                "{}: worst {} instructions; a tick may cost {TICK_LIMIT}",
+                "{}: worst {} instructions; this tick may cost {limit}",
                 row.name, row.worst
             )
         })
@@ -244,15 +225,14 @@ mod tests {
         let rows = [
             row("board/line", 2000),
             row("board/arc", 2001),
-            row("board/seven-drives", 2600),
+            row("board/seven-drives", 2200),
+            row("board/seven-drives", 2201),
             row("plan/line", 30_000),
         ];
         let dear = too_dear(&rows);
-        assert_eq!(dear.len(), 1, "{dear:?}");
-        assert!(
-            dear.iter()
-                .all(|line| line.starts_with("board/arc: worst 2001"))
-        );
+        assert_eq!(dear.len(), 2, "{dear:?}");
+        assert!(dear[0].starts_with("board/arc: worst 2001"));
+        assert!(dear[1].starts_with("board/seven-drives: worst 2201"));
     }
 
     #[test]

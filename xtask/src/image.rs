@@ -6,7 +6,7 @@ use object::Endianness;
 use object::elf::{FileHeader32, PT_LOAD};
 use object::read::elf::{FileHeader, ProgramHeader};
 
-use crate::{run, sizes};
+use crate::{run, target};
 
 /// The program that is flashed.
 const PROGRAM: &str = "nucleo-g474re";
@@ -17,9 +17,7 @@ const IN_A_RECORD: usize = 16;
 
 /// Builds the image and writes `out/nucleo-g474re.elf`, `.bin` and `.hex`.
 pub fn image() -> Result<()> {
-    let build = ["build", "--quiet", "--release", "--package", PROGRAM];
-    run::show(run::cargo(&run::firmware(), &build))?;
-    let elf = sizes::flashed(PROGRAM);
+    let elf = target::build(PROGRAM, PROGRAM, &[])?;
     let data = std::fs::read(&elf).with_context(|| format!("there is no {}", elf.display()))?;
     let (start, bytes) = flat(&parts(&data)?)?;
     let out = run::root().join("out");

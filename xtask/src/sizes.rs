@@ -1,7 +1,7 @@
 //! Flash and RAM of the board's images, held against the table under version control.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
@@ -117,24 +117,12 @@ pub fn sizes(write: bool) -> Result<()> {
 }
 
 fn measure(image: &Image) -> Result<Row> {
-    let firmware = run::firmware();
-    let mut build = vec!["build", "--quiet", "--release", "--bin", image.program];
-    if !image.features.is_empty() {
-        build.extend(["--features", image.features]);
-    }
-    build.extend(["--package", image.package]);
-    run::show(run::cargo(&firmware, &build))?;
-    let path = flashed(image.program);
+    let features: &[&str] = match image.features {
+        "" => &[],
+        features => &["--features", features],
+    };
+    let path = target::build(image.package, image.program, features)?;
     size(image, &path)
-}
-
-/// Where a program of the firmware lies, as it is flashed.
-pub fn flashed(program: &str) -> PathBuf {
-    run::firmware()
-        .join("target")
-        .join(target::TARGET)
-        .join("release")
-        .join(program)
 }
 
 fn size(image: &Image, path: &Path) -> Result<Row> {
@@ -272,7 +260,7 @@ fn compare(table: &[Row], now: &[Row]) -> Vec<String> {
 
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "# Bytes of the images: fat LTO, profile release. RAM is variables; stack is what is kept free for it, deepest what of that\n\
+        "# Bytes of the images, in the profile that is flashed. RAM is variables; stack is what is kept free for it, deepest what of that\n\
          # can ever be used, by the calls in the image. What is not for a chip (-) has the plant in it, and no limits.\n",
     );
     // Writing to a string cannot fail.

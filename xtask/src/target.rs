@@ -27,6 +27,23 @@ const SOURCE_PACKAGE: &str = "rust-src";
 const SOURCE_VERSION: &str = "1.95.0+dfsg1-2~bpo13+1";
 const SOURCE_SUITE: &str = "trixie-backports";
 
+/// Builds a program of the firmware in the one profile there is, that of what is flashed. Gives where it is.
+pub fn build(package: &str, program: &str, more: &[&str]) -> Result<PathBuf> {
+    let build = ["build", "--quiet", "--release", "--package", package];
+    let build = [&build[..], &["--bin", program], more].concat();
+    run::show(run::cargo(&run::firmware(), &build))?;
+    Ok(built(program))
+}
+
+/// Where a program of the firmware lies once it is built.
+pub fn built(program: &str) -> PathBuf {
+    run::firmware()
+        .join("target")
+        .join(TARGET)
+        .join("release")
+        .join(program)
+}
+
 /// Sees to it that the target builds.
 pub fn ensure() -> Result<()> {
     if works() {
@@ -340,4 +357,49 @@ fn copy_tree(from: &Path, to: &Path) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    /// Cargo has two profiles for whoever names none, and what is flashed must not depend on that word.
+    #[test]
+    fn what_is_flashed_has_one_profile() {
+        let manifest = fs::read_to_string(run::firmware().join("Cargo.toml")).unwrap();
+        let mut profiles: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        let mut place = None;
+        for line in manifest.lines() {
+            if let Some(name) = line.strip_prefix('[') {
+                place = name.strip_prefix("profile.").map(str::to_owned);
+            } else if let Some(name) = &place
+                && line.contains('=')
+                && !line.starts_with('#')
+            {
+                profiles.entry(name.clone()).or_default().push(line);
+            }
+        }
+        assert!(profiles.contains_key("release]"));
+        for (name, lines) in &profiles {
+            let Some(part) = name.strip_prefix("release") else {
+                assert!(name.starts_with("dev"), "a further profile: {name}");
+                continue;
+            };
+            let mut dev = profiles[&format!("dev{part}")].clone();
+            // By itself `dev` has these three otherwise.
+            let own = [
+                "debug-assertions = false",
+                "overflow-checks = false",
+                "incremental = false",
+            ];
+            if part == "]" {
+                assert!(own.iter().all(|line| dev.contains(line)));
+                dev.retain(|line| !own.contains(line));
+            }
+            assert_eq!(&dev, lines, "{name}");
+        }
+        assert_eq!(profiles.len() % 2, 0, "{:?}", profiles.keys());
+    }
 }

@@ -112,7 +112,6 @@ pub struct Alarm {
 impl Alarm {
     /// A condition at a place, without a word.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn new(code: Code, span: Span) -> Self {
         Self {
             code,
@@ -124,7 +123,6 @@ impl Alarm {
 
     /// A condition that is of no place in a text, with the figures of its template.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn of(code: Code, figures: &[Arg]) -> Self {
         let mut alarm = Self::new(code, Span::default());
         alarm.fill(figures);
@@ -133,7 +131,6 @@ impl Alarm {
 
     /// Names the word to blame.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn word(mut self, letter: u8) -> Self {
         self.word = Some(letter);
         self
@@ -151,7 +148,6 @@ impl Alarm {
     }
 
     /// The same of as many as there are.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn fill(&mut self, figures: &[Arg]) {
         for (place, figure) in self.args.iter_mut().zip(figures) {
             *place = *figure;

@@ -130,7 +130,6 @@ impl Background {
     }
 
     /// Forgets everything; the machine stands at `position`, and what is planned from now on is marked with `epoch`.
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn begin_anew(&mut self, position: Position, epoch: Epoch) {
         // What is planned from now on is none of what was planned before: its number goes on.
         let number = self.cut.number;

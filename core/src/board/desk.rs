@@ -51,8 +51,6 @@ pub trait TickPort {
 }
 
 /// The background half.
-// What is large last: what lies within a short way of the beginning takes a shorter instruction.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Desk {
     journal: Entries,

@@ -131,8 +131,6 @@ enum Rigid {
 }
 
 /// The tick side of a board.
-// In the chip's image in this order [D158].
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Ticker {
     mode: Mode,
@@ -476,7 +474,6 @@ impl Ticker {
         }
     }
 
-    #[cfg_attr(feature = "small", inline(never))]
     fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
         match self.mode {
             Mode::Alarm | Mode::Stopping(Then::Alarm) => {

@@ -77,7 +77,6 @@ impl NmtSlave {
     }
 
     /// The node is ready: it goes to pre-operational and says so with the frame.
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn boot(&mut self) -> Frame {
         self.state = NmtState::PreOperational;
         NmtState::BootUp.frame(self.node)

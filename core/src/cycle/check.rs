@@ -6,7 +6,6 @@ use crate::program::{GrooveCall, Position, TapCall, TapForm, ThreadCall};
 use crate::units::Length;
 
 /// An alarm at a word, or at the block where the value came from a parameter.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) fn blame(code: Code, block: Span, word: &Span, letter: u8) -> Alarm {
     if *word == Span::default() {
         Alarm::new(code, block)
@@ -90,7 +89,6 @@ impl Words {
     }
 
     /// A place that stands in no word.
-    #[cfg_attr(feature = "small", inline(never))]
     fn place(&mut self, at: &Position) {
         self.unwritten(at.x, b'X', Sign::Any);
         self.unwritten(at.z, b'Z', Sign::Any);
@@ -101,7 +99,6 @@ impl Words {
         self.length(&At::new(value, Span::default()), letter, sign);
     }
 
-    #[cfg_attr(feature = "small", inline(never))]
     fn length(&mut self, at: &At<Length>, letter: u8, sign: Sign) {
         let lowest = match sign {
             Sign::Any => -Length::INPUT_LIMIT,

@@ -96,7 +96,6 @@ impl Depths {
 
     /// True where the passes of `call` are certainly no more than [`MOST_PASSES`]: they are never shallower than `√n·Δd`
     /// less half an increment, and √9999 > 99.99 (those of equal infeed are deeper).
-    #[cfg(not(feature = "small"))]
     pub(crate) fn are_surely_few(call: &ThreadCall) -> bool {
         let limit = magnitude(call.height.value - call.allowance.value);
         limit <= magnitude(call.first_depth.value).saturating_mul(99)
@@ -199,7 +198,6 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
 }
 
 /// A 256-bit product: (high, low). The factors here are below 2⁸⁶.
-#[cfg_attr(feature = "small", inline(never))]
 const fn long_product(a: u128, b: u128) -> (u128, u128) {
     let (a1, a0) = ((a >> 64) as u64, a as u64);
     let (b1, b0) = ((b >> 64) as u64, b as u64);

@@ -58,7 +58,6 @@ impl GrooveMoves {
     }
 
     /// The moves of a call that [can be](refuse_groove).
-    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn of(call: &GrooveCall, span: Span) -> Self {
         let infeed = (call.end_x.value - call.start.x).signum();
         let across = (call.end_z.value - call.start.z).signum();
@@ -108,7 +107,6 @@ impl GrooveMoves {
     }
 
     /// Moves to (`x`, `z`) as a rapid, unless the tool is there.
-    #[cfg_attr(feature = "small", inline(never))]
     fn rapid(&mut self, x: Length, z: Length, stage: Stage) -> bool {
         if x == self.made.to.x && z == self.made.to.z {
             return false;
@@ -118,7 +116,6 @@ impl GrooveMoves {
     }
 
     /// The last move is this one now; its kind is in it.
-    #[cfg_attr(feature = "small", inline(never))]
     fn go(&mut self, x: Length, z: Length, stage: Stage, peck: u32) -> bool {
         self.made.to.x = x;
         self.made.to.z = z;
@@ -132,7 +129,6 @@ impl GrooveMoves {
     }
 
     /// The next move, where it lies: [`Iterator::next`] without the copy.
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn advance(&mut self) -> Option<&Move> {
         loop {
             let level = self.call.start.x;
@@ -201,7 +197,6 @@ impl Iterator for GrooveMoves {
 impl core::iter::FusedIterator for GrooveMoves {}
 
 /// `value`, or `bound` where going in `direction` (not zero, or `value` is the bound) has passed it.
-#[cfg_attr(feature = "small", inline(never))]
 pub(super) fn clip(value: Length, bound: Length, direction: Length) -> Length {
     if direction < Length::ZERO {
         value.max(bound)

@@ -92,8 +92,7 @@ struct Leave {
 
 impl Shape {
     /// The shape of a cycle that [can be](super::refuse::refuse_thread).
-    #[cfg_attr(feature = "small", inline(never))]
-    #[cfg_attr(not(feature = "small"), inline)]
+    #[inline]
     pub(crate) fn of(call: &ThreadCall) -> Self {
         let (x, z) = (call.end_x.value, call.start.z);
         let stroke = call.end_z.value - z;
@@ -125,8 +124,7 @@ impl Shape {
     }
 
     /// A point in machine coordinates.
-    #[cfg_attr(feature = "small", inline(never))]
-    #[cfg_attr(not(feature = "small"), inline)]
+    #[inline]
     pub(crate) fn place(&self, at: &Point) -> Place {
         // Saturates nowhere: coordinates are far inside the integer's range, and this is the innermost arithmetic of the
         // cycles.
@@ -160,8 +158,7 @@ impl Shape {
     }
 
     /// The corners of a pass.
-    #[cfg_attr(feature = "small", inline(never))]
-    #[cfg_attr(not(feature = "small"), inline)]
+    #[inline]
     pub(crate) fn corners(&self, pass: &Pass) -> Corners {
         let depth = pass.depth.nm();
         let u = self.shifted(pass);
@@ -279,7 +276,6 @@ impl Shape {
     }
 
     /// Refuses the pass where it starts at or beyond D, or has no stroke between run-in and run-out.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn check_pass(&self, pass: u32, corners: &Corners, span: Span) -> Result<(), Alarm> {
         let pass_number = Arg::Int(i64::from(pass));
         let length = |nm| Arg::Length(Length::from_nm(nm));
@@ -314,7 +310,6 @@ impl Shape {
 
     /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, two nanometres
     /// to spare for rounding. False decides nothing.
-    #[cfg(not(feature = "small"))]
     pub(crate) fn is_surely_long_enough(&self) -> bool {
         let most = match self.cut_in {
             CutIn::Centre => 0,
@@ -340,7 +335,6 @@ impl Shape {
     }
 
     /// Way on the long axis from the pass's start to D.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn stroke(&self, corners: &Corners) -> Length {
         let way = if self.long_x {
             let out = self.run_out.as_ref().map_or(0, |out| out.out);
@@ -360,7 +354,6 @@ pub(crate) fn is_long_x(call: &ThreadCall) -> bool {
 
 impl Leave {
     /// The run-out's figures, for a thread that leans `lean` towards A over its travel.
-    #[cfg_attr(feature = "small", inline(never))]
     fn new(run_out: &RunOut, lean: i64, travel: u64, long_x: bool) -> Self {
         let (short, long) = (run_out.short.value, run_out.long.value);
         let j = run_out.short_rest.behind(short);

@@ -18,7 +18,6 @@ pub(crate) const FINE_BITS: u32 = 80;
 pub(crate) type Fine = u128;
 
 /// What a slope makes of a way.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn after(way: u64, slope: Fine) -> Fine {
     (way as Fine).wrapping_mul(slope)
 }

@@ -66,7 +66,6 @@ impl TapMoves {
     }
 
     /// The moves of a call that [can be](refuse_tap), with this spindle and the tap turning this way.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn of(call: &TapCall, hand: Hand, spindle: TapSpindle, span: Span) -> Self {
         let level = call.level.value;
         let way = call.bottom.value - level;
@@ -137,7 +136,6 @@ impl TapMoves {
     }
 
     /// The last move is this one now; its kind and its end are in it.
-    #[cfg_attr(feature = "small", inline(never))]
     fn make(&mut self, stage: Stage, peck: u32) -> bool {
         if let Some(tag) = &mut self.made.tag {
             tag.pass = u32::from(self.hole);
@@ -159,7 +157,6 @@ impl TapMoves {
     }
 
     /// A stroke to `depth` below R at a spindle speed, unless the tap is there.
-    #[cfg_attr(feature = "small", inline(never))]
     fn stroke(&mut self, depth: Length, speed: CentiRpm, stage: Stage) -> bool {
         let travel = depth - self.depth;
         if travel == Length::ZERO {
@@ -256,7 +253,6 @@ impl TapMoves {
     }
 
     /// The next move, where it lies: [`Iterator::next`] without the copy.
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn advance(&mut self) -> Option<&Move> {
         loop {
             let made = match self.next {

@@ -53,7 +53,6 @@ impl Taper {
 }
 
 /// `value` with the sign of `sign` (±1).
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn flip(value: i64, sign: i64) -> i64 {
     value.wrapping_mul(sign)
 }
@@ -66,7 +65,6 @@ pub(crate) fn scaled(a: u64, b: u64, c: u64) -> Length {
 }
 
 /// `above/below` to the nearest nanometre, halves away from zero; `above` counts 2⁻¹⁵ nm.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) fn quotient(above: i128, below: u64) -> i64 {
     // Two lengths of 2⁴³ nm and a remainder's bits: far below 2¹²⁷.
     let size = narrow_div(above.unsigned_abs(), below);

@@ -99,9 +99,7 @@ impl ThreadMoves {
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
         heed!(refuse_thread(call, span));
         let moves = Self::of(call, span);
-        // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at. A small
-        // image does without this short cut.
-        #[cfg(not(feature = "small"))]
+        // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at.
         if moves.shape.is_surely_long_enough() && Depths::are_surely_few(call) {
             return Ok(moves);
         }
@@ -110,7 +108,6 @@ impl ThreadMoves {
     }
 
     /// What `call` amounts to; refused as in [`ThreadMoves::new`].
-    #[cfg_attr(feature = "small", inline(never))]
     pub(crate) fn survey(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
         heed!(refuse_thread(call, span));
         Self::of(call, span).examine(span)
@@ -132,8 +129,7 @@ impl ThreadMoves {
     }
 
     /// The moves of a call that [`refuse_thread`] has let pass; [`ThreadMoves::examine`] tells whether its passes can be.
-    #[cfg_attr(feature = "small", inline(never))]
-    #[cfg_attr(not(feature = "small"), inline)]
+    #[inline]
     pub(crate) fn of(call: &ThreadCall, span: Span) -> Self {
         let shape = Shape::of(call);
         let tag = Tag {
@@ -423,7 +419,7 @@ impl Iterator for Passes {
     }
 }
 
-#[cfg(all(test, not(feature = "small")))]
+#[cfg(test)]
 #[allow(
     clippy::arithmetic_side_effects,
     clippy::indexing_slicing,

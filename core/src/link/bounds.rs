@@ -58,7 +58,6 @@ enum From {
 ///
 /// # Errors
 /// The first thing that no program can say.
-#[cfg_attr(feature = "small", inline(never))]
 pub fn call(call: &Call) -> Result<(), Beyond> {
     position(&call.origin)?;
     match &call.kind {
@@ -153,7 +152,6 @@ fn position(position: &Position) -> Result<(), Beyond> {
     lengths(From::Anywhere, &[&position.x, &position.z, &turned])
 }
 
-#[cfg_attr(feature = "small", inline(never))]
 fn lengths(from: From, lengths: &[&Length]) -> Result<(), Beyond> {
     let (least, beyond) = match from {
         From::Anywhere => (Length::INPUT_LIMIT.nm().wrapping_neg(), Beyond::Position),

@@ -62,7 +62,6 @@ impl Arrival {
 
     /// Counts the ticks for which a spindle does not turn as it must, each trouble with its patience: so many parts of a
     /// second. The trouble where it has lasted longer.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn count_astray(
         &self,
         astray: &mut u32,
@@ -139,8 +138,6 @@ enum Active {
 }
 
 /// The one long-lived executor of a machine.
-// In the chip's image in this order [D158].
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug)]
 pub struct Executor {
     active: Active,
@@ -236,7 +233,6 @@ impl Executor {
 
     /// The last setpoint.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn position(&self) -> Position {
         self.position
     }
@@ -452,7 +448,6 @@ impl Executor {
     }
 
     /// Says what a setpoint is.
-    #[cfg_attr(feature = "small", inline(never))]
     fn tell(&self, setpoint: &mut Setpoint, motion: Motion) {
         setpoint.motion = motion;
         setpoint.number = self.number;
@@ -460,7 +455,6 @@ impl Executor {
     }
 
     /// A tick of a tap.
-    #[cfg_attr(feature = "small", inline(never))]
     fn tap_on(&mut self, now: &Conditions<'_>, tap: &Tap, setpoint: &mut Setpoint) {
         let Active::Tap(run) = &mut self.active else {
             return;
@@ -483,7 +477,6 @@ impl Executor {
     }
 
     /// A tick of a move that time drives.
-    #[cfg_attr(feature = "small", inline(never))]
     fn move_on(&mut self, now: &Conditions<'_>, timed: &Timed, setpoint: &mut Setpoint) {
         let hold = now.hold && !self.stops.hold_not_inside;
         let rate = if hold {

@@ -117,9 +117,7 @@ pub struct Progress {
 }
 
 /// The one long-lived profile of a machine: about 8 KiB, most of it the ring of past inputs.
-// In the chip's image in this order: the ring last [D158].
 #[derive(Clone, Debug)]
-#[cfg_attr(feature = "small", repr(C))]
 pub struct Profile {
     /// R: what has not been put in yet, in 1/256 nm.
     left: u64,

@@ -100,7 +100,6 @@ impl Rate {
 
     /// `speed` times this factor, saturating.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn of(self, speed: PathRate) -> PathRate {
         let scaled = (self.0 as u64).wrapping_mul(speed.0 as u64) >> 16;
         PathRate(if scaled > u32::MAX as u64 {

@@ -21,8 +21,6 @@ pub struct Step {
 
 /// Time-driven motion in the tick. Long-lived: holds the profile and what has become of the motion under way. The motion
 /// itself stays where it is and is handed in, the same one until it is done.
-// In the chip's image in this order [D158].
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// A motion is under way; one is joined to it.

@@ -289,7 +289,6 @@ impl<Report: FnMut(Alarm), const ALL: bool> Reasons<Report, ALL> {
         }
     }
 
-    #[cfg_attr(feature = "small", inline(never))]
     fn put(&mut self, code: Code, figures: &[Arg]) {
         (self.0)(Alarm::of(code, figures));
     }
@@ -313,7 +312,6 @@ fn speed(rpm: u32) -> Arg {
 }
 
 /// `n / d` rounded up, of a positive `d`.
-#[cfg_attr(feature = "small", inline(never))]
 fn ceil(n: i64, d: i64) -> i64 {
     let up = n.wrapping_add(d.wrapping_sub(1)) as u64;
     up.checked_div(d as u64)

@@ -299,7 +299,6 @@ pub enum TapAxis {
 impl TapAxis {
     /// The coordinate of this axis.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn of(self, position: Position) -> Length {
         match self {
             Self::X => position.x,

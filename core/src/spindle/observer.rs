@@ -287,7 +287,6 @@ impl Observer {
 
     /// The speed at the last sample.
     #[must_use]
-    #[cfg_attr(feature = "small", inline(never))]
     pub const fn speed(&self) -> TurnRate {
         // 2⁻³² turns per tick times 2⁻¹⁶ ticks per second.
         let per_tick = self.speed >> 16;

@@ -3,7 +3,6 @@
 use super::wide::narrow_div;
 
 /// √`square`, of 64 bits: for the tick, with nothing dearer than a division of 32 bits, which a Cortex-M4 has.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) fn root(square: u64) -> u64 {
     if square == 0 {
         return 0;

@@ -1,52 +1,41 @@
 //! 64-bit arithmetic that saturates, each operation written once.
-//!
-//! On a 32-bit processor each of them is a dozen instructions or more. Where time counts the compiler puts them in place;
-//! an image that has to be small has them here once (feature `small`) [D143].
 
 /// a + b.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn sum(a: i64, b: i64) -> i64 {
     a.saturating_add(b)
 }
 
 /// a − b.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn difference(a: i64, b: i64) -> i64 {
     a.saturating_sub(b)
 }
 
 /// a · b.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn times(a: i64, b: i64) -> i64 {
     a.saturating_mul(b)
 }
 
 /// −a.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn negative(a: i64) -> i64 {
     a.saturating_neg()
 }
 
 /// |a|.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn magnitude(a: i64) -> i64 {
     a.saturating_abs()
 }
 
 /// |a|.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn size(a: i64) -> u64 {
     a.unsigned_abs()
 }
 
 /// a · b, without signs.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn multiple(a: u64, b: u64) -> u64 {
     a.saturating_mul(b)
 }
 
 /// a, as one with a sign.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn signed(a: u64) -> i64 {
     if a > i64::MAX as u64 {
         i64::MAX
@@ -56,7 +45,6 @@ pub(crate) const fn signed(a: u64) -> i64 {
 }
 
 /// −1, 0 or +1.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn sign(a: i64) -> i64 {
     a.signum()
 }

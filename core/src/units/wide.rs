@@ -7,19 +7,16 @@
 ///
 /// A 32-bit processor needs four multiplications for it and no library call.
 #[must_use]
-#[cfg_attr(feature = "small", inline(never))]
 pub const fn mul_high(a: u64, b: u64) -> u64 {
     ((a as u128).wrapping_mul(b as u128) >> 64) as u64
 }
 
 /// `a · b`, exact.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn product(a: u64, b: u64) -> u128 {
     (a as u128).wrapping_mul(b as u128)
 }
 
 /// `a · b`, exact.
-#[cfg_attr(feature = "small", inline(never))]
 pub(crate) const fn signed_product(a: i64, b: i64) -> i128 {
     (a as i128).wrapping_mul(b as i128)
 }

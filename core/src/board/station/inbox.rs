@@ -31,7 +31,6 @@ enum Phase {
 }
 
 /// The memory for programs on their way through.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Inbox {
     phase: Phase,
@@ -104,7 +103,6 @@ impl Inbox {
 
     /// Takes a batch, all of it or nothing. What has come before is not taken twice. `ready`: the machine takes calls;
     /// `at_rest`: no program is under way.
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn take(&mut self, bytes: &[u8], ready: bool, at_rest: bool) -> Result<(), Abort> {
         let batch = Batch::new(bytes).map_err(abort)?;
         let begins = batch.first == 0 && (batch.program != self.program || self.next == 0);

@@ -113,7 +113,6 @@ impl Keeper {
     }
 
     /// A change is refused, for this reason. One that is under way is not touched.
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn refuse(&mut self, reason: &Alarm) {
         if !self.is_busy() {
             self.state = CommitState::Refused;

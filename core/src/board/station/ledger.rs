@@ -8,8 +8,6 @@ use crate::bus::{BoardState, Periods};
 use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
 
 /// What has been written down: since the program was started, and of its threads.
-// What is large last, as everywhere on this way.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Ledger {
     program: u32,

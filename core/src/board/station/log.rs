@@ -11,7 +11,6 @@ const LOG_BYTES: usize = 1024;
 const ENTRY_BYTES: usize = 128;
 
 /// The event log.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Log {
     /// Entries in the ring.

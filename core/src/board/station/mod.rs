@@ -76,8 +76,6 @@ const PATIENCE_MS: u32 = 1000;
 const DRIVES: u32 = 4;
 
 /// A board's side of the bus, but for its drives.
-// What is large last, as everywhere on this way.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Station {
     nmt: NmtSlave,

@@ -3,7 +3,6 @@
 use crate::board::store::copy;
 
 /// A ring of at most `N` bytes.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Clone, Debug)]
 pub struct Ring<const N: usize> {
     /// Place of the oldest byte.

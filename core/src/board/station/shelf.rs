@@ -36,8 +36,6 @@ const COMMANDS: usize = 8;
 const AS_IT_IS: u8 = 255;
 
 /// The values behind the objects.
-// In this order, what is large last: what lies within a short way of the beginning takes a shorter instruction.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Shelf {
     pub node: NodeId,

@@ -28,8 +28,6 @@ const _: () = assert!(
 );
 
 /// The last threads.
-// What is large last, as everywhere on this way.
-#[cfg_attr(feature = "small", repr(C))]
 #[derive(Debug)]
 pub struct Threads {
     /// The cut of the newest; `None` where no more of it can come. Cuts are counted round, and not every one is kept here.

@@ -69,7 +69,6 @@ impl Ticker {
     }
 
     /// Asks for a way to be planned; what is left of the one before is dropped.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn route(&mut self, via: [Option<Position>; 2]) {
         self.route_epoch = self.route_epoch.next();
         self.notice = Some(Notice::Route(Route {

@@ -162,7 +162,6 @@ impl Ticker {
     }
 
     /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_, '_>) {
         match self.mode {
             Mode::Stopping(then) => {

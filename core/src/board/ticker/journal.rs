@@ -186,7 +186,6 @@ impl Ticker {
         true
     }
 
-    #[cfg_attr(feature = "small", inline(never))]
     fn stand(&self) -> Stand {
         Stand {
             position: self.executor.position(),

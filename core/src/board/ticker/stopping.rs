@@ -129,7 +129,6 @@ impl Ticker {
     }
 
     /// What is queued, and what the background still plans until it has heard of this, is dropped.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn restart(&mut self, position: Position) {
         self.epoch = self.epoch.next();
         self.waited = 0;

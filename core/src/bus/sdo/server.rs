@@ -183,7 +183,6 @@ impl SdoServer {
 
     /// Takes a frame from the bus and gives the answer to send. Frames that are not for this server, and frames of
     /// another length than eight, do nothing.
-    #[cfg_attr(feature = "small", inline(never))]
     pub fn receive<O: Objects + ?Sized>(
         &mut self,
         frame: &Frame,
@@ -325,7 +324,6 @@ impl SdoServer {
     }
 
     /// Ends what is going on; a write that was begun is abandoned.
-    #[cfg_attr(feature = "small", inline(never))]
     fn close<O: Objects + ?Sized>(&mut self, objects: &mut O) {
         if self.state.is_write() {
             objects.abandon(self.object);

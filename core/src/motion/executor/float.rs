@@ -27,7 +27,6 @@ impl Executor {
     }
 
     /// A tick of an ordinary tap.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn float_on(
         &mut self,
         now: &Conditions<'_>,

@@ -22,7 +22,6 @@ pub(super) struct Waited {
 impl Executor {
     /// A tick of the wait. The pass begins when the spindle turns as commanded, its index is known and the retract is
     /// queued.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn wait(
         &mut self,
         now: &Conditions<'_>,
@@ -88,7 +87,6 @@ impl Executor {
     }
 
     /// A tick of the pass.
-    #[cfg_attr(feature = "small", inline(never))]
     pub(super) fn cut_on(
         &mut self,
         now: &Conditions<'_>,

@@ -101,7 +101,6 @@ impl Turner {
     }
 
     /// v² / 2g, the last step of a tick counted as it is: (v + g/2)² = 2·g·left + (g/2)².
-    #[cfg_attr(feature = "small", inline(never))]
     fn square(&self, left: i64) -> u64 {
         let half = self.gentle >> 1;
         (self.gentle << 1)
