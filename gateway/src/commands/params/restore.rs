@@ -6,6 +6,7 @@ use super::home::Home;
 use super::push::{self, Done};
 use crate::cli::{Global, Restore};
 use crate::failure::{Failure, Outcome};
+use crate::interrupt::{self, UnderWay};
 use crate::params::difference::changes;
 use crate::words::both;
 
@@ -33,6 +34,8 @@ pub fn run(global: &Global, args: &Restore) -> Outcome {
             "最后一份完好的参数集标识为 {identity:08x}"
         ));
     } else {
+        // From here on the board changes and stores its set: an interruption waits until its answer has been told.
+        interrupt::defer(UnderWay::Machine);
         link.attend()?;
         if let Some(password) = args.password {
             link.open_parameters(password)?;
