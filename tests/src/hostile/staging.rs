@@ -115,6 +115,8 @@ struct Bus {
     sent: [Option<Params>; 2],
     /// The last of them, where nobody has done anything since.
     undisturbed: Option<Params>,
+    /// It has been committed: what is left is the repetition of that.
+    committed: bool,
 }
 
 impl Bus {
@@ -130,6 +132,7 @@ impl Bus {
             history: Vec::new(),
             sent: [None, None],
             undisturbed: None,
+            committed: false,
         };
         bus.ready();
         let first = set(0);
@@ -203,6 +206,7 @@ impl Bus {
         let staged = self.write(STAGED, &image(&wanted));
         self.is_in_force();
         self.undisturbed = staged.is_ok().then(|| wanted.clone());
+        self.committed = false;
         self.sent[client] = Some(wanted);
     }
 
@@ -211,6 +215,7 @@ impl Bus {
         let committed = self.write(COMMIT, &checksum.to_le_bytes());
         if self.undisturbed.as_ref() == Some(wanted) {
             assert_eq!(committed, Ok(()), "nobody has disturbed it");
+            self.committed = true;
         }
         // What repeats the last one takes nothing from whoever has staged since.
         let changes = taken(wanted, &self.force) != self.force;
@@ -247,7 +252,8 @@ impl Bus {
                 let number = identity(&self.force) ^ u32::from(choice & 1) << (more & 31);
                 let outcome = self.write(COMMIT, &number.to_le_bytes());
                 assert!(outcome.is_err() || choice & 1 == 0);
-                if outcome.is_err() {
+                // The board knows the last commit again, and no other.
+                if outcome.is_err() || self.committed {
                     self.undisturbed = None;
                 }
                 let same = self.force.clone();

@@ -36,6 +36,8 @@ const ANSWER_TICKS: u64 = 2_000;
 const REPEAT_TICKS: u64 = 20;
 /// Heartbeats of the gateway, in ticks.
 const BEAT_TICKS: u64 = 100;
+/// So many that the wire loses one after the other may be a silence to the board.
+const SILENT_BEATS: u32 = 4;
 /// Rows come so many ticks late at most.
 const LATE_ROWS: u64 = 200;
 /// The gateway's own node.
@@ -151,6 +153,8 @@ pub struct Bench {
     pub now: u64,
     /// The gateway says that it is alive.
     pub beats: bool,
+    /// Those that the wire has lost, one after the other.
+    lost_beats: u32,
     /// Axes whose place is not what their drives say: a tap was in its hole when the power went.
     pub assumed: [bool; 3],
     pending: Option<Pending>,
@@ -183,6 +187,7 @@ impl Bench {
             end: None,
             now: 0,
             beats: false,
+            lost_beats: 0,
             assumed: [false; 3],
             pending: None,
             inbox: Deque::new(),
@@ -334,7 +339,11 @@ impl Bench {
             && self.now.is_multiple_of(BEAT_TICKS)
             && let Some(gateway) = NodeId::new(GATEWAY)
         {
-            self.send(NmtState::Operational.frame(gateway));
+            let arrived = self.send(NmtState::Operational.frame(gateway));
+            self.lost_beats = if arrived { 0 } else { self.lost_beats + 1 };
+            if self.lost_beats >= SILENT_BEATS {
+                self.operator.cause(&[Code::GatewayLost]);
+            }
         }
         if self.now > self.heard + 200
             && self.now.is_multiple_of(50)
