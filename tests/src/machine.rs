@@ -11,7 +11,7 @@ use leadscrew_core::program::{self, Call, Events, Options};
 pub const STANDING_TICKS: usize = 20;
 
 /// Ticks after which a run counts as hanging.
-const LONGEST: u64 = 1_000_000;
+const LONGEST: u64 = 4_000_000;
 
 /// What running a program gave.
 #[derive(Debug, Default)]
