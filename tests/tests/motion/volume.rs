@@ -159,7 +159,8 @@ fn random_arc(
         (radius * angle.cos()).round(),
     );
     let turn = (length as f64 / radius).min(TAU) * if random.one_in(2) { 1.0 } else { -1.0 };
-    let off = random.below((radius / 5.0).min(9_000.0) as i64 + 1) as f64;
+    // Rounding adds a nanometre and a half, and a quarter of the radius is the most.
+    let off = random.below((radius / 5.0 - 1.5).clamp(0.0, 9_000.0) as i64 + 1) as f64;
     let (x, z) = (
         i - (radius + off) * (angle + turn).sin(),
         k - (radius + off) * (angle + turn).cos(),
