@@ -49,6 +49,17 @@ fn random_holes() {
                     r.within(1, 100) as u32
                 },
             };
+            // Minutes of the machine's time, not hours: a deep peck goes the whole way back each time.
+            let pecks = if infeed == 0 {
+                1
+            } else {
+                depth_um / infeed + 1
+            };
+            let ways = if deep == 1 { 2 * pecks } else { 6 };
+            let turns = ways * (depth_um + hole.approach) / hole.lead;
+            if turns > 10 * i64::from(hole.rpm.abs()) {
+                continue;
+            }
             let feasible = calls(&hole.program(), &params)
                 .iter()
                 .all(|call| match &call.kind {
