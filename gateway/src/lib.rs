@@ -30,7 +30,7 @@ pub mod tapping;
 pub mod threads;
 pub mod trace;
 
-// Under their old names, for the whole crate: a word of both languages is `words::both!` here and there.
+// Named once for the whole crate: `crate::words` here is `leadscrew_common::words`.
 use leadscrew_common::{
     diagnostics, failure, interrupt, json, number, output, params, program, replace, source, state,
     values, words,

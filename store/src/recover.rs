@@ -35,6 +35,17 @@ enum Page {
     Cut,
 }
 
+/// Which page is in use, where every cut erase has been ended.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Use {
+    /// The one that begins here.
+    Page(u32),
+    /// None.
+    None,
+    /// None, and all of them look closed.
+    AllClosed,
+}
+
 /// Which keys have a value on a page.
 type Keys = [bool; 1 << u8::BITS];
 
@@ -44,38 +55,40 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// [`StoreError::Device`].
     pub fn recover(&mut self) -> Result<(), StoreError> {
-        self.end_erases()?;
-        let mut all_closed = true;
-        for page in self.pages() {
-            let state = self.state(page)?;
-            all_closed &= state == Page::Closed;
-            let next = self.after(page);
-            if state == Page::Writing && self.state(next)? == Page::Closed {
-                return self.end_move(next, page);
+        match self.end_erases()? {
+            Use::Page(target) => {
+                let source = self.after(target);
+                if self.state(source)? == Page::Closed {
+                    self.end_move(source, target)?;
+                }
+                Ok(())
             }
+            Use::AllClosed => self.open_a_target(),
+            Use::None => Ok(()),
         }
-        if all_closed {
-            self.open_a_target()?;
-        }
-        Ok(())
     }
 
-    /// Erases again each page that a cut erase has left.
-    fn end_erases(&mut self) -> Result<(), StoreError> {
-        let mut writing = None;
+    /// Erases again each page that a cut erase has left. Gives which page is in use then.
+    fn end_erases(&mut self) -> Result<Use, StoreError> {
+        let mut found = Use::AllClosed;
         for page in self.pages() {
-            match self.state(page)? {
-                Page::Erased | Page::Closed => {}
-                Page::Cut => self.erase(page)?,
-                Page::Writing => match writing {
-                    None => writing = Some(page),
-                    // Of two pages in use, the later one was being erased: its values are on the one before.
-                    Some(first) if self.after(page) == first => self.erase(first)?,
-                    Some(_) => self.erase(page)?,
-                },
+            match (self.state(page)?, found) {
+                (Page::Closed, _) => continue,
+                (Page::Cut, _) => self.erase(page)?,
+                // Of two pages in use, the later one was being erased: its values are on the one before.
+                (Page::Writing, Use::Page(first)) if self.after(page) == first => {
+                    self.erase(first)?;
+                    found = Use::Page(page);
+                }
+                (Page::Writing, Use::Page(_)) => self.erase(page)?,
+                (Page::Writing, _) => found = Use::Page(page),
+                (Page::Erased, _) => {}
+            }
+            if found == Use::AllClosed {
+                found = Use::None;
             }
         }
-        Ok(())
+        Ok(found)
     }
 
     /// Erases the source where all of it that counts is on other pages, else the target. The source of a target that

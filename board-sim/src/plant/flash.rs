@@ -305,25 +305,24 @@ impl Flash {
         let turn = self.written as usize / Self::WORD;
         let got = self.spend(Self::PAGE);
         let Tear { unreadable, order } = self.tear;
-        for nth in 0..Self::PAGE_WORDS {
-            let erased = got.saturating_sub(nth.wrapping_mul(Self::WORD));
-            let torn = erased > 0 && erased < Self::WORD;
-            if erased == 0 {
-                break;
-            }
+        for nth in 0..got.div_ceil(Self::WORD) {
+            // Of the last word perhaps a part.
+            let erased = got
+                .wrapping_sub(nth.wrapping_mul(Self::WORD))
+                .min(Self::WORD);
             let word = order.word(nth, turn);
             let from = at.wrapping_add(word.wrapping_mul(Self::WORD));
-            let bytes = self.bytes.iter_mut().skip(from).take(Self::WORD);
-            // Of a torn word the erase reaches the end first where it comes from the end.
+            // Where it comes from the end, that of the word is reached first.
             let kept = if order == Order::Falling {
-                Self::WORD.saturating_sub(erased)
+                Self::WORD.wrapping_sub(erased)
             } else {
                 0
             };
-            for byte in bytes.skip(kept).take(erased.min(Self::WORD)) {
+            let first = from.wrapping_add(kept);
+            for byte in self.bytes.iter_mut().skip(first).take(erased) {
                 *byte = 0xFF;
             }
-            self.mark(from / Self::WORD, torn && unreadable);
+            self.mark(from / Self::WORD, unreadable && erased < Self::WORD);
         }
         if got < Self::PAGE {
             return Err(FlashError::NoPower);

@@ -60,10 +60,10 @@ pub fn of_run() -> (u64, Source) {
     static SEED: OnceLock<(u64, Source)> = OnceLock::new();
     *SEED.get_or_init(|| match std::env::var(VARIABLE) {
         Ok(given) => (read(&given), Source::Given),
-        Err(_) if HELD.is_some() => (HELD.unwrap_or(NO_COMMIT), Source::Held),
-        Err(_) => match commit().as_deref().and_then(of_hash) {
-            Some(seed) => (seed, Source::Commit),
-            None => (NO_COMMIT, Source::Fixed),
+        Err(_) => match (HELD, commit().as_deref().and_then(of_hash)) {
+            (Some(seed), _) => (seed, Source::Held),
+            (None, Some(seed)) => (seed, Source::Commit),
+            (None, None) => (NO_COMMIT, Source::Fixed),
         },
     })
 }
