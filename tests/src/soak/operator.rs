@@ -5,7 +5,7 @@ use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::bus::{BoardCommand, CobId, Frame, NmtCommand, Object, Order, Service};
 use leadscrew_core::units::Axis;
 
-use super::bench::Bench;
+use super::bench::{Bench, End};
 use super::script::Luck;
 use super::trouble::{OF_BUS, OF_DRIVES, break_something, mend_wire};
 use crate::gateway::NODE;
@@ -272,6 +272,10 @@ fn network(bench: &mut Bench) {
     let arrived = bench.send(command.frame(Some(NODE)));
     // One that is lost begins nothing anew: the next boot-up may be that of a reset of the communication alone.
     bench.operator.resets_node |= arrived && command == NmtCommand::ResetNode;
+    if arrived && command == NmtCommand::Stop && !bench.sim.board().ticker().in_program() {
+        // What has come of a program that had not begun is forgotten without an alarm.
+        bench.end.get_or_insert(End::Reset);
+    }
 }
 
 #[cfg(test)]

@@ -17,8 +17,8 @@ use crate::random::{self, Random};
 
 /// Sets a shift's draws apart from whatever else is drawn from the same seed.
 const OF_A_SHIFT: u64 = 0x50AC_50AC;
-/// A shift that is played is over long before; one that is not would never be.
-const MOST_TICKS: u64 = 1_000_000;
+/// A shift that is played is over before, also where its last job takes the longest; one that is not would never be.
+const MOST_TICKS: u64 = 2 * super::shift::LONGEST;
 /// Lines ahead of a thread's own that it is made of.
 const OF_A_THREAD: u32 = 3;
 

@@ -276,3 +276,32 @@ fn without_a_network_nothing_is_said() {
     }
     assert_eq!(sim.transmit(), None);
 }
+
+#[test]
+fn a_node_that_is_stopped_just_after_run_begins_nothing() {
+    let params = Params::slant_bed();
+    for command in [NmtCommand::Stop, NmtCommand::ResetNode] {
+        for (settles, ticks) in [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (0, 2)] {
+            let mut sim = machine(&params, &PlantOptions::default());
+            let mut gateway = Gateway::connect(&mut sim);
+            Upload::new(1, &calls(PROGRAM, &params)).feed(&mut gateway, &mut sim);
+            gateway.order(&mut sim, Order::Run);
+            for _ in 0..settles {
+                sim.settle();
+            }
+            steps(&mut sim, &mut gateway, ticks);
+            sim.receive(&command.frame(Some(NODE)));
+            let events = steps(&mut sim, &mut gateway, 3000);
+            let begun = |event: &Event| matches!(event, Event::Started { .. });
+            assert!(!events.iter().any(begun), "{command:?}: {events:?}");
+            // Only where both came at once there was nothing yet that could be stopped.
+            let alarm = |event: &Event| matches!(event, Event::Alarm(alarm) if alarm.code == Code::NetworkStop);
+            let at_once = (settles, ticks) == (0, 0);
+            assert_eq!(
+                events.iter().any(alarm),
+                !at_once,
+                "{command:?}: {events:?}"
+            );
+        }
+    }
+}
