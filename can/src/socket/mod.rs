@@ -17,10 +17,11 @@ use leadscrew_core::bus::{self, Frame};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::socket::{
-    ControlMessageOwned, MsgFlags, MultiHeaders, recvmmsg, sendmmsg, setsockopt, sockopt,
+    AddressFamily, ControlMessageOwned, MsgFlags, MultiHeaders, SockFlag, SockProtocol, SockType,
+    recvmmsg, sendmmsg, setsockopt, socket, sockopt,
 };
 use nix::sys::time::TimeSpec;
-use socketcan::{CanFdSocket, Socket as _, SocketOptions as _};
+use socketcan::{CanAddr, CanFdSocket, CanSocket, Socket as _, SocketOptions as _};
 
 use crate::{Can, CanError, Filter, Received, Stamp};
 
@@ -61,18 +62,25 @@ impl SocketCan {
     /// There is no such interface, it is none of CAN, or it is down.
     pub fn open(name: &str) -> Result<Self, CanError> {
         interface::check(name)?;
-        let socket = CanFdSocket::open(name).map_err(|error| match error.raw_os_error() {
-            Some(code) => failure(name, "open", Errno::from_raw(code)),
-            None => CanError::System {
-                name: name.into(),
-                doing: "open",
-                error,
-            },
-        })?;
-        let can = Self::new(name, socket)?;
+        let unbound = socket(
+            AddressFamily::Can,
+            SockType::Raw,
+            SockFlag::SOCK_CLOEXEC,
+            SockProtocol::CanRaw,
+        )
+        .map_err(|error| failure(name, "open", error))?;
+        let unopened = |error| failed(name, "open", error);
+        let fd = CanFdSocket::try_from(CanSocket::from(unbound)).map_err(unopened)?;
+        let can = Self::new(name, fd)?;
         can.socket
             .set_error_filter_accept_all()
             .map_err(|error| can.failed("ask for the error frames of", error))?;
+        // Last of all: frames come from here on, and a burst needs the whole of the buffer.
+        let address = CanAddr::from_iface(name).map_err(unopened)?;
+        can.socket
+            .as_raw_socket()
+            .bind(&address.into_sock_addr())
+            .map_err(unopened)?;
         Ok(can)
     }
 
@@ -113,14 +121,7 @@ impl SocketCan {
     }
 
     fn failed(&self, doing: &'static str, error: std::io::Error) -> CanError {
-        match error.raw_os_error() {
-            Some(code) => failure(&self.name, doing, Errno::from_raw(code)),
-            None => CanError::System {
-                name: self.name.clone(),
-                doing,
-                error,
-            },
-        }
+        failed(&self.name, doing, error)
     }
 
     /// One system call; nothing where nothing is there, in the time its flags allow.
@@ -291,6 +292,18 @@ impl Can for SocketCan {
 fn stamp(time: TimeSpec) -> Stamp {
     let duration = Duration::from(time);
     Stamp::from_nanos(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX))
+}
+
+/// A complaint of the library as one of ours.
+fn failed(name: &str, doing: &'static str, error: std::io::Error) -> CanError {
+    match error.raw_os_error() {
+        Some(code) => failure(name, doing, Errno::from_raw(code)),
+        None => CanError::System {
+            name: name.to_owned(),
+            doing,
+            error,
+        },
+    }
 }
 
 /// The system's complaint as one of ours.

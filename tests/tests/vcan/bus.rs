@@ -120,15 +120,21 @@ pub fn start(program: &str, args: &[&str]) -> Running {
 }
 
 /// Waits until a condition holds, or fails.
-pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
+#[track_caller]
+pub fn eventually(what: &str, holds: impl FnMut() -> bool) {
+    assert!(holds_in_time(holds), "{what}: not within {PATIENCE:?}");
+}
+
+/// Waits until a condition holds; false where it does not.
+pub fn holds_in_time(mut holds: impl FnMut() -> bool) -> bool {
     let started = std::time::Instant::now();
     while !holds() {
-        assert!(
-            started.elapsed() < PATIENCE,
-            "{what}: not within {PATIENCE:?}"
-        );
+        if started.elapsed() > PATIENCE {
+            return false;
+        }
         std::thread::sleep(Duration::from_millis(20));
     }
+    true
 }
 
 /// Where the test may write; nothing is there yet. Numbers of processes come again

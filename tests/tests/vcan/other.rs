@@ -34,7 +34,10 @@ fn candump_records_what_we_send_and_we_read_its_recording() {
     let frames = stream();
     let before = sockets_on("vcan0");
     let count = frames.len().to_string();
-    let mut candump = start("candump", &["-L", "-n", &count, "-r", "1000000", "vcan0"]);
+    let mut candump = start(
+        "candump",
+        &["-L", "-n", &count, "-T", "60000", "-r", "1000000", "vcan0"],
+    );
     eventually("candump listens", || sockets_on("vcan0") > before);
     open().send(&frames).unwrap();
     let mut text = String::new();
@@ -107,7 +110,10 @@ fn candump_records_the_fd_frames_we_send_and_canplayer_plays_those_we_record() {
     let frames = fd_stream();
     let before = sockets_on("vcan0");
     let count = frames.len().to_string();
-    let mut candump = start("candump", &["-L", "-n", &count, "-r", "1000000", "vcan0"]);
+    let mut candump = start(
+        "candump",
+        &["-L", "-n", &count, "-T", "60000", "-r", "1000000", "vcan0"],
+    );
     eventually("candump listens", || sockets_on("vcan0") > before);
     let mut from = open();
     from.use_fd(5000).unwrap();

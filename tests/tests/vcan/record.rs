@@ -1,14 +1,17 @@
 //! `leadscrew record`: everything that is on the bus is in the file, and trouble is told.
 
 use std::fs::File;
-use std::io::{BufReader, Read as _};
+use std::io::BufReader;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use leadscrew_can::{Can as _, Entry, LogReader, Packet};
 use leadscrew_core::bus::Frame;
 
-use crate::bus::{eventually, frame, open, open_on, ours, scratch, sockets_on, tool};
+use crate::bus::{
+    eventually, frame, holds_in_time, open, open_on, ours, scratch, sockets_on, tool,
+};
+use crate::machine::interrupt;
 
 /// Starts the command and waits until it listens.
 fn record(bus: &str, file: &Path, more: &[&str]) -> Child {
@@ -26,22 +29,18 @@ fn record(bus: &str, file: &Path, more: &[&str]) -> Child {
     child
 }
 
-/// Its exit code, result and words.
+/// Its exit code, result and words. One that waits for frames that do not come is told to end.
 fn end(mut child: Child) -> (Option<i32>, String, String) {
-    let mut said = (String::new(), String::new());
-    child
-        .stdout
-        .take()
-        .unwrap()
-        .read_to_string(&mut said.0)
-        .unwrap();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut said.1)
-        .unwrap();
-    (child.wait().unwrap().code(), said.0, said.1)
+    if !holds_in_time(|| child.try_wait().unwrap().is_some()) {
+        interrupt(&child);
+    }
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
 }
 
 fn entries(path: &Path) -> Vec<Entry> {
