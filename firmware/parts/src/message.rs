@@ -111,7 +111,8 @@ mod tests {
 
     #[test]
     fn a_frame_that_was_received_is_told_without_its_stamp() {
-        // No filter matched (bit 31); what the filter would be (30 to 24) means nothing then. The stamp is in the lower half.
+        // No filter matched (bit 31); what the filter would be (30 to 24) means nothing then. The stamp
+        // is in the lower half.
         let words = [0x0608_0000, 0xFF08_BEEF, 0x4433_2211, 0x8877_6655];
         let bytes = [0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88];
         assert_eq!(received(words), Some(frame(0x182, &bytes)));
