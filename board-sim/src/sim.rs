@@ -14,7 +14,7 @@ pub use row::{Doing, Row, SpindleAngle, TapPoint};
 use heapless::{Deque, Vec};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Board, Command, Event, Outcome, Output, PowerUp, State};
-use leadscrew_core::bus::{FdFrame, Frame, Periods, SyncConsumer, SyncHeard, SyncProducer};
+use leadscrew_core::bus::{FdFrame, Frame, Periods};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::motion::{Motion, Setpoint};
 use leadscrew_core::params::Params;
@@ -33,9 +33,6 @@ const ANSWERS: usize = 24;
 
 /// Answers of the drives to SDO requests that nobody has taken yet.
 const TO_OTHERS: usize = 16;
-
-/// SYNCs that a board and its drives can hear in a tick.
-const SYNCS: usize = 4;
 
 /// Frames that one becomes on its way at most, and those that waited for it.
 const OUT: usize = 8;
@@ -93,29 +90,6 @@ pub struct Sim {
     wire: Line,
     /// On their way to whoever else is on the bus.
     out: Deque<Frame, OUT>,
-    beat: Beat,
-}
-
-/// The beat that a board follows.
-struct Beat {
-    /// Another board gives it, once in every tick; `None` where it is on the wire, or nowhere.
-    other: Option<SyncProducer>,
-    /// The SYNCs of this tick, for board and drives.
-    syncs: Vec<Frame, SYNCS>,
-    /// What the board hears of it.
-    ear: SyncConsumer,
-    heard: SyncHeard,
-}
-
-impl Beat {
-    const fn new() -> Self {
-        Self {
-            other: Some(SyncProducer::new()),
-            syncs: Vec::new(),
-            ear: SyncConsumer::new(),
-            heard: SyncHeard::NONE,
-        }
-    }
 }
 
 impl Sim {
@@ -201,7 +175,6 @@ impl Sim {
             to_others: Deque::new(),
             wire: Line::default(),
             out: Deque::new(),
-            beat: Beat::new(),
         };
         let withheld = sim.start(up.found.alarm())?;
         Ok((sim, withheld))
@@ -212,7 +185,6 @@ impl Sim {
         let mut output = Output::default();
         loop {
             self.advance();
-            self.give_beat();
             self.board.tick(self.sample, &self.answers, &mut output);
             self.exchange(&output.frames, &mut |_, _| {});
             self.tell_together(&output);
@@ -248,17 +220,6 @@ impl Sim {
     /// What the board sends reaches the drives, and they answer.
     fn exchange(&mut self, frames: &[Frame], wire: &mut dyn FnMut(Direction, &Frame)) {
         self.answers.clear();
-        // Of another board: it reaches the drives whatever becomes of this one's frames.
-        for sync in core::mem::take(&mut self.beat.syncs) {
-            wire(Direction::ToBoard, &sync);
-            let (line, answers) = (&mut self.wire, &mut self.answers);
-            self.plant.exchange(&[sync], |frame| {
-                wire(Direction::ToBoard, &frame);
-                line.pass(Way::Statuses, &frame, |frame| {
-                    let _ = answers.push(frame);
-                });
-            });
-        }
         if !self.wire.is_quiet() {
             self.exchange_on_bad_wire(frames, wire);
             return;
@@ -272,22 +233,6 @@ impl Sim {
             // Seven drives with a status, a boot-up and an emergency each: that many fit.
             let _ = answers.push(frame);
         });
-    }
-
-    /// A board that follows hears what there is of a beat before it ticks.
-    fn give_beat(&mut self) {
-        if !self.board.ticker().follows_bus() {
-            return;
-        }
-        if let Some(other) = &mut self.beat.other {
-            // There is nothing else in it.
-            let _ = self.beat.syncs.push(other.next());
-        }
-        for sync in self.beat.syncs.clone() {
-            self.receive(&sync);
-        }
-        let heard = core::mem::replace(&mut self.beat.heard, SyncHeard::NONE);
-        self.board.follow(heard);
     }
 
     /// The frame with all setpoints, where the drives get them so.
@@ -414,7 +359,6 @@ impl Sim {
         }
         let ready = self.release();
         while self.board.background() {}
-        self.give_beat();
         let mut output = Output::default();
         self.board.tick(self.sample, &self.answers, &mut output);
         let setpoint = output.setpoint;

@@ -205,7 +205,7 @@ fn the_manual_comes_in_both_languages() {
     assert_eq!(rows(&english), rows(&chinese));
 }
 
-const LATHE: &str = "# My lathe, as delivered.\nschema = 1\n\n\"1420.X\" = \"12 m/min\"   # was 10\n[acceleration]\nX = \"2 m/s²\"\n\n\
+const LATHE: &str = "# My lathe, as delivered.\nschema = 2\n\n\"1420.X\" = \"12 m/min\"   # was 10\n[acceleration]\nX = \"2 m/s²\"\n\n\
                      [drive.X]\nmax_profile_velocity = 500000\n";
 
 #[test]
@@ -311,19 +311,22 @@ fn a_file_of_another_schema_is_refused_with_both_named() {
     let out = leadscrew(&["params", "validate", "--params", &file]);
     assert_eq!(out.status.code(), Some(1));
     let expected = format!(
-        "alarm[4413]: the file is of schema 9, and this program reads schema 1
+        "alarm[4413]: the file is of schema 9, and this program reads schema 2
  --> {file}:2:10
   |
 2 | schema = 9
   |          ^
   |
-  = help: `leadscrew params migrate FILE` shows what has changed, and with `-o` writes a file of schema 1
+  = help: `leadscrew params migrate FILE` shows what has changed, and with `-o` writes a file of schema 2
 "
     );
     assert_eq!(text(&out.stderr), expected);
     let out = leadscrew(&["params", "migrate", &file]);
     assert_eq!(out.status.code(), Some(1));
-    assert!(text(&out.stderr).contains("schema 9, and this program knows the way to schema 1"));
+    assert!(
+        text(&out.stderr)
+            .contains("schema 9, and this program knows the way to schema 2 from 1 on")
+    );
 }
 
 #[test]
@@ -333,10 +336,10 @@ fn a_file_without_a_schema_gets_one_in_a_file_of_its_own() {
     std::fs::remove_file(&new).unwrap();
     let out = leadscrew(&["params", "migrate", &file, "-o", &new]);
     assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
-    assert_eq!(text(&out.stdout), "schema 1: up to date\n");
+    assert_eq!(text(&out.stdout), "schema 2: up to date\n");
     assert_eq!(
         std::fs::read_to_string(&new).unwrap(),
-        "schema = 1\n# mine\n9007 = \"12 %\"\n"
+        "schema = 2\n# mine\n9007 = \"12 %\"\n"
     );
     assert_eq!(
         std::fs::read_to_string(&file).unwrap(),

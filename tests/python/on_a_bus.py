@@ -2,9 +2,7 @@
 sheet (CANOPEN_EDS), and with a drive of other making. BOARD_SIM is the board's program. `cargo xtask vcan` runs this where
 there is a bus."""
 
-import itertools
 import os
-import queue
 import subprocess
 import sys
 import tempfile
@@ -200,87 +198,6 @@ class BoardTest(OnABus):
         number = int.from_bytes(error.data[:2], "little")
         self.assertTrue(4000 <= number < 5000, number)
         self.assertEqual(self.node.sdo.upload(0x1001, 0), b"\x81")
-
-
-class BeatTest(OnABus):
-    """A board that follows: `canopen` gives the beat."""
-
-    def test_a_program_by_the_beat_of_another_stack(self):
-        # Where the machine powers up, and where the program ends: X 60 and 20 mm of diameter, in increments of 100 nm.
-        start, end = 300_000, 100_000
-        network = canopen.Network()
-        setpoints = [{"can_id": 0x210, "can_mask": 0x7FF}]
-        network.connect(interface="socketcan", channel="vcan0", can_filters=setpoints)
-        self.addCleanup(network.disconnect)
-        told = queue.Queue()
-        network.subscribe(0x210, lambda _, data, __: told.put(bytes(data)))
-        with tempfile.NamedTemporaryFile("w", suffix=".nc") as program:
-            program.write("G98\nG00 X50 Z-2\nG01 X20 Z-12 F3000\nM30\n")
-            program.flush()
-            board = [os.environ["BOARD_SIM"], "--bus", "vcan0", "--lockstep", "--set", "9029=1"]
-            machine = ["--at", "X=60,Z=0", "--program", program.name]
-            self.board = subprocess.Popen(board + machine, stderr=subprocess.PIPE, text=True)
-            self.addCleanup(self.end)
-            self.assertIn("follows the SYNC of another", self.board.stderr.readline())
-            counters = itertools.cycle(range(1, 241))
-            targets, syncs = [], 0
-            deadline = time.time() + 4 * PATIENCE
-            while self.board.poll() is None:
-                self.assertLess(time.time(), deadline, "it does not end")
-                network.sync.transmit(next(counters))
-                syncs += 1
-                try:
-                    # One setpoint for each SYNC; none before the drive is spoken to, and none behind the end.
-                    target = told.get(timeout=0.02 if not targets else 1)
-                    targets.append(int.from_bytes(target[2:6], "little", signed=True))
-                except queue.Empty:
-                    pass
-        self.assertEqual(self.board.returncode, 0)
-
-        # A board that stood still answers several at once.
-        def all_came():
-            while not told.empty():
-                targets.append(int.from_bytes(told.get()[2:6], "little", signed=True))
-            return targets[-1] == end
-
-        self.until(all_came)
-        self.assertLessEqual(len(targets), syncs)
-        steps = [b - a for a, b in zip(targets, targets[1:])]
-        self.assertEqual((targets[0], targets[-1]), (start, end))
-        self.assertLessEqual(max(map(abs, steps)), 2_000)
-        self.assertGreater(max(map(abs, steps)), 100)
-
-    def test_joining_and_losing_a_beat_in_real_time(self):
-        sync = self.network.sync
-        # Nothing steady: the board waits, and says so.
-        self.start_until("follows the SYNC", "--set", "9029=1", "--set", "9000=8000")
-        sdo = self.node.sdo
-        self.until(lambda: self.alarm() == 4380)
-        self.assertEqual((sdo[0x1005].raw, sdo[0x1006].raw), (0x80, 8_000))
-        self.refused(0x0601_0002, lambda: sdo.download(0x1005, 0, b"\x80\0\0\x40"))
-        for _ in range(2):
-            sync.start(0.008)
-            joined = self.joins()
-            sync.stop()
-            # On a computer that is busy no beat is steady for long: then the board says that it has waited in vain.
-            expected = (4379,) if joined else (4379, 4380)
-            self.until(lambda: self.alarm() in expected)
-
-    def alarm(self):
-        return int.from_bytes(self.node.sdo.upload(0x5001, 4), "little")
-
-    def joins(self):
-        """Whether it does: a slow kernel may need more than one go."""
-        deadline = time.time() + PATIENCE
-        while time.time() < deadline:
-            if self.node.sdo.upload(0x5001, 2)[0] == 1:
-                return True
-            alarm = self.alarm()
-            if alarm != 0:
-                self.assertIn(alarm, (4379, 4380))
-                self.node.sdo[0x5000][2].raw = 4
-            time.sleep(0.02)
-        return False
 
 
 class DriveTest(unittest.TestCase):

@@ -26,7 +26,6 @@ Examples:
   board-sim --bus vcan0 --drives elsewhere                  with the axis drives in another process:
   board-sim drives --bus vcan0
   board-sim drives --bus can0 --axes X,C --spindles           beside a real board that has its drive of Z, and no other yet
-  board-sim --bus vcan0 --node 2 --params second.toml       a further board, with 9029 = 1 and drives of its own
   board-sim --bus vcan0 --trouble X=fault:7305@4000         a drive that fails four seconds after the start
   board-sim --bus vcan0 --bus-off 4000..4500                its controller leaves the bus, and comes back
   board-sim --bus vcan0 --lose all=5 --swap all=2 --seed 7  a bad wire
@@ -101,11 +100,6 @@ pub struct Board {
     /// Virtual time: a tick waits for the drives' answers and for the program, and for no clock
     #[arg(long)]
     pub lockstep: bool,
-    /// Virtual time with a further board: a tick also waits for the setpoint of this drive of its (repeatable), the
-    /// last one that it sends, to its spindle; else the next SYNC may overtake what comes behind. Of a board that has
-    /// one frame for all (9031), its own number
-    #[arg(long, value_name = "NODE", requires = "lockstep", value_parser = drive_node)]
-    pub beside: Vec<NodeId>,
     /// Where the axis drives are: `here`, `elsewhere` on the bus, or the axes whose drives are here (`X,Z`)
     #[arg(long, value_name = "here|elsewhere|AXES", default_value = "here")]
     pub drives: Here,
@@ -161,13 +155,6 @@ fn board_node(text: &str) -> Result<NodeId, String> {
         ));
     }
     Ok(node)
-}
-
-/// The number of a drive.
-fn drive_node(text: &str) -> Result<NodeId, String> {
-    let node = text.parse().ok().and_then(NodeId::new);
-    let node = node.filter(|node| *node != NodeId::GATEWAY);
-    node.ok_or_else(|| "expected a number from 1 to 126".into())
 }
 
 /// A key of eight hexadecimal digits.

@@ -76,7 +76,7 @@ pub fn run(args: &Drives) -> Outcome {
     let mut answers = Vec::new();
     while !interrupt::requested() {
         // Whatever came at once is answered at once, SYNC by SYNC.
-        wire.listen(PATIENCE, |_, heard| {
+        wire.listen(PATIENCE, |heard| {
             for one in &mut drives {
                 match heard {
                     Heard::Frame(frame) if is_sync(frame) => {

@@ -3,8 +3,6 @@
 //! - A tick waits for the program: while more of it is to come and there is room for it, time stands still.
 //! - A tick waits for the answers of the drives that are elsewhere, where one is due.
 //! - A tick waits for the gateway's heartbeat, where the machine would outrun it: a gateway that is there is not lost.
-//! - A tick waits for the setpoints of further boards, where it is asked to: then they go on with it.
-//! - A board that follows ticks with each SYNC that comes, and with nothing else: time is whose beat it is.
 //! - A machine with nothing to do goes on in turns of the SYNC counter, 240 ticks each, one after another in real time;
 //!   so every program begins at the same count, and its frames are the same whenever it is started.
 
@@ -26,40 +24,22 @@ const LOST: Duration = Duration::from_secs(5);
 /// How long a drive that is known to answer is waited for.
 const ANSWER: Duration = Duration::from_secs(5);
 
-/// How long a further board is waited for that is known to go on: it may be waiting for its own program.
-const NEIGHBOUR: Duration = Duration::from_secs(10);
-
 /// How long any answer of a drive is waited for that has not been heard yet.
 const GREETING: Duration = Duration::from_millis(20);
 
 /// Runs until the user ends it, or what it was started for is done.
 pub fn run(mut machine: Machine) -> Outcome {
-    let away = machine.away().iter().map(|node| Expected {
-        node: *node,
-        what: What::Status,
-        due: None,
-    });
-    let beside = machine.beside().iter().map(|node| Expected {
-        node: *node,
-        what: What::Setpoint,
-        due: None,
-    });
-    let mut expected: Vec<Expected> = away.chain(beside).collect();
+    let away = machine.away().iter();
+    let mut expected: Vec<Expected> = away
+        .map(|node| Expected {
+            node: *node,
+            due: None,
+        })
+        .collect();
     let mut last = Instant::now();
     let mut lost = false;
     while !interrupt::requested() && !machine.is_over() {
         let up = machine.since_up();
-        if machine.follows() {
-            machine.listen(Duration::ZERO)?;
-            if machine.take_beat().is_none() {
-                machine.listen(Duration::from_millis(50))?;
-            } else if up.is_none() || wait_for_program(&mut machine, &mut lost)? {
-                wait_for_gateway(&mut machine)?;
-                step(&mut machine, &mut expected)?;
-            }
-            last = Instant::now();
-            continue;
-        }
         if machine.is_busy() || up.is_none_or(|ticks| !ticks.is_multiple_of(TURN)) {
             machine.listen(Duration::ZERO)?;
             if up.is_some() && !wait_for_program(&mut machine, &mut lost)? {
@@ -111,38 +91,24 @@ fn wait_for_gateway(machine: &mut Machine) -> Outcome {
     Ok(())
 }
 
-/// What is awaited of a drive.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum What {
-    /// Of the board's own that is elsewhere: its status, where one is due.
-    Status,
-    /// Of another board's: what that tells it, in every tick.
-    Setpoint,
-}
-
-/// What is known of a drive that is waited for.
+/// What is known of a drive that is elsewhere, and whose status is waited for where one is due.
 struct Expected {
     node: NodeId,
-    what: What,
     /// SYNCs until it comes; `None` before the first and after one that did not come.
     due: Option<u8>,
 }
 
 impl Expected {
     fn has_come(&self, machine: &Machine) -> bool {
-        match self.what {
-            What::Status => machine.has_status_of(self.node),
-            What::Setpoint => machine.has_setpoint_for(self.node),
-        }
+        machine.has_status_of(self.node)
     }
 
     /// How long it is waited for now, if at all.
     const fn patience(&self) -> Option<Duration> {
-        match (self.due, self.what) {
-            (None, _) => Some(GREETING),
-            (Some(0), What::Status) => Some(ANSWER),
-            (Some(0), What::Setpoint) => Some(NEIGHBOUR),
-            (Some(_), _) => None,
+        match self.due {
+            None => Some(GREETING),
+            Some(0) => Some(ANSWER),
+            Some(_) => None,
         }
     }
 }
@@ -167,28 +133,9 @@ fn step(machine: &mut Machine, expected: &mut [Expected]) -> Outcome {
     }
     for one in expected {
         if one.has_come(machine) {
-            if one.due.is_none() && one.what == What::Setpoint {
-                catch_up(machine)?;
-            }
-            one.due = Some(match one.what {
-                What::Status => machine.transmission(),
-                What::Setpoint => 1,
-            });
+            one.due = Some(machine.transmission());
         } else if one.due == Some(0) {
             one.due = None;
-        }
-    }
-    Ok(())
-}
-
-/// A further board that is heard for the first time may still have SYNCs before it: until it has none.
-fn catch_up(machine: &mut Machine) -> Outcome {
-    let mut quiet = Instant::now();
-    while quiet.elapsed() < GREETING {
-        let before = machine.setpoints();
-        machine.listen(GREETING.saturating_sub(quiet.elapsed()))?;
-        if machine.setpoints() != before {
-            quiet = Instant::now();
         }
     }
     Ok(())

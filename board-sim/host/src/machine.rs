@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 use leadscrew_board_sim::line::{Line, Span, Way};
 use leadscrew_board_sim::plant::{Flash, Plant};
 use leadscrew_board_sim::{keep, stored_params, stored_tap};
-use leadscrew_can::Stamp;
 use leadscrew_common::diagnostics::Diagnostic;
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::source::SourceFile;
@@ -15,12 +14,11 @@ use leadscrew_common::state::StateFile;
 use leadscrew_common::words::Both;
 use leadscrew_core::alarm::{Alarm, Lang};
 use leadscrew_core::board::{Board, DriveNodes, Event, Output, PowerUp, State};
-use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Periods, Service, is_sync};
+use leadscrew_core::bus::{BusState, Frame, NmtCommand, NodeId, Periods, Service};
 use leadscrew_core::params::Params;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::units::Axis;
 
-use crate::beat::Beat;
 use crate::claim::Claim;
 use crate::cli;
 use crate::program::Feeder;
@@ -56,13 +54,6 @@ pub struct Machine {
     out: Vec<Frame>,
     /// Nodes of the axis drives that are elsewhere.
     away: Vec<NodeId>,
-    /// Drives of other boards whose setpoints are waited for, and those of them that have come since the last tick.
-    beside: Vec<NodeId>,
-    told: Vec<NodeId>,
-    /// That of another board.
-    beat_of_bus: Beat,
-    /// It has the board's period.
-    keeps_to_beat: bool,
     transmission: u8,
     tick_us: u32,
     /// Ticks since power-up.
@@ -144,7 +135,7 @@ impl Machine {
         let silence = u64::from(params.gateway_silence_ms()) * 1000 / u64::from(params.tick_us());
         let wire = Wire::open(args.common.address(), params)?;
         say(&format!(
-            "node {} on {}, tick {} µs, {}{}{}",
+            "node {} on {}, tick {} µs, {}{}",
             node.get(),
             wire.name(),
             params.tick_us(),
@@ -157,11 +148,6 @@ impl Machine {
                 ""
             } else {
                 ", drives elsewhere"
-            },
-            if board.ticker().follows_bus() {
-                ", follows the SYNC of another"
-            } else {
-                ""
             }
         ));
         Ok(Self {
@@ -187,10 +173,6 @@ impl Machine {
             waiting: Vec::new(),
             out: Vec::new(),
             away,
-            beside: args.beside.clone(),
-            told: Vec::new(),
-            beat_of_bus: Beat::default(),
-            keeps_to_beat: true,
             transmission: args.common.transmission,
             tick_us: params.tick_us(),
             ticks: 0,
@@ -241,38 +223,12 @@ impl Machine {
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
         let has_power = self.has_power();
         let (mut heard, mut heard_fd) = (Vec::new(), Vec::new());
-        let follows = self.follows();
-        let (line, beat_of_bus) = (&mut self.line, &mut self.beat_of_bus);
-        let (beside, told) = (&self.beside, &mut self.told);
-        let count = self.wire.listen(patience, |time, sent| {
-            let frame = match sent {
-                Heard::Frame(frame) => frame,
-                Heard::Fd(frame) => {
-                    line.pass_together(Way::In, frame, |frame| heard_fd.push(*frame));
-                    // What another board tells all of its drives.
-                    if let Some((Service::Tpdo4, board)) = frame.id().service()
-                        && beside.contains(&board)
-                    {
-                        told.push(board);
-                    }
-                    return;
-                }
-            };
-            if follows && is_sync(frame) {
-                beat_of_bus.comes(time, *frame);
+        let line = &mut self.line;
+        let count = self.wire.listen(patience, |sent| match sent {
+            Heard::Frame(frame) => line.pass(Way::In, frame, |frame| heard.push(frame)),
+            Heard::Fd(frame) => {
+                line.pass_together(Way::In, frame, |frame| heard_fd.push(*frame));
             }
-            if let Some((Service::Rpdo1, node)) = frame.id().service()
-                && beside.contains(&node)
-            {
-                told.push(node);
-            }
-            line.pass(Way::In, frame, |frame| {
-                if follows && is_sync(&frame) {
-                    beat_of_bus.hear(frame);
-                } else {
-                    heard.push(frame);
-                }
-            });
         })?;
         let mut beat = false;
         for frame in &heard {
@@ -295,37 +251,6 @@ impl Machine {
             }
         }
         Ok(count > 0)
-    }
-
-    /// Another gives the beat.
-    pub const fn follows(&self) -> bool {
-        self.board.ticker().follows_bus()
-    }
-
-    /// The next SYNC of the other belongs to the coming tick; when it came. `None`: there is none yet.
-    pub fn take_beat(&mut self) -> Option<Stamp> {
-        self.beat_of_bus.take()
-    }
-
-    /// Whether those that come have the board's own period.
-    pub const fn keeps_to_beat(&mut self, keeps: bool) {
-        self.keeps_to_beat = keeps;
-    }
-
-    /// Drives of other boards whose setpoints are to be waited for, or boards that have one frame for all of theirs.
-    pub fn beside(&self) -> &[NodeId] {
-        &self.beside
-    }
-
-    /// How many of these have come since the last tick.
-    pub const fn setpoints(&self) -> usize {
-        self.told.len()
-    }
-
-    /// True where a setpoint for this drive of another board, or of this board for
-    /// all of its, has come since the last tick.
-    pub fn has_setpoint_for(&self, node: NodeId) -> bool {
-        self.told.contains(&node)
     }
 
     /// A frame of somebody else.
@@ -373,9 +298,6 @@ impl Machine {
         }
         if let Some(frame) = second {
             self.out.push(frame);
-            if self.follows() && is_sync(&frame) {
-                self.beat_of_bus.hear(frame);
-            }
             // In `hear` the drives take no process data.
             if NmtCommand::decode(&frame).is_none() {
                 let waiting = &mut self.waiting;
@@ -509,10 +431,7 @@ impl Machine {
 
     /// One SYNC period.
     pub fn tick(&mut self) -> Outcome {
-        self.told.clear();
         if !self.has_power() && !self.wait_for_power()? {
-            // The drives hear it, and have been told nothing new.
-            let _ = self.beat_of_bus.end_period();
             return Ok(());
         }
         if let Some(tick) = self.since_up() {
@@ -520,9 +439,6 @@ impl Machine {
             self.suffer(tick + 1)?;
         }
         let sample = self.plant.advance();
-        let (mut heard, syncs) = self.beat_of_bus.end_period();
-        heard.locked = self.keeps_to_beat;
-        self.board.follow(heard);
         self.board.tick(sample, &self.waiting, &mut self.output);
         self.keep()?;
         self.waiting.clear();
@@ -533,7 +449,7 @@ impl Machine {
         self.ticks += 1;
         self.out.clear();
         self.out.extend_from_slice(&self.output.frames);
-        self.exchange(&syncs);
+        self.exchange();
         self.send()?;
         self.tell_together()?;
         while let Some(event) = self.board.event() {
@@ -557,16 +473,15 @@ impl Machine {
         sent
     }
 
-    /// The SYNCs of another board, and what the board sends, reach the drives that are here, and they answer; what is
-    /// of this machine goes out on the wire, too.
-    fn exchange(&mut self, syncs: &[Frame]) {
+    /// What the board sends reaches the drives that are here, and they answer: that goes out on the wire, too.
+    fn exchange(&mut self) {
         let (line, plant, out, waiting) = (
             &mut self.line,
             &mut self.plant,
             &mut self.out,
             &mut self.waiting,
         );
-        let mut arrived = syncs.to_vec();
+        let mut arrived = Vec::new();
         for frame in &self.output.frames {
             line.pass(Way::Setpoints, frame, |frame| arrived.push(frame));
         }

@@ -9,7 +9,6 @@
 //! Every setpoint and every answer goes over the wire, also where board and drives live in one process. What a board is
 //! stands in `leadscrew_core`, what is around it in `leadscrew_board_sim`; here are clocks, sockets and options.
 
-mod beat;
 mod claim;
 mod cli;
 mod drives;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received, Stamp};
+use leadscrew_can::{Address, BitRate, Can, Fault, Packet, Received};
 use leadscrew_common::failure::{Failure, Outcome};
 use leadscrew_common::words::Both;
 use leadscrew_core::bus::{BusState, Controller, ErrorCounts, FdFrame, Frame};
@@ -115,13 +115,9 @@ impl Wire {
         self.can.send_fd(&[*frame]).map_err(Failure::bus)
     }
 
-    /// Waits for something at most so long, and hands each CANopen frame on, with the time at which it came, in the
-    /// order in which they came; how many these were.
-    pub fn listen(
-        &mut self,
-        patience: Duration,
-        mut to: impl FnMut(Stamp, Heard<'_>),
-    ) -> Outcome<usize> {
+    /// Waits for something at most so long, and hands each CANopen frame on, in the order in which they came; how many
+    /// these were.
+    pub fn listen(&mut self, patience: Duration, mut to: impl FnMut(Heard<'_>)) -> Outcome<usize> {
         self.heard.clear();
         self.can
             .receive(&mut self.heard, patience)
@@ -131,9 +127,9 @@ impl Wire {
         for heard in &self.heard {
             note(&mut self.controller, &heard.packet);
             match &heard.packet {
-                Packet::Frame(frame) => to(heard.time, Heard::Frame(frame)),
+                Packet::Frame(frame) => to(Heard::Frame(frame)),
                 Packet::Fd(frame) => match frame.frame() {
-                    Some(frame) => to(heard.time, Heard::Fd(&frame)),
+                    Some(frame) => to(Heard::Fd(&frame)),
                     None => continue,
                 },
                 // Other kinds of frames are nothing that a node of CANopen hears.
@@ -194,7 +190,7 @@ mod tests {
             let data = [0, state, 0, 0, 0, 0, sending, receiving];
             let error = ErrorFrame { class, data };
             other.inject(Packet::Error(error)).unwrap();
-            wire.listen(Duration::ZERO, |_, _| {}).unwrap();
+            wire.listen(Duration::ZERO, |_| {}).unwrap();
             let Controller { state, errors } = wire.controller();
             (state, errors.sending, errors.receiving)
         };

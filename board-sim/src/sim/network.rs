@@ -3,7 +3,7 @@
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::bus::{FdFrame, Frame, NodeId, Periods};
 
-use super::{SYNCS, Sim};
+use super::Sim;
 use crate::line::Way;
 
 impl Sim {
@@ -13,18 +13,6 @@ impl Sim {
     /// As [`Board::join`](leadscrew_core::board::Board::join).
     pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
         self.board.join(node)
-    }
-
-    /// The SYNCs that are on the wire in the next tick, four at most, for a board that follows (9029) and its drives.
-    /// From now on there are no others: until then, another board gives one in every tick.
-    pub fn beat(&mut self, syncs: &[Frame]) {
-        self.beat.other = None;
-        self.beat.syncs = syncs.iter().copied().take(SYNCS).collect();
-    }
-
-    /// In the next tick the board's own beat has come off that of the bus.
-    pub const fn unlock(&mut self) {
-        self.beat.heard.locked = false;
     }
 
     /// Somebody else's frame reaches the board and the drives.
@@ -52,10 +40,7 @@ impl Sim {
             // A client waits for its answer before it asks again.
             let _ = others.push_back(answer);
         });
-        let not_taken = self.board.receive(frame);
-        if let Some(beat) = self.beat.ear.receive(frame) {
-            self.beat.heard.note(beat);
-        } else if not_taken {
+        if self.board.receive(frame) {
             // With the drives' own there is room for a few; a bus that is flooded loses frames too.
             let _ = self.answers.push(*frame);
         }

@@ -325,9 +325,9 @@ mod tests {
             "spindle_tolerance_percent = \"12 %\"\n\n# only words\n[1420]\nX = \"12 m/min\"\n",
         );
         changed(
-            "schema = 1 # of this file\n\n[drive.X]\nmax_torque = 5\n",
+            "schema = 2 # of this file\n\n[drive.X]\nmax_torque = 5\n",
             &[("9007", 12)],
-            "schema = 1 # of this file\nspindle_tolerance_percent = \"12 %\"\n\n[drive.X]\nmax_torque = 5\n",
+            "schema = 2 # of this file\nspindle_tolerance_percent = \"12 %\"\n\n[drive.X]\nmax_torque = 5\n",
         );
         changed("", &[("182.7", 1)], "pq_in_mm = 1\n");
         changed("# none", &[("182.7", 1)], "# none\npq_in_mm = 1\n");

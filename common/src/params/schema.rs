@@ -57,7 +57,24 @@ pub enum Step {
 }
 
 /// Every migration there is, oldest first.
-pub const MIGRATIONS: &[Migration] = &[];
+pub const MIGRATIONS: &[Migration] = &[
+    // No board follows the SYNC of another [D212].
+    Migration {
+        to: 2,
+        steps: &[
+            Step::Dropped {
+                keys: &["9029", "sync_source"],
+                en: "every board gives its own beat, on a wire of its own",
+                zh: "每块控制板在自己的总线上发出节拍",
+            },
+            Step::Dropped {
+                keys: &["9030", "bus_others"],
+                en: "no other board is on its wire",
+                zh: "总线上没有其他控制板",
+            },
+        ],
+    },
+];
 
 /// What a migration would do to a file.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -453,38 +453,6 @@ fn a_drive_section_can_have_any_place_in_the_frame_for_all() {
 }
 
 #[test]
-fn where_a_board_follows_a_drive_that_would_go_on_without_sync_is_told_of() {
-    let warning = |text: &str| told(&load_texts(&[text], &[]));
-    let remedy = "write `abort_connection_option = 3` (quick stop), or 2 (no voltage)";
-    assert_eq!(
-        warning("9029 = 1\n[drive.S1]\nmax_torque = 1\nabort_connection_option = 0\n"),
-        [format!(
-            "1.toml:4:27-28 4974 drive S1 goes on where the SYNC that this board follows (9029 = 1) stays away: its 6007h is 0, \
-             no action / {remedy}"
-        )]
-    );
-    assert_eq!(
-        warning("9029 = 1\n[drive.S1]\nmax_torque = 1\n[drive.X]\n\"6007\" = 3\n"),
-        [format!(
-            "1.toml:3:14-15 4975 nothing says that drive S1 stops where the SYNC that this board follows (9029 = 1) stays away: \
-             its section has no 6007h / {remedy}"
-        )]
-    );
-    for option in [1, 2, 3, -1] {
-        let text = format!("9029 = 1\n[drive.S1]\nabort_connection_option = {option}\n");
-        assert_eq!(warning(&text), [""; 0], "{option}");
-    }
-    // Not where the board gives the beat, nor of drives that the file does not know.
-    for text in [
-        "[drive.S1]\nabort_connection_option = 0\n",
-        "[drive.S1]\nmax_torque = 1\n",
-        "9029 = 1\n",
-    ] {
-        assert_eq!(warning(text), [""; 0], "{text}");
-    }
-}
-
-#[test]
 fn every_mistake_in_a_drive_section_has_its_place_its_cause_and_its_remedy() {
     for (file, expected) in [
         (

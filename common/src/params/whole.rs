@@ -75,7 +75,7 @@ mod tests {
         }
         let text = file(&params, &["a lathe".into(), "of mine".into()], Lang::En);
         assert!(text.starts_with(
-            "# a lathe\n# of mine\nschema = 1\n\n# ---- Cycles: numbers of the 980TD ----\n\n\
+            "# a lathe\n# of mine\nschema = 2\n\n# ---- Cycles: numbers of the 980TD ----\n\n\
              # 019/5130  Length of the run-out (chamfer) of G76, G78 and G92 threads\n\
              thread_chamfer = 7  # built in: 5\u{20}× 0.1 lead\n"
         ));

@@ -534,9 +534,9 @@ codes! {
     NodeTwice = 4332, "another node on the bus has the number of this board", "give each board a number of its own, then restart both",
         "总线上另有节点使用本控制板的节点号", "请为每块控制板设置不同的节点号，然后重新启动";
     /// The cyclic frames do not fit: load in per cent, tick in µs, drives, kbit/s.
-    BusOverload = 4333, "the cycle would take {0} of the bus: SYNC, {2} drives and the board's status every {1} µs at {3} kbit/s, and what other boards take (9030)",
+    BusOverload = 4333, "the cycle would take {0} of the bus: SYNC, {2} drives and the board's status every {1} µs at {3} kbit/s",
         "make the tick (9000) longer, let the drives send their status less often (9021), or raise the bit rate (9020)",
-        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s，另加其他控制板所占部分（9030）", "请加长周期（9000）、减少驱动状态发送次数（9021）或提高波特率（9020）";
+        "周期通信将占用总线 {0}：每 {1} µs 发送 SYNC、{2} 个驱动和控制板状态，波特率 {3} kbit/s", "请加长周期（9000）、减少驱动状态发送次数（9021）或提高波特率（9020）";
     /// `run` has come where no program waits for it. A warning in the event log.
     NothingToRun = 4334, "`run` did nothing: no program waits for it", "load a program first, also after a reset or an alarm; `resume` goes on after a feed hold",
         "“运行”命令无效：没有等待运行的程序", "请先装入程序（复位或报警之后也是如此）；进给保持之后请用“恢复”";
@@ -672,11 +672,11 @@ codes! {
         "控制板的 CAN 控制器处于被动错误状态（发送错误 {0}，接收错误 {1}）", "请检查接线、终端电阻（两端各 120 Ω）和波特率，然后复位";
     /// Setpoints came late for their SYNC; how many, and how many may.
     SetpointsLate = 4372, "{0} setpoints came late for their SYNC within a second, limit {1} (parameter 9027)",
-        "take load off the bus and off the computer that is the board, or make the tick (9000) longer; where it follows (9029 = 1) look at who gives the beat, and whether two do; then reset",
-        "1 秒内有 {0} 个位置指令晚于其 SYNC，极限 {1}（参数 9027）", "请降低总线负载及控制板计算机的负载，或加长周期（9000）；若本板跟随他方节拍（9029 = 1），请检查由谁发出节拍、是否有两方同时发出；然后复位";
+        "take load off the bus and off the computer that is the board, or make the tick (9000) longer; then reset",
+        "1 秒内有 {0} 个位置指令晚于其 SYNC，极限 {1}（参数 9027）", "请降低总线负载及控制板计算机的负载，或加长周期（9000），然后复位";
     /// Somebody else sends SYNC.
-    SecondSync = 4373, "another node on the bus sends SYNC", "one alone gives the beat: switch off its SYNC (1005h bit 30), or let this board follow it (9029 = 1); then reset",
-        "总线上另有节点发送 SYNC", "节拍只能由一方给出：请关闭该节点的 SYNC（1005h 第 30 位），或让本控制板跟随它（9029 = 1）；然后复位";
+    SecondSync = 4373, "another node on the bus sends SYNC", "one alone gives the beat: give a second board a wire of its own, switch off any other node's SYNC (1005h bit 30); then reset",
+        "总线上另有节点发送 SYNC", "节拍只能由一方给出：若为另一块控制板，请为其单独布线；若为其他节点，请关闭其 SYNC（1005h 第 30 位）；然后复位";
     /// Somebody else sends setpoints; the drive's letter and node.
     SecondSetpoints = 4374, "another node sends setpoints to drive {0} (node {1})", "take the second master off the bus, then reset",
         "另有节点向驱动器 {0}（节点 {1}）发送位置指令", "请将第二主站从总线上移除，然后复位";
@@ -715,16 +715,6 @@ codes! {
     BusRestricted = 4386, "the board's CAN controller has stopped sending: it could not read its own message memory in time",
         "start the board's node and reset; if it comes again, report it as a fault of the board",
         "控制板的 CAN 控制器已停止发送：未能及时读取其报文存储器", "请启动控制板节点并复位；若再次出现，请作为控制板故障报告";
-
-    /// The SYNC that the board follows has stopped, or the board has come off it;
-    /// so many were without, of so many periods of so many µs.
-    SyncLost = 4379, "the SYNC that this board follows is lost: {0} of the last {1} periods of {2} µs were without it, or each had several, or the board's own beat has come off it",
-        "look at the board that gives the beat, whether a second one does, and at the wire between the two; then reset",
-        "本控制板所跟随的 SYNC 已丢失：最近 {1} 个周期（每周期 {2} µs）中有 {0} 个未收到，或每周期收到多个，或本板节拍已与其失步", "请检查发出节拍的控制板、是否另有一方发出节拍，以及两者之间的接线；然后复位";
-    /// No SYNC that can be followed; so many heard, in so many periods of so many µs.
-    SyncUnsteady = 4380, "there is no steady SYNC to follow: {0} heard in {1} periods of {2} µs",
-        "switch on the board that gives the beat (9029 = 0 there and only there), and give both boards the same tick (9000); its counter has to run to 240 (1019h), or be none; then reset",
-        "没有可跟随的稳定 SYNC：{1} 个周期（每周期 {2} µs）内收到 {0} 个", "请接通发出节拍的控制板（仅该板 9029 = 0），并为两块控制板设置相同的周期（9000）；SYNC 的计数器须计到 240（1019h），或不带计数器；然后复位";
 
     // -- 4400–4499 parameters: params/ -------------------------------------------------------------------------------
     // Up to 4419 the figures are texts (keys, values, ranges), put in by whoever reads the file or the command line.
@@ -960,14 +950,6 @@ codes! {
     /// The set is stored, and the mark that would tell of its damage is not.
     ParametersUnmarked = 4973, "the parameter set is stored; the note which set is the newest could not be stored", "check the board's storage, then write the set again",
         "参数集已保存，但未能记下哪一份最新", "请检查控制板的存储器，然后重新写入参数集";
-    /// A board that follows SYNC, and a drive that would not stop without it; its name.
-    DriveGoesOn = 4974, "drive {0} goes on where the SYNC that this board follows (9029 = 1) stays away: its 6007h is 0, no action",
-        "write `abort_connection_option = 3` (quick stop), or 2 (no voltage)",
-        "本控制板跟随他方的 SYNC（9029 = 1），而 SYNC 中断时驱动器 {0} 会继续运行：其 6007h 为 0（不动作）", "请写 `abort_connection_option = 3`（快速停止）或 2（断开电压）";
-    /// The same, where its section does not say what it does; its name.
-    DriveStopUnsaid = 4975, "nothing says that drive {0} stops where the SYNC that this board follows (9029 = 1) stays away: its section has no 6007h",
-        "write `abort_connection_option = 3` (quick stop), or 2 (no voltage)",
-        "本控制板跟随他方的 SYNC（9029 = 1），但未说明 SYNC 中断时驱动器 {0} 会停止：其参数段中没有 6007h", "请写 `abort_connection_option = 3`（快速停止）或 2（断开电压）";
     /// A speed beyond what a setpoint can step: axis, tick in µs.
     RapidBeyondTick = 4964, "in one tick of {1} µs {0} cannot go as far as its rapid rate (1420.{0}) asks, and moves slower",
         "make the tick (9000) shorter, or lower 1420.{0}",

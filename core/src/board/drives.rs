@@ -9,7 +9,7 @@ use super::spindles::{Spindle, Spindles};
 use crate::alarm::Alarm;
 use crate::bus::{
     DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, Periods, Scale,
-    SyncProducer, SyncSource, Told,
+    SyncProducer, Told,
 };
 #[cfg(feature = "fd")]
 use crate::bus::{Phase, Service, Setpoints, Step};
@@ -90,8 +90,7 @@ pub(super) struct Drives {
     /// Where each axis was told to be last.
     last: [Told; 3],
     spindles: Spindles,
-    /// Where it is the board that gives the beat.
-    sync: Option<SyncProducer>,
+    sync: SyncProducer,
     nodes: DriveNodes,
     /// What all of them are told in one frame, where the parameters say so; otherwise each has one of its own.
     #[cfg(feature = "fd")]
@@ -128,10 +127,7 @@ impl Drives {
             offsets: [0; 3],
             last: [x.find(0), z.find(0), c.find(0)],
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
-            sync: match SyncSource::of(params.sync_source()) {
-                SyncSource::Own => Some(SyncProducer::new()),
-                SyncSource::Bus => None,
-            },
+            sync: SyncProducer::new(),
             nodes,
             #[cfg(feature = "fd")]
             together: (params.setpoint_frame() == 1)
@@ -155,14 +151,12 @@ impl Drives {
             }
         }
         self.offsets = offsets;
-        if self.sync.is_some() && sync.is_some() {
-            self.sync = sync;
-        }
+        self.sync = sync;
     }
 
-    /// The beat, where it is the board that gives it.
-    pub(super) const fn sync(&mut self) -> Option<&mut SyncProducer> {
-        self.sync.as_mut()
+    /// The SYNC that the board gives.
+    pub(super) const fn sync(&mut self) -> &mut SyncProducer {
+        &mut self.sync
     }
 
     /// Where they are on the bus.
@@ -222,16 +216,6 @@ impl Drives {
     pub(super) fn cut_off(&mut self) {
         for drive in self.all() {
             drive.disable();
-        }
-    }
-
-    /// No drive latches anything any more, for want of a SYNC: a spindle would turn on and on. So all are told to stop
-    /// by what no SYNC is needed for, and brought up anew [D166].
-    #[cold]
-    #[inline(never)]
-    pub(super) fn stop(&mut self) {
-        for drive in self.all() {
-            drive.stop();
         }
     }
 
@@ -329,7 +313,7 @@ impl Drives {
         core::mem::take(&mut self.offsets) != [0; 3]
     }
 
-    /// The frames of a period: SYNC where the board gives the beat, then what each drive is told. An axis whose
+    /// The frames of a period: SYNC, then what each drive is told. An axis whose
     /// position its drive cannot count comes back; its drive is held where it is. So are all while the axes do not
     /// `follow`: a drive that is enabled before the others stands where it stands, and nobody demands anything of it yet.
     pub(super) fn send(
@@ -344,9 +328,7 @@ impl Drives {
         let mut put = |frame: Frame| {
             let _ = frames.push(frame);
         };
-        if let Some(sync) = &mut self.sync {
-            put(sync.next());
-        }
+        put(self.sync.next());
         let mut beyond = None;
         if follow {
             let [x, z, c] = &mut self.axes;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! each frame ─► receive() ─► true: a drive's, keep it for tick()
-//! follow(), where another gives the beat; tick(), then send its frames
+//! tick(), then send its frames
 //! event() until there is none; serve(); background() until there is no work
 //! transmit() as often as the bus has room: behind the frames of the tick, they come first
 //! ```
@@ -13,7 +13,7 @@ use super::{Board, Contacts, Snapshot};
 use crate::alarm::Alarm;
 #[cfg(feature = "fd")]
 use crate::bus::FdFrame;
-use crate::bus::{Controller, Frame, NodeId, Periods, SyncHeard};
+use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::motion::Setpoint;
 use crate::params::Params;
 
@@ -25,12 +25,6 @@ impl Board {
     /// [`Code::DriveNodeOfBoard`](crate::alarm::Code::DriveNodeOfBoard) where a drive has this number.
     pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
         self.desk.join(node)
-    }
-
-    /// Says what the period that ends with the next [`tick`](Self::tick) has brought of the SYNC that somebody else gives:
-    /// before each tick of a board that follows the bus (9029).
-    pub const fn follow(&mut self, heard: SyncHeard) {
-        self.ticker.follow(heard);
     }
 
     /// The parameter set in force.

@@ -45,9 +45,6 @@ pub struct Snapshot {
     pub tap: Option<TapRecord>,
     /// What the operator has set.
     pub operator: Operator,
-    /// Periods of a beat that the board follows in which setpoints were late for SYNC, as
-    /// [`SyncWatch`](crate::bus::SyncWatch) counts them.
-    pub sync_late: u16,
     /// His contacts: as in [`Contacts::default`] where the board has none.
     pub contacts: Contacts,
 }
@@ -68,7 +65,6 @@ impl Snapshot {
             spindle_in_use: ticker.tap_spindle(),
             tap: ticker.tap_entry(),
             operator: *ticker.operator(),
-            sync_late: ticker.sync_late(),
             contacts,
         }
     }

@@ -16,7 +16,6 @@ mod journal;
 mod rigid;
 mod state;
 mod stopping;
-mod sync;
 mod withheld;
 
 use core::mem::MaybeUninit;
@@ -37,7 +36,7 @@ use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
 #[cfg(feature = "fd")]
 use crate::bus::Setpoints;
-use crate::bus::{Frame, SyncSource, SyncWatch};
+use crate::bus::{Frame, SyncProducer};
 use crate::journal::TapRecord;
 use crate::motion::{Arrival, Conditions, Cut, Epoch, Executor, Setpoint, Task, WaysOut};
 use crate::params::Params;
@@ -58,7 +57,7 @@ pub enum Notice {
 /// What one tick gives. Made once and filled in every tick: nothing as large is copied about in it.
 #[derive(Clone, Debug, Default)]
 pub struct Output {
-    /// To be sent in this order; SYNC first, where the board gives the beat.
+    /// To be sent in this order; SYNC first.
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
@@ -183,8 +182,6 @@ pub struct Ticker {
     /// What the background has not heard yet.
     notice: Option<Notice>,
     journal: Journal,
-    /// The beat of the bus, where it is not the board's own.
-    beat: SyncWatch,
     /// The alarm of a mode that has one: large, and not to be copied with every change of mode.
     alarm: Alarm,
     drives: Drives,
@@ -304,7 +301,6 @@ impl Ticker {
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
-            beat: SyncWatch::new(SyncSource::of(params.sync_source()), params.tick_us()),
             // Read in a mode that has one only.
             alarm: Alarm::new(Code::EmergencyStop, Span::default()),
             drives: Drives::new(params, figures),
@@ -360,6 +356,11 @@ impl Ticker {
         self.operator.signals = signals;
     }
 
+    /// The SYNC that the board gives, for an owner who goes on giving it while the ticker is made anew.
+    pub const fn sync(&mut self) -> &mut SyncProducer {
+        self.drives.sync()
+    }
+
     /// One SYNC period. `received`: the frames since the last tick.
     pub fn tick(
         &mut self,
@@ -372,9 +373,6 @@ impl Ticker {
             self.drives.hear(frame);
         }
         self.observe(sample, ends);
-        if self.beat.is_for_bus() {
-            self.keep_beat(ends);
-        }
         self.watch_drives(ends);
         self.obey(ends);
         self.drop_stale(ends);
@@ -480,7 +478,7 @@ impl Ticker {
                 self.drives.let_go(self.mode == Mode::Alarm);
                 return;
             }
-            Mode::Starting if self.beat.is_steady() && self.drives.enable() => self.come_up(ends),
+            Mode::Starting if self.drives.enable() => self.come_up(ends),
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {

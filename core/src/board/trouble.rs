@@ -5,8 +5,7 @@ use crate::alarm::{Alarm, Arg, Code};
 #[cfg(feature = "fd")]
 use crate::bus::Setpoints;
 use crate::bus::{
-    BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, SyncSource,
-    is_sync,
+    BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, is_sync,
 };
 #[cfg(feature = "fd")]
 use crate::units::Axis;
@@ -31,7 +30,7 @@ pub enum BusTrouble {
     Intruder(Intrusion),
 }
 
-/// What only the board may say, said by somebody else. To a board that follows the bus, SYNC is not of these.
+/// What only the board may say, said by somebody else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intrusion {
     /// SYNC.
@@ -52,12 +51,12 @@ pub struct Victim {
 }
 
 impl Intrusion {
-    /// What a frame from the bus is of these, where the board's drives have these nodes and its beat comes from `source`.
-    /// What the board sends itself does not come back to it.
+    /// What a frame from the bus is of these, where the board's drives have these nodes. What the board sends itself does
+    /// not come back to it.
     #[must_use]
-    pub fn of(frame: &Frame, drives: &DriveNodes, source: SyncSource) -> Option<Self> {
+    pub fn of(frame: &Frame, drives: &DriveNodes) -> Option<Self> {
         if is_sync(frame) {
-            return (source == SyncSource::Own).then_some(Self::Sync);
+            return Some(Self::Sync);
         }
         let managed = frame.id() == CobId::NMT;
         let node = if managed {
@@ -173,16 +172,13 @@ mod tests {
         let mut params = Params::slant_bed();
         let drives = DriveNodes::of(&params);
         for (frame, expected) in cases {
-            let of = |source| Intrusion::of(&frame, &drives, source);
-            assert_eq!(of(SyncSource::Own), expected, "{frame:?}");
-            let expected = expected.filter(|intrusion| *intrusion != Intrusion::Sync);
-            assert_eq!(of(SyncSource::Bus), expected, "{frame:?}");
+            assert_eq!(Intrusion::of(&frame, &drives), expected, "{frame:?}");
         }
         // Where the drives have other nodes, others may speak to that one.
         let entry = Entry::find_text("9015.Z").unwrap();
         params.set(entry, 48).unwrap();
         let drives = DriveNodes::of(&params);
-        let of = |frame: &Frame| Intrusion::of(frame, &drives, SyncSource::Own);
+        let of = |frame: &Frame| Intrusion::of(frame, &drives);
         assert_eq!(of(&setpoint(Z.node)), None);
         let node = NodeId::new(48).unwrap();
         let moved = Intrusion::Setpoint(Victim { node, ..Z });

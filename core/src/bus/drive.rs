@@ -37,9 +37,6 @@ use super::pdo::DriveStatus;
 use super::periods::Periods;
 use crate::alarm::Alarm;
 
-/// Periods after which a drive that is stopped is told so again: the frame may have been lost.
-const STOPPED_AGAIN: Periods = Periods::new(15);
-
 /// The master of one drive. Frames from the bus go into [`DriveMaster::receive`]; once in every SYNC period
 /// [`DriveMaster::tick`] gives the frames to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,13 +134,10 @@ impl DriveMaster {
         matches!(self.phase, Phase::Enabled)
     }
 
-    /// True where no RPDO goes to it: before it has answered for the first time, and where it is stopped.
+    /// True where no RPDO goes to it: before it has answered for the first time.
     #[must_use]
     pub const fn is_told_nothing(&self) -> bool {
-        matches!(
-            self.phase,
-            Phase::Offline | Phase::Step(Step::Contact) | Phase::Stopped
-        )
+        matches!(self.phase, Phase::Offline | Phase::Step(Step::Contact))
     }
 
     /// What went wrong, until [`DriveMaster::reset`].
@@ -171,7 +165,7 @@ impl DriveMaster {
         if let Some(failure) = self.failure {
             return Err(failure);
         }
-        if matches!(self.phase, Phase::Offline | Phase::Standby | Phase::Stopped) {
+        if matches!(self.phase, Phase::Offline | Phase::Standby) {
             self.start = true;
             self.enter(Step::Contact);
         }
@@ -181,19 +175,9 @@ impl DriveMaster {
     /// Takes the torque away (0006h), also in the middle of enabling. The axis must stand: this does not brake.
     pub const fn disable(&mut self) {
         match self.phase {
-            Phase::Offline | Phase::Standby | Phase::Stopped => {}
+            Phase::Offline | Phase::Standby => {}
             Phase::Step(Step::Contact) => self.phase = Phase::Offline,
             Phase::Step(_) | Phase::Enabled | Phase::Halted => self.phase = Phase::Standby,
-        }
-    }
-
-    /// Nothing that it is told by RPDO counts any more, for want of a SYNC: it is stopped by network management, until
-    /// it is enabled again. One that has not been started is told nothing.
-    pub const fn stop(&mut self) {
-        if !matches!(self.phase, Phase::Offline) {
-            self.phase = Phase::Stopped;
-            self.start = false;
-            self.waited = STOPPED_AGAIN;
         }
     }
 
@@ -203,7 +187,7 @@ impl DriveMaster {
     #[cfg(feature = "fd")]
     pub(crate) fn wait(&mut self, goes: bool) -> bool {
         match self.phase {
-            Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted | Phase::Stopped => {
+            Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted => {
                 return true;
             }
             Phase::Standby | Phase::Step(_) | Phase::Offline => self.phase = Phase::Offline,
@@ -235,8 +219,6 @@ impl DriveMaster {
         self.disable();
         match failure {
             DriveFailure::Fault { .. } | DriveFailure::Step(Step::FaultReset, _) => {
-                // Stopped it would not hear of it.
-                self.start = matches!(self.phase, Phase::Stopped);
                 self.enter(Step::FaultReset);
             }
             DriveFailure::Restarted | DriveFailure::NoAnswer => self.phase = Phase::Offline,

@@ -6,8 +6,6 @@
 //! | every fourth tick | RPDO1 of each spindle that only taps and does not tap now |
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
-//!
-//! What other boards take is a figure of the parameters.
 
 #[cfg(feature = "fd")]
 use super::fd::FdBits;
@@ -28,8 +26,6 @@ pub struct Cycle {
     pub drive_syncs: u32,
     /// Time from status to status of the board in milliseconds.
     pub status_ms: u32,
-    /// What other boards take beyond SYNC, in percent.
-    pub others: u32,
     /// The drives get their setpoints in one frame of CAN FD, its data at so many kbit/s; 0: each by its own RPDO1.
     #[cfg(feature = "fd")]
     pub fd_kbit: u32,
@@ -50,7 +46,7 @@ impl Cycle {
     /// What may be taken, in tenths of a percent: the rest is for transfers and commands.
     pub const MOST: u32 = 900;
 
-    /// The load in tenths of a percent. SYNC is on the bus whoever sends it.
+    /// The load in tenths of a percent.
     #[must_use]
     pub fn load(&self) -> u32 {
         let all = self.drives.saturating_add(self.further);
@@ -75,7 +71,7 @@ impl Cycle {
             (setpoint, self.tick_us, self.drive_syncs, all),
             (status, self.status_ms, 1000, 3),
         ];
-        let mut thousandths = u64::from(self.others).wrapping_mul(1000);
+        let mut thousandths = 0_u64;
         for (bits, times, us, frames) in &sent {
             // Products of two numbers of 32 bits fit.
             let every_us = u64::from(*times).wrapping_mul(u64::from(*us));
@@ -122,7 +118,6 @@ mod tests {
             further: 0,
             drive_syncs,
             status_ms: 10,
-            others: 0,
             fd_kbit: 0,
         }
     }
@@ -157,27 +152,6 @@ mod tests {
             ..cycle(4, 4)
         };
         assert_eq!(four_spindles.load(), 853);
-        // Two boards, each with two drives: SYNC is there once.
-        let two = Cycle {
-            others: 33,
-            ..cycle(2, 4)
-        };
-        assert_eq!(two.load(), 393 + 330);
-        // Two whole boards, with what the other takes rounded up: at 1 ms, at 2 ms, at 2 ms with four spindles.
-        for (tick_us, further, others, load) in [
-            (1000, 0, 62, 681 + 620),
-            (2000, 0, 33, 360 + 330),
-            (2000, 3, 42, 447 + 420),
-        ] {
-            let one = Cycle {
-                tick_us,
-                further,
-                others,
-                ..cycle(4, 4)
-            };
-            assert_eq!(one.load(), load);
-            assert_eq!(one.check().is_ok(), tick_us == 2000);
-        }
     }
 
     #[test]
@@ -218,12 +192,6 @@ mod tests {
                 Arg::Int(1000)
             ]
         );
-        let with_others = Cycle {
-            others: 22,
-            ..cycle(4, 4)
-        };
-        let alarm = with_others.check().unwrap_err();
-        assert_eq!(alarm.args[0], Arg::Percent(90), "901 tenths");
         let stopped = Cycle {
             kbit: 0,
             ..cycle(1, 4)

@@ -33,8 +33,6 @@ mod sdo;
 mod setpoints;
 mod spindle;
 mod sync;
-mod sync_lock;
-mod sync_watch;
 
 pub use board_pdo::{
     BoardCommand, BoardFlags, BoardPlace, BoardSpindle, BoardState, BoardStatus, Order, OrderGate,
@@ -62,6 +60,4 @@ pub use sdo::{
 #[cfg(feature = "fd")]
 pub use setpoints::Setpoints;
 pub use spindle::{SpindleDemand, SpindleMaster};
-pub use sync::{SyncBeat, SyncConsumer, SyncHeard, SyncProducer, SyncSource, is_sync};
-pub use sync_lock::SyncLock;
-pub use sync_watch::{SyncVerdict, SyncWatch};
+pub use sync::{SyncProducer, is_sync};

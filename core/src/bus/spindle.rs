@@ -117,7 +117,7 @@ impl SpindleMaster {
         let drive = self.drive.tick_slowly(position);
         let wanted = match self.drive.phase() {
             // Who is being started knows nothing of what it was told before.
-            Phase::Offline | Phase::Step(Step::Contact) | Phase::Stopped => None,
+            Phase::Offline | Phase::Step(Step::Contact) => None,
             Phase::Enabled => Some(wish),
             Phase::Standby | Phase::Halted | Phase::Step(_) => Some(SpindleCommand {
                 mode: Mode::Velocity,

@@ -54,7 +54,7 @@ impl Default for Params {
 
 /// Version of the parameter table, for people and for files: counted up by hand where a file that was right becomes wrong
 /// [D119]. What tells any two tables apart is their [key](TABLE_KEY).
-pub const SCHEMA: u16 = 1;
+pub const SCHEMA: u16 = 2;
 
 /// Number of the parameter that holds the password: it is never told.
 pub const PASSWORD: u16 = 9028;

@@ -347,6 +347,8 @@ const TABLES: &[(u16, u32)] = &[
     (1, 0x9B54_6192),
     // No slide without ends. A file that had one was right for no machine, and is told so at its line [D197].
     (1, 0xE253_FECC),
+    // No board follows the SYNC of another: every file that a board told names 9029 and 9030 [D212].
+    (2, 0x4B3D_87BA),
 ];
 
 #[test]

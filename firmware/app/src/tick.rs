@@ -10,7 +10,7 @@ use leadscrew_core::board::{
 };
 #[cfg(feature = "fd")]
 use leadscrew_core::bus::Setpoints;
-use leadscrew_core::bus::{Frame, Service, SyncHeard, SyncProducer};
+use leadscrew_core::bus::{Frame, Service, SyncProducer};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::signals::Signals;
 use leadscrew_core::spindle::EncoderSample;
@@ -44,12 +44,6 @@ pub struct Inputs {
 pub trait TickMachine {
     /// What the spindle's encoder shows at this SYNC. The first call of a tick.
     fn sample(&mut self) -> EncoderSample;
-    /// What the period that has ended has brought of the SYNC that somebody else
-    /// sends, where this board's timer is led to it; its parameters say that it is
-    /// (9029). The second call of a tick, in every one. `None`: nothing to be told.
-    fn heard(&mut self) -> Option<SyncHeard> {
-        None
-    }
     /// What the pins say.
     fn inputs(&mut self) -> Inputs;
     /// The oldest frame from the bus not yet read. Those of drives have to come this way; whatever else comes goes to the
@@ -91,8 +85,8 @@ pub struct TickSide {
     ticker: Option<&'static mut Ticker>,
     /// Where the drives are; while there is no ticker, where they were.
     drives: DriveNodes,
-    /// The beat it gave, which others may follow: it goes on meanwhile.
-    sync: Option<SyncProducer>,
+    /// The SYNC it gave: that goes on meanwhile.
+    sync: SyncProducer,
     ends: Ends,
     output: Output,
     reference: Reference,
@@ -116,7 +110,7 @@ impl TickSide {
             drives: ticker.drive_nodes(),
             second: ticker.second(),
             ticker: Some(ticker),
-            sync: None,
+            sync: SyncProducer::new(),
             ends,
             output: Output::default(),
             reference: Reference::default(),
@@ -130,18 +124,15 @@ impl TickSide {
     }
 
     /// One SYNC period. While the ticker is with the background, which makes it anew, nothing is sent but SYNC: the machine
-    /// stands, and its drives are brought up again; that of a board that follows may be at work.
+    /// stands, and its drives are brought up again.
     pub fn tick(&mut self, machine: &mut impl TickMachine) {
         let sample = machine.sample();
-        let heard = machine.heard();
         self.elapsed = self.elapsed.saturating_add(1);
         self.silence = self.silence.saturating_add(1);
         if let Some(ticker) = take(&mut self.ends.returned) {
             self.drives = ticker.drive_nodes();
             self.second = ticker.second();
-            if let (Some(sync), Some(before)) = (ticker.beat_given(), self.sync) {
-                *sync = before;
-            }
+            *ticker.sync() = self.sync;
             self.ticker = Some(ticker);
         }
         let inputs = machine.inputs();
@@ -159,9 +150,6 @@ impl TickSide {
             events: &mut self.ends.events,
         };
         if let Some(ticker) = &mut self.ticker {
-            if let Some(heard) = heard {
-                ticker.follow(heard);
-            }
             ticker.tick(sample, &received, &mut ends, &mut self.output);
         }
         if self.output.switching != Switching::Nothing {
@@ -189,10 +177,8 @@ impl TickSide {
         {
             self.output.together = None;
         }
-        if let Some(sync) = &mut self.sync {
-            // There is room.
-            let _ = self.output.frames.push(sync.next());
-        }
+        // There is room.
+        let _ = self.output.frames.push(self.sync.next());
     }
 
     /// What the last tick gave.
@@ -295,7 +281,7 @@ impl TickSide {
         while take(&mut self.ends.detours).is_some() {}
         self.reference = Reference::default();
         if let Some(ticker) = &mut self.ticker {
-            self.sync = ticker.beat_given().copied();
+            self.sync = *ticker.sync();
         }
         if let Some(ticker) = self.ticker.take()
             && let Err(ticker) = put(&mut self.ends.given, ticker)

@@ -12,7 +12,7 @@ use leadscrew_core::bus::{
     BusState, CobId, Controller, Controlword, DriveCommand, DriveConfig, DriveStatus, Emcy,
     ErrorCounts, FdFrame, FollowingLimit, Frame, HeartbeatWatch, Increments, MilliRpm, Mode,
     NmtCommand, NmtState, NodeId, Object, Order, Periods, Scale, SdoProtocol, SpindleCommand,
-    SpindleDemand, Statusword, SyncHeard, SyncProducer,
+    SpindleDemand, Statusword, SyncProducer,
 };
 use leadscrew_core::cycle::{Move, MoveKind, TapMove, ThreadMove};
 use leadscrew_core::journal::{TapHole, TapRecord};
@@ -143,7 +143,6 @@ records! {
     ErrorCounts { sending receiving }
     Emcy { code register detail }
     FollowingLimit { increments time standing }
-    SyncHeard { count missed locked }
     Object { index sub }
     HeartbeatWatch { node ms }
     BoardCommand { count order single_block dry_run feed rapid spindle }

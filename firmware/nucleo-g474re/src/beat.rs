@@ -1,17 +1,13 @@
-//! The beat of SYNC: TIM6. Beside it TIM3 runs freely in the same steps, microseconds: the CAN controller stamps what it
-//! hears with it, so that the beat can be led to the SYNC of somebody else.
+//! The beat of SYNC: TIM6, in steps of a microsecond.
 
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::pac::timer::vals::Urs;
-use embassy_stm32::pac::{TIM3, TIM6, interrupt};
+use embassy_stm32::pac::{TIM6, interrupt};
 
 use crate::clock::CORE_MHZ;
 
 /// Prepares the timer for a period in microseconds, 1 to 65 536, and lets its interrupt through, above everything else.
 pub fn start(period_us: u32) {
-    TIM3.psc().write_value((CORE_MHZ - 1) as u16);
-    TIM3.egr().write(|w| w.set_ug(true));
-    TIM3.cr1().write(|w| w.set_cen(true));
     TIM6.psc().write_value((CORE_MHZ - 1) as u16);
     set(period_us);
     // Setting it up is no beat.
@@ -40,11 +36,6 @@ pub fn begun() {
 /// The period.
 pub fn period_us() -> u32 {
     u32::from(TIM6.arr().read().arr()) + 1
-}
-
-/// What TIM3 showed at the last beat.
-pub fn stamp() -> u16 {
-    (TIM3.cnt().read().cnt()).wrapping_sub(TIM6.cnt().read().cnt())
 }
 
 /// Microseconds since the last beat.

@@ -10,7 +10,7 @@
 //! its message memory in time: it goes into restricted operation by itself, sends nothing any more, and stays there.
 
 use embassy_stm32::pac::can::regs::Nbtp;
-use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
+use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
 use embassy_stm32::pac::{FDCAN1, FDCANRAM1, interrupt};
 use leadscrew_core::bus::{Controller, Frame};
 use leadscrew_parts::{BitTiming, Places};
@@ -48,8 +48,6 @@ pub fn start(timing: BitTiming) {
         w.set_rrfs(true);
         w.set_rrfe(true);
     });
-    // The time of what is heard is that of TIM3 where it began.
-    FDCAN1.tscc().write(|w| w.set_tss(Tss::EXTERNAL));
     FDCAN1.txbc().write(|w| w.set_tfqm(Tfqm::QUEUE));
     // A place that becomes free, by being sent or called back, is told.
     FDCAN1.txbtie().write(|w| w.0 = 0b111);
@@ -90,8 +88,8 @@ pub fn put(words: &[u32; 4]) -> Option<Places> {
     Some(place)
 }
 
-/// A frame that has been received, and what TIM3 showed when it began.
-pub fn take() -> Option<(Frame, u16)> {
+/// A frame that has been received.
+pub fn take() -> Option<Frame> {
     let state = FDCAN1.rxfs(0).read();
     if state.ffl() == 0 {
         return None;

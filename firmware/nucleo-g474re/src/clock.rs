@@ -71,7 +71,6 @@ pub fn start() {
     pac::RCC.cr().modify(|w| w.set_csson(true));
     pac::RCC.apb1enr1().modify(|w| {
         w.set_tim2en(true);
-        w.set_tim3en(true);
         w.set_tim5en(true);
         w.set_tim6en(true);
         w.set_fdcanen(true);

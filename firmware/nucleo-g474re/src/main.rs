@@ -45,7 +45,7 @@ use leadscrew_app::{
 };
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest, Switching};
-use leadscrew_core::bus::{Controller, Frame, NodeId, SyncHeard};
+use leadscrew_core::bus::{Controller, Frame, NodeId};
 use leadscrew_core::journal::TapRecord;
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
@@ -91,10 +91,6 @@ struct TickParts {
 impl TickMachine for TickParts {
     fn sample(&mut self) -> EncoderSample {
         self.encoder.sample()
-    }
-
-    fn heard(&mut self) -> Option<SyncHeard> {
-        self.wire.follow(&Registers)
     }
 
     fn inputs(&mut self) -> Inputs {
@@ -192,7 +188,6 @@ impl Machine for BackgroundParts {
     }
 
     fn begin_anew(&mut self, params: &Params) {
-        wire::begin_anew(&self.wire, params);
         beat::set(params.tick_us());
     }
 }
@@ -249,7 +244,6 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         panic!("a set that has passed its checks works");
     };
     let (tick_end, background_end) = wire::start(kbit);
-    wire::begin_anew(&background_end, &set.params);
     let encoder = Encoder::start();
     let contacts = pins::contacts();
     watchdog::start();

@@ -82,7 +82,7 @@ means! {
 // RCC, IWDG, and what DBGMCU does where a debugger stops the program.
 means! {
     Apb1enr1(1 << 25 | 1 << 4 | 1 << 3), w => w.fdcanen() && w.tim6en() && w.tim5en();
-    Apb1enr1(1 << 1 | 1), w => w.tim3en() && w.tim2en();
+    Apb1enr1(1), w => w.tim2en();
     Oscillators(1 << 19 | 1 << 17 | 1 << 16), w => w.csson() && w.hserdy() && w.hseon();
     Oscillators(1 << 10 | 1 << 8), w => w.hsirdy() && w.hsion();
     Ahb2enr(0b111), w => w.gpioaen() && w.gpioben() && w.gpiocen();

@@ -6,8 +6,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::pac::interrupt;
-use leadscrew_core::bus::{Frame, SyncSource};
-use leadscrew_core::params::Params;
+use leadscrew_core::bus::Frame;
 use leadscrew_parts::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
 
 use crate::owned::{Once, Owned};
@@ -27,7 +26,7 @@ static LOST: AtomicBool = AtomicBool::new(false);
 pub struct Registers;
 
 impl Chip for Registers {
-    fn take(&self) -> Option<(Frame, u16)> {
+    fn take(&self) -> Option<Frame> {
         can::take()
     }
 
@@ -49,14 +48,6 @@ impl Chip for Registers {
 
     fn poke(&self) {
         can::poke();
-    }
-
-    fn beat_stamp(&self) -> u16 {
-        beat::stamp()
-    }
-
-    fn set_period(&self, us: u32) {
-        beat::set(us);
     }
 
     fn period_us(&self) -> u32 {
@@ -87,15 +78,6 @@ pub fn start(kbit: u32) -> (TickEnd<'static>, BackgroundEnd<'static>) {
         NVIC::unmask(interrupt::FDCAN1_IT0);
     }
     (tick, background)
-}
-
-/// Gives the beat from the next tick on, or follows that of the bus, as the parameters say.
-pub fn begin_anew(end: &BackgroundEnd<'static>, params: &Params) {
-    end.follow(match SyncSource::of(params.sync_source()) {
-        SyncSource::Own => 0,
-        // A tick is no longer than 10 ms.
-        SyncSource::Bus => params.tick_us() as u16,
-    });
 }
 
 /// A frame that is lost is told on a desk.

@@ -8,7 +8,6 @@
 //! | [`to_send`], [`received`], [`controller`] | the words of a CAN controller: frames, its state |
 //! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, whenever one comes in between |
 //! | [`Gate`] | which frame may go into the CAN controller next |
-//! | [`Follower`] | stamps of somebody else's SYNC to the length of the own periods |
 //! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
 //! | [`WordFlash`] | flash of words with error correction to the traits of storage |
 //! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp and spindle enable, behind the traits of pins |
@@ -17,7 +16,6 @@
 
 mod edges;
 mod flash;
-mod follower;
 mod gate;
 mod message;
 mod panel;
@@ -27,7 +25,6 @@ mod wire;
 
 pub use edges::{EdgeClock, Reading};
 pub use flash::{WordDevice, WordError, WordFlash};
-pub use follower::{Beat, Follower};
 pub use gate::{Gate, Turn};
 pub use message::{controller, received, to_send};
 pub use panel::{Clamp, Contacts, Said, Switches};

@@ -29,16 +29,16 @@ pub fn to_send(frame: &Frame) -> [u32; 4] {
     ]
 }
 
-/// The frame in the words of one that was received, and what the counter for stamps showed when it began. Lengths above
-/// eight mean eight, as on the wire. `None` for none that there is.
+/// The frame in the words of one that was received. Lengths above eight mean eight, as on the wire. `None` for none that
+/// there is.
 #[must_use]
-pub fn received([head, second, low, high]: [u32; 4]) -> Option<(Frame, u16)> {
+pub fn received([head, second, low, high]: [u32; 4]) -> Option<Frame> {
     let [a, b, c, d] = low.to_le_bytes();
     let [e, f, g, h] = high.to_le_bytes();
     let bytes = [a, b, c, d, e, f, g, h];
-    let (stamp, length) = (second as u16, ((second >> LENGTH) & 0xF).min(8) as usize);
+    let length = ((second >> LENGTH) & 0xF).min(8) as usize;
     let id = CobId::new(((head >> ID) & 0x7FF) as u16)?;
-    Some((Frame::new(id, bytes.get(..length)?)?, stamp))
+    Frame::new(id, bytes.get(..length)?)
 }
 
 /// How the controller stands on the bus, by its control register (CCCR), its protocol status (PSR) and its counters of
@@ -110,18 +110,19 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_was_received_is_told_with_its_stamp() {
-        // No filter matched (bit 31); what the filter would be (30 to 24) means nothing then.
+    fn a_frame_that_was_received_is_told_without_its_stamp() {
+        // No filter matched (bit 31); what the filter would be (30 to 24) means nothing then. The stamp
+        // is in the lower half.
         let words = [0x0608_0000, 0xFF08_BEEF, 0x4433_2211, 0x8877_6655];
         let bytes = [0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88];
-        assert_eq!(received(words), Some((frame(0x182, &bytes), 0xBEEF)));
+        assert_eq!(received(words), Some(frame(0x182, &bytes)));
         // From somebody who is error passive (bit 31): a frame like any other.
         let passive = [0x8608_0000, 0x8002_0001, 0x4433_2211, 0];
-        assert_eq!(received(passive), Some((frame(0x182, &bytes[..2]), 1)));
+        assert_eq!(received(passive), Some(frame(0x182, &bytes[..2])));
         // A length of 9 to 15 means eight bytes.
         for length in 9..=15 {
             let words = [0x0608_0000, length << 16, 0x4433_2211, 0x8877_6655];
-            assert_eq!(received(words), Some((frame(0x182, &bytes), 0)));
+            assert_eq!(received(words), Some(frame(0x182, &bytes)));
         }
     }
 
@@ -132,7 +133,7 @@ mod tests {
                 let bytes: Vec<u8> = (1..=length).map(|n| n ^ id as u8).collect();
                 let [head, second, low, high] = to_send(&frame(id, &bytes));
                 let stamped = [head, second | u32::from(!id), low, high];
-                assert_eq!(received(stamped), Some((frame(id, &bytes), !id)));
+                assert_eq!(received(stamped), Some(frame(id, &bytes)));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What two contexts share: words, flags and rings. One side of each ring, and either side of a word, may be interrupted by
+//! What two contexts share: words and rings. One side of each ring, and either side of a word, may be interrupted by
 //! the other at any access.
 //!
 //! In the tests of this crate each access is a place where that happens ([`point`]): so all of them can be tried.
@@ -31,23 +31,6 @@ impl Word {
     pub(crate) fn set(&self, value: u32) {
         point();
         self.0.store(value, Ordering::Release);
-    }
-}
-
-/// Yes or no.
-pub(crate) struct Flag(Word);
-
-impl Flag {
-    pub(crate) const fn new(value: bool) -> Self {
-        Self(Word::new(value as u32))
-    }
-
-    pub(crate) fn get(&self) -> bool {
-        self.0.get() != 0
-    }
-
-    pub(crate) fn set(&self, value: bool) {
-        self.0.set(value.into());
     }
 }
 

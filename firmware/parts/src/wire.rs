@@ -16,20 +16,15 @@
 //! marks its place, and does so only while the number is the one it began with. Frames that are given up are known by
 //! their own number, which is compared with that of the tick behind each look at the ring.
 //!
-//! A board that follows sends no SYNC. Those it hears go to the tick with their time, and nobody else; until that of a tick
-//! has come, nothing is put in ([`Follower`]). A SYNC that is read behind a beat may have begun long before it: it lets the
-//! frames of that tick go only where it counts for that beat.
-//!
 //! Knows no register: those are behind [`Chip`].
 
 use heapless::spsc::Queue;
 use leadscrew_core::board::FRAMES;
-use leadscrew_core::bus::{Frame, Service, SyncHeard, is_sync};
+use leadscrew_core::bus::{Frame, Service};
 
-use crate::follower::Follower;
 use crate::gate::{Gate, Turn};
 use crate::message::to_send;
-use crate::shared::{Flag, In, Out, Word};
+use crate::shared::{In, Out, Word};
 
 #[cfg(test)]
 mod tests;
@@ -39,8 +34,6 @@ const HEARD: usize = 33;
 // While a page of the flash is erased nobody reads them: a transfer that is faster begins its block again.
 const REQUESTS: usize = 33;
 const OTHERS: usize = 9;
-// More than one in a period is wrong, however many there are.
-const SYNCS: usize = 3;
 
 /// Places of a controller for frames to be sent, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +60,8 @@ impl Places {
 
 /// The controller, and the timer that gives the beat.
 pub trait Chip {
-    /// A frame that has been received, and what the counter for stamps showed when it began.
-    fn take(&self) -> Option<(Frame, u16)>;
+    /// A frame that has been received.
+    fn take(&self) -> Option<Frame>;
     /// Puts the words of a frame ([`to_send`]) into the controller; its place comes back, or `None` where there is none.
     /// Not to be interrupted by itself.
     fn put(&self, words: &[u32; 4]) -> Option<Places>;
@@ -80,11 +73,7 @@ pub trait Chip {
     fn is_off(&self) -> bool;
     /// Lets the interrupt run as soon as nothing more urgent does.
     fn poke(&self);
-    /// What the counter for stamps showed at the last beat.
-    fn beat_stamp(&self) -> u16;
-    /// The length of the next period.
-    fn set_period(&self, us: u32);
-    /// The length of this one.
+    /// The length of a period.
     fn period_us(&self) -> u32;
     /// Microseconds since the last beat.
     fn since_us(&self) -> u32;
@@ -98,9 +87,6 @@ struct Setpoint {
     frame: Frame,
 }
 
-/// A SYNC of somebody else: its stamp, and its counter.
-type Sync = (u16, Option<u8>);
-
 /// What tick and interrupt tell each other beside the rings.
 struct Shared {
     /// The number of the last tick that has sent. Written by the tick.
@@ -110,21 +96,12 @@ struct Shared {
     places: Word,
     /// How many frames of that tick the interrupt has put in. Written as the places are.
     done: Word,
-    /// Frames may be put in: the SYNC of this tick has come, or is the board's own. Written as the places are.
-    goes: Flag,
-    /// The stamp of the last beat, where the board follows. Written by the tick.
-    beat: Word,
-    /// Microseconds of the nominal period of the SYNC that the board follows; 0 where it gives the beat. Written by the
-    /// background.
-    follows: Word,
 }
 
 /// All that lies between the three.
 pub struct Rings {
     shared: Shared,
     heard: Queue<Frame, HEARD>,
-    syncs: Queue<Sync, SYNCS>,
-    follower: Follower,
     requests: Queue<Frame, REQUESTS>,
     // Those of a tick that has been given up, until the interrupt has thrown them away, and those of the next.
     setpoints: Queue<Setpoint, { 2 * FRAMES + 1 }>,
@@ -135,10 +112,6 @@ pub struct Rings {
 pub struct TickEnd<'a> {
     shared: &'a Shared,
     heard: Out<'a, Frame>,
-    syncs: Out<'a, Sync>,
-    follower: &'a mut Follower,
-    /// The frames of the tick before had no SYNC to go behind.
-    withheld: bool,
     /// Frames of the tick before that the interrupt was to put in.
     left: u32,
     setpoints: In<'a, Setpoint>,
@@ -146,7 +119,6 @@ pub struct TickEnd<'a> {
 
 /// The background's end.
 pub struct BackgroundEnd<'a> {
-    shared: &'a Shared,
     requests: Out<'a, Frame>,
     others: In<'a, Frame>,
 }
@@ -155,7 +127,6 @@ pub struct BackgroundEnd<'a> {
 pub struct BusEnd<'a> {
     shared: &'a Shared,
     heard: In<'a, Frame>,
-    syncs: In<'a, Sync>,
     requests: In<'a, Frame>,
     setpoints: Out<'a, Setpoint>,
     others: Out<'a, Frame>,
@@ -165,7 +136,7 @@ pub struct BusEnd<'a> {
 }
 
 impl Rings {
-    /// All of them empty; the board gives the beat.
+    /// All of them empty.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -173,13 +144,8 @@ impl Rings {
                 tick: Word::new(0),
                 places: Word::new(0),
                 done: Word::new(0),
-                goes: Flag::new(true),
-                beat: Word::new(0),
-                follows: Word::new(0),
             },
             heard: Queue::new(),
-            syncs: Queue::new(),
-            follower: Follower::new(0),
             requests: Queue::new(),
             setpoints: Queue::new(),
             others: Queue::new(),
@@ -190,28 +156,22 @@ impl Rings {
     pub fn split(&mut self, kbit: u32) -> (TickEnd<'_>, BackgroundEnd<'_>, BusEnd<'_>) {
         let shared = &self.shared;
         let (heard_in, heard_out) = self.heard.split();
-        let (syncs_in, syncs_out) = self.syncs.split();
         let (requests_in, requests_out) = self.requests.split();
         let (setpoints_in, setpoints_out) = self.setpoints.split();
         let (others_in, others_out) = self.others.split();
         let tick = TickEnd {
             shared,
             heard: Out(heard_out),
-            syncs: Out(syncs_out),
-            follower: &mut self.follower,
-            withheld: false,
             left: 0,
             setpoints: In(setpoints_in),
         };
         let background = BackgroundEnd {
-            shared,
             requests: Out(requests_out),
             others: In(others_in),
         };
         let bus = BusEnd {
             shared,
             heard: In(heard_in),
-            syncs: In(syncs_in),
             requests: In(requests_in),
             setpoints: Out(setpoints_out),
             others: Out(others_out),
@@ -230,36 +190,13 @@ impl Default for Rings {
 }
 
 impl TickEnd<'_> {
-    /// Leads the timer to the SYNC of somebody else, where the board follows; what that was like. Once in a tick, at its
-    /// beginning.
-    #[inline(never)]
-    pub fn follow(&mut self, chip: &impl Chip) -> Option<SyncHeard> {
-        if !self.follower.follows(self.shared.follows.get() as u16) {
-            self.withheld = false;
-            self.shared.goes.set(true);
-            return None;
-        }
-        while let Some((stamp, counter)) = self.syncs.take() {
-            self.follower.hear(stamp, counter);
-        }
-        let stamp = chip.beat_stamp();
-        let beat = self.follower.beat(stamp);
-        chip.set_period(beat.next_steps);
-        self.shared.beat.set(stamp.into());
-        // The interrupt waits.
-        self.withheld = !self.shared.goes.get();
-        self.shared.goes.set(beat.goes);
-        Some(beat.heard)
-    }
-
     /// The oldest frame not yet read.
     pub fn receive(&mut self) -> Option<Frame> {
         self.heard.take()
     }
 
     /// Sends the frames of a tick, SYNC first; once in each, also where there are none. False where some of the tick before
-    /// have not left: they are called back. Those that had no SYNC to go behind do not count: that it was missing is told
-    /// already.
+    /// have not left: they are called back.
     pub fn send(&mut self, frames: &[Frame], chip: &impl Chip) -> bool {
         let left = Places(chip.pending().0 & self.shared.places.get());
         let in_time = left.is_empty() && self.shared.done.get() == self.left;
@@ -270,8 +207,7 @@ impl TickEnd<'_> {
         }
         let mut frames = frames.iter();
         let mut mine = left;
-        if self.shared.goes.get()
-            && let Some(sync) = frames.as_slice().first()
+        if let Some(sync) = frames.as_slice().first()
             && let Some(place) = chip.put(&to_send(sync))
         {
             mine.0 |= place.0;
@@ -286,17 +222,11 @@ impl TickEnd<'_> {
             let _ = self.setpoints.put(Setpoint { tick, frame });
         }
         chip.poke();
-        in_time || core::mem::take(&mut self.withheld)
+        in_time
     }
 }
 
 impl BackgroundEnd<'_> {
-    /// The SYNC of somebody else is followed from the next tick on, in periods of so many microseconds; 0: the board gives
-    /// the beat.
-    pub fn follow(&self, period_us: u16) {
-        self.shared.follows.set(period_us.into());
-    }
-
     /// The oldest request not yet read.
     pub fn receive(&mut self) -> Option<Frame> {
         self.requests.take()
@@ -320,13 +250,7 @@ impl BusEnd<'_> {
     /// It is lost as on the wire: drives that fall silent are missed, requests are made again.
     pub fn serve(&mut self, chip: &impl Chip) -> bool {
         let mut kept = true;
-        while let Some((frame, stamp)) = chip.take() {
-            let follows = self.shared.follows.get();
-            if is_sync(&frame) && follows > 0 {
-                let counter = frame.payload().first().copied();
-                chip.alone(|| self.hear(stamp, counter, follows));
-                continue;
-            }
+        while let Some(frame) = chip.take() {
             let ring = if is_request(&frame) {
                 &mut self.requests
             } else {
@@ -336,19 +260,6 @@ impl BusEnd<'_> {
         }
         while self.fill(chip) {}
         kept
-    }
-
-    /// A SYNC that is followed. As [`SyncLock`](leadscrew_core::bus::SyncLock) has it, it counts for the last beat where it
-    /// began in the half of a period before that or behind it. One of before is for frames that have been given up; one of
-    /// later is for those of the next beat, which is told by [`Follower::beat`].
-    fn hear(&mut self, stamp: u16, counter: Option<u8>, follows: u32) {
-        // Where there is no room, there are too many already.
-        let _ = self.syncs.put((stamp, counter));
-        let since = stamp.wrapping_sub(self.shared.beat.get() as u16);
-        let half = (follows / 2).cast_signed();
-        if (half.wrapping_neg()..half).contains(&since.cast_signed().into()) {
-            self.shared.goes.set(true);
-        }
     }
 
     /// Fills one place. False where nothing has a turn; a tick that has come in between has asked for another run.
@@ -369,9 +280,6 @@ impl BusEnd<'_> {
         if chip.is_off() {
             // Who asked for it does not wait any more: behind the way back it would answer something else.
             return self.others.take().is_some();
-        }
-        if !shared.goes.get() {
-            return false;
         }
         let pending = chip.pending();
         let free = Places::COUNT.saturating_sub(pending.count());

@@ -186,20 +186,6 @@ impl Link {
         Ok(false)
     }
 
-    /// Asks a node that may not be there, or may not have this object; `None` where it says nothing of it. Somebody who
-    /// does not answer costs a second.
-    ///
-    /// # Errors
-    /// The bus is gone.
-    pub fn ask_shortly(&mut self, node: NodeId, object: Object) -> LinkResult<Option<Vec<u8>>> {
-        for _ in 0..QUESTIONS {
-            if let Some(told) = self.ask_once(node, object, ANSWER)? {
-                return Ok(Some(told));
-            }
-        }
-        Ok(None)
-    }
-
     /// Waits until nobody has asked this node anything for a while, nor got an answer; false where that does not come.
     fn wait_for_quiet(&mut self, node: NodeId) -> LinkResult<bool> {
         let talk = [Service::SdoRequest, Service::SdoReply].map(|one| CobId::of(one, node));

@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::server::{Options, Server};
 use crate::{Run, bad, good, json as parsed, leadscrew, slow, text, wait_for};
 
-const LATHE: &str = "# My lathe\nschema = 1\n\"1420.X\" = \"11 m/min\" # rapid\n\n[drive.X]\nrpdo1 = [\"6040/16\", \"607A/32\"]\n\
+const LATHE: &str = "# My lathe\nschema = 2\n\"1420.X\" = \"11 m/min\" # rapid\n\n[drive.X]\nrpdo1 = [\"6040/16\", \"607A/32\"]\n\
                      max_profile_velocity = 0x7A120 # 500000\n[drive.S1]\ninterpolation_period = \"1 ms\"\nprofile_acceleration = 7000\n";
 
 /// A file of this test alone.

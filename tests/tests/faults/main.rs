@@ -2,7 +2,6 @@
 //! which alarm with which figures, how it comes to rest, what moves afterwards, and that the next program is cut as the
 //! first would have been. What a drive, a spindle or an encoder can do wrong at any place of a program is in `trouble`.
 
-mod beats;
 mod bench;
 mod cable;
 mod controller;
@@ -12,4 +11,3 @@ mod gateway;
 mod late;
 mod masters;
 mod power;
-mod together;

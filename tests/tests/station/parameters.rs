@@ -1,9 +1,8 @@
 //! Parameters over the bus: one by one with their ranges, or a whole set, all or nothing.
 
+use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::PlantOptions;
-use leadscrew_board_sim::{Direction, Sim};
-use leadscrew_core::board::State;
-use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError, SdoProtocol, is_sync};
+use leadscrew_core::bus::{Abort, BoardState, Object, Order, SdoError, SdoProtocol};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_tests::gateway::{Gateway, Upload};
@@ -169,37 +168,6 @@ fn each_drive_has_a_number_of_its_own() {
     assert_eq!(gateway.number(&mut sim, 0x2000 + 9015, 2), Ok(17));
     assert_eq!(write(&mut gateway, &mut sim, z, 126, 1), Ok(()));
     assert_eq!(gateway.number(&mut sim, 0x2000 + 9015, 2), Ok(126));
-}
-
-/// The board begins anew with the set: its drives come up by the beat that it says.
-#[test]
-fn who_gives_the_beat_is_a_parameter_and_an_object_tells() {
-    let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
-    let mut gateway = Gateway::connect(&mut sim);
-    let source = parameter(9029, 0);
-    for (follows, cob_id) in [(false, 0x4000_0080), (true, 0x80), (false, 0x4000_0080)] {
-        assert_eq!(
-            write(&mut gateway, &mut sim, source, follows.into(), 1),
-            Ok(())
-        );
-        let mut sent = 0;
-        for _ in 0..200 {
-            sim.step_on(&mut |direction, frame| {
-                let of_board = direction == Direction::FromBoard;
-                sent += u32::from(of_board && is_sync(frame));
-            });
-            gateway.listen(&mut sim);
-        }
-        assert_eq!(sim.board().ticker().state(), State::Idle);
-        assert_eq!(sent, if follows { 0 } else { 200 });
-        assert_eq!(gateway.number(&mut sim, 0x1005, 0), Ok(cob_id));
-        assert_eq!(gateway.number(&mut sim, 0x1006, 0), Ok(1000));
-        let other = i64::from(u32::MAX) & !i64::from(u32::try_from(cob_id).unwrap());
-        let written = write(&mut gateway, &mut sim, Object::new(0x1005, 0), other, 4);
-        assert_eq!(written, refused(Abort::ReadOnly));
-    }
-    let too_high = write(&mut gateway, &mut sim, source, 2, 1);
-    assert_eq!(too_high, refused(Abort::TooHigh));
 }
 
 #[test]

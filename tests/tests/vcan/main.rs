@@ -16,4 +16,3 @@ mod python;
 mod record;
 mod run;
 mod socket;
-mod together;

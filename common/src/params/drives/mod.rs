@@ -19,15 +19,14 @@ use std::ops::Range;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
     CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Service, Setpoints, SpindleCommand,
-    SyncSource,
 };
 use leadscrew_core::params::Params;
 
 use crate::diagnostics::Place;
 
 pub use objects::{
-    Drive, DriveName, KNOWN, Kind, Known, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE, STOP,
-    mapping_text, object_text,
+    Drive, DriveName, KNOWN, Kind, Known, PDOS, PERIOD_EXPONENT, PERIOD_VALUE, RATE, mapping_text,
+    object_text,
 };
 pub(super) use section::apply;
 
@@ -214,34 +213,7 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
             }
         }
     }
-    if SyncSource::of(params.sync_source()) == SyncSource::Bus {
-        let goes_on = DriveName::ALL
-            .into_iter()
-            .filter_map(|drive| goes_on(settings, drive));
-        found.extend(goes_on);
-    }
     found
-}
-
-/// What a drive with a section does where the SYNC that its board follows stays away: told where it is nothing, and
-/// where the section does not say it [D173].
-fn goes_on(settings: &[Setting], drive: DriveName) -> Option<Conflict> {
-    use leadscrew_core::alarm::Code;
-    let mut own = settings.iter().filter(|setting| setting.drive == drive);
-    let first = own.clone().next()?;
-    let stop = own.find(|setting| setting.wanted.object() == STOP);
-    let (code, setting) = match stop {
-        None => (Code::DriveStopUnsaid, first),
-        Some(stop) => match stop.wanted {
-            Wanted::Number { value: 0, .. } => (Code::DriveGoesOn, stop),
-            _ => return None,
-        },
-    };
-    Some(Conflict {
-        code,
-        figures: vec![drive.to_string()],
-        place: setting.place.clone(),
-    })
 }
 
 /// What the board needs a drive to map into RPDO1: what is its own, behind what is others' where all get one frame (9031).

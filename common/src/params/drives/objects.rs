@@ -438,8 +438,6 @@ pub const PERIOD: &str = "interpolation_period";
 pub const PERIOD_VALUE: Object = Object::new(0x60C2, 1);
 /// 60C2h:02h.
 pub const PERIOD_EXPONENT: Object = Object::new(0x60C2, 2);
-/// 6007h.
-pub const STOP: Object = Object::new(0x6007, 0);
 /// 1800h:02h.
 pub const RATE: Object = Object::new(0x1800, 2);
 

@@ -59,7 +59,7 @@ use crate::alarm::{Alarm, Code};
 use crate::bus::FdFrame;
 use crate::bus::{
     BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave, NmtState,
-    NodeId, OrderGate, Periods, SdoServer, Service, SyncSource,
+    NodeId, OrderGate, Periods, SdoServer, Service,
 };
 use crate::link::ThreadCertificate;
 use crate::params::Params;
@@ -191,7 +191,6 @@ impl Station {
             further: u32::from(params.tap_spindles()).saturating_sub(1),
             drive_syncs: params.drive_status_syncs(),
             status_ms: params.status_period_ms(),
-            others: params.bus_others().into(),
             #[cfg(feature = "fd")]
             fd_kbit: if params.setpoint_frame() == 1 {
                 params.fd_kbit()
@@ -235,8 +234,7 @@ impl Station {
         if !self.has_joined() {
             return false;
         }
-        let source = SyncSource::of(params.sync_source());
-        let intrusion = Intrusion::of(frame, &DriveNodes::of(params), source);
+        let intrusion = Intrusion::of(frame, &DriveNodes::of(params));
         #[cfg(feature = "fd")]
         let intrusion = intrusion.or_else(|| self.setpoints_of_others(frame.id(), params));
         if let Some(intrusion) = intrusion {
@@ -312,11 +310,9 @@ impl Station {
         self.shelf.measured = measured;
     }
 
-    /// Says how many setpoints have come late for their SYNC since power-up. What the tick side has counted of a beat
-    /// that it follows is told in snapshots, and added.
+    /// Says how many setpoints have come late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
-        let before = core::mem::replace(&mut self.shelf.owners_late, late);
-        self.shelf.late = self.shelf.late.wrapping_add(late.wrapping_sub(before));
+        self.shelf.late = late;
     }
 
     /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
@@ -330,10 +326,6 @@ impl Station {
     ) -> bool {
         // Ticks do not come to the end of 64 bits.
         self.shelf.tick = self.shelf.tick.wrapping_add(elapsed.get().into());
-        let more = snapshot
-            .sync_late
-            .wrapping_sub(self.shelf.snapshot.sync_late);
-        self.shelf.late = self.shelf.late.wrapping_add(more.into());
         self.shelf.snapshot = snapshot;
         let (measured, late) = (self.shelf.measured.as_ref(), self.shelf.late);
         if elapsed != Periods::new(0) {

@@ -20,7 +20,7 @@ use crate::board::store::copy;
 use crate::bus::{
     Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
     HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Order,
-    PdoCommunication, Service, SyncSource,
+    PdoCommunication, Service,
 };
 use crate::link::{
     BATCH_BYTES, ImageReader, Status, VERSION, encode_alarm, encode_changes, identity,
@@ -55,8 +55,6 @@ pub struct Shelf {
     pub signals: Option<Signals>,
     /// Setpoints that came late for their SYNC.
     pub late: u32,
-    /// Of these, what the owner has counted.
-    pub(super) owners_late: u32,
     /// 1018h:04.
     pub serial: u32,
     pub(super) log_from: u32,
@@ -164,7 +162,6 @@ impl Shelf {
             snapshot,
             tick: 0,
             late: 0,
-            owners_late: 0,
             measured: None,
             count: 0,
             dry_run: false,
@@ -372,10 +369,7 @@ impl Shelf {
         let number = match (object.index, object.sub) {
             (0x1001, _) => self.emcy.register().into(),
             (0x1003, sub) => self.emcy.history(sub)?,
-            (0x1005, _) => match SyncSource::of(params.sync_source()) {
-                SyncSource::Own => SENDS_SYNC,
-                SyncSource::Bus => SENDS_SYNC & 0x7FF,
-            },
+            (0x1005, _) => SENDS_SYNC,
             (0x1006, _) => params.tick_us(),
             (0x1016, 1) => self.watch.get(0).map_or(0, HeartbeatWatch::raw),
             (0x1017, _) => self.heartbeat.ms().into(),

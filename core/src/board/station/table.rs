@@ -31,7 +31,7 @@ pub const LOAD: u32 = u32::from_le_bytes(*b"load");
 /// What 1010h:01 reads as: the device stores by itself.
 const STORES_ITSELF: u32 = 2;
 
-/// What 1005h reads as on a board that gives the beat: bit 30 says so.
+/// What 1005h reads as: bit 30 says that the board gives the beat.
 pub const SENDS_SYNC: u32 = 0x4000_0080;
 
 /// What 1011h:01 reads as: the device restores its own set.

@@ -7,7 +7,6 @@ use crate::board::drives::Figures;
 use crate::board::event::Switching;
 use crate::board::kept::Found;
 use crate::board::operator::Operator;
-use crate::bus::SyncSource;
 use crate::motion::Epoch;
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
@@ -64,7 +63,6 @@ impl Ticker {
             remembered,
             notice,
             journal,
-            beat,
             // Read in a mode that has one only.
             alarm: _,
             drives,
@@ -99,7 +97,6 @@ impl Ticker {
         *remembered = position;
         *notice = None;
         journal.begin_anew(given.second);
-        beat.begin_anew(SyncSource::of(params.sync_source()), params.tick_us());
         drives.begin_anew(params, figures);
         executor.begin_anew(given.arrival);
         // Until the drives have come up it is told to be where it was told to be.

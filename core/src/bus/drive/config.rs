@@ -66,7 +66,4 @@ pub enum Phase {
     Enabled,
     /// It is silent, and far from where it was last heard: if it hears anything, it is to stop by itself.
     Halted,
-    /// It is told by network management to stop, again and again, and nothing else:
-    /// it latches nothing, and what it does then is its own affair (6007h).
-    Stopped,
 }

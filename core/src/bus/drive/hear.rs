@@ -153,7 +153,7 @@ impl DriveMaster {
             return;
         }
         match self.phase {
-            Phase::Offline | Phase::Stopped => {}
+            Phase::Offline => {}
             // It came up only now: it has not heard the first start.
             Phase::Step(Step::Contact) => self.start = true,
             Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {

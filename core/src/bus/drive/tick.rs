@@ -2,7 +2,7 @@
 //!
 //! Frames that come are not read here; what they told is in the master already.
 
-use super::{DriveFailure, DriveMaster, Phase, STOPPED_AGAIN, Step};
+use super::{DriveFailure, DriveMaster, Phase, Step};
 use crate::bus::cia402::Controlword;
 use crate::bus::frame::Frame;
 use crate::bus::increments::Increments;
@@ -83,10 +83,7 @@ impl DriveMaster {
     #[inline(never)]
     pub(crate) fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
         self.check_times();
-        let command = match self.phase {
-            Phase::Stopped if self.waited == Periods::new(0) => Some(NmtCommand::Stop),
-            _ => core::mem::take(&mut self.start).then_some(NmtCommand::Start),
-        };
+        let command = core::mem::take(&mut self.start).then_some(NmtCommand::Start);
         let network = command.map(|command| command.frame(Some(self.config.node)));
         self.last_target = self.target;
         if let (Phase::Enabled, Some(demand)) = (self.phase, demand) {
@@ -99,7 +96,7 @@ impl DriveMaster {
         }
         let control = match self.phase {
             // A drive that has not answered has no position to be held at.
-            Phase::Offline | Phase::Step(Step::Contact) | Phase::Stopped => None,
+            Phase::Offline | Phase::Step(Step::Contact) => None,
             Phase::Step(Step::Release) => Some(Controlword::DISABLE_VOLTAGE),
             Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
             Phase::Halted => Some(Controlword::QUICK_STOP),
@@ -149,8 +146,6 @@ impl DriveMaster {
                 self.latch(DriveFailure::Silent);
             }
             Phase::Enabled if self.astray > Periods::new(0) => self.check_following(),
-            Phase::Stopped if self.waited < STOPPED_AGAIN => self.waited = self.waited.one_more(),
-            Phase::Stopped => self.waited = Periods::new(0),
             Phase::Enabled | Phase::Standby | Phase::Offline | Phase::Halted => {}
         }
     }

@@ -2,12 +2,10 @@
 
 use leadscrew_core::alarm::{Arg, Code};
 use leadscrew_core::board::{Event, State};
-use leadscrew_core::bus::{
-    CobId, Frame, NodeId, Order, Service, SyncConsumer, SyncHeard, SyncProducer,
-};
+use leadscrew_core::bus::{CobId, Frame, NodeId, Order, Service, SyncProducer};
 use leadscrew_core::params::Params;
 
-use crate::board::{Apart, alarm, calls, follower};
+use crate::board::{Apart, alarm};
 use crate::setpoints::{sim, whole};
 
 #[test]
@@ -48,48 +46,30 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     }
 }
 
-/// Another board may be at work by its beat, which does not end and does not lose count meanwhile.
+/// Drives that watch SYNC hear no gap in its counter.
 #[test]
-fn a_board_that_is_made_anew_goes_on_giving_the_beat() {
-    let params = Params::slant_bed();
-    let (mut giver, mut other) = (Apart::new(&params), follower());
-    let mut ear = SyncConsumer::new();
-    let mut both = |giver: &mut Apart, other: &mut Apart| {
-        giver.bench.given = None;
-        giver.tick.tick(&mut giver.bench);
-        let mut heard = SyncHeard::NONE;
-        if let Some(beat) = giver.bench.given.and_then(|sync| ear.receive(&sync)) {
-            heard.note(beat);
-        }
-        other.bench.beat = Some((SyncProducer::new(), heard));
-        other.step();
+fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
+    let mut apart = Apart::new(&Params::slant_bed());
+    let count = |apart: &Apart| apart.bench.given.expect("a SYNC").payload()[0];
+    let mut before = count(&apart);
+    let mut tick = |apart: &mut Apart| {
+        apart.bench.given = None;
+        apart.tick.tick(&mut apart.bench);
+        let now = count(apart);
+        assert_eq!(now, before % SyncProducer::LAST + 1);
+        before = now;
     };
-    while !other.bench.events.contains(&Event::Ready) {
-        both(&mut giver, &mut other);
-        giver.rest();
-    }
-    for call in &calls("M3 S600\nG0 X60 Z5\nG98 G1 Z-50 F1000\nM30\n", &params) {
-        assert!(other.background.offer(call));
-        other.rest();
-    }
     for round in 0..3 {
-        for _ in 0..100 {
-            both(&mut giver, &mut other);
-            giver.rest();
-        }
-        giver.restart();
+        apart.restart();
         // Its background takes its time.
         for _ in 0..10 * round {
-            both(&mut giver, &mut other);
+            tick(&mut apart);
         }
         for _ in 0..100 {
-            both(&mut giver, &mut other);
-            giver.rest();
+            tick(&mut apart);
+            apart.rest();
         }
-        assert_eq!(giver.bench.events, [Event::Ready]);
-        let snapshot = other.background.snapshot();
-        assert_eq!(snapshot.state, State::Running);
-        assert_eq!(snapshot.sync_late, 0);
+        assert_eq!(apart.bench.events, [Event::Ready]);
     }
 }
 

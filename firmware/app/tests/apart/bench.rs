@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use leadscrew_app::{Inputs, Machine, TickMachine};
 use leadscrew_board_sim::plant::Plant;
 use leadscrew_core::board::{Event, Held, Region, StoreError, StoreRequest, Switching};
-use leadscrew_core::bus::{Controller, Frame, SyncHeard, SyncProducer, is_sync};
+use leadscrew_core::bus::{Controller, Frame, is_sync};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 
@@ -19,8 +19,6 @@ pub struct Bench {
     pub syncs: u32,
     /// The SYNC of the last tick.
     pub given: Option<Frame>,
-    /// Somebody else who gives the beat, and what the board's timer says of it.
-    pub beat: Option<(SyncProducer, SyncHeard)>,
     pub inputs: Inputs,
     /// Somebody else turns the spindle: counts beside those of the plant, two a tick.
     pub turned: Option<i32>,
@@ -45,10 +43,6 @@ impl TickMachine for Bench {
         sample
     }
 
-    fn heard(&mut self) -> Option<SyncHeard> {
-        self.beat.map(|(_, heard)| heard)
-    }
-
     fn inputs(&mut self) -> Inputs {
         self.inputs
     }
@@ -61,11 +55,8 @@ impl TickMachine for Bench {
         self.given = frames.iter().copied().find(is_sync);
         self.syncs += u32::from(self.given.is_some());
         let answers = &mut self.answers;
-        let mut answer = |answer| answers.push_back(answer);
-        if let Some((sync, SyncHeard { count: 1, .. })) = &mut self.beat {
-            self.plant.exchange(&[sync.next()], &mut answer);
-        }
-        self.plant.exchange(frames, &mut answer);
+        self.plant
+            .exchange(frames, |answer| answers.push_back(answer));
         true
     }
 

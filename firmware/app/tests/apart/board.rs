@@ -15,7 +15,7 @@ use leadscrew_core::bus::{
 use leadscrew_core::link::{
     SetpointHash, ThreadCertificate, ThreadKind, ThreadReader, ThreadRecord, ThreadState,
 };
-use leadscrew_core::params::{Entry, Params};
+use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Call, Options};
 
 use crate::bench::Bench;
@@ -154,7 +154,6 @@ impl Apart {
                 sent: Vec::new(),
                 syncs: 0,
                 given: None,
-                beat: None,
                 inputs: Inputs::default(),
                 switched: Vec::new(),
                 turned: None,
@@ -236,14 +235,6 @@ pub fn calls(text: &str, params: &Params) -> Vec<Call> {
             _ => None,
         })
         .collect()
-}
-
-/// A board that follows, and one that gives the beat.
-pub fn follower() -> Apart {
-    let mut params = Params::slant_bed();
-    let entry = Entry::find_text("9029").expect("a parameter");
-    params.set(entry, 1).expect("in its range");
-    Apart::off(&params)
 }
 
 /// The alarm the machine stands on, behind so many ticks.

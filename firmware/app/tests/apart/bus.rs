@@ -1,29 +1,12 @@
 //! What is heard on the bus, and what is not.
 
 use leadscrew_app::ResetCause;
-use leadscrew_core::alarm::{Arg, Code};
+use leadscrew_core::alarm::Code;
 use leadscrew_core::board::State;
 use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame, NodeId, Service};
 use leadscrew_core::params::Params;
 
-use crate::board::{Apart, alarm, calls, follower};
-
-#[test]
-fn a_board_whose_timer_nobody_leads_says_that_it_hears_no_sync() {
-    let mut apart = follower();
-    let mut ticks = 0;
-    while !matches!(apart.background.snapshot().state, State::Alarm(_)) {
-        apart.step();
-        ticks += 1;
-        assert!(ticks < 10_000);
-    }
-    let State::Alarm(alarm) = apart.background.snapshot().state else {
-        unreachable!("it stands on one");
-    };
-    assert_eq!(alarm.code, Code::SyncUnsteady);
-    let figures = [Arg::Int(0), Arg::Int(2100), Arg::Int(1000)];
-    assert_eq!(alarm.args[..3], figures);
-}
+use crate::board::{Apart, alarm, calls};
 
 #[test]
 fn a_controller_that_leaves_the_bus_stops_the_machine_and_comes_back_once_it_stands() {

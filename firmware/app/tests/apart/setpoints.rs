@@ -4,13 +4,11 @@ use std::collections::VecDeque;
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Sim};
-use leadscrew_core::board::Event;
-use leadscrew_core::bus::{SyncHeard, SyncProducer};
 use leadscrew_core::link::SetpointHash;
 use leadscrew_core::params::{Entry, Params};
 use leadscrew_core::program::{self, Call};
 
-use crate::board::{Apart, calls, follower};
+use crate::board::{Apart, calls};
 
 /// The board in one piece.
 pub fn whole(sim: &mut Sim, text: &str, params: &Params) -> u64 {
@@ -78,22 +76,5 @@ fn programs_give_the_same_setpoints_wherever_the_drives_are() {
             hash
         });
         assert_eq!(hashes[0], hashes[1], "{name}");
-    }
-}
-
-#[test]
-fn a_board_whose_timer_is_led_gives_the_same_setpoints_and_no_sync() {
-    let params = Params::slant_bed();
-    for name in ["shaft", "g84-tap"] {
-        let (mut apart, mut sim) = (follower(), sim(&params));
-        apart.bench.beat = Some((SyncProducer::new(), SyncHeard::ONE));
-        while !apart.bench.events.contains(&Event::Ready) {
-            apart.step();
-        }
-        apart.step();
-        let text = example(name);
-        let hash = apart.run(&text, &params);
-        assert_eq!(hash, whole(&mut sim, &text, &params), "{name}");
-        assert_eq!(apart.bench.syncs, 0);
     }
 }

@@ -2,7 +2,7 @@
 
 use leadscrew_core::bus::{
     DriveConfig, DriveMaster, DriveOutput, DriveStatus, FollowingLimit, Frame, Increments, NodeId,
-    Periods, Scale, Statusword, SyncHeard, SyncLock, SyncProducer,
+    Periods, Scale, Statusword,
 };
 
 use super::Work;
@@ -60,29 +60,6 @@ impl Work for Commanding {
             master.receive(&self.status);
         }
         master.tick(self.scale.increments(number as i64 * 345))
-    }
-}
-
-/// The own beat, led to a SYNC that is late by anything up to 135 µs; the end of a window every 64 ticks.
-pub struct Following;
-
-impl Work for Following {
-    type State = SyncLock;
-    type Out = (SyncHeard, u32);
-
-    fn steps(&self) -> usize {
-        2000
-    }
-
-    fn begin(&self) -> SyncLock {
-        SyncLock::new(1000)
-    }
-
-    fn step(&self, lock: &mut SyncLock, number: usize) -> Self::Out {
-        let late = number as i32 * 61 % 136;
-        let turn = usize::from(SyncProducer::LAST);
-        lock.hear(late, Some((number % turn + 1) as u8));
-        (lock.beat(), lock.next_steps())
     }
 }
 

@@ -10,7 +10,7 @@ mod motion;
 mod spindle;
 
 use board::WholeBoard;
-use bus::{Commanding, Following};
+use bus::Commanding;
 use cycle::{Grooves, Threads};
 use motion::{ThreadPass, TimedMove};
 use spindle::Tracking;
@@ -77,7 +77,6 @@ pub fn all(counter: &mut impl Counter) {
     counter.steps("tick/thread", &pass);
     counter.steps("tick/observer", &Tracking::at_300_rpm());
     counter.steps("tick/drive", &Commanding::x());
-    counter.steps("tick/sync-lock", &Following);
 
     for program in [
         board::MOVES,

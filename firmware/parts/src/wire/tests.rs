@@ -8,19 +8,17 @@ extern crate std;
 
 use core::cell::{Cell, RefCell};
 use std::boxed::Box;
-use std::collections::VecDeque;
 use std::rc::Rc;
 use std::vec::Vec;
 
 use leadscrew_core::bus::{CobId, Frame};
 
 use super::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
-use crate::follower::Follower;
 use crate::message::received;
 use crate::shared::{interrupted_by, point};
 
 /// Microseconds of a period.
-const PERIOD: u16 = 1000;
+const PERIOD: u32 = 1000;
 
 /// A way through all choices, and the next one.
 #[derive(Default)]
@@ -93,8 +91,6 @@ struct Scenario {
     frames: u8,
     /// Frames of the background, from the beginning on.
     others: u8,
-    /// The beat is that of somebody else.
-    follows: bool,
     /// The controller may leave the bus.
     leaves: bool,
 }
@@ -111,9 +107,8 @@ struct Machine {
     in_bus: Cell<bool>,
     alone: Cell<bool>,
     poked: Cell<bool>,
-    /// Frames in the controller, and frames received.
+    /// Frames in the controller.
     places: RefCell<[Option<Kind>; 3]>,
-    received: RefCell<VecDeque<(Frame, u16)>>,
     /// The place whose frame is on the wire: it could not be called back.
     on_wire: Cell<Option<usize>>,
     off: Cell<bool>,
@@ -123,8 +118,6 @@ struct Machine {
     sent: Cell<(u8, u8)>,
     /// All of the tick before had left when this one looked.
     all_left: Cell<bool>,
-    /// SYNCs on the wire, by the beat they are for; the controller has them.
-    syncs: RefCell<Vec<u8>>,
     /// Interrupts within interrupts, so that it is known that there were some.
     preempted: Cell<u32>,
     /// Nothing more is chosen.
@@ -200,17 +193,12 @@ impl Machine {
         self.in_tick.set(true);
         let before = self.now.get();
         let mut end = self.tick.borrow_mut();
-        let heard = end.follow(&handle);
-        assert_eq!(heard.is_some(), self.scenario.follows);
         let number = before + 1;
         let frames: Vec<Frame> = (0..self.scenario.frames)
             .map(|which| frame(Kind::Tick(number, which)))
             .collect();
-        let (put, _) = self.put.get();
         let in_time = end.send(&frames, &handle);
-        // Late is what has not left, but for what had no SYNC to go behind.
-        let withheld = self.scenario.follows && put == 0;
-        assert!(in_time == self.all_left.get() || in_time && withheld);
+        assert_eq!(in_time, self.all_left.get());
         self.in_tick.set(false);
     }
 
@@ -239,33 +227,6 @@ impl Machine {
         Places(pending)
     }
 
-    /// SYNC for this beat has come, whoever has heard of it.
-    fn has_sync(&self, beat: u8) -> bool {
-        self.syncs.borrow().contains(&beat)
-    }
-
-    /// Before the controller is asked for what it has received: a SYNC may be there, for this beat or the next. That for
-    /// the next has begun shortly before it, that for this one behind it.
-    fn hears(&self) {
-        if !self.scenario.follows {
-            return;
-        }
-        let now = self.now.get();
-        for beat in now.saturating_sub(1)..=now + 1 {
-            let known = self.syncs.borrow().last().copied().unwrap_or(0);
-            if beat > known && self.choose(2) == 1 {
-                self.arrives(beat, if beat > now { -200 } else { 60 });
-            }
-        }
-    }
-
-    fn arrives(&self, beat: u8, offset: i16) {
-        let stamp = (u16::from(beat) * PERIOD).wrapping_add_signed(offset);
-        let sync = Frame::new(CobId::SYNC, &[]).unwrap();
-        self.received.borrow_mut().push_back((sync, stamp));
-        self.syncs.borrow_mut().push(beat);
-    }
-
     /// All that is left to do, without another choice.
     fn comes_to_rest(self: &Rc<Self>) {
         interrupted_by(None);
@@ -279,17 +240,14 @@ impl Machine {
 }
 
 impl Chip for Handle {
-    fn take(&self) -> Option<(Frame, u16)> {
+    fn take(&self) -> Option<Frame> {
         point();
-        if !self.0.rests.get() {
-            self.0.hears();
-        }
-        self.0.received.borrow_mut().pop_front()
+        None
     }
 
     fn put(&self, words: &[u32; 4]) -> Option<Places> {
         point();
-        let (frame, _) = received(*words).unwrap();
+        let frame = received(*words).unwrap();
         let machine = &self.0;
         assert!(machine.in_tick.get() || machine.alone.get());
         let place = machine.places.borrow().iter().position(Option::is_none)?;
@@ -300,9 +258,7 @@ impl Chip for Handle {
                 assert_eq!(of, machine.now.get(), "of a tick that was given up");
                 assert_eq!(which, tick, "in their order, and none is lost");
                 machine.put.set((tick + 1, other));
-                if machine.scenario.follows {
-                    assert!(machine.has_sync(of), "ahead of its SYNC");
-                } else if which == 0 {
+                if which == 0 {
                     assert!(machine.in_tick.get(), "SYNC leaves at once");
                 }
             }
@@ -382,16 +338,9 @@ impl Chip for Handle {
         self.0.poked.set(true);
     }
 
-    fn beat_stamp(&self) -> u16 {
-        // The tick's number is one more once it sends.
-        u16::from(self.0.now.get() + 1) * PERIOD
-    }
-
-    fn set_period(&self, _: u32) {}
-
     fn period_us(&self) -> u32 {
         point();
-        PERIOD.into()
+        PERIOD
     }
 
     fn since_us(&self) -> u32 {
@@ -423,14 +372,12 @@ fn try_all(scenario: Scenario) -> (u32, u32) {
         alone: Cell::default(),
         poked: Cell::default(),
         places: RefCell::default(),
-        received: RefCell::default(),
         on_wire: Cell::default(),
         off: Cell::default(),
         now: Cell::default(),
         put: Cell::default(),
         sent: Cell::default(),
         all_left: Cell::default(),
-        syncs: RefCell::default(),
         preempted: Cell::default(),
         rests: Cell::default(),
     });
@@ -459,21 +406,12 @@ fn run(machine: &Rc<Machine>) {
     }
     machine.rests.set(true);
     machine.comes_to_rest();
-    let last = machine.now.get();
     let (tick, other) = machine.sent.get();
     if machine.off.get() {
         return;
     }
-    let goes = !scenario.follows || machine.has_sync(last);
-    assert_eq!(
-        tick,
-        if goes { scenario.frames } else { 0 },
-        "all of the last"
-    );
-    assert!(goes || machine.put.get().0 == 0);
-    if goes {
-        assert_eq!(other, scenario.others, "and all others");
-    }
+    assert_eq!(tick, scenario.frames, "all of the last");
+    assert_eq!(other, scenario.others, "and all others");
 }
 
 /// As at power-up.
@@ -481,8 +419,6 @@ fn begin(machine: &Machine) {
     interrupted_by(None);
     machine.rests.set(false);
     *machine.places.borrow_mut() = [None; 3];
-    machine.received.borrow_mut().clear();
-    machine.syncs.borrow_mut().clear();
     machine.off.set(false);
     machine.on_wire.set(None);
     machine.now.set(0);
@@ -491,24 +427,10 @@ fn begin(machine: &Machine) {
     let mut bus = machine.bus.borrow_mut();
     let mut tick = machine.tick.borrow_mut();
     while bus.setpoints.take().is_some() || bus.others.take().is_some() {}
-    while tick.syncs.take().is_some() {}
     bus.shared.tick.set(0);
     bus.shared.places.set(0);
     bus.shared.done.set(0);
-    bus.shared.goes.set(true);
-    bus.shared.beat.set(0);
-    tick.withheld = false;
     tick.left = 0;
-    *tick.follower = Follower::new(0);
-    let background = machine.background.borrow_mut();
-    background.follow(if machine.scenario.follows { PERIOD } else { 0 });
-    drop(background);
-    if machine.scenario.follows {
-        // There has been one, so that those to come are waited for.
-        let _ = tick.follower.follows(PERIOD);
-        tick.follower.hear(0, None);
-        let _ = tick.follower.beat(0);
-    }
     let mut background = machine.background.borrow_mut();
     for which in 0..machine.scenario.others {
         let ring = &mut background.others;
@@ -520,7 +442,6 @@ const OWN: Scenario = Scenario {
     ticks: 2,
     frames: 3,
     others: 1,
-    follows: false,
     leaves: false,
 };
 
@@ -553,20 +474,6 @@ fn a_tick_anywhere_in_the_interrupt_loses_no_frame_and_sends_none_that_is_given_
         (three, 500_000),
         (others, 50_000),
     ]);
-}
-
-#[test]
-fn no_frame_goes_ahead_of_its_own_sync_wherever_the_tick_comes() {
-    let follows = Scenario {
-        follows: true,
-        ..OWN
-    };
-    let alone = Scenario {
-        others: 0,
-        frames: 2,
-        ..follows
-    };
-    hold(&[(alone, 30_000), (follows, 500_000)]);
 }
 
 #[test]

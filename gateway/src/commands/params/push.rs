@@ -152,7 +152,6 @@ fn replace(link: &mut Link, wanted: &Params, password: Option<u32>) -> Outcome<O
     let old = link.before(wanted)?;
     drive::check_periods(link, &[], &old, wanted)?;
     drive::check_setpoints(link, &[], &old, wanted)?;
-    done.notes = drive::going_on(link, &[], &old, wanted)?;
     link.commit(wanted)?;
     done.changes = changes(&old, wanted);
     Ok(Some(done))
@@ -187,7 +186,6 @@ fn carry_out(
     };
     drive::check_periods(link, &wanted.drives, &old, &wanted.params)?;
     drive::check_setpoints(link, &wanted.drives, &old, &wanted.params)?;
-    done.notes = drive::going_on(link, &wanted.drives, &old, &wanted.params)?;
     if global.dry_run || done.changes.is_empty() && done.drives.is_empty() {
         return Ok(done);
     }

@@ -2,7 +2,6 @@
 
 mod apply;
 mod setpoints;
-mod stop;
 #[cfg(test)]
 mod tests;
 
@@ -17,7 +16,6 @@ use crate::words::{Both, both};
 
 pub use apply::{apply, check_periods, only_drives, with_drives};
 pub use setpoints::check_setpoints;
-pub use stop::going_on;
 
 /// What an object is.
 #[derive(Clone, Debug, PartialEq, Eq)]

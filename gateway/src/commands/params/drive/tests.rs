@@ -1,23 +1,19 @@
 //! Against the drives of a board inside this process.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use leadscrew_board_sim::plant::Flash;
-use leadscrew_core::alarm::Lang;
 use leadscrew_core::board::DriveNodes;
 use leadscrew_core::bus::{
     Abort, CobId, Frame, Mapped, NmtCommand, NodeId, Object, Service, Setpoints,
 };
 use leadscrew_core::params::{Entry, Params};
 
-use super::{Found, Pending, apply, check_setpoints, going_on, read, with_drives};
+use super::{Found, Pending, apply, check_setpoints, read, with_drives};
 use crate::failure::{Failure, Outcome};
 use crate::link::bench::{Fate, between, link, machine, machine_of};
 use crate::link::{Inside, Link, Trouble};
-use crate::params::drives::{Drive, DriveName, Kind, Setting, Wanted};
-use crate::params::load_text;
+use crate::params::drives::{Drive, DriveName, Kind, Wanted};
 
 const VELOCITY: Object = Object::new(0x607F, 0);
 const X: Drive = Drive {
@@ -296,66 +292,4 @@ fn a_pdo_gets_its_old_mapping_back_and_is_on_or_off_as_it_was() {
         assert_eq!(number(&mut link, COB_ID), id);
         is_back(&inside, &pending, failure);
     }
-}
-
-#[test]
-fn a_push_that_lets_a_board_follow_asks_drives_what_they_do_without_a_beat() {
-    let absent = NodeId::new(90).unwrap();
-    let asked = Arc::new(AtomicU32::new(0));
-    let questions = asked.clone();
-    let sent = move |frame: &Frame| {
-        let request = CobId::of(Service::SdoRequest, absent);
-        let asks = frame.id() == request && frame.payload().first() == Some(&0x40);
-        questions.fetch_add(asks.into(), Ordering::Relaxed);
-        Fate::Arrives
-    };
-    let mut link = between(&board(), sent, |frame| frame);
-    let old = Params::slant_bed();
-    let with = |values: &[(&str, i64)]| {
-        let mut params = old.clone();
-        for (key, value) in values {
-            params.set(Entry::find_text(key).unwrap(), *value).unwrap();
-        }
-        params
-    };
-    let new = with(&[("9029", 1), ("9014", 1)]);
-    let mut told = |settings: &[Setting], old: &Params, new: &Params| -> Vec<String> {
-        let notes = going_on(&mut link, settings, old, new).unwrap();
-        notes.into_iter().map(|note| note.en).collect()
-    };
-    // As delivered they stop.
-    assert_eq!(told(&[], &old, &new), [""; 0]);
-    // One that is not there does not tell.
-    let moved = with(&[("9029", 1), ("9014", 1), ("9015.Z", 90)]);
-    let [of_z] = &told(&[], &old, &moved)[..] else {
-        panic!("Z alone");
-    };
-    assert!(
-        of_z.starts_with("drive Z (node 90) does not tell"),
-        "{of_z}"
-    );
-    // A push does not wait for it for long.
-    assert_eq!(asked.load(Ordering::Relaxed), 2);
-
-    let mut link = self::link(&board());
-    let spindle = DriveName::S1.among(&DriveNodes::of(&new));
-    let stop = Object::new(0x6007, 0);
-    link.write_of(spindle.node, stop, &[0, 0]).unwrap();
-    let mut told = |settings: &[Setting], old: &Params, new: &Params| -> Vec<String> {
-        let notes = going_on(&mut link, settings, old, new).unwrap();
-        notes.into_iter().map(|note| note.en).collect()
-    };
-    let [of_s1] = &told(&[], &old, &new)[..] else {
-        panic!("S1 alone");
-    };
-    assert!(
-        of_s1.starts_with("drive S1 (node 32) goes on where the SYNC"),
-        "{of_s1}"
-    );
-    // A board that gives the beat, and one that has followed before.
-    assert_eq!(told(&[], &new, &old), [""; 0]);
-    assert_eq!(told(&[], &new, &new), [""; 0]);
-    // Whoever has a section has been warned of by the file.
-    let file = load_text("m.toml", "[drive.S1]\nmax_torque = 1\n", Lang::En);
-    assert_eq!(told(&file.drives, &old, &new), [""; 0]);
 }

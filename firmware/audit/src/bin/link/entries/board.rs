@@ -67,9 +67,6 @@ fn board() {
         sink(board.may_rejoin());
         sink(board.offer(&any()));
         sink(board.background());
-        if any() {
-            board.follow(any());
-        }
         let frames: [Frame; 8] = any();
         board.tick(any(), frames.get(..any()).unwrap_or(&frames), &mut output);
         sink(&output);

@@ -6,8 +6,7 @@ use audit::any::{any, sink};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, HeartbeatConsumer,
     HeartbeatProducer, HeartbeatWatch, NmtSlave, Object, Objects, OrderGate, PdoCommunication,
-    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service, SyncConsumer, SyncLock,
-    SyncSource, SyncWatch,
+    SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service,
 };
 
 /// All of this room.
@@ -102,7 +101,6 @@ fn network() {
     let mut slave = NmtSlave::new(any());
     let mut producer = HeartbeatProducer::new(any(), any());
     let mut consumer = HeartbeatConsumer::<4>::new();
-    let mut sync = SyncConsumer::new();
     while any() {
         sink(slave.boot());
         sink(slave.receive(&any()));
@@ -112,21 +110,6 @@ fn network() {
         sink((consumer.get(any()), consumer.state(any())));
         sink(consumer.receive(&any()));
         sink(consumer.elapse(any()));
-        sink(sync.receive(&any()));
-    }
-    let mut lock = SyncLock::new(any());
-    while any() {
-        lock.hear(any(), any());
-        sink((lock.beat(), lock.next_steps()));
-        sink((lock.is_early(), lock.nominal_steps()));
-        lock.forget();
-    }
-    let source = SyncSource::of(any());
-    let mut watch = SyncWatch::new(source, any());
-    while any() {
-        watch.hear(any());
-        sink((watch.tick(any()), watch.figures()));
-        sink((watch.is_steady(), watch.has_ended(), watch.late()));
     }
     sink(HeartbeatWatch::from_raw(any()).map(HeartbeatWatch::raw));
 }
