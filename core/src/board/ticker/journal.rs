@@ -219,17 +219,25 @@ impl Ticker {
         &mut self,
         ends: &mut Ends<'_, '_>,
     ) -> Option<(u32, u32, Motion)> {
-        let task = ends.segments.peek()?;
-        let (segment, tap) = (task.segment, task.tap()?);
+        let tap = ends.segments.peek()?.tap()?;
         if tap.part.returns || tap.hole.spindle != self.taps_with {
             return None;
         }
+        if self.journal.confirmed && self.journal.knows(&tap.hole) {
+            return None;
+        }
+        self.wait_for_entry(ends)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn wait_for_entry(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+        let task = ends.segments.peek()?;
+        let (segment, tap) = (task.segment, task.tap()?);
         let (number, span) = (segment.number, segment.span);
         if !self.journal.knows(&tap.hole) {
             let stand = self.stand();
             self.journal.name(&tap.hole, &stand);
-        } else if self.journal.confirmed {
-            return None;
         }
         self.journal.waited = self.journal.waited.saturating_add(1);
         if self.journal.failed || self.journal.waited > self.journal.patience {
