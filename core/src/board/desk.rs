@@ -23,7 +23,6 @@ use super::station::Station;
 use super::store::{Region, StoreError};
 use super::ticker::Notice;
 use crate::alarm::Alarm;
-#[cfg(feature = "fd")]
 use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::journal::TapRecord;
@@ -118,6 +117,12 @@ impl Desk {
         self.station.set_serial(serial);
     }
 
+    /// Says whether the controller sends frames of CAN FD. A board whose controller does not takes no set that asks for
+    /// them.
+    pub const fn set_fd(&mut self, sends_fd: bool) {
+        self.station.set_fd(sends_fd);
+    }
+
     /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
     ///
     /// # Errors
@@ -177,7 +182,6 @@ impl Desk {
     }
 
     /// Takes a frame of CAN FD from the bus.
-    #[cfg(feature = "fd")]
     pub fn receive_fd(&mut self, frame: &FdFrame) {
         self.station.receive_fd(frame, &self.params);
     }

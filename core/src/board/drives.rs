@@ -11,7 +11,6 @@ use crate::bus::{
     DriveConfig, DriveFailure, DriveMaster, FollowingLimit, Frame, Increments, Periods, Scale,
     SyncProducer, Told,
 };
-#[cfg(feature = "fd")]
 use crate::bus::{Phase, Service, Setpoints, Step};
 use crate::params::Params;
 use crate::program::{Position, TapSpindle};
@@ -93,7 +92,6 @@ pub(super) struct Drives {
     sync: SyncProducer,
     nodes: DriveNodes,
     /// What all of them are told in one frame, where the parameters say so; otherwise each has one of its own.
-    #[cfg(feature = "fd")]
     together: Option<Setpoints>,
 }
 
@@ -129,7 +127,6 @@ impl Drives {
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
             sync: SyncProducer::new(),
             nodes,
-            #[cfg(feature = "fd")]
             together: (params.setpoint_frame() == 1)
                 .then(|| Setpoints::of(params.tap_spindles().saturating_add(3))),
         }
@@ -190,7 +187,6 @@ impl Drives {
     /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by
     /// [`failure`](Self::failure).
     pub(super) fn enable(&mut self) -> bool {
-        #[cfg(feature = "fd")]
         if self.together.is_some() {
             return self.enable_in_turn();
         }
@@ -350,7 +346,6 @@ impl Drives {
             }
         }
         self.spindles.tick(spindle, &mut put);
-        #[cfg(feature = "fd")]
         if self.together.is_some() {
             self.put_together(frames);
         }
@@ -358,7 +353,6 @@ impl Drives {
     }
 }
 
-#[cfg(feature = "fd")]
 impl Drives {
     /// What all drives are told in this period, where that is one frame.
     pub(super) const fn together(&self) -> Option<&Setpoints> {

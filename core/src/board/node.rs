@@ -11,7 +11,6 @@ use super::queue::{Detours, Segments};
 use super::reference::Reference;
 use super::{Board, Contacts, Snapshot};
 use crate::alarm::Alarm;
-#[cfg(feature = "fd")]
 use crate::bus::FdFrame;
 use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::motion::Setpoint;
@@ -43,7 +42,6 @@ impl Board {
     }
 
     /// Takes a frame of CAN FD from the bus.
-    #[cfg(feature = "fd")]
     pub fn receive_fd(&mut self, frame: &FdFrame) {
         self.desk.receive_fd(frame);
         self.carry_out();

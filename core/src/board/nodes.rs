@@ -69,7 +69,6 @@ impl DriveNodes {
     }
 
     /// The place of the drive that has this node, in the order X, Z, C and the spindles; `None` where none has.
-    #[cfg(feature = "fd")]
     pub(super) fn place(&self, node: NodeId) -> Option<usize> {
         let node = node.get();
         let spindle = node.wrapping_sub(self.first);

@@ -34,7 +34,6 @@ use super::operator::Operator;
 use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
 use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
-#[cfg(feature = "fd")]
 use crate::bus::Setpoints;
 use crate::bus::{Frame, SyncProducer};
 use crate::journal::TapRecord;
@@ -66,7 +65,6 @@ pub struct Output {
     /// For the switches of the board.
     pub switching: Switching,
     /// What all drives are told in one frame of CAN FD (9031), behind the other frames of the period.
-    #[cfg(feature = "fd")]
     pub together: Option<Setpoints>,
 }
 
@@ -392,13 +390,10 @@ impl Ticker {
         output.switching = core::mem::take(&mut self.switching);
         output.frames.clear();
         self.send(&mut output.frames, ends);
-        #[cfg(feature = "fd")]
-        {
-            let together = self.drives.together();
-            // Nearly always there is none, and it is long.
-            if together.is_some() || output.together.is_some() {
-                output.together = together.copied();
-            }
+        let together = self.drives.together();
+        // Nearly always there is none, and it is long.
+        if together.is_some() || output.together.is_some() {
+            output.together = together.copied();
         }
     }
 

@@ -2,12 +2,10 @@
 
 use super::nodes::DriveNodes;
 use crate::alarm::{Alarm, Arg, Code};
-#[cfg(feature = "fd")]
 use crate::bus::Setpoints;
 use crate::bus::{
     BusState, CobId, Controller, ErrorCounts, Frame, NmtCommand, NodeId, Service, is_sync,
 };
-#[cfg(feature = "fd")]
 use crate::units::Axis;
 
 /// What is wrong with the bus. Each is a controlled stop with an alarm.
@@ -80,7 +78,6 @@ impl Intrusion {
 
     /// Setpoints by their identifier, classical or in a frame of CAN FD: those of one drive, or those of all in the one
     /// frame of `board`, where that sends one (9031). Who speaks to all is told by the first of them, X.
-    #[cfg(feature = "fd")]
     #[must_use]
     pub fn of_setpoints(id: CobId, drives: &DriveNodes, board: Option<NodeId>) -> Option<Self> {
         let node = match id.service()? {
@@ -185,7 +182,6 @@ mod tests {
         assert_eq!(of(&setpoint(node)), Some(moved));
     }
 
-    #[cfg(feature = "fd")]
     #[test]
     fn the_frame_for_all_drives_is_said_by_their_own_board() {
         let drives = DriveNodes::of(&Params::slant_bed());

@@ -28,7 +28,6 @@ mod tick;
 pub use config::{DriveConfig, FollowingLimit, Phase, Step};
 pub use tick::DriveOutput;
 
-#[cfg(feature = "fd")]
 use super::cia402::State;
 use super::failure::DriveFailure;
 use super::frame::{CobId, NodeId, Service};
@@ -184,7 +183,6 @@ impl DriveMaster {
     /// For drives that are told in one frame: until its turn to be enabled comes it is told
     /// nothing. False, and a failure, where one that is told nothing has got ready although
     /// another `goes`, that is, has got as far: it takes what that one is told for its own.
-    #[cfg(feature = "fd")]
     pub(crate) fn wait(&mut self, goes: bool) -> bool {
         match self.phase {
             Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted => {

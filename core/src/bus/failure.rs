@@ -23,7 +23,6 @@ pub enum DriveFailure {
     /// The drive left operation enabled without being told.
     Lost(Statusword),
     /// It has got ready, and was told nothing: it takes its setpoints from another drive's place in the frame for all.
-    #[cfg(feature = "fd")]
     Overhears(Statusword),
     /// The drive restarted.
     Restarted,
@@ -62,7 +61,6 @@ impl DriveFailure {
             Self::Step(_, status) | Self::Lost(status) => {
                 (Arg::Statusword(status.raw()), Arg::None)
             }
-            #[cfg(feature = "fd")]
             Self::Overhears(status) => (Arg::Statusword(status.raw()), Arg::None),
             Self::Fault { status, code } => (Arg::Statusword(status.raw()), Arg::Hex(code)),
             Self::Stands { target, actual } => {
@@ -99,7 +97,6 @@ impl DriveFailure {
             Self::Step(Step::FaultReset, _) => Code::DriveFaultNotReset,
             Self::Fault { .. } => Code::DriveFault,
             Self::Lost(_) => Code::DriveLost,
-            #[cfg(feature = "fd")]
             Self::Overhears(_) => Code::DriveOverhears,
             Self::Restarted => Code::DriveRestarted,
             Self::Jump { .. } => Code::DriveJump,

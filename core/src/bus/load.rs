@@ -7,7 +7,6 @@
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
 
-#[cfg(feature = "fd")]
 use super::fd::FdBits;
 use crate::alarm::{Alarm, Arg, Code};
 
@@ -27,7 +26,6 @@ pub struct Cycle {
     /// Time from status to status of the board in milliseconds.
     pub status_ms: u32,
     /// The drives get their setpoints in one frame of CAN FD, its data at so many kbit/s; 0: each by its own RPDO1.
-    #[cfg(feature = "fd")]
     pub fd_kbit: u32,
 }
 
@@ -52,7 +50,6 @@ impl Cycle {
         let all = self.drives.saturating_add(self.further);
         let [sync, setpoint, status] = const { [frame_bits(1), frame_bits(6), frame_bits(8)] };
         let alone = [self.drives, self.further];
-        #[cfg(feature = "fd")]
         let (alone, together) = match self.fd_kbit {
             0 => (alone, 0),
             data => (
@@ -66,7 +63,6 @@ impl Cycle {
             (sync, self.tick_us, 1, 1),
             (setpoint, self.tick_us, 1, drives),
             (setpoint, self.tick_us, 4, further),
-            #[cfg(feature = "fd")]
             (together, self.tick_us, 1, 1),
             (setpoint, self.tick_us, self.drive_syncs, all),
             (status, self.status_ms, 1000, 3),

@@ -29,7 +29,6 @@ mod object;
 mod pdo;
 mod periods;
 mod sdo;
-#[cfg(feature = "fd")]
 mod setpoints;
 mod spindle;
 mod sync;
@@ -57,7 +56,6 @@ pub use periods::Periods;
 pub use sdo::{
     BlockSize, SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoServer, SdoSink, SdoUpload,
 };
-#[cfg(feature = "fd")]
 pub use setpoints::Setpoints;
 pub use spindle::{SpindleDemand, SpindleMaster};
 pub use sync::{SyncProducer, is_sync};

@@ -45,7 +45,7 @@ impl Params {
         self.check_spindle(&mut reasons);
         self.check_tapping(&mut reasons);
         self.check_nodes(&mut reasons);
-        self.check_fd(cfg!(feature = "fd"), &mut reasons);
+        self.check_fd(&mut reasons);
     }
 
     /// The first reason why the set cannot work.
@@ -232,17 +232,9 @@ impl Params {
         }
     }
 
-    /// Setpoints in one frame of CAN FD: of a board that sends such, and with a rate that its data can have.
-    fn check_fd<const ALL: bool>(
-        &self,
-        sends_fd: bool,
-        reasons: &mut Reasons<impl FnMut(Alarm), ALL>,
-    ) {
+    /// Setpoints in one frame of CAN FD have a rate that its data can have.
+    fn check_fd<const ALL: bool>(&self, reasons: &mut Reasons<impl FnMut(Alarm), ALL>) {
         if self.setpoint_frame() == 0 {
-            return;
-        }
-        if !sends_fd {
-            reasons.add(Code::NoFd, &[]);
             return;
         }
         let (data, nominal) = (self.fd_kbit(), self.bus_kbit());
@@ -547,18 +539,6 @@ mod tests {
         }
         let slow = reasons(&[asks, ("9032", "3000")]);
         assert_eq!((slow.len(), slow[0].0), (1, Code::FdRate));
-        let mut params = Params::slant_bed();
-        for (frame, code) in [(0, None), (1, Some(Code::NoFd))] {
-            params
-                .set(Entry::find_text("9031").unwrap(), frame)
-                .unwrap();
-            let mut found = None;
-            params.check_fd(
-                false,
-                &mut Reasons::<_, true>(|alarm: Alarm| found = Some(alarm.code)),
-            );
-            assert_eq!(found, code);
-        }
     }
 
     #[test]

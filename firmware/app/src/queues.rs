@@ -60,6 +60,8 @@ pub struct PowerUp<'a> {
     pub node: NodeId,
     /// Its serial number (1018h:04); 0: none.
     pub serial: u32,
+    /// Its controller sends frames of CAN FD; otherwise a set with 9031 = 1 is refused.
+    pub fd: bool,
     /// Why the board stopped the last time: nothing moves before a reset, or any more.
     pub failure: Option<Failure>,
     /// What started it.
@@ -147,6 +149,7 @@ impl Queues {
             background.desk().note(&Event::Warning(warning));
         }
         background.desk().set_serial(up.serial);
+        background.desk().set_fd(up.fd);
         background.desk().join(up.node)?;
         Ok((tick, background))
     }

@@ -8,7 +8,6 @@ use leadscrew_core::board::{
     Command, Contacts, DetourOut, DriveNodes, Ends as TickerEnds, Event, Notice, Output, Reference,
     SegmentOut, Snapshot, Switching, Ticker,
 };
-#[cfg(feature = "fd")]
 use leadscrew_core::bus::Setpoints;
 use leadscrew_core::bus::{Frame, Service, SyncProducer};
 use leadscrew_core::journal::TapRecord;
@@ -54,7 +53,6 @@ pub trait TickMachine {
     fn send(&mut self, frames: &[Frame]) -> bool;
     /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not
     /// left. On a machine without CAN FD none ever does: no drive comes up.
-    #[cfg(feature = "fd")]
     fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
         false
     }
@@ -156,7 +154,6 @@ impl TickSide {
             machine.switch(self.output.switching);
         }
         let sent = machine.send(&self.output.frames);
-        #[cfg(feature = "fd")]
         let sent = match &self.output.together {
             Some(setpoints) => machine.send_together(setpoints) && sent,
             None => sent,
@@ -173,10 +170,7 @@ impl TickSide {
     fn only_beat(&mut self) {
         self.output.frames.clear();
         self.output.switching = Switching::Nothing;
-        #[cfg(feature = "fd")]
-        {
-            self.output.together = None;
-        }
+        self.output.together = None;
         // There is room.
         let _ = self.output.frames.push(self.sync.next());
     }

@@ -234,6 +234,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
         tap,
         node: NodeId::BOARD,
         serial: serial_of(unique_number()),
+        fd: false,
         failure,
         cause,
     };

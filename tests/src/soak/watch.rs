@@ -94,6 +94,9 @@ fn of(position: Position) -> [i64; 3] {
     [position.x.nm(), position.z.nm(), position.c.udeg()]
 }
 
+/// What a spindle turns at most, broken, of what it is told.
+const TOO_FAST: f64 = 1.3;
+
 impl Watch {
     /// For a machine with these parameters; `lags`: its drives follow with a lag.
     pub fn new(params: &Params, lags: bool) -> Self {
@@ -199,6 +202,7 @@ impl Watch {
         }
         let led = window.map(|row| self.led[row.tick as usize % LATE]);
         let led = led.contains(&true);
+        let broken = (d.tick as usize) < self.broken_until;
         // In what follows the helix its noise shows, and that is judged as distance.
         let locked = window
             .iter()
@@ -218,8 +222,13 @@ impl Watch {
                 }
                 let what = ["speed", "acceleration", "jerk"][n];
                 let axis = Axis::ALL[axis];
-                // The unevenness of a spindle adds to what a pass is planned for.
-                let limit = if led { 1.1 * limit } else { limit };
+                let limit = match (led, broken) {
+                    (false, _) => limit,
+                    // The unevenness of a spindle adds to what a pass is planned for.
+                    (true, false) => 1.1 * limit,
+                    // A spindle that turns too fast takes its axis with it.
+                    (true, true) => 1.1 * limit * TOO_FAST.powi(n as i32 + 1),
+                };
                 assert!(
                     size as f64 <= limit + rounding,
                     "{axis:?}: {what} {size} nm, limit {limit:.1}:\n{}",

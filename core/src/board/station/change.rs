@@ -131,8 +131,17 @@ impl Shelf {
             self.draft.put_slot(PASSWORD_SLOT, kept);
         }
         let nodes = DriveNodes::of(&self.draft);
-        if let Err(alarm) = self.draft.validate().and_then(|()| nodes.spare(self.node)) {
+        let here = nodes.spare(self.node).and_then(|()| self.can_send());
+        if let Err(alarm) = self.draft.validate().and(here) {
             return self.refuse_with(&alarm, Abort::Incompatible);
+        }
+        Ok(())
+    }
+
+    /// The controller of this board sends the frames that the draft asks for.
+    fn can_send(&self) -> Result<(), Alarm> {
+        if self.draft.setpoint_frame() == 1 && !self.sends_fd {
+            return Err(Alarm::of(Code::NoFd, &[]));
         }
         Ok(())
     }

@@ -3,11 +3,9 @@
 
 use super::Station;
 use crate::board::event::Command;
-#[cfg(feature = "fd")]
 use crate::board::nodes::DriveNodes;
 use crate::board::ticker::State;
 use crate::board::trouble::{BusTrouble, Intrusion};
-#[cfg(feature = "fd")]
 use crate::bus::CobId;
 use crate::bus::{Controller, Periods};
 use crate::params::Params;
@@ -51,7 +49,6 @@ impl Station {
     }
 
     /// What a frame of this identifier from somebody else tells the board's drives.
-    #[cfg(feature = "fd")]
     pub(super) fn setpoints_of_others(&self, id: CobId, params: &Params) -> Option<Intrusion> {
         let together = (params.setpoint_frame() == 1).then(|| self.node());
         Intrusion::of_setpoints(id, &DriveNodes::of(params), together)

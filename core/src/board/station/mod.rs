@@ -55,7 +55,6 @@ use super::snapshot::Snapshot;
 use super::store::{Region, StoreError};
 use super::trouble::Intrusion;
 use crate::alarm::{Alarm, Code};
-#[cfg(feature = "fd")]
 use crate::bus::FdFrame;
 use crate::bus::{
     BlockSize, CobId, Controller, Cycle, Frame, HeartbeatEvent, HeartbeatWatch, NmtSlave, NmtState,
@@ -191,7 +190,6 @@ impl Station {
             further: u32::from(params.tap_spindles()).saturating_sub(1),
             drive_syncs: params.drive_status_syncs(),
             status_ms: params.status_period_ms(),
-            #[cfg(feature = "fd")]
             fd_kbit: if params.setpoint_frame() == 1 {
                 params.fd_kbit()
             } else {
@@ -229,13 +227,18 @@ impl Station {
         self.shelf.serial = serial;
     }
 
+    /// Says whether the controller sends frames of CAN FD. A board whose controller does not takes no set that asks for
+    /// them.
+    pub const fn set_fd(&mut self, sends_fd: bool) {
+        self.shelf.sends_fd = sends_fd;
+    }
+
     /// Takes a frame. False for one that is not for a board: a drive's, or of a service it does not have.
     pub fn receive(&mut self, frame: &Frame, params: &Params) -> bool {
         if !self.has_joined() {
             return false;
         }
         let intrusion = Intrusion::of(frame, &DriveNodes::of(params));
-        #[cfg(feature = "fd")]
         let intrusion = intrusion.or_else(|| self.setpoints_of_others(frame.id(), params));
         if let Some(intrusion) = intrusion {
             self.resist(intrusion);
@@ -287,7 +290,6 @@ impl Station {
     }
 
     /// Takes a frame of CAN FD. Nothing in one is for a board; it can be setpoints of somebody else for its drives.
-    #[cfg(feature = "fd")]
     pub fn receive_fd(&mut self, frame: &FdFrame, params: &Params) {
         if self.has_joined()
             && let Some(intrusion) = self.setpoints_of_others(frame.id(), params)

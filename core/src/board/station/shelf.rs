@@ -57,6 +57,8 @@ pub struct Shelf {
     pub late: u32,
     /// 1018h:04.
     pub serial: u32,
+    /// The controller sends frames of CAN FD.
+    pub sends_fd: bool,
     pub(super) log_from: u32,
     /// Bytes of the buffer in use.
     pub(super) length: usize,
@@ -170,6 +172,7 @@ impl Shelf {
             heartbeat: HeartbeatProducer::new(ms(params.heartbeat_ms()), params.tick_us()),
             emcy: EmcyProducer::new(node),
             serial: 0,
+            sends_fd: true,
             commands: Deque::new(),
             signals: None,
             drops_tap: false,
@@ -394,7 +397,6 @@ impl Shelf {
             (0x5040, 2) => self.log_from,
             (0x5042, _) => self.ledger.threads.taken(),
             (0x5060, _) => self.snapshot.signals().into(),
-            #[cfg(feature = "fd")]
             (0x1803, 1) if params.setpoint_frame() == 1 => {
                 return Ok(row.number(self.node) & !(1 << 31));
             }

@@ -78,12 +78,10 @@ pub static GROUPS: &[Group] = &[
     group(0x1800, "TPDO1 communication"),
     group(0x1801, "TPDO2 communication"),
     group(0x1802, "TPDO3 communication"),
-    #[cfg(feature = "fd")]
     group(0x1803, "TPDO4 communication"),
     group(0x1A00, "TPDO1 mapping"),
     group(0x1A01, "TPDO2 mapping"),
     group(0x1A02, "TPDO3 mapping"),
-    #[cfg(feature = "fd")]
     group(0x1A03, "TPDO4 mapping"),
     group(0x5000, "Command"),
     group(0x5001, "Status"),
@@ -344,9 +342,7 @@ const LINES: &[Line] = &[
     transmission(0x1802),
     event_timer(0x1802),
     // The frame with all setpoints, not used unless the parameters say so.
-    #[cfg(feature = "fd")]
     of_node(0x1803, 1, "COB-ID", Read, 0xC000_0480),
-    #[cfg(feature = "fd")]
     fixed(0x1803, 2, "transmission type", U8, 1),
     map(0x1A00, 1, &BoardStatus::MAPPING),
     map(0x1A00, 2, &BoardStatus::MAPPING),
@@ -360,7 +356,6 @@ const LINES: &[Line] = &[
     map(0x1A02, 2, &BoardSpindle::MAPPING),
     map(0x1A02, 3, &BoardSpindle::MAPPING),
     // What it carries are objects of the drives, and none of the board's.
-    #[cfg(feature = "fd")]
     fixed(0x1A03, 0, "mapped objects", U8, 0),
     mapped(0x5000, 1, "count", U8, Both),
     within(mapped(0x5000, 2, "order", U8, Both), 0, 5),

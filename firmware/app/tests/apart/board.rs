@@ -138,6 +138,7 @@ impl Apart {
             tap: None,
             node: NodeId::BOARD,
             serial: 0x1234_5678,
+            fd: true,
             failure,
             cause,
         };

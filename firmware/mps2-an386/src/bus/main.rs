@@ -87,6 +87,7 @@ fn main() -> ! {
         tap,
         node: NodeId::BOARD,
         serial: 0,
+        fd: true,
         failure,
         cause,
     };

@@ -130,6 +130,7 @@ fn board() {
         tap: any(),
         node: any(),
         serial: any(),
+        fd: any(),
         failure: Failure::decode(&any()),
         cause: cause(),
     };
