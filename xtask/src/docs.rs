@@ -1,4 +1,4 @@
-//! The documentation builds without warnings, and its links lead somewhere.
+//! The documentation builds without warnings, and its links lead somewhere, those of the pages too.
 //!
 //! Comments cite decisions as `[D7]`, which rustdoc takes for links. So the lint of dead links is off in an ordinary
 //! build; here it is on, and only those citations are let pass.
@@ -6,10 +6,11 @@
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
 
-use crate::run;
+use crate::{pages, run};
 
 /// Builds it, and lists what is wrong.
 pub fn check() -> Result<()> {
+    pages::check()?;
     let args = [
         "doc",
         "--workspace",

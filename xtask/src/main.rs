@@ -19,6 +19,7 @@ mod emulator;
 mod held;
 mod image;
 mod licences;
+mod pages;
 mod rules;
 mod run;
 mod setup;

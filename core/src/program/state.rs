@@ -322,7 +322,11 @@ impl<'p> State<'p> {
             53 => self.machine_coordinates(block, word, plan),
             75 => self.groove(block, word, plan),
             76 => self.thread_g76(block, word, plan),
-            _ => self.thread_g78(block, word, plan),
+            78 => self.thread_g78(block, word, plan),
+            // A code of this group needs an arm of its own.
+            _ => Err(word
+                .alarm(Code::GNotAvailable)
+                .with([g_arg(code), Arg::None, Arg::None, Arg::None])),
         }
     }
 
