@@ -1,4 +1,4 @@
-//! While a tap is in a hole, nothing moves but the way out (cycles.md section 9) [D88], or deeper where K198 has left it
+//! While a tap is in a hole, nothing moves but the way out [D88], or deeper where K198 has left it
 //! there in phase [D25].
 //!
 //! Set when the machine has come to rest with a tap in its hole: after power-up, a reset, an emergency stop or an alarm.

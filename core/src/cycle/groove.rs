@@ -1,4 +1,4 @@
-//! G75: one call to its moves, lazily and in constant memory ([G75 sheet]; cycles.md section 5).
+//! G75: one call to its moves, lazily and in constant memory ([G75 sheet]).
 
 use super::check::blame;
 use super::refuse::refuse_groove;

@@ -68,7 +68,7 @@ pub struct ThreadMove {
 
 /// A stroke of a tap, from rest to rest: the tap axis travels, the spindle turns with it. Seen from the angle where the
 /// spindle stands while the tap is at R, the commanded angle is a pure function of the axis: `±|p − level| / lead` turns,
-/// plus for a right-hand tap [G84/G88 sheet, cycles.md section 8].
+/// plus for a right-hand tap [G84/G88 sheet].
 ///
 /// The strokes of a hole follow each other with nothing but a dwell between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +137,7 @@ pub enum Cycle {
     G30P99,
 }
 
-/// What a move in a cycle is for (cli.md, stages).
+/// What a move in a cycle is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Rapid to B (threads), to the hole (taps).

@@ -1,4 +1,4 @@
-//! Where the points of a thread pass lie (cycles.md, sections 3 and 4): pure geometry of one depth.
+//! Where the points of a thread pass lie: pure geometry of one depth.
 //!
 //! Every coordinate is one closed expression of the pass's depth, rounded once to the nearest nanometre on the radius.
 //! Displacements are rounded, halves away from zero, and counted from D and A in the thread's own directions, so a mirrored

@@ -1,4 +1,4 @@
-//! G84 and G88: one call to its moves, lazily and in constant memory ([G84/G88 sheet]; cycles.md section 8).
+//! G84 and G88: one call to its moves, lazily and in constant memory ([G84/G88 sheet]).
 
 use super::refuse::refuse_tap;
 use super::{Cycle, Move, MoveKind, Stage, Tag, TapMove};

@@ -1,4 +1,4 @@
-//! G30 P99: the way out of a hole in which a tap was stopped, from the tap journal ([G84/G88 sheet]; cycles.md section 9).
+//! G30 P99: the way out of a hole in which a tap was stopped, from the tap journal ([G84/G88 sheet]).
 
 use super::{Context, Cycle, Move, MoveKind, Stage, Tag, TapMove};
 use crate::alarm::{Alarm, Arg, Code};

@@ -1,4 +1,4 @@
-//! G76 and G78: one call to its moves, lazily and in constant memory ([G76 sheet], [G78 sheet]; cycles.md sections 2–4).
+//! G76 and G78: one call to its moves, lazily and in constant memory ([G76 sheet], [G78 sheet]).
 //!
 //! The order of passes and of the moves in a pass; where their corners lie is `shape`, how deep they are is `depth`.
 

@@ -1,4 +1,4 @@
-//! Ordinary tapping against the machine: the way to get onto the lead (cycles.md section 8).
+//! Ordinary tapping against the machine: the way to get onto the lead.
 
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::FloatPlan;

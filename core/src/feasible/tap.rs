@@ -1,5 +1,4 @@
-//! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth
-//! (cycles.md section 8).
+//! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth.
 
 use super::encoder::can_follow;
 use super::float::{TapJoin, faster, join};

@@ -1,4 +1,4 @@
-//! G76 and G78 against the machine: spindle, feeds, lead-in, run-out (cycles.md section 7).
+//! G76 and G78 against the machine: spindle, feeds, lead-in, run-out.
 
 use super::encoder::can_follow;
 use super::pass::{Gather, Pass};

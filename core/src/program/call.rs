@@ -173,7 +173,7 @@ pub enum ThreadCycle {
     G78,
 }
 
-/// How the tool enters from pass to pass (G78 P(r); cycles.md section 4).
+/// How the tool enters from pass to pass (G78 P(r)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum CutIn {
     /// 0: down the centre, no shift along Z.
@@ -351,7 +351,7 @@ pub enum TapRepeat {
     Stay,
 }
 
-/// What ties a tap's axis to its spindle (cycles.md section 8).
+/// What ties a tap's axis to its spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum TapMode {
     /// Rigid: the spindle is in position mode, and one master moves both.

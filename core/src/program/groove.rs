@@ -1,4 +1,4 @@
-//! The words of G75 ([G75 sheet], cycles.md section 5).
+//! The words of G75 ([G75 sheet]).
 
 use super::block::{Block, Letters, Word};
 use super::call::{CallKind, GrooveCall};

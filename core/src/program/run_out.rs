@@ -1,4 +1,4 @@
-//! J and K of a thread after the rules for what is left out ([G76 sheet] notes 1–4, cycles.md sections 3 and 4).
+//! J and K of a thread after the rules for what is left out ([G76 sheet] notes 1–4).
 
 use super::call::RunOut;
 use crate::alarm::At;

@@ -1,4 +1,4 @@
-//! The words of G84 and G88 ([G84/G88 sheet], cycles.md section 8): kept from hole to hole, every one resolved or its
+//! The words of G84 and G88 ([G84/G88 sheet]): kept from hole to hole, every one resolved or its
 //! parameter taken. When rigid mode begins and ends is `tap_mode`'s.
 
 use core::num::NonZeroU8;

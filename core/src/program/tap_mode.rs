@@ -1,5 +1,5 @@
-//! Around tapping cycles: when rigid mode begins and ends, and what may stand in between ([G84/G88 sheet], cycles.md
-//! section 8). The words of the cycles themselves are `tap`'s.
+//! Around tapping cycles: when rigid mode begins and ends, and what may stand in between ([G84/G88 sheet]).
+//! The words of the cycles themselves are `tap`'s.
 //!
 //! Rigid mode begins with the M code of 5210 and its S in the block right before the cycle (5200.0 = 0), or with S in the
 //! cycle's block (5200.0 = 1). It ends with the cycle: G80, a G code of group 01, M02, M30. Ending it clears S. A cycle

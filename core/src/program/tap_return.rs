@@ -1,4 +1,4 @@
-//! G30 P99: the way out of a hole in which a tap was stopped ([G84/G88 sheet], cycles.md section 9).
+//! G30 P99: the way out of a hole in which a tap was stopped ([G84/G88 sheet]).
 //!
 //! Where the tool is then, only the board knows: unless the text itself has left the tap in the hole (K198), no motion
 //! follows in the program.

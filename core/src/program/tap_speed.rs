@@ -1,5 +1,5 @@
 //! How fast a tap turns, and what its lead is: S of rigid mode or that of a turning spindle, the dry run, and the
-//! extraction override ([G84/G88 sheet], cycles.md section 8).
+//! extraction override ([G84/G88 sheet]).
 
 use super::block::{Block, Letters, Word};
 use super::call::{SpindleCall, TapCall, TapMode};

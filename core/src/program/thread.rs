@@ -1,4 +1,4 @@
-//! The words of G76 and G78 ([G76 sheet], [G78 sheet], cycles.md sections 3 and 4): first blocks kept per cycle [D21],
+//! The words of G76 and G78 ([G76 sheet], [G78 sheet]): first blocks kept per cycle [D21],
 //! leads apart from feeds [D20], every word resolved or its parameter taken.
 
 use super::block::{Block, Letters, Word};

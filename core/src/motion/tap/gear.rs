@@ -7,7 +7,7 @@ use crate::program::{Hand, Position, TapAxis};
 use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed, signed_product};
 
 /// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
-/// for a right-hand tap [G84/G88 sheet, cycles.md section 8].
+/// for a right-hand tap [G84/G88 sheet].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gear {
     axis: TapAxis,
