@@ -324,9 +324,12 @@ impl<'p> State<'p> {
             76 => self.thread_g76(block, word, plan),
             78 => self.thread_g78(block, word, plan),
             // A code of this group needs an arm of its own.
-            _ => Err(word
-                .alarm(Code::GNotAvailable)
-                .with([g_arg(code), Arg::None, Arg::None, Arg::None])),
+            _ => Err(word.alarm(Code::GNotAvailable).with([
+                g_arg(code),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ])),
         }
     }
 
