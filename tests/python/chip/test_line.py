@@ -130,13 +130,6 @@ class Operator(unittest.TestCase):
         self.assertEqual((ran["ok"], ran["moves"]), (True, 4))
         self.assertEqual(machine.status()["mz"], 5)
 
-    def test_a_set_that_its_controller_cannot_send_is_refused(self):
-        machine = Machine(self)
-        code, out, err = machine.end(machine.start("params", "set", "9031=1"))
-        self.assertNotEqual(code, 0, out)
-        self.assertIn("4383", err)
-        self.assertIn('"value":0', machine.good("params", "get", "9031", "--json"))
-
     def test_a_feed_hold_button_holds(self):
         machine = Machine(self)
         running = machine.start("run", program(self, self.SLOW))
