@@ -2,7 +2,7 @@
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};
-use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed, size};
+use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
 
 /// Checks a lead that `axis` shall follow at `rpm`, of a cycle whose G word stands at `span`.
 ///
@@ -35,10 +35,10 @@ pub(super) fn can_follow(
     let limit = params.acceleration(axis);
     match params.count_noise(lead.value, axis) {
         Some(noise) if noise > limit => {
-            let [much, most] = [noise, limit].map(|one| size(one.nm_per_s2()));
+            let [much, most] = [noise, limit].map(|one| one.nm_per_s2().unsigned_abs());
             let written = lead.value.rounded();
             // Whole micrometres, rounded down.
-            let longest = mul_div(size(written.nm()), most, much.saturating_mul(1000));
+            let longest = mul_div(written.nm().unsigned_abs(), most, much.saturating_mul(1000));
             let figures = [
                 Arg::Length(written),
                 metres(noise),

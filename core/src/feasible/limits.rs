@@ -6,7 +6,7 @@ use crate::cycle::{Move, MoveKind, Moves};
 use crate::params::Params;
 use crate::program::Position;
 use crate::units::plane::{self, Vector, ahead, side};
-use crate::units::{Angle, Axis, Diameter, Length, signed, size};
+use crate::units::{Angle, Axis, Diameter, Length, signed};
 
 /// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis. A groove takes as
 /// long as any other, whatever its columns and infeeds.
@@ -110,7 +110,7 @@ fn farthest(
 
 /// The length of a vector, rounded up.
 fn radius((z, x): Vector) -> i64 {
-    signed(plane::length_up(size(z), size(x)))
+    signed(plane::length_up(z.unsigned_abs(), x.unsigned_abs()))
 }
 
 /// True where one comes through `point` on the way counter-clockwise from `first` to `last` (a whole turn where they

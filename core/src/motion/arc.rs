@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Direction, Length, mul_div, mul_high, narrow_div, plane, size};
+use crate::units::{Direction, Length, mul_div, mul_high, narrow_div, plane};
 
 /// How far the end may be from the circle through the start, at most; see [`Arc::new`].
 pub const ARC_TOLERANCE: Length = Length::from_nm(10_000);
@@ -218,7 +218,7 @@ impl Ray {
 
     /// Its length in 2⁻²⁰ nm: below 2⁶³.
     fn radius(&self) -> u64 {
-        plane::length(size(self.x) << 20, size(self.z) << 20)
+        plane::length(self.x.unsigned_abs() << 20, self.z.unsigned_abs() << 20)
     }
 
     fn phase(&self) -> Direction {

@@ -6,7 +6,7 @@
 //! image of the same curve brakes. Threads use it on the long axis (join, brake) and on the short one (run-in, run-out).
 
 use super::wide::{mul_div_up, root_mul_div_up};
-use crate::units::{Length, mul_div, size};
+use crate::units::{Length, mul_div};
 
 /// A length in 2⁻¹⁶ nm: what the laws of a thread are computed in before the one rounding to a setpoint.
 pub(crate) type Fine = i64;
@@ -81,7 +81,7 @@ impl Fraction {
 
     /// `part` / `whole`, which it was made of, in 2⁻³¹: at most one either way.
     pub fn share(self, part: Fine, whole: Fine) -> i64 {
-        let size = size(part) as Fine;
+        let size = part.unsigned_abs() as Fine;
         let share = if size >= whole {
             1 << 31
         } else {
@@ -174,7 +174,7 @@ impl Ease {
     /// The curve at `h`.
     pub fn at(&self, h: Fine) -> Fine {
         let line = h.max(0);
-        let inside = self.half.wrapping_sub(size(h) as Fine);
+        let inside = self.half.wrapping_sub(h.unsigned_abs() as Fine);
         if inside <= 0 {
             return line;
         }

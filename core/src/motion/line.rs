@@ -2,7 +2,7 @@
 
 use super::rate::Travel;
 use crate::program::Position;
-use crate::units::{Angle, Length, mul_high, narrow_div, plane, size};
+use crate::units::{Angle, Length, mul_high, narrow_div, plane};
 
 /// A straight path in X, Z and C.
 ///
@@ -93,7 +93,7 @@ impl Line {
 
 /// Both are within [`Length::INPUT_LIMIT`].
 const fn magnitude(from: i64, to: i64) -> u64 {
-    size(to.wrapping_sub(from))
+    to.wrapping_sub(from).unsigned_abs()
 }
 
 const fn nm(value: u64) -> Length {

@@ -7,7 +7,7 @@ use super::limits::PathLimits;
 use super::profile::{CAPACITY, Ramp};
 use super::rate::PathRate;
 use super::wide::mul_div_up;
-use crate::units::{Length, multiple};
+use crate::units::Length;
 
 /// The ramp for a motion of `length` at `nominal`, able to go up to `limits.speed`.
 ///
@@ -84,9 +84,9 @@ fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
         let n1 = n1.max(half).min(most);
         let n2 = m.saturating_sub(n1).max(1);
         // 2⁻³² nm to 1/256 nm. What saturates is beyond any cap.
-        let by_accel = multiple(limits.acceleration, u64::from(n1));
+        let by_accel = limits.acceleration.saturating_mul(u64::from(n1));
         let product = u32::from(n1).wrapping_mul(u32::from(n2));
-        let by_jerk = multiple(limits.jerk, u64::from(product));
+        let by_jerk = limits.jerk.saturating_mul(u64::from(product));
         let rate = u32::try_from(by_accel.min(by_jerk) >> 24).unwrap_or(u32::MAX);
         if rate > best.1 {
             best = (n1, rate);

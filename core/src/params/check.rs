@@ -4,7 +4,7 @@
 use super::Params;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::spindle::Coarse;
-use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, mul_div, size};
+use crate::units::{Acceleration, Axis, Lead, Rpm, Ticks, mul_div};
 
 /// Ticks that the two ramps of a motion profile may have together.
 pub const PROFILE_TICKS: i64 = 2048;
@@ -209,7 +209,7 @@ impl Params {
     /// Counts a turn with which `noise` would be within `limit`.
     #[must_use]
     pub(crate) fn counts_for(&self, noise: Acceleration, limit: Acceleration) -> u32 {
-        let [noise, limit] = [noise, limit].map(|one| size(one.nm_per_s2()));
+        let [noise, limit] = [noise, limit].map(|one| one.nm_per_s2().unsigned_abs());
         let counts = mul_div(u64::from(self.encoder_counts()), noise, limit.max(1));
         u32::try_from(counts.saturating_add(1)).unwrap_or(u32::MAX)
     }

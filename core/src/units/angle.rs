@@ -5,8 +5,6 @@ use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::saturating;
-
 /// Position of a rotary axis in millionths of a degree (C words; 1 µ° to a degree is what a nanometre is to a
 /// millimetre).
 #[derive(
@@ -47,19 +45,19 @@ macro_rules! saturating_ops {
         impl Add for $type {
             type Output = Self;
             fn add(self, other: Self) -> Self {
-                Self(saturating::sum(self.0, other.0))
+                Self(self.0.saturating_add(other.0))
             }
         }
         impl Sub for $type {
             type Output = Self;
             fn sub(self, other: Self) -> Self {
-                Self(saturating::difference(self.0, other.0))
+                Self(self.0.saturating_sub(other.0))
             }
         }
         impl Neg for $type {
             type Output = Self;
             fn neg(self) -> Self {
-                Self(saturating::negative(self.0))
+                Self(self.0.saturating_neg())
             }
         }
         impl AddAssign for $type {

@@ -3,7 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::{Length, saturating};
+use super::Length;
 
 /// Path speed in nanometres per minute (G98), never negative.
 #[derive(
@@ -69,7 +69,7 @@ impl FeedPerTurn {
     /// The feed at a spindle speed (its magnitude).
     #[must_use]
     pub const fn at(self, rpm: Rpm) -> Feed {
-        Feed(saturating::times(self.0, rpm.abs() as i64))
+        Feed(self.0.saturating_mul(rpm.abs() as i64))
     }
 }
 

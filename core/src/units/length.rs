@@ -5,8 +5,6 @@ use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::saturating;
-
 /// A length or a coordinate in nanometres: Z, a radius, a depth.
 #[derive(
     Clone,
@@ -45,25 +43,25 @@ impl Length {
     /// The magnitude.
     #[must_use]
     pub const fn abs(self) -> Self {
-        Self(saturating::magnitude(self.0))
+        Self(self.0.saturating_abs())
     }
 
     /// −1, 0 or +1.
     #[must_use]
     pub const fn signum(self) -> i64 {
-        saturating::sign(self.0)
+        self.0.signum()
     }
 
     /// `self` times a small whole number.
     #[must_use]
     pub const fn times(self, n: i64) -> Self {
-        Self(saturating::times(self.0, n))
+        Self(self.0.saturating_mul(n))
     }
 
     /// True where the magnitude is within [`Length::INPUT_LIMIT`].
     #[must_use]
     pub const fn is_in_range(self) -> bool {
-        saturating::magnitude(self.0) <= Self::INPUT_LIMIT.0
+        self.0.saturating_abs() <= Self::INPUT_LIMIT.0
     }
 }
 
@@ -94,21 +92,21 @@ impl Remainder {
 impl Add for Length {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self(saturating::sum(self.0, other.0))
+        Self(self.0.saturating_add(other.0))
     }
 }
 
 impl Sub for Length {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self(saturating::difference(self.0, other.0))
+        Self(self.0.saturating_sub(other.0))
     }
 }
 
 impl Neg for Length {
     type Output = Self;
     fn neg(self) -> Self {
-        Self(saturating::negative(self.0))
+        Self(self.0.saturating_neg())
     }
 }
 
@@ -158,7 +156,7 @@ impl Diameter {
     /// The diameter whose half is `radius`.
     #[must_use]
     pub const fn of_radius(radius: Length) -> Self {
-        Self(saturating::times(radius.0, 2))
+        Self(radius.0.saturating_mul(2))
     }
 
     /// Half of the diameter. Exact for every programmable value; a stray odd nanometre is dropped towards zero.

@@ -15,7 +15,6 @@ pub(crate) mod plane;
 mod rate;
 mod ratio;
 mod root;
-mod saturating;
 mod trig;
 mod wide;
 
@@ -27,7 +26,6 @@ pub use length::{Diameter, Length, Remainder};
 pub use rate::{Ticks, TurnRate};
 pub use ratio::TurnRatio;
 pub(crate) use root::{root, root_wide};
-pub(crate) use saturating::{multiple, signed, size};
 pub use trig::Direction;
 pub use wide::{Divisor, mul_div, mul_high};
-pub(crate) use wide::{div_wide, mul_wide, narrow_div, product, signed_product};
+pub(crate) use wide::{div_wide, mul_wide, narrow_div, product, signed, signed_product};

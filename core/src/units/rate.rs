@@ -3,7 +3,7 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::{Rpm, saturating};
+use super::Rpm;
 
 /// Speed of the spindle in 2⁻³² turns per second, positive in the direction of M03. 1 rpm is about 7·10⁷.
 #[derive(
@@ -48,14 +48,14 @@ impl TurnRate {
     #[must_use]
     pub const fn rpm(self) -> Rpm {
         // 60 · 2¹⁶ keeps the product inside 64 bits for every speed below 2⁴¹ turns per second.
-        let scaled = saturating::times(self.0 >> 16, 60);
-        Rpm::new((saturating::sum(scaled, 1 << 15) >> 16) as i32)
+        let scaled = (self.0 >> 16).saturating_mul(60);
+        Rpm::new((scaled.saturating_add(1 << 15) >> 16) as i32)
     }
 
     /// The magnitude.
     #[must_use]
     pub const fn abs(self) -> Self {
-        Self(saturating::magnitude(self.0))
+        Self(self.0.saturating_abs())
     }
 
     /// True for M04's direction.

@@ -1,7 +1,7 @@
 //! Turns of a geared spindle, exactly ([`TurnRatio`]).
 
 use super::wide::narrow_div;
-use super::{Lead, Length, saturating};
+use super::{Lead, Length};
 
 /// Signed spindle turns as an exact ratio; the denominator is positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,7 +16,7 @@ impl TurnRatio {
     #[must_use]
     pub const fn of_travel(travel: Length, lead: Lead) -> Self {
         Self {
-            numerator: saturating::times(travel.nm(), lead.denominator()),
+            numerator: travel.nm().saturating_mul(lead.denominator()),
             denominator: lead.numerator(),
         }
     }
@@ -25,7 +25,7 @@ impl TurnRatio {
     #[must_use]
     pub const fn reversed(self) -> Self {
         Self {
-            numerator: saturating::negative(self.numerator),
+            numerator: self.numerator.saturating_neg(),
             denominator: self.denominator,
         }
     }

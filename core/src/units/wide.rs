@@ -3,6 +3,15 @@
 //! The compiler's 128-bit division is two kilobytes of code, and the linker puts it in wherever it is written; so it is
 //! written nowhere, and that by 64 bits is here [D159].
 
+/// `a`, or the largest number with a sign where that is smaller.
+pub(crate) const fn signed(a: u64) -> i64 {
+    if a > i64::MAX as u64 {
+        i64::MAX
+    } else {
+        a as i64
+    }
+}
+
 /// The high 64 bits of `a · b`.
 ///
 /// A 32-bit processor needs four multiplications for it and no library call.

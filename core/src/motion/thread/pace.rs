@@ -8,7 +8,7 @@ use crate::motion::lead::speed_of;
 use crate::motion::limits::bounds;
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::units::{Axis, Feed, Rpm, TurnRate, mul_div, size};
+use crate::units::{Axis, Feed, Rpm, TurnRate, mul_div};
 
 /// Percent of the spindle's speed for which a run-out is tried that does not fit with the whole margin.
 const MARGINS: [u64; 4] = [110, 105, 102, 100];
@@ -67,7 +67,7 @@ impl Pace {
             mul_div(per_second, 60, 1 << 32)
         };
         let (long, short) = axes(shape);
-        let along_taper = mul_div(asked, size(shape.taper), DIAGONAL);
+        let along_taper = mul_div(asked, shape.taper.unsigned_abs(), DIAGONAL);
         let checks = [
             (long, asked, params.max_feed(long)),
             (long, mul_div(asked, self.margin, 100), params.rapid(long)),
@@ -97,7 +97,7 @@ impl Pace {
             long: bounds(params, long),
             short: bounds(params, short),
             short_speed: params.max_feed(short).nm_per_min() as u64 / 60,
-            taper: size(shape.taper),
+            taper: shape.taper.unsigned_abs(),
         }
     }
 
@@ -114,9 +114,9 @@ impl Pace {
             *join = machine.plain();
             return Ok(());
         }
-        let corner = machine.corner(size(shape.run_in_rise), shape.run_in as u64);
+        let corner = machine.corner(shape.run_in_rise.unsigned_abs(), shape.run_in as u64);
         if !corner.whole {
-            let needed = machine.way_needed(size(shape.run_in_rise));
+            let needed = machine.way_needed(shape.run_in_rise.unsigned_abs());
             let alarm = shape.alarm(Code::RunInTooFast).word(b'E');
             return Err(alarm.with([
                 Arg::Length(whole(needed as Fine)),
@@ -143,7 +143,7 @@ impl Pace {
             *brake = machine.plain();
             return None;
         }
-        let (rise, way) = (size(shape.run_out_rise), shape.run_out as u64);
+        let (rise, way) = (shape.run_out_rise.unsigned_abs(), shape.run_out as u64);
         let mut corner = machine.corner(rise, way);
         for percent in MARGINS {
             if corner.whole || percent >= self.margin {
@@ -164,7 +164,7 @@ impl Pace {
     #[inline(never)]
     pub fn retract(&self, shape: &Shape, machine: &Machine, ramp: &mut Ramp) {
         let mean = if shape.run_out > 0 {
-            size(slope(shape.run_out_rise, shape.run_out as u64))
+            slope(shape.run_out_rise, shape.run_out as u64).unsigned_abs()
         } else {
             DIAGONAL
         };

@@ -10,7 +10,7 @@ use crate::motion::ease::{Ease, Fine, Fraction, whole};
 use crate::motion::lead::turns_of;
 use crate::params::Params;
 use crate::program::Position;
-use crate::units::{Length, Rpm, TurnRate, Turns, mul_div, size};
+use crate::units::{Length, Rpm, TurnRate, Turns, mul_div};
 
 /// One pass of a thread, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,7 +142,7 @@ impl ThreadPlan {
         self.length = length;
         self.taper = shape.taper;
         self.run_in_rise = self.run_in.beside_at_start();
-        let slopes = [self.run_in.slope, self.run_out.slope].map(size);
+        let slopes = [self.run_in.slope, self.run_out.slope].map(i64::unsigned_abs);
         self.stop = machine.straight(slopes[0].max(slopes[1]));
         pace.retract(shape, &machine, &mut self.retract);
         self.retract_inverse = inverse(self.retract.slope as u64);

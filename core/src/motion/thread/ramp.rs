@@ -6,7 +6,7 @@
 
 use crate::motion::ease::{Bounds, Ease, Fine};
 use crate::motion::wide::{mul_div_up, ratio, root_mul_div_up};
-use crate::units::{mul_div, signed, signed_product, size};
+use crate::units::{mul_div, signed, signed_product};
 
 /// Short-axis travel per long-axis travel in 2⁻⁴⁰.
 pub(crate) type Slope = i64;
@@ -44,7 +44,7 @@ pub(crate) fn along(way: Fine, slope: Slope) -> Fine {
 
 /// The slope that makes `rise` over `way`.
 pub(crate) fn slope(rise: Fine, way: u64) -> Slope {
-    directed(mean(size(rise), way), rise)
+    directed(mean(rise.unsigned_abs(), way), rise)
 }
 
 /// Its magnitude.

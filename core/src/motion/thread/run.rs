@@ -7,7 +7,7 @@ use super::ramp::along;
 use crate::alarm::{Alarm, Code};
 use crate::motion::ease::{Ease, Fine};
 use crate::program::Position;
-use crate::units::{Length, TurnRate, Turns, signed_product, size};
+use crate::units::{Length, TurnRate, Turns, signed_product};
 
 /// Where in its pass the tool is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -217,7 +217,7 @@ impl ThreadRun {
             return Retract::Finishing;
         }
         // Ramp up and ramp down must not overlap; a short way out is a flatter one.
-        let apart = along(size(wanted) as Fine, plan.retract_inverse).min(room);
+        let apart = along(wanted.unsigned_abs() as Fine, plan.retract_inverse).min(room);
         // A corner is two halves.
         let slope = scaled(plan.retract.slope, plan.retract.ease.share(apart >> 1));
         let apart = apart.max(corner);

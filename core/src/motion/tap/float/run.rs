@@ -10,7 +10,7 @@ use crate::motion::executor::{Arrival, Motion};
 use crate::motion::tap::TapLine;
 use crate::program::Position;
 use crate::spindle::Observer;
-use crate::units::{Length, Ticks, TurnRate, Turns, size};
+use crate::units::{Length, Ticks, TurnRate, Turns};
 
 /// Ticks for which the axis stands at R before the next segment begins [D52].
 const SETTLING: u8 = 2;
@@ -360,7 +360,7 @@ impl FloatRun {
         let most = if self.place.leg == Leg::Extract {
             turner.top()
         } else {
-            let near = (size(self.speed) as i64).wrapping_add(turner.gentle());
+            let near = (self.speed.unsigned_abs() as i64).wrapping_add(turner.gentle());
             // Only a spindle that brakes already is known to want the root.
             let enough = if self.braking {
                 i64::MAX
@@ -429,7 +429,9 @@ impl FloatRun {
 
     /// One tick of it; true once the axis stands.
     fn brake(&mut self, plan: &FloatPlan, speed: Fine) -> bool {
-        let slower = (size(speed) as Fine).wrapping_sub(plan.brake).max(0);
+        let slower = (speed.unsigned_abs() as Fine)
+            .wrapping_sub(plan.brake)
+            .max(0);
         let step = slower.wrapping_mul(speed.signum());
         self.step = step;
         // R and the bottom hold whatever happens.

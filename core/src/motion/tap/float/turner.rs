@@ -3,7 +3,7 @@
 
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
-use crate::units::{CentiRpm, Lead, TurnRate, mul_div, root, signed, size};
+use crate::units::{CentiRpm, Lead, TurnRate, mul_div, root, signed};
 
 /// The spindle's speed and ramps in a hole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ impl Turner {
 
     /// The next command: from `speed` towards `wanted`, no faster than the ramps.
     pub(super) fn towards(&self, speed: i64, wanted: i64) -> i64 {
-        let faster = size(wanted) > size(speed);
+        let faster = wanted.unsigned_abs() > speed.unsigned_abs();
         let step = if faster { self.gentle } else { self.full } as i64;
         let change = wanted.wrapping_sub(speed);
         speed.wrapping_add(change.max(step.wrapping_neg()).min(step))
@@ -123,7 +123,7 @@ impl Turner {
 
     /// A command as a speed.
     pub(super) fn rate(&self, speed: i64) -> TurnRate {
-        let size = size(speed) as i64;
+        let size = speed.unsigned_abs() as i64;
         let magnitude = if size >= self.top {
             // As it was written, not as it was rounded.
             self.top_rate.raw()
