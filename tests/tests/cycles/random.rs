@@ -236,7 +236,11 @@ fn threads_equal_the_reference() {
                 }
                 // Only rounding may make the difference.
                 (_, Err(refusal)) => assert!(refusal.margin < 2.0, "{refusal:?} {call:?}"),
-                (Err(alarm), Ok(_)) => panic!("{alarm:?} {call:?}"),
+                (Err(alarm), Ok(_)) => {
+                    let less = reference::thread(&shorter(&call));
+                    let same = less.is_err_and(|refusal| refusal.number == alarm.number());
+                    assert!(same, "{alarm:?} {call:?}");
+                }
             }
         }
         assert!(
@@ -244,6 +248,14 @@ fn threads_equal_the_reference() {
             "{refused} refused: the alarms were not tried"
         );
     });
+}
+
+/// The same with a stroke that is two nanometres shorter: as much as rounding may make of it.
+fn shorter(call: &ThreadCall) -> ThreadCall {
+    let two = len(2 * (call.start.z - call.end_z.value).signum());
+    let mut shorter = *call;
+    shorter.end_z.value += two;
+    shorter
 }
 
 #[test]
