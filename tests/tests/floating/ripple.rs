@@ -21,7 +21,7 @@ fn holes() -> u32 {
 }
 
 /// What the noise of counts without their edges' times is worth as acceleration of the axis, in m/s².
-const NOISE: f64 = 0.3;
+const NOISE: f64 = 0.4;
 
 fn is_feasible(text: &str, params: &Params) -> bool {
     calls(text, params).iter().all(|call| match &call.kind {
