@@ -3,7 +3,13 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::station::DROP;
-use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Object, Order};
+use leadscrew_core::board::station::PRODUCT;
+use leadscrew_core::board::station::objects::{
+    CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION, NEWEST_EVENT, PRODUCT_CODE,
+    SERIAL_NUMBER, SET_CHECKSUM, SIGNALS, SOFTWARE_VERSION, STATUS_RECORD, TAP_DISCARD, TAP_RECORD,
+    THREADS_TAKEN,
+};
+use leadscrew_core::bus::{Abort, BoardCommand, BoardStatus, Frame, Order};
 use leadscrew_core::link::{
     Certificate, EventReader, ImageReader, Logged, Status, ThreadCertificate, ThreadReader,
     VERSION, Version, identity,
@@ -14,26 +20,8 @@ use leadscrew_core::signals::Signals;
 use super::{Link, LinkResult, Trouble};
 use crate::origin::BoardName;
 
-const SOFTWARE: Object = Object::new(0x100A, 0);
-const SERIAL: Object = Object::new(0x1018, 4);
-pub(super) const PRODUCT: Object = Object::new(0x1018, 2);
-pub(super) const PARAMETERS: Object = Object::new(0x1020, 1);
-const RECORD: Object = Object::new(0x5001, 1);
-pub(super) const IMAGE: Object = Object::new(0x5010, 1);
-const LINK_VERSION: Object = Object::new(0x5020, 2);
-const JOURNAL: Object = Object::new(0x5030, 1);
-const JOURNAL_DROP: Object = Object::new(0x5030, 2);
-const NEWEST: Object = Object::new(0x5040, 1);
-const FROM: Object = Object::new(0x5040, 2);
-const ENTRIES: Object = Object::new(0x5040, 3);
-const CERTIFICATE: Object = Object::new(0x5041, 0);
-const TAKEN: Object = Object::new(0x5042, 0);
-const SIGNALS: Object = Object::new(0x5060, 0);
-
 /// Readings of the event log before a gap in it is believed.
 const LOG_TRIES: u32 = 5;
-/// `LSCW`.
-pub(super) const LEADSCREW: u32 = 0x4C53_4357;
 /// A status is due every 10 ms by default; the node is started so often until one comes.
 const STATUS: Duration = Duration::from_millis(500);
 const FIRST_STATUS: Duration = Duration::from_millis(100);
@@ -68,7 +56,7 @@ impl Link {
         // so stays so when asked again.
         let (mut count, mut several) = (0, 0);
         for _ in 0..GREETINGS {
-            count = self.answers(SERIAL)?;
+            count = self.answers(SERIAL_NUMBER)?;
             several += u32::from(count > 1);
             if count == 1 || several == SEVERAL {
                 break;
@@ -85,12 +73,12 @@ impl Link {
                 });
             }
         }
-        let product = match self.read_number(PRODUCT) {
+        let product = match self.read_number(PRODUCT_CODE) {
             Ok(product) => u32::try_from(product).ok(),
             Err(Trouble::Transfer { .. }) => None,
             Err(trouble) => return Err(trouble),
         };
-        if product != Some(LEADSCREW) {
+        if product != Some(PRODUCT) {
             return Err(Trouble::NotABoard { node, product });
         }
         let theirs = Version::from_raw(self.read_number(LINK_VERSION)?);
@@ -248,7 +236,7 @@ impl Link {
     /// # Errors
     /// [`Trouble::Version`], [`Trouble::Strange`].
     pub fn status(&mut self) -> LinkResult<Status> {
-        let bytes = self.read(RECORD)?;
+        let bytes = self.read(STATUS_RECORD)?;
         match Status::decode(&bytes) {
             Ok(Ok(status)) => Ok(status),
             Ok(Err(theirs)) => Err(Trouble::Version {
@@ -256,7 +244,7 @@ impl Link {
                 theirs,
                 ours: VERSION,
             }),
-            Err(_) => Err(self.strange(RECORD)),
+            Err(_) => Err(self.strange(STATUS_RECORD)),
         }
     }
 
@@ -265,11 +253,12 @@ impl Link {
     /// # Errors
     /// The board does not answer.
     pub fn board_name(&mut self) -> LinkResult<BoardName> {
-        let serial = self.read_number(SERIAL)?;
+        let serial = self.read_number(SERIAL_NUMBER)?;
         Ok(BoardName {
             node: self.node().get(),
-            serial: u32::try_from(serial).map_err(|_| self.strange(SERIAL))?,
-            version: String::from_utf8(self.read(SOFTWARE)?).map_err(|_| self.strange(SOFTWARE))?,
+            serial: u32::try_from(serial).map_err(|_| self.strange(SERIAL_NUMBER))?,
+            version: String::from_utf8(self.read(SOFTWARE_VERSION)?)
+                .map_err(|_| self.strange(SOFTWARE_VERSION))?,
         })
     }
 
@@ -278,8 +267,8 @@ impl Link {
     /// # Errors
     /// The board does not answer.
     pub fn parameters_identity(&mut self) -> LinkResult<u32> {
-        let raw = self.read_number(PARAMETERS)?;
-        u32::try_from(raw).map_err(|_| self.strange(PARAMETERS))
+        let raw = self.read_number(SET_CHECKSUM)?;
+        u32::try_from(raw).map_err(|_| self.strange(SET_CHECKSUM))
     }
 
     /// The parameter set in force.
@@ -307,7 +296,7 @@ impl Link {
     /// # Errors
     /// The board does not answer.
     pub fn journal(&mut self) -> LinkResult<Vec<u8>> {
-        match self.read(JOURNAL) {
+        match self.read(TAP_RECORD) {
             Err(trouble) if trouble.is_abort(Abort::NoData) => Ok(Vec::new()),
             read => read,
         }
@@ -318,7 +307,7 @@ impl Link {
     /// # Errors
     /// The board does not answer, or refuses: the machine moves.
     pub fn drop_tap(&mut self) -> LinkResult<bool> {
-        match self.write(JOURNAL_DROP, &DROP.to_le_bytes()) {
+        match self.write(TAP_DISCARD, &DROP.to_le_bytes()) {
             Ok(()) => Ok(true),
             Err(trouble) if trouble.is_abort(Abort::NoData) => Ok(false),
             Err(trouble) => Err(trouble),
@@ -330,12 +319,12 @@ impl Link {
     /// # Errors
     /// [`Trouble::Version`], [`Trouble::Strange`].
     pub fn certificates(&mut self) -> LinkResult<(Certificate, Vec<ThreadCertificate>)> {
-        let bytes = self.read(CERTIFICATE)?;
+        let bytes = self.read(CERTIFICATES)?;
         match Certificate::decode(&bytes) {
             Ok(Ok(certificate)) => {
                 let threads: Result<Vec<_>, _> =
                     ThreadReader::new(&bytes).and_then(Iterator::collect);
-                let threads = threads.map_err(|_| self.strange(CERTIFICATE))?;
+                let threads = threads.map_err(|_| self.strange(CERTIFICATES))?;
                 Ok((certificate, threads))
             }
             Ok(Err(theirs)) => Err(Trouble::Version {
@@ -343,7 +332,7 @@ impl Link {
                 theirs,
                 ours: VERSION,
             }),
-            Err(_) => Err(self.strange(CERTIFICATE)),
+            Err(_) => Err(self.strange(CERTIFICATES)),
         }
     }
 
@@ -353,7 +342,7 @@ impl Link {
     /// # Errors
     /// The board does not answer, or there are not so many.
     pub fn take_threads(&mut self, number: u32) -> LinkResult {
-        match self.write(TAKEN, &number.to_le_bytes()) {
+        match self.write(THREADS_TAKEN, &number.to_le_bytes()) {
             // One from before there was this object goes by what is read.
             Err(trouble) if trouble.is_abort(Abort::NoObject) => Ok(()),
             written => written,
@@ -365,8 +354,8 @@ impl Link {
     /// # Errors
     /// The board does not answer.
     pub fn newest_event(&mut self) -> LinkResult<u32> {
-        let raw = self.read_number(NEWEST)?;
-        u32::try_from(raw).map_err(|_| self.strange(NEWEST))
+        let raw = self.read_number(NEWEST_EVENT)?;
+        u32::try_from(raw).map_err(|_| self.strange(NEWEST_EVENT))
     }
 
     /// The entries of the event log behind number `last`, as many as one reading holds.
@@ -379,11 +368,11 @@ impl Link {
     pub fn events_behind(&mut self, last: u32) -> LinkResult<Vec<Logged>> {
         let mut entries = Vec::new();
         for _ in 0..LOG_TRIES {
-            self.write(FROM, &last.saturating_add(1).to_le_bytes())?;
+            self.write(EVENTS_FROM, &last.saturating_add(1).to_le_bytes())?;
             self.keeps_turn = true;
-            let bytes = self.read(ENTRIES)?;
+            let bytes = self.read(EVENTS)?;
             let read: Result<Vec<Logged>, _> = EventReader::new(&bytes).collect();
-            entries = read.map_err(|_| self.strange(ENTRIES))?;
+            entries = read.map_err(|_| self.strange(EVENTS))?;
             entries.retain(|entry| entry.number > last);
             let complete = match entries.first() {
                 Some(first) => first.number == last.saturating_add(1),

@@ -2,14 +2,13 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_core::bus::{Abort, Object};
+use leadscrew_core::board::station::objects::{BATCH, CREDIT};
+use leadscrew_core::bus::Abort;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, CallBytes, encode_call};
 use leadscrew_core::program::Call;
 
 use super::{Link, LinkResult};
 
-const BATCH: Object = Object::new(0x5020, 1);
-const CREDIT: Object = Object::new(0x5020, 5);
 /// Calls kept here until they fit into a batch.
 const WAITING: usize = 64;
 

@@ -7,23 +7,15 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
+use leadscrew_core::board::station::objects::{
+    CHANGE_STATE, COMMIT, LAST_GOOD_SET, REFUSAL, SET_CHECKSUM, SET_COMMAND, SET_PASSWORD,
+    STAGED_CHANGES, STAGED_IMAGE, STORED_SET, TABLE_CHECKSUM,
+};
 use leadscrew_core::bus::{Abort, BoardState, Object};
 use leadscrew_core::link::{ImageWriter, decode_changes, identity};
 use leadscrew_core::params::{Entry, Params, TABLE_KEY};
 
-use super::board::PARAMETERS;
 use super::{Link, LinkResult, Trouble};
-
-const TABLE: Object = Object::new(0x1020, 2);
-const STATE: Object = Object::new(0x5010, 2);
-const STORED: Object = Object::new(0x5010, 3);
-const LAST_GOOD: Object = Object::new(0x5010, 4);
-const COMMAND: Object = Object::new(0x5010, 5);
-const PASSWORD: Object = Object::new(0x5010, 6);
-const REASON: Object = Object::new(0x5010, 8);
-const STAGED: Object = Object::new(0x5010, 9);
-pub(super) const CHANGES: Object = Object::new(0x5010, 10);
-pub(super) const COMMIT: Object = Object::new(0x5010, 11);
 
 /// 5010h:02h: none since power-up.
 const NONE: u64 = 0;
@@ -48,7 +40,7 @@ impl Link {
     /// # Errors
     /// [`Trouble::Table`].
     pub fn check_table(&mut self) -> LinkResult {
-        let theirs = self.read_number(TABLE)?;
+        let theirs = self.read_number(TABLE_CHECKSUM)?;
         if theirs == u64::from(TABLE_KEY) {
             return Ok(());
         }
@@ -64,7 +56,7 @@ impl Link {
     /// # Errors
     /// [`Trouble::Parameters`] for a wrong one.
     pub fn open_parameters(&mut self, password: u32) -> LinkResult {
-        let written = self.write(PASSWORD, &password.to_le_bytes());
+        let written = self.write(SET_PASSWORD, &password.to_le_bytes());
         self.explained(written)
     }
 
@@ -95,7 +87,7 @@ impl Link {
         let mut image = vec![0; ImageWriter::BYTES as usize];
         // The password, too: a 1 in its place keeps the one there is.
         ImageWriter::with_password(params).read(0, &mut image);
-        let written = self.write(STAGED, &image);
+        let written = self.write(STAGED_IMAGE, &image);
         self.explained(written)
     }
 
@@ -120,8 +112,8 @@ impl Link {
     /// # Errors
     /// [`Trouble::Strange`]: somebody else has changed parameters meanwhile, too.
     pub fn before(&mut self, staged: &Params) -> LinkResult<Params> {
-        match self.read(CHANGES) {
-            Ok(bytes) => decode_changes(&bytes, staged).map_err(|_| self.strange(CHANGES)),
+        match self.read(STAGED_CHANGES) {
+            Ok(bytes) => decode_changes(&bytes, staged).map_err(|_| self.strange(STAGED_CHANGES)),
             Err(trouble) if trouble.is_abort(Abort::OutOfMemory) => Ok(self.parameters()?.params),
             Err(trouble) => Err(trouble),
         }
@@ -159,7 +151,7 @@ impl Link {
     /// # Errors
     /// The board does not answer.
     pub fn last_good(&mut self) -> LinkResult<Option<u32>> {
-        let raw = self.read_number(LAST_GOOD)?;
+        let raw = self.read_number(LAST_GOOD_SET)?;
         Ok(u32::try_from(raw).ok().filter(|identity| *identity != 0))
     }
 
@@ -168,7 +160,7 @@ impl Link {
     /// # Errors
     /// As [`commit`](Self::commit).
     pub fn recall(&mut self) -> LinkResult {
-        let written = self.write(COMMAND, &RECALL.to_le_bytes()[..1]);
+        let written = self.write(SET_COMMAND, &RECALL.to_le_bytes()[..1]);
         self.explained(written)?;
         self.wait_until_stored(LONGEST)
     }
@@ -178,7 +170,7 @@ impl Link {
         let end = Instant::now() + longest;
         let mut pause = PAUSE;
         loop {
-            match self.read_number(STATE)? {
+            match self.read_number(CHANGE_STATE)? {
                 DONE => return Ok(()),
                 UNDER_WAY if Instant::now() < end => {
                     self.idle(pause)?;
@@ -189,7 +181,7 @@ impl Link {
                 // stored and not yet marked counts when the board starts again [D114].
                 UNDER_WAY => return Err(self.unsettled(false)),
                 NONE => return Err(self.unsettled(true)),
-                _ => return Err(self.strange(STATE)),
+                _ => return Err(self.strange(CHANGE_STATE)),
             }
         }
     }
@@ -203,11 +195,11 @@ impl Link {
 
     fn is_in_force(&mut self, expected: u32) -> LinkResult {
         let in_force = self.parameters_identity()?;
-        let stored = self.read_number(STORED)?;
+        let stored = self.read_number(STORED_SET)?;
         if in_force == expected && stored == u64::from(expected) {
             return Ok(());
         }
-        Err(self.strange(PARAMETERS))
+        Err(self.strange(SET_CHECKSUM))
     }
 
     /// A refusal, with the reason that the board gives for it.
@@ -227,7 +219,7 @@ impl Link {
     }
 
     fn refused(&mut self) -> Trouble {
-        let read = self.read(REASON);
+        let read = self.read(REFUSAL);
         let alarm = read
             .ok()
             .and_then(|bytes| leadscrew_core::link::decode_alarm(&bytes).ok());

@@ -8,15 +8,14 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::DriveNodes;
+use leadscrew_core::board::station::PRODUCT;
+use leadscrew_core::board::station::objects::{GATEWAY_WATCH, HEARTBEAT, PRODUCT_CODE};
 use leadscrew_core::bus::{
     BoardStatus, CobId, Frame, HeartbeatWatch, NmtState, NodeId, Object, Service,
 };
 
-use super::board::{LEADSCREW, PRODUCT};
 use super::{Link, LinkResult, Trouble};
 
-const WATCH: Object = Object::new(0x1016, 1);
-const BEATS: Object = Object::new(0x1017, 0);
 /// The numbers of the drives of X, Z, C and spindle 1, and how many spindles there are.
 const DRIVES: [Object; 5] = [
     Object::new(0x2000 + 9015, 1),
@@ -108,13 +107,16 @@ impl Link {
 
     /// Whom the board watches; `None`: nobody.
     fn watch(&mut self) -> LinkResult<Option<HeartbeatWatch>> {
-        let raw = self.read_number(WATCH)?;
+        let raw = self.read_number(GATEWAY_WATCH)?;
         Ok(u32::try_from(raw).ok().and_then(HeartbeatWatch::from_raw))
     }
 
     fn be_watched(&mut self, watch: HeartbeatWatch) -> LinkResult {
         let node = self.own;
-        self.write(WATCH, &HeartbeatWatch { node, ..watch }.raw().to_le_bytes())
+        self.write(
+            GATEWAY_WATCH,
+            &HeartbeatWatch { node, ..watch }.raw().to_le_bytes(),
+        )
     }
 
     /// The other boards on the bus that say anything: those at work by their statuses, and nothing is asked of them. What
@@ -126,7 +128,7 @@ impl Link {
     pub fn other_boards(&mut self) -> LinkResult<Vec<NodeId>> {
         let drives = self.drives()?;
         // One may be lost, or late.
-        let period = Duration::from_millis(self.read_number(BEATS)?) * 2 + BEAT;
+        let period = Duration::from_millis(self.read_number(HEARTBEAT)?) * 2 + BEAT;
         self.hear_boards()?;
         let until = Instant::now() + period.min(LONGEST);
         let (mut boards, mut others) = (BTreeSet::new(), BTreeSet::new());
@@ -179,8 +181,8 @@ impl Link {
             if !self.wait_for_quiet(node)? {
                 return Ok(false);
             }
-            if let Some(product) = self.ask_once(node, PRODUCT, ANSWER)? {
-                return Ok(product == LEADSCREW.to_le_bytes());
+            if let Some(product) = self.ask_once(node, PRODUCT_CODE, ANSWER)? {
+                return Ok(product == PRODUCT.to_le_bytes());
             }
         }
         Ok(false)

@@ -9,6 +9,7 @@ use leadscrew_board_sim::stored_params;
 use leadscrew_can::Can as _;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
+use leadscrew_core::board::station::objects::{COMMIT, STAGED_CHANGES};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardSpindle, CobId, Frame, NodeId, Object, Order, Service,
 };
@@ -16,7 +17,6 @@ use leadscrew_core::link::{ImageWriter, identity};
 use leadscrew_core::params::{Entry, Params};
 
 use super::bench::{Fate, between, link, machine};
-use super::params::{CHANGES, COMMIT};
 use super::{Inside, Link, Trouble};
 
 fn set(values: &[(&str, i64)]) -> Params {
@@ -410,7 +410,7 @@ fn a_set_that_changes_everywhere_is_told_whole() {
     let inside = machine(flash_with(&old));
     let mut link = link(&inside);
     link.stage(&new).unwrap();
-    let list = link.read(CHANGES);
+    let list = link.read(STAGED_CHANGES);
     assert!(list.is_err_and(|trouble| trouble.is_abort(Abort::OutOfMemory)));
     assert_eq!(link.before(&new).unwrap(), old);
 }

@@ -31,12 +31,14 @@ mod keeper;
 mod ledger;
 mod log;
 mod obey;
+pub mod objects;
 mod ring;
 mod served;
 mod shelf;
 mod table;
 mod tell;
 mod threads;
+mod values;
 
 pub use inbox::PROGRAM_BYTES;
 pub use keeper::CommitState;

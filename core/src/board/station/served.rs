@@ -6,22 +6,16 @@
 
 use super::change::Change;
 use super::dictionary::{Access, Kind, Place, find};
+use super::objects::{BATCH, IMAGE, STAGED_IMAGE};
 use super::shelf::Shelf;
 use crate::board::store::copy;
 use crate::bus::{Abort, Object, Objects};
 use crate::link::{BATCH_BYTES, ImageReader, ImageWriter};
 use crate::params::Params;
 
-/// The image of the parameter set.
-const IMAGE: Object = Object::new(0x5010, 1);
-/// The same, staged and looked at, and no more than that.
-const STAGED: Object = Object::new(0x5010, 9);
-/// A batch of calls.
-const BATCH: Object = Object::new(0x5020, 1);
-
 /// The parameter set as a whole, on its way in.
 fn is_image(object: Object) -> bool {
-    object == IMAGE || object == STAGED
+    object == IMAGE || object == STAGED_IMAGE
 }
 
 /// The shelf together with the set in force: what an SDO server serves.
@@ -117,7 +111,7 @@ impl Objects for Served<'_> {
             if let Err(error) = shelf.image.finish(&shelf.draft) {
                 return shelf.refuse_image(error);
             }
-            return if object == STAGED {
+            return if object == STAGED_IMAGE {
                 shelf.put_aside(self.params)
             } else {
                 shelf.look_and_stage(self.params)

@@ -4,36 +4,27 @@
 
 use heapless::Deque;
 
-use super::change::Change;
-use super::dictionary::{self, Place};
 use super::door::Door;
 use super::inbox::Inbox;
 use super::keeper::Keeper;
 use super::ledger::Ledger;
 use super::log::Log;
-use super::table::{DROP, HISTORY, SENDS_SYNC};
+use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::event::{Command, Event};
 use crate::board::reference::Measured;
 use crate::board::snapshot::Snapshot;
-use crate::board::store::copy;
 use crate::bus::{
-    Abort, BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame,
-    HeartbeatConsumer, HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Object, Order,
-    PdoCommunication, Service,
+    BoardFlags, BoardPlace, BoardSpindle, BoardStatus, EmcyProducer, Frame, HeartbeatConsumer,
+    HeartbeatProducer, HeartbeatWatch, MilliRpm, NodeId, Order, PdoCommunication, Service,
 };
-use crate::link::{
-    BATCH_BYTES, ImageReader, Status, VERSION, encode_alarm, encode_changes, identity,
-};
+use crate::link::{BATCH_BYTES, ImageReader, Status, VERSION, identity};
 use crate::params::Params;
 use crate::signals::Signals;
 use crate::units::{Length, TurnRate};
 
 /// Commands on their way to the tick.
 const COMMANDS: usize = 8;
-
-/// A percentage that stays as it is.
-const AS_IT_IS: u8 = 255;
 
 /// The values behind the objects.
 #[derive(Debug)]
@@ -143,11 +134,11 @@ impl Pdos {
         }
     }
 
-    fn of(&self, index: u16) -> Option<&PdoCommunication> {
+    pub(super) fn of(&self, index: u16) -> Option<&PdoCommunication> {
         self.0.get(Self::place(index))
     }
 
-    fn of_mut(&mut self, index: u16) -> Option<&mut PdoCommunication> {
+    pub(super) fn of_mut(&mut self, index: u16) -> Option<&mut PdoCommunication> {
         self.0.get_mut(Self::place(index))
     }
 }
@@ -325,186 +316,6 @@ impl Shelf {
             signals: self.snapshot.signals(),
             parameters: identity(params),
         }
-    }
-
-    /// Puts what an object of no fixed length holds into the buffer; how many bytes that are comes back.
-    pub(super) fn domain(&mut self, object: Object, params: &Params) -> Result<usize, Abort> {
-        let into = &mut self.buffer;
-        let encoded = match (object.index, object.sub) {
-            (0x5010, 10) => {
-                return encode_changes(params, &self.draft, into).map_err(|_| Abort::OutOfMemory);
-            }
-            (0x5010, _) => encode_alarm(self.keeper.reason(), into),
-            (0x5001, _) => {
-                let status = self.record(params);
-                status.encode(&mut self.buffer)
-            }
-            (0x5030, _) => {
-                let record = self.snapshot.tap.as_ref().ok_or(Abort::NoData)?;
-                Ok(copy(&record.encode(), into))
-            }
-            (0x5040, _) => Ok(self.log.read(self.log_from, into)),
-            (0x5041, _) => self.ledger.read(self.late, into),
-            _ => return Err(Abort::NoData),
-        };
-        encoded.map_err(|_| Abort::Internal)
-    }
-
-    /// The number an object is now.
-    pub(super) fn number(
-        &self,
-        object: Object,
-        place: Place,
-        params: &Params,
-    ) -> Result<i64, Abort> {
-        let row = match place {
-            Place::Parameter(entry) => {
-                let told = self.current(params).told_slot(entry.place());
-                return Ok(dictionary::told(entry, told.unwrap_or(0)));
-            }
-            Place::Highest(highest) => return Ok(highest.into()),
-            Place::Row(row) => row,
-        };
-        if let Some(pdo) = self.pdos.of(object.index) {
-            return pdo.read(object.sub).map(i64::from);
-        }
-        let operator = &self.snapshot.operator;
-        let number = match (object.index, object.sub) {
-            (0x1001, _) => self.emcy.register().into(),
-            (0x1003, sub) => self.emcy.history(sub)?,
-            (0x1005, _) => SENDS_SYNC,
-            (0x1006, _) => params.tick_us(),
-            (0x1016, 1) => self.watch.get(0).map_or(0, HeartbeatWatch::raw),
-            (0x1017, _) => self.heartbeat.ms().into(),
-            (0x1018, 4) => self.serial,
-            (0x1020, 1) => identity(params),
-            (0x5010, 2) => self.keeper.state() as u32,
-            (0x5010, 3) => self.keeper.stored(),
-            (0x5010, 4) => self.keeper.before(),
-            (0x5010, 7) => match self.keeper.reason() {
-                Some(alarm) => alarm.number().into(),
-                None => 0,
-            },
-            (0x5000, 1) => self.count.into(),
-            (0x5000, 3) => u32::from(operator.single_block) | u32::from(self.dry_run) << 1,
-            (0x5000, 4) => operator.feed_percent().into(),
-            (0x5000, 5) => operator.rapid_percent().into(),
-            (0x5000, 6) => operator.spindle_percent().into(),
-            (0x5020, 3) => self.inbox.program(),
-            (0x5020, 4) => self.inbox.next_call(),
-            (0x5020, 5) => self.inbox.credit().into(),
-            (0x5040, 1) => self.log.newest(),
-            (0x5040, 2) => self.log_from,
-            (0x5042, _) => self.ledger.threads.taken(),
-            (0x5060, _) => self.snapshot.signals().into(),
-            (0x1803, 1) if params.setpoint_frame() == 1 => {
-                return Ok(row.number(self.node) & !(1 << 31));
-            }
-            (0x5001, sub @ 2..) => return Ok(self.fact(sub)),
-            _ => return Ok(row.number(self.node)),
-        };
-        Ok(number.into())
-    }
-
-    /// A fact of 5001h: where it stands in its PDO, and what is behind it.
-    fn fact(&self, sub: u8) -> i64 {
-        let (told, mapping) = match sub {
-            ..=7 => (Told::Status, &BoardStatus::MAPPING[..]),
-            8 | 9 => (Told::Place, &BoardPlace::MAPPING[..]),
-            _ => (Told::Spindle, &BoardSpindle::MAPPING[..]),
-        };
-        let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);
-        let bits = before.fold(0, |bits: u32, mapped| bits.wrapping_add(mapped.bits.into()));
-        let raw = u64::from_le_bytes(self.tell(told).exactly().unwrap_or_default());
-        raw.wrapping_shr(bits) as i64
-    }
-
-    /// Puts a number into effect. Its kind and range are right.
-    pub(super) fn take_number(
-        &mut self,
-        object: Object,
-        value: u32,
-        params: &Params,
-    ) -> Result<(), Abort> {
-        if let Some(pdo) = self.pdos.of_mut(object.index) {
-            return pdo.write(object.sub, value);
-        }
-        match (object.index, object.sub) {
-            (0x1003, sub) => self.emcy.write_history(sub, value)?,
-            (0x1010, 1) => return self.save(value, params),
-            (0x1011, 1) => return self.restore(value, params),
-            (0x5010, 5) => {
-                self.admit(params, Change::Recall)?;
-                return self.keeper.recall();
-            }
-            (0x5010, 6) => return self.password(value, params),
-            (0x5010, 11) => return self.commit(value, params),
-            (0x1016, 1) => {
-                let watch = HeartbeatWatch::from_raw(value);
-                if watch.is_none() && value != 0 {
-                    return Err(Abort::Value);
-                }
-                self.watch.set(0, watch, params.tick_us())?;
-            }
-            (0x1017, _) => {
-                self.heartbeat = HeartbeatProducer::new(value as u16, params.tick_us());
-            }
-            (0x5000, 1) => self.count = value as u8,
-            (0x5000, 2) => {
-                if let Some(place) = usize::from(value as u8).checked_sub(1)
-                    && let Some(&order) = Order::ALL.get(place)
-                    && !self.order(order)
-                {
-                    return Err(Abort::State);
-                }
-            }
-            (0x5000, sub) => self.setting(sub, value as u8),
-            (0x5030, 2) => {
-                if value != DROP {
-                    return Err(Abort::Value);
-                }
-                if self.snapshot.tap.is_none_or(|tap| !tap.in_hole) {
-                    return Err(Abort::NoData);
-                }
-                if !self.snapshot.is_at_rest() {
-                    return Err(Abort::State);
-                }
-                self.drops_tap = true;
-            }
-            (0x5040, 2) => self.log_from = value,
-            (0x5042, _) => return self.ledger.threads.take(value),
-            (0x5060, _) => {
-                let signals = Signals::from_bits(value as u16).ok_or(Abort::Value)?;
-                self.signals = Some(signals);
-            }
-            _ => return Err(Abort::ReadOnly),
-        }
-        Ok(())
-    }
-
-    /// A switch or an override of 5000h.
-    pub fn setting(&mut self, sub: u8, value: u8) {
-        if sub == 3 {
-            let on = |bit: u8| (value >> bit & 0x10 != 0).then_some(value >> bit & 1 != 0);
-            self.switches(on(0), on(1));
-            return;
-        }
-        if value == AS_IT_IS {
-            return;
-        }
-        match sub {
-            4 => self.command(Command::FeedOverride(value)),
-            5 => self.command(Command::RapidOverride(value)),
-            6 => self.command(Command::SpindleOverride(value)),
-            _ => {}
-        }
-    }
-
-    fn switches(&mut self, single_block: Option<bool>, dry_run: Option<bool>) {
-        if let Some(on) = single_block {
-            self.command(Command::SingleBlock(on));
-        }
-        self.dry_run = dry_run.unwrap_or(self.dry_run);
     }
 }
 

@@ -1,0 +1,219 @@
+//! The values behind the objects: what reading a row gives, and what writing one does.
+//!
+//! Which row asks for what stands in `objects`; how a value travels, in `served`.
+
+use super::change::Change;
+use super::dictionary::{self, Place};
+use super::objects;
+use super::shelf::{Shelf, Told};
+use super::table::DROP;
+use crate::board::event::Command;
+use crate::board::store::copy;
+use crate::bus::{
+    Abort, BoardPlace, BoardSpindle, BoardStatus, HeartbeatProducer, HeartbeatWatch, Object, Order,
+};
+use crate::link::{encode_alarm, encode_changes};
+use crate::params::Params;
+use crate::signals::Signals;
+
+/// A percentage that stays as it is.
+const AS_IT_IS: u8 = 255;
+
+impl Shelf {
+    /// Puts what an object of no fixed length holds into the buffer; how many bytes that are comes back.
+    pub(super) fn domain(&mut self, object: Object, params: &Params) -> Result<usize, Abort> {
+        objects::bytes(self, object, params)
+    }
+
+    /// The number an object is now.
+    pub(super) fn number(
+        &self,
+        object: Object,
+        place: Place,
+        params: &Params,
+    ) -> Result<i64, Abort> {
+        let row = match place {
+            Place::Parameter(entry) => {
+                let told = self.current(params).told_slot(entry.place());
+                return Ok(dictionary::told(entry, told.unwrap_or(0)));
+            }
+            Place::Highest(highest) => return Ok(highest.into()),
+            Place::Row(row) => row,
+        };
+        if let Some(pdo) = self.pdos.of(object.index) {
+            return pdo.read(object.sub).map(i64::from);
+        }
+        let number = objects::get(self, object, params)?;
+        Ok(number.unwrap_or_else(|| row.number(self.node)))
+    }
+
+    /// Puts a number into effect. Its kind and range are right.
+    pub(super) fn take_number(
+        &mut self,
+        object: Object,
+        value: u32,
+        params: &Params,
+    ) -> Result<(), Abort> {
+        if let Some(pdo) = self.pdos.of_mut(object.index) {
+            return pdo.write(object.sub, value);
+        }
+        objects::set(self, object, value, params)
+    }
+}
+
+/// What is read.
+impl Shelf {
+    /// A fact of 5001h: where it stands in its PDO, and what is behind it.
+    pub(super) fn fact(&self, sub: u8) -> i64 {
+        let (told, mapping) = match sub {
+            ..=7 => (Told::Status, &BoardStatus::MAPPING[..]),
+            8 | 9 => (Told::Place, &BoardPlace::MAPPING[..]),
+            _ => (Told::Spindle, &BoardSpindle::MAPPING[..]),
+        };
+        let before = mapping.iter().take_while(|mapped| mapped.object.sub != sub);
+        let bits = before.fold(0, |bits: u32, mapped| bits.wrapping_add(mapped.bits.into()));
+        let raw = u64::from_le_bytes(self.tell(told).exactly().unwrap_or_default());
+        raw.wrapping_shr(bits) as i64
+    }
+
+    /// Single block and dry run, as 5000h:03 has them.
+    pub(super) fn switches_now(&self) -> u8 {
+        u8::from(self.snapshot.operator.single_block) | u8::from(self.dry_run) << 1
+    }
+
+    /// The identifier of the frame with all setpoints; `unused` is the one on node 0 while the parameters do not ask for it.
+    pub(super) fn setpoints_cob_id(&self, unused: u32, params: &Params) -> u32 {
+        let own = unused.saturating_add(self.node.get().into());
+        if params.setpoint_frame() == 1 {
+            own & !(1 << 31)
+        } else {
+            own
+        }
+    }
+
+    pub(super) fn status_bytes(&mut self, params: &Params) -> Result<usize, Abort> {
+        let status = self.record(params);
+        status.encode(&mut self.buffer).map_err(|_| Abort::Internal)
+    }
+
+    pub(super) fn refusal(&mut self) -> Result<usize, Abort> {
+        encode_alarm(self.keeper.reason(), &mut self.buffer).map_err(|_| Abort::Internal)
+    }
+
+    pub(super) fn staged_changes(&mut self, params: &Params) -> Result<usize, Abort> {
+        encode_changes(params, &self.draft, &mut self.buffer).map_err(|_| Abort::OutOfMemory)
+    }
+
+    pub(super) fn tap_bytes(&mut self) -> Result<usize, Abort> {
+        let record = self.snapshot.tap.as_ref().ok_or(Abort::NoData)?;
+        Ok(copy(&record.encode(), &mut self.buffer))
+    }
+
+    pub(super) fn events(&mut self) -> Result<usize, Abort> {
+        Ok(self.log.read(self.log_from, &mut self.buffer))
+    }
+
+    pub(super) fn certificates(&mut self) -> Result<usize, Abort> {
+        self.ledger
+            .read(self.late, &mut self.buffer)
+            .map_err(|_| Abort::Internal)
+    }
+}
+
+/// What is written.
+impl Shelf {
+    /// The last good set comes into force.
+    pub(super) fn recall(&mut self, params: &Params) -> Result<(), Abort> {
+        self.admit(params, Change::Recall)?;
+        self.keeper.recall()
+    }
+
+    /// 1016h:01.
+    pub(super) fn watch_gateway(&mut self, value: u32, params: &Params) -> Result<(), Abort> {
+        let watch = HeartbeatWatch::from_raw(value);
+        if watch.is_none() && value != 0 {
+            return Err(Abort::Value);
+        }
+        self.watch.set(0, watch, params.tick_us())
+    }
+
+    /// 1017h.
+    pub(super) fn beat_every(&mut self, ms: u32, params: &Params) -> Result<(), Abort> {
+        self.heartbeat = HeartbeatProducer::new(ms as u16, params.tick_us());
+        Ok(())
+    }
+
+    /// The count of the order that comes next.
+    pub(super) fn put_count(&mut self, count: u32) -> Result<(), Abort> {
+        self.count = count as u8;
+        Ok(())
+    }
+
+    /// An order by its number; 0 is none.
+    pub(super) fn order_number(&mut self, number: u32) -> Result<(), Abort> {
+        if let Some(place) = (number as usize).checked_sub(1)
+            && let Some(&order) = Order::ALL.get(place)
+            && !self.order(order)
+        {
+            return Err(Abort::State);
+        }
+        Ok(())
+    }
+
+    /// A switch or an override of 5000h.
+    pub(super) fn put_setting(&mut self, sub: u8, value: u32) -> Result<(), Abort> {
+        self.setting(sub, value as u8);
+        Ok(())
+    }
+
+    /// A switch or an override of 5000h.
+    pub fn setting(&mut self, sub: u8, value: u8) {
+        if sub == 3 {
+            let on = |bit: u8| (value >> bit & 0x10 != 0).then_some(value >> bit & 1 != 0);
+            self.switches(on(0), on(1));
+            return;
+        }
+        if value == AS_IT_IS {
+            return;
+        }
+        match sub {
+            4 => self.command(Command::FeedOverride(value)),
+            5 => self.command(Command::RapidOverride(value)),
+            6 => self.command(Command::SpindleOverride(value)),
+            _ => {}
+        }
+    }
+
+    fn switches(&mut self, single_block: Option<bool>, dry_run: Option<bool>) {
+        if let Some(on) = single_block {
+            self.command(Command::SingleBlock(on));
+        }
+        self.dry_run = dry_run.unwrap_or(self.dry_run);
+    }
+
+    /// The entry of the tap journal is to be dropped.
+    pub(super) fn discard_tap(&mut self, value: u32) -> Result<(), Abort> {
+        if value != DROP {
+            return Err(Abort::Value);
+        }
+        if self.snapshot.tap.is_none_or(|tap| !tap.in_hole) {
+            return Err(Abort::NoData);
+        }
+        if !self.snapshot.is_at_rest() {
+            return Err(Abort::State);
+        }
+        self.drops_tap = true;
+        Ok(())
+    }
+
+    pub(super) fn read_events_from(&mut self, number: u32) -> Result<(), Abort> {
+        self.log_from = number;
+        Ok(())
+    }
+
+    /// The inputs, for the tick.
+    pub(super) fn put_signals(&mut self, bits: u32) -> Result<(), Abort> {
+        self.signals = Some(Signals::from_bits(bits as u16).ok_or(Abort::Value)?);
+        Ok(())
+    }
+}
