@@ -12,8 +12,8 @@ use super::inbox::PROGRAM_BYTES;
 use super::item::{Access, Kind};
 use super::shelf::Shelf;
 use super::table::{
-    Line, PRODUCT, SENDS_SYNC, Value, cob_id, event_timer, fixed, item, map, mapped, number,
-    of_node, text, transmission, with, within,
+    Line, PRODUCT, SENDS_SYNC, Value, cob_id, event_timer, fixed, item, map, mapped, of_node, text,
+    transmission, with, within,
 };
 use crate::alarm::Alarm;
 use crate::bus::{
@@ -130,16 +130,16 @@ objects! {
         get |shelf, _| shelf.emcy.history(7)?;
     ERROR_8 = item(0x1003, 8, "error", U32, Read),
         get |shelf, _| shelf.emcy.history(8)?;
-    SYNC_COB_ID = with(item(0x1005, 0, "COB-ID of SYNC", U32, Read), number(SENDS_SYNC)),
+    SYNC_COB_ID = with(item(0x1005, 0, "COB-ID of SYNC", U32, Read), Value::Number(SENDS_SYNC)),
         get |_, _| SENDS_SYNC;
     CYCLE_PERIOD = item(0x1006, 0, "Communication cycle period", U32, Read),
         get |_, params| params.tick_us();
     DEVICE_NAME = text(0x1008, "Device name", Value::DeviceName);
     SOFTWARE_VERSION = text(0x100A, "Software version", Value::SoftwareVersion);
-    STORE = with(item(0x1010, 1, "store all parameters", U32, Both), number(STORES_ITSELF)),
+    STORE = with(item(0x1010, 1, "store all parameters", U32, Both), Value::Number(STORES_ITSELF)),
         get |_, _| STORES_ITSELF,
         set |shelf, value, params| shelf.save(value, params);
-    RESTORE = with(item(0x1011, 1, "restore all parameters", U32, Both), number(RESTORES)),
+    RESTORE = with(item(0x1011, 1, "restore all parameters", U32, Both), Value::Number(RESTORES)),
         get |_, _| RESTORES,
         set |shelf, value, params| shelf.restore(value, params);
     EMCY_COB_ID = of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80);

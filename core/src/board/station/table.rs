@@ -121,17 +121,17 @@ pub struct Row {
     value: Value,
 }
 
-/// The value after power-up, or the range: no object has both. In bytes, so that a row has no gaps.
+/// The value after power-up, or the range: no object has both.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Value {
     Unknown,
-    Number([u8; 4]),
-    OfNode([u8; 4]),
+    Number(u32),
+    OfNode(u32),
     DeviceName,
     SoftwareVersion,
     /// The version of the link: the one number that is longer.
     Link,
-    Within([u8; 2], [u8; 2]),
+    Within(u16, u16),
 }
 
 impl Row {
@@ -139,8 +139,8 @@ impl Row {
     pub fn item(&self, place: usize) -> Item {
         let initial = match self.value {
             Value::Unknown | Value::Within(..) => Initial::Unknown,
-            Value::Number(number) => Initial::Number(u32::from_le_bytes(number).into()),
-            Value::OfNode(base) => Initial::OfNode(u32::from_le_bytes(base)),
+            Value::Number(number) => Initial::Number(number.into()),
+            Value::OfNode(base) => Initial::OfNode(base),
             Value::DeviceName | Value::SoftwareVersion => Initial::Text(self.text()),
             Value::Link => Initial::Number(VERSION.raw() as i64),
         };
@@ -159,10 +159,7 @@ impl Row {
     /// The numbers it takes; `None`: all that the kind has.
     pub const fn range(&self) -> Option<(i64, i64)> {
         match self.value {
-            Value::Within(low, high) => Some((
-                u16::from_le_bytes(low) as i64,
-                u16::from_le_bytes(high) as i64,
-            )),
+            Value::Within(low, high) => Some((low as i64, high as i64)),
             _ => None,
         }
     }
@@ -179,10 +176,8 @@ impl Row {
     /// The number it is on a node, where nothing else knows it; 0: unknown.
     pub const fn number(&self, node: NodeId) -> i64 {
         match self.value {
-            Value::Number(number) => u32::from_le_bytes(number) as i64,
-            Value::OfNode(base) => {
-                u32::from_le_bytes(base).saturating_add(node.get() as u32) as i64
-            }
+            Value::Number(number) => number as i64,
+            Value::OfNode(base) => base.saturating_add(node.get() as u32) as i64,
             Value::Link => VERSION.raw() as i64,
             _ => 0,
         }
@@ -206,10 +201,6 @@ pub(super) const fn item(
     Line { row, name }
 }
 
-pub(super) const fn number(value: u32) -> Value {
-    Value::Number(value.to_le_bytes())
-}
-
 pub(super) const fn with(line: Line, value: Value) -> Line {
     Line {
         row: Row { value, ..line.row },
@@ -218,7 +209,7 @@ pub(super) const fn with(line: Line, value: Value) -> Line {
 }
 
 pub(super) const fn fixed(index: u16, sub: u8, name: &'static str, kind: Kind, value: u32) -> Line {
-    with(item(index, sub, name, kind, Const), number(value))
+    with(item(index, sub, name, kind, Const), Value::Number(value))
 }
 
 pub(super) const fn of_node(
@@ -228,8 +219,7 @@ pub(super) const fn of_node(
     access: Access,
     base: u32,
 ) -> Line {
-    let value = Value::OfNode(base.to_le_bytes());
-    with(item(index, sub, name, U32, access), value)
+    with(item(index, sub, name, U32, access), Value::OfNode(base))
 }
 
 pub(super) const fn mapped(
@@ -250,7 +240,7 @@ pub(super) const fn mapped(
 }
 
 pub(super) const fn within(line: Line, low: u16, high: u16) -> Line {
-    with(line, Value::Within(low.to_le_bytes(), high.to_le_bytes()))
+    with(line, Value::Within(low, high))
 }
 
 pub(super) const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Line {
@@ -277,7 +267,7 @@ pub(super) const fn cob_id(index: u16, service: Service) -> Line {
 
 pub(super) const fn transmission(index: u16) -> Line {
     let line = item(index, 2, "transmission type", U8, Both);
-    with(line, number(PdoCommunication::EVENT as u32))
+    with(line, Value::Number(PdoCommunication::EVENT as u32))
 }
 
 pub(super) const fn event_timer(index: u16) -> Line {
