@@ -22,9 +22,6 @@ mod output;
 #[allow(dead_code)]
 #[path = "../src/params/unit.rs"]
 mod unit;
-// What is written is held against what reads it.
-#[path = "../src/params/short.rs"]
-mod short;
 
 use std::path::{Path, PathBuf};
 
@@ -47,7 +44,6 @@ fn main() {
     }
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=src/params/unit.rs");
-    println!("cargo::rerun-if-changed=src/params/short.rs");
 }
 
 fn read(path: &Path) -> String {

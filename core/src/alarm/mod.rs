@@ -15,19 +15,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Angle, Diameter, Feed, Length, Rpm};
 
-/// The value of a result, or out of the function with its alarm: what `?` does, but for the alarm staying in one piece. `?`
-/// takes it apart and puts it together again, which is 14 bytes more of the chip's image at every place.
-macro_rules! heed {
-    ($result:expr) => {
-        match &$result {
-            Ok(value) => *value,
-            Err(alarm) => return Err(*alarm),
-        }
-    };
-}
-
-pub(crate) use heed;
-
 /// A place in the program text: the line (from 1) and the columns (from 1, `end` exclusive) of a word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct Span {

@@ -18,7 +18,7 @@ use self::route::plan_route;
 use super::guard::Guard;
 use super::queue::{CallOut, DetourIn, SegmentIn, take};
 use super::ticker::Notice;
-use crate::alarm::{Alarm, Code, Span, heed};
+use crate::alarm::{Alarm, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves, Stage};
 use crate::journal::TapRecord;
 use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
@@ -315,7 +315,7 @@ impl Background {
             }
             self.position = next.to;
             if thread.last {
-                heed!(self.plan_pass(next, thread.rpm, settings));
+                self.plan_pass(next, thread.rpm, settings)?;
                 self.pass.clear();
             }
             return Ok(());
@@ -344,7 +344,7 @@ impl Background {
             MoveKind::Spindle(SpindleCall {
                 mode: SpindleMode::Rigid(choice),
                 ..
-            }) => Action::Rigid(heed!(settings.signals.spindle(choice, next.span))),
+            }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
             MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
             MoveKind::Aux(aux) => Action::Aux(aux),
             MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),

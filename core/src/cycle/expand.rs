@@ -3,7 +3,7 @@
 use super::refuse::{refuse_groove, refuse_tap};
 use super::tap_return::tap_return;
 use super::{GrooveMoves, Move, MoveKind, TapMoves, ThreadMoves};
-use crate::alarm::{Alarm, heed};
+use crate::alarm::Alarm;
 use crate::journal::TapRecord;
 use crate::program::{Aux, Call, CallKind, Position, SpindleChoice, SpindleMode};
 use crate::signals::Signals;
@@ -90,7 +90,7 @@ fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, A
         CallKind::Spindle(spindle) => {
             let mut spindle = *spindle;
             if let SpindleMode::Rigid(choice) = &mut spindle.mode {
-                let taps = heed!(context.signals.spindle(*choice, call.span));
+                let taps = context.signals.spindle(*choice, call.span)?;
                 *choice = SpindleChoice::Written(taps);
             }
             MoveKind::Spindle(spindle)
@@ -116,11 +116,11 @@ impl Moves {
                 };
             }
             CallKind::Groove(groove) => {
-                heed!(refuse_groove(groove, span));
+                refuse_groove(groove, span)?;
                 *self = Self::Groove(GrooveMoves::of(groove, span));
             }
             CallKind::Tap(tap) => {
-                let spindle = heed!(refuse_tap(tap, context.signals, span));
+                let spindle = refuse_tap(tap, context.signals, span)?;
                 let hand = context.signals.hand(tap.hand);
                 *self = Self::Tap(TapMoves::of(tap, hand, spindle, span));
             }
@@ -131,7 +131,7 @@ impl Moves {
                     kind: MoveKind::Rapid,
                     tag: None,
                 };
-                let moves = heed!(single(&mut next, call, context));
+                let moves = single(&mut next, call, context)?;
                 *self = Self::One(moves.then_some(next));
             }
         }

@@ -5,7 +5,7 @@ use core::num::NonZero;
 
 use super::groove::{GrooveMoves, clip};
 use super::{Move, MoveKind};
-use crate::alarm::{Alarm, At, Span, heed};
+use crate::alarm::{Alarm, At, Span};
 use crate::program::{GrooveCall, Position};
 use crate::units::Length;
 
@@ -127,13 +127,13 @@ impl Tally<'_, '_> {
     fn all(&mut self) -> Result<(), Alarm> {
         let groove = self.groove;
         let GrooveCount { infeeds, columns } = groove.totals();
-        heed!(self.column(infeeds, columns));
+        self.column(infeeds, columns)?;
         if columns > 2 {
-            heed!(self.shift(1, columns.wrapping_sub(2)));
+            self.shift(1, columns.wrapping_sub(2))?;
         }
         if columns > 1 {
             self.at.z = groove.column_at(columns.wrapping_sub(2)) + groove.relief;
-            heed!(self.shift(columns.wrapping_sub(1), 1));
+            self.shift(columns.wrapping_sub(1), 1)?;
         }
         self.at.z = groove.call.end_z.value + groove.relief;
         self.rapid(groove.call.start.x, groove.call.start.z, 1)
@@ -145,23 +145,23 @@ impl Tally<'_, '_> {
         let level = groove.call.start.x;
         let mut n = 1;
         loop {
-            heed!(self.infeed(n, columns));
+            self.infeed(n, columns)?;
             if n >= infeeds {
                 break;
             }
-            heed!(self.back(columns));
+            self.back(columns)?;
             let whole = (groove.infeed_end(n) - level).abs() >= groove.retract.abs();
             n = n.wrapping_add(1);
             if whole && n < infeeds {
                 // No retract from here on ends at the start level: the infeeds are alike up to the last but one.
                 let alike = columns.saturating_mul(infeeds.wrapping_sub(n));
-                heed!(self.infeed(n, alike));
-                heed!(self.back(alike));
+                self.infeed(n, alike)?;
+                self.back(alike)?;
                 n = infeeds;
                 self.at.x = groove.retract_end(groove.infeed_end(n.wrapping_sub(1)));
             }
         }
-        heed!(self.rapid(self.at.x, self.at.z + groove.relief, columns));
+        self.rapid(self.at.x, self.at.z + groove.relief, columns)?;
         self.rapid(level, self.at.z, columns)
     }
 

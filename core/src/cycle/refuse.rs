@@ -5,7 +5,7 @@ use super::groove_count::GrooveCount;
 use super::shape::is_long_x;
 use super::slope::HalfAngle;
 use super::taper::scaled;
-use crate::alarm::{Alarm, Arg, At, Code, Span, heed};
+use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::program::{
     GrooveCall, TapAxis, TapCall, TapForm, TapMode, TapRepeat, TapSpindle, ThreadCall,
 };
@@ -24,7 +24,7 @@ const RETRACT_INFEEDS: i64 = 10;
 /// Refuses a thread that cannot be, whatever its passes.
 #[inline(never)]
 pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
-    heed!(thread_ranges(call, span));
+    thread_ranges(call, span)?;
     let start = &call.start;
     let stroke = call.end_z.value - start.z;
     let travel = stroke.nm().unsigned_abs();
@@ -95,8 +95,8 @@ pub(crate) fn refuse_tap(
     signals: Signals,
     span: Span,
 ) -> Result<TapSpindle, Alarm> {
-    heed!(tap_ranges(call, span));
-    let spindle = heed!(signals.spindle(call.spindle, span));
+    tap_ranges(call, span)?;
+    let spindle = signals.spindle(call.spindle, span)?;
     let axis = call.axis;
     let level = call.level.value;
     let way = call.bottom.value - level;
@@ -137,14 +137,14 @@ pub(crate) fn refuse_tap(
 /// Refuses a groove that cannot be.
 #[inline(never)]
 pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
-    heed!(groove_ranges(call, span));
+    groove_ranges(call, span)?;
     if call.end_x.value == call.start.x {
         let word = &call.end_x.span;
         return Err(blame(Code::GrooveWithoutDepth, span, word, b'X'));
     }
-    heed!(step(&call.peck, b'P', span));
+    step(&call.peck, b'P', span)?;
     if call.end_z.value != call.start.z {
-        heed!(step(&call.step, b'Q', span));
+        step(&call.step, b'Q', span)?;
     }
     let count = GrooveCount::of(call);
     let (infeeds, columns) = (count.infeeds, count.columns);

@@ -7,7 +7,7 @@ use super::helix::{Helix, TURN_UDEG};
 use super::refuse::refuse_thread;
 use super::shape::{Corners, Pass, Place, Point, Shape};
 use super::{Cycle, Move, MoveKind, Stage, Tag, ThreadMove};
-use crate::alarm::{Alarm, Arg, Code, Span, heed};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::program::{ThreadCall, ThreadCycle, start_angle};
 use crate::units::{Length, StartAngle};
 
@@ -97,19 +97,19 @@ impl ThreadMoves {
     /// Everything that geometry forbids, before the first move: see the codes 0315, 0316 and 4100–4110. Alarms about one
     /// pass name its number.
     pub fn new(call: &ThreadCall, span: Span) -> Result<Self, Alarm> {
-        heed!(refuse_thread(call, span));
+        refuse_thread(call, span)?;
         let moves = Self::of(call, span);
         // Where the largest shift that a pass could have leaves enough of the thread, no pass has to be looked at.
         if moves.shape.is_surely_long_enough() && Depths::are_surely_few(call) {
             return Ok(moves);
         }
-        heed!(moves.examine(span));
+        moves.examine(span)?;
         Ok(moves)
     }
 
     /// What `call` amounts to; refused as in [`ThreadMoves::new`].
     pub(crate) fn survey(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
-        heed!(refuse_thread(call, span));
+        refuse_thread(call, span)?;
         Self::of(call, span).examine(span)
     }
 

@@ -1,7 +1,7 @@
 //! Grooves: travel by the ends of what repeats, and what is worth a word to whoever wrote it.
 
 use super::limits::inside;
-use crate::alarm::{Alarm, Arg, Code, heed};
+use crate::alarm::{Alarm, Arg, Code};
 use crate::cycle::GrooveMoves;
 use crate::params::Params;
 use crate::program::{GrooveCall, Position};
@@ -23,16 +23,16 @@ pub(super) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Res
         })
     };
     let first = groove.infeed_end(1);
-    heed!(to(first, start.z));
+    to(first, start.z)?;
     if groove.totals().infeeds > 1 {
-        heed!(to(groove.retract_end(first), start.z));
+        to(groove.retract_end(first), start.z)?;
     }
     let limit = ahead(Axis::X, call.end_x.value - start.x);
     let beyond = groove.infeed_beyond(limit);
-    heed!(to(groove.infeed_end(beyond), start.z));
+    to(groove.infeed_end(beyond), start.z)?;
     let aside = groove.relief_end(start.z);
-    heed!(to(call.end_x.value, aside));
-    heed!(to(start.x, aside));
+    to(call.end_x.value, aside)?;
+    to(start.x, aside)?;
     let limit = ahead(Axis::Z, call.end_z.value - start.z);
     let beyond = groove.column_beyond(limit);
     to(start.x, groove.column_at(beyond))

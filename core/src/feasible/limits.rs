@@ -1,7 +1,7 @@
 //! Travel limits (parameters 1320 and 1321): every end of a move, and how far an arc bulges.
 
 use super::groove::groove_within_limits;
-use crate::alarm::{Alarm, Arg, Code, Span, heed};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind, Moves};
 use crate::params::Params;
 use crate::program::Position;
@@ -28,7 +28,7 @@ pub(super) fn each_within_limits(
 ) -> Result<(), Alarm> {
     let mut at = from;
     for next in moves {
-        heed!(inside(next.to, next.span, params));
+        inside(next.to, next.span, params)?;
         if let MoveKind::Arc {
             i, k, clockwise, ..
         } = next.kind
@@ -40,7 +40,7 @@ pub(super) fn each_within_limits(
             };
             for extreme in 0..4 {
                 if let Some(extreme) = farthest(extreme, at, next.to, centre, clockwise) {
-                    heed!(inside(extreme, next.span, params));
+                    inside(extreme, next.span, params)?;
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::encoder::can_follow;
 use super::float::{TapJoin, faster, join};
-use crate::alarm::{Alarm, Arg, Code, Span, heed};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{MoveKind, Stage, TapMove, TapMoves, refuse_tap};
 use crate::motion::{FloatPlan, Limits, PathRate, stroke};
 use crate::params::Params;
@@ -79,11 +79,11 @@ pub(crate) fn tap_can_begin(
     span: Span,
     params: &Params,
 ) -> Result<TapSpindle, Alarm> {
-    let spindle = heed!(refuse_tap(call, signals, span));
-    heed!(taps_with(spindle, span, params));
-    heed!(in_step(call, span, params));
+    let spindle = refuse_tap(call, signals, span)?;
+    taps_with(spindle, span, params)?;
+    in_step(call, span, params)?;
     for speed in [call.speed, call.extract] {
-        heed!(feed(call.axis, call.lead.value, speed, span, params));
+        feed(call.axis, call.lead.value, speed, span, params)?;
     }
     if call.mode == TapMode::Floating && spindle != TapSpindle::First {
         let number = Arg::Int(i64::from(spindle.number()));
@@ -94,7 +94,7 @@ pub(crate) fn tap_can_begin(
             TapAxis::X => Axis::X,
             TapAxis::Z => Axis::Z,
         };
-        heed!(can_follow(call.lead, axis, whole(call.speed), span, params));
+        can_follow(call.lead, axis, whole(call.speed), span, params)?;
     }
     Ok(spindle)
 }
@@ -173,7 +173,7 @@ pub fn tap_spindle(call: &Call, signals: Signals, params: &Params) -> Result<(),
         CallKind::Spindle(SpindleCall {
             mode: SpindleMode::Rigid(choice),
             ..
-        }) => taps_with(heed!(signals.spindle(choice, call.span)), call.span, params),
+        }) => taps_with(signals.spindle(choice, call.span)?, call.span, params),
         _ => Ok(()),
     }
 }
@@ -194,7 +194,7 @@ fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
 /// A spindle this machine does not have ([`Code::TapSpindleNotAvailable`]); lead times speed above the axis' feed
 /// ([`Code::LeadTooFast`]).
 pub fn tap_return(out: &TapMove, span: Span, params: &Params) -> Result<(), Alarm> {
-    heed!(taps_with(out.spindle, span, params));
+    taps_with(out.spindle, span, params)?;
     feed(out.axis, out.lead, out.speed, span, params)
 }
 

@@ -2,7 +2,7 @@
 
 use super::encoder::can_follow;
 use super::pass::{Gather, Pass};
-use crate::alarm::{Alarm, Arg, Code, Span, heed};
+use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::cycle::{Move, MoveKind, ThreadMoves, ThreadSummary};
 use crate::motion::ThreadPlan;
 use crate::params::Params;
@@ -83,7 +83,7 @@ pub fn thread_can_run(
             first = Err(*alarm);
         }
     };
-    heed!(examine(call, rpm, span, params, &mut wrong, &mut |_| {}));
+    examine(call, rpm, span, params, &mut wrong, &mut |_| {})?;
     first
 }
 
@@ -96,7 +96,7 @@ fn examine(
     wrong: &mut dyn FnMut(&Alarm),
     seen: &mut impl FnMut(&ThreadPlan),
 ) -> Result<ThreadSummary, Alarm> {
-    let summary = heed!(ThreadMoves::survey(call, span));
+    let summary = ThreadMoves::survey(call, span)?;
     let speed = rpm.abs();
     if speed == 0 {
         wrong(&Alarm::new(Code::SpindleStopped, span));
@@ -232,7 +232,7 @@ pub fn thread_findings(
 /// # Errors
 /// What geometry forbids.
 pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
-    let summary = heed!(ThreadMoves::survey(call, span));
+    let summary = ThreadMoves::survey(call, span)?;
     let passes = extremes(&summary).map(|number| pass(call, span, number));
     let can = |speed: i32| {
         let rpm = Rpm::new(speed);

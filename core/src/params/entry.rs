@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{ALIASES, BOUNDS, ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
+use super::{ALIASES, ENTRIES, MEANINGS, RANGES, TEXTS, Unit};
 use crate::units::Axis;
 
 /// Which value of a number.
@@ -16,22 +16,33 @@ pub enum Part {
     Axis(Axis),
 }
 
-/// Bits of [`Entry::limits`]: what stands for "none", the largest integer or the smallest; below them the place in the
-/// ranges.
-pub(super) const LARGEST_IS_NONE: u8 = 0x40;
-pub(super) const SMALLEST_IS_NONE: u8 = 0x80;
-const PLACE: u8 = 0x3F;
+/// Which raw values are allowed. Many entries share one range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Range {
+    /// The smallest.
+    pub min: i64,
+    /// The largest.
+    pub max: i64,
+    /// One more, outside of these, that stands for "none".
+    pub none: Option<i64>,
+}
 
-/// One value of the table: what a machine must know to take or refuse it. There are many, and they lie in the flash of a
-/// board: what is alike is kept once.
+/// What an entry has whose range does not exist: nothing is allowed. The build script writes no such entry.
+const NOTHING: Range = Range {
+    min: 0,
+    max: -1,
+    none: None,
+};
+
+/// One value of the table: what a machine must know to accept or refuse it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     /// Number.
     pub no: u16,
     /// Which value of the number.
     pub part: Part,
-    /// Place in the ranges, and whether an extreme stands for "none".
-    pub(super) limits: u8,
+    /// Place in the list of ranges.
+    pub(super) range: u8,
     /// Place in the set.
     pub(super) slot: u8,
 }
@@ -101,35 +112,31 @@ impl Entry {
     /// Smallest raw value.
     #[must_use]
     pub const fn min(&self) -> i64 {
-        self.range().0
+        self.range().min
     }
 
     /// Largest raw value.
     #[must_use]
     pub const fn max(&self) -> i64 {
-        self.range().1
+        self.range().max
     }
 
     /// Raw value that stands for "none", where that is allowed.
     #[must_use]
     pub const fn none(&self) -> Option<i64> {
-        match self.limits & !PLACE {
-            LARGEST_IS_NONE => Some(i64::MAX),
-            SMALLEST_IS_NONE => Some(i64::MIN),
-            _ => None,
-        }
+        self.range().none
     }
 
-    const fn range(&self) -> (i64, i64) {
-        // Not reached without: a table whose places are not there is not written. Nothing would be allowed.
-        let nothing = (0, -1);
-        let Some((low, high)) = at(&RANGES, self.limits & PLACE) else {
-            return nothing;
-        };
-        match (at(&BOUNDS, low), at(&BOUNDS, high)) {
-            (Some(low), Some(high)) => (low, high),
-            _ => nothing,
+    /// The range at the entry's place. The key of the table needs it in a constant, where `get` cannot be called.
+    const fn range(&self) -> Range {
+        let (mut ranges, mut place): (&[Range], u8) = (&RANGES, self.range);
+        while let [first, rest @ ..] = ranges {
+            if place == 0 {
+                return *first;
+            }
+            (ranges, place) = (rest, place.saturating_sub(1));
         }
+        NOTHING
     }
 
     /// What it means to a person; no two entries have all the same.
@@ -197,17 +204,6 @@ impl Entry {
             None => Err(FindError::PartMissing(first)),
         }
     }
-}
-
-/// What stands at a place. The key of the table is made with it before the program runs: hence step by step.
-const fn at<T: Copy>(mut list: &[T], mut place: u8) -> Option<T> {
-    while let [first, rest @ ..] = list {
-        if place == 0 {
-            return Some(*first);
-        }
-        (list, place) = (rest, place.saturating_sub(1));
-    }
-    None
 }
 
 /// Prints the number as users write it: `019`, `182.7`, `1420.X`.

@@ -11,7 +11,6 @@
 mod check;
 mod entry;
 mod set;
-mod short;
 #[cfg(test)]
 mod tests;
 pub mod unit;
@@ -19,9 +18,8 @@ pub mod unit;
 pub use check::PROFILE_TICKS;
 pub(crate) use check::metres;
 pub use entry::{Entry, FindError, Part, Text};
-use entry::{LARGEST_IS_NONE, Meaning, SMALLEST_IS_NONE};
+use entry::{Meaning, Range};
 pub use set::SetError;
-use short::lengthen;
 pub use unit::{Unit, ValueError, Writing};
 
 use crate::units::{Acceleration, Axis, Feed, Jerk, Length};
@@ -37,9 +35,9 @@ impl Params {
     #[must_use]
     pub const fn slant_bed() -> Self {
         let mut raw = [0; SLOTS];
-        let (mut places, mut values): (&mut [i64], &[i32]) = (&mut raw, &BUILT_IN);
+        let (mut places, mut values): (&mut [i64], &[i64]) = (&mut raw, &BUILT_IN);
         while let ([place, more @ ..], [value, rest @ ..]) = (places, values) {
-            *place = lengthen(*value);
+            *place = *value;
             (places, values) = (more, rest);
         }
         Self { raw }

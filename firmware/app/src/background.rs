@@ -61,8 +61,6 @@ pub(crate) struct Ends {
 }
 
 /// The background's side of a board.
-// The desk last, which is large: what lies within a short way of the beginning takes a shorter instruction.
-#[repr(C)]
 pub struct BackgroundSide {
     begun: bool,
     /// The ticker is being made anew: nothing is planned meanwhile.

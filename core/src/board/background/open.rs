@@ -1,7 +1,7 @@
 //! Taking up a call: when it may be, and refusing what cannot be done before any of its moves.
 
 use super::{Background, Settings};
-use crate::alarm::{Alarm, Span, heed};
+use crate::alarm::{Alarm, Span};
 use crate::board::operator::overridden;
 use crate::cycle::{Context, Move, MoveKind, Moves, TapMoves};
 use crate::feasible::{self, TapReport};
@@ -26,17 +26,17 @@ impl Background {
         self.plan = None;
         match &call.kind {
             CallKind::Thread(thread) => {
-                heed!(can_cut(thread, call.span, settings));
+                can_cut(thread, call.span, settings)?;
                 self.cut = self.cut.next();
             }
             CallKind::Tap(tap) => {
-                heed!(self.prepare_tap(tap, signals, call.span, settings, warning));
+                self.prepare_tap(tap, signals, call.span, settings, warning)?;
             }
-            _ => heed!(feasible::tap_spindle(call, signals, settings.params)),
+            _ => feasible::tap_spindle(call, signals, settings.params)?,
         }
-        heed!(self.expand(call, signals, settings));
+        self.expand(call, signals, settings)?;
         if let CallKind::TapReturn(_) = call.kind {
-            heed!(self.prepare_return(call, settings));
+            self.prepare_return(call, settings)?;
         }
         let Some(moves) = &self.moves else {
             return Ok(());
@@ -44,9 +44,9 @@ impl Background {
         if let Moves::Groove(groove) = moves {
             *warning = groove.warning();
         }
-        heed!(self.guard.admit(call, moves));
+        self.guard.admit(call, moves)?;
         // Before anything of the call moves; what has expanded once expands a second time to the same.
-        heed!(within_limits(moves, self.position, settings.params));
+        within_limits(moves, self.position, settings.params)?;
         self.home = self.position;
         self.percent = settings.spindle_percent;
         if let CallKind::End(_) | CallKind::Over = call.kind {
@@ -85,10 +85,10 @@ impl Background {
     ) -> Result<(), Alarm> {
         (self.infeed, self.notes) = (tap.speed, tap.notes);
         let params = settings.params;
-        let spindle = heed!(feasible::tap_can_begin(tap, signals, span, params));
+        let spindle = feasible::tap_can_begin(tap, signals, span, params)?;
         let hand = signals.hand(tap.hand);
         if tap.mode == TapMode::Floating {
-            heed!(self.plan_float(tap, hand, span, params));
+            self.plan_float(tap, hand, span, params)?;
         }
         let plan = match &self.plan {
             Some(Plan::Float(plan)) => Some(plan),
@@ -96,14 +96,7 @@ impl Background {
         };
         let moves = &mut TapMoves::of(tap, hand, spindle, span);
         let report = &mut TapReport::default();
-        heed!(feasible::tap_strokes(
-            moves,
-            tap,
-            plan,
-            params,
-            settings.limits,
-            report
-        ));
+        feasible::tap_strokes(moves, tap, plan, params, settings.limits, report)?;
         *warning = report.first_warning().copied();
         Ok(())
     }
@@ -131,7 +124,7 @@ impl Background {
             Some(Moves::One(Some(Move {
                 kind: MoveKind::Tap(out),
                 ..
-            }))) => heed!(feasible::tap_return(out, call.span, settings.params)),
+            }))) => feasible::tap_return(out, call.span, settings.params)?,
             // It was stopped where it is out.
             _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
         }
@@ -154,7 +147,7 @@ impl Background {
 #[inline(never)]
 fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(), Alarm> {
     let (rpm, percent) = (thread.rpm, settings.spindle_percent);
-    heed!(feasible::thread_can_run(thread, rpm, span, settings.params));
+    feasible::thread_can_run(thread, rpm, span, settings.params)?;
     if percent <= 100 {
         return Ok(());
     }

@@ -1,7 +1,7 @@
 //! A pass of a thread: planned with all its strokes, queued together with its retract.
 
 use super::{Background, Settings};
-use crate::alarm::{Alarm, heed};
+use crate::alarm::Alarm;
 use crate::board::operator::overridden;
 use crate::cycle::{Move, MoveKind, Moves};
 use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
@@ -55,7 +55,7 @@ impl Background {
                 hold_not_before: true,
                 ..stops
             };
-            heed!(self.plan_rest(end, last, stops, settings));
+            self.plan_rest(end, last, stops, settings)?;
         }
         Ok(())
     }
