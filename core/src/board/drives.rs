@@ -91,6 +91,8 @@ pub(super) struct Drives {
     spindles: Spindles,
     sync: SyncProducer,
     nodes: DriveNodes,
+    /// All have come up since they were last asked to, and are told where to be. Until then each holds where it is.
+    are_up: bool,
     /// What all of them are told in one frame, where the parameters say so; otherwise each has one of its own.
     together: Option<Setpoints>,
 }
@@ -127,6 +129,7 @@ impl Drives {
             spindles: Spindles::new(&spindle, params.tap_spindles(), per_turn),
             sync: SyncProducer::new(),
             nodes,
+            are_up: false,
             together: (params.setpoint_frame() == 1)
                 .then(|| Setpoints::of(params.tap_spindles().saturating_add(3))),
         }
@@ -187,14 +190,16 @@ impl Drives {
     /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by
     /// [`failure`](Self::failure).
     pub(super) fn enable(&mut self) -> bool {
-        if self.together.is_some() {
-            return self.enable_in_turn();
-        }
-        let mut enabled = true;
-        for drive in self.all() {
-            enabled &= drive.enable().is_ok() && drive.is_enabled();
-        }
-        enabled
+        self.are_up = if self.together.is_some() {
+            self.enable_in_turn()
+        } else {
+            let mut enabled = true;
+            for drive in self.all() {
+                enabled &= drive.enable().is_ok() && drive.is_enabled();
+            }
+            enabled
+        };
+        self.are_up
     }
 
     /// The first latched failure.
@@ -239,6 +244,7 @@ impl Drives {
 
     /// Forgets failures and resets faults; the drives have to be enabled again.
     pub(super) fn reset(&mut self) {
+        self.are_up = false;
         for drive in self.all() {
             drive.reset();
         }
@@ -310,12 +316,11 @@ impl Drives {
     }
 
     /// The frames of a period: SYNC, then what each drive is told. An axis whose
-    /// position its drive cannot count comes back; its drive is held where it is. So are all while the axes do not
-    /// `follow`: a drive that is enabled before the others stands where it stands, and nobody demands anything of it yet.
+    /// position its drive cannot count comes back; its drive is held where it is. So are all until they have come
+    /// up: a drive that is enabled before the others stands where it stands, and nobody demands anything of it yet.
     pub(super) fn send(
         &mut self,
         position: Position,
-        follow: bool,
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
@@ -326,7 +331,7 @@ impl Drives {
         };
         put(self.sync.next());
         let mut beyond = None;
-        if follow {
+        if self.are_up {
             let [x, z, c] = &mut self.axes;
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;

@@ -5,25 +5,39 @@
 //! ```
 //!
 //! Knows segments, the spindle's encoder and the drives; knows nothing of calls or cycles. Bounded work: every loop runs
-//! over the axes or over the frames of one period. States are a type. Where a segment begins, coming to rest,
-//! rigid mode and the ways out of a stroke have files of their own.
+//! over the axes or over the frames of one period.
+//!
+//! Each part of the tick's state owns what it changes:
+//!
+//! | part | what it answers for |
+//! |---|---|
+//! | [`State`] | where the machine is; every change of it is in `transition` |
+//! | `Course` | how far the program has come, and where single block stops |
+//! | `Away` | the way out of a stroke and back |
+//! | `SpindleMode` | what the spindles are told: a speed, or position mode |
+//! | `Journal` | the entry of the tap in its hole |
+//! | `Operator` | what the operator has asked for and set |
+//! | `Drives`, `Observer`, `Executor` | the drives, the measured spindle, the segment under way |
 
 mod anew;
 mod away;
 mod begin;
-mod float;
+mod course;
 mod journal;
-mod rigid;
+mod spindle;
 mod state;
 mod stopping;
+mod transition;
 mod withheld;
 
 use core::mem::MaybeUninit;
 
 use heapless::Vec;
 
+use self::away::Away;
+use self::course::Course;
 use self::journal::Journal;
-use self::state::{Mode, Then};
+use self::spindle::SpindleMode;
 pub use self::state::{Outcome, State};
 use super::detour::{Detour, Route};
 use super::drives::{Drives, FRAMES, Figures};
@@ -31,18 +45,18 @@ use super::event::{Command, Event, Switching};
 use super::kept::Found;
 use super::nodes::DriveNodes;
 use super::operator::Operator;
-use super::queue::{DetourOut, EventIn, SegmentOut, put, take};
+use super::queue::{DetourOut, EventIn, SegmentOut, put};
 use super::spindles::Spindle;
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::bus::Setpoints;
 use crate::bus::{Frame, SyncProducer};
 use crate::journal::TapRecord;
-use crate::motion::{Arrival, Conditions, Cut, Epoch, Executor, Setpoint, Task, WaysOut};
+use crate::motion::{Arrival, Conditions, Epoch, Executor, Setpoint};
 use crate::params::Params;
-use crate::program::{Position, TapSpindle};
+use crate::program::Position;
 use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
-use crate::units::{Axis, Rpm, Ticks};
+use crate::units::{Axis, Ticks};
 
 /// What the tick has to say to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,110 +92,31 @@ pub struct Ends<'a, 'q> {
     pub events: &'a mut EventIn<'q>,
 }
 
-/// Where the segment under way lies: at the head of its queue, until it is done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Source {
-    /// None is under way.
-    #[default]
-    None,
-    /// The program.
-    Program,
-    /// A detour.
-    Detour,
-}
-
-impl Ends<'_, '_> {
-    /// The segment under way.
-    fn current(&self, source: Source) -> Option<Task<'_>> {
-        match source {
-            Source::None => None,
-            Source::Program => self.segments.peek(),
-            Source::Detour => self.detours.peek().map(|segment| Task {
-                segment,
-                plan: None,
-            }),
-        }
-    }
-}
-
-/// What the ways out of a pass need of it, also when it is over.
-#[derive(Clone, Copy, Debug)]
-struct LastPass {
-    number: u32,
-    span: Span,
-    frozen: Option<u8>,
-    ways: WaysOut,
-}
-
-/// Position mode of the spindle.
-// Told by its kind: to compare it would compare what is in it.
-#[derive(Clone, Copy, Debug)]
-enum Rigid {
-    /// Speed mode.
-    Off,
-    /// Coming to a stand; the move that asked for it, its line, and the ticks it has taken.
-    Entering { number: u32, line: u32, ticks: u32 },
-    /// In position mode: it turns with the tap axis only.
-    On,
-    /// Speed mode as soon as it stands.
-    Leaving,
-}
-
 /// The tick side of a board.
 #[derive(Debug)]
 pub struct Ticker {
-    mode: Mode,
-    /// Percent in force; frozen inside a thread cycle.
-    spindle_percent: u8,
-    /// The spindle that is in position mode, or on the way.
-    taps_with: TapSpindle,
+    state: State,
     /// The encoder has slipped, and the index still stands for the old count.
     slipped: bool,
-    /// Single block has stopped between two segments.
-    paused: bool,
-    /// Single block stops before the next segment unless that belongs to a hole.
-    pauses_unless_hole: bool,
     /// A machine function is not answered yet: the next segment waits.
     awaits: bool,
     /// For the output of this tick.
     switching: Switching,
-    /// The program has begun and not ended.
-    in_program: bool,
-    /// The drives have come up since they were last asked to: they are told where to be. Until then each holds where it is.
-    is_up: bool,
-    /// Where the segment under way lies.
-    source: Source,
-    /// Of the last segment of the program that was carried to its end.
-    done: Cut,
-    detour: Detour,
-    /// Reset: the tool has to be brought clear of the crests.
-    clearing: bool,
-    /// Of the segments that count.
-    epoch: Epoch,
-    /// Of the way asked for last.
-    route_epoch: Epoch,
+    course: Course,
+    away: Away,
+    spindle: SpindleMode,
     /// What was found of the stored parameters at power-up.
     found: Found,
-    /// S with M03/M04, before override.
-    commanded: Rpm,
-    /// Position mode.
-    rigid: Rigid,
-    /// Ticks that leaving it has waited.
-    waited: u32,
     /// Ticks it has stood on its alarm.
     stood: u32,
     operator: Operator,
     given: Given,
     observer: Observer,
-    /// The last pass begun.
-    pass: Option<LastPass>,
     /// Where the machine stood when the power went.
     remembered: Option<Position>,
     /// What the background has not heard yet.
     notice: Option<Notice>,
     journal: Journal,
-    /// The alarm of a mode that has one: large, and not to be copied with every change of mode.
-    alarm: Alarm,
     drives: Drives,
     executor: Executor,
 }
@@ -271,36 +206,21 @@ impl Ticker {
         tap: Option<TapRecord>,
     ) -> Self {
         Self {
-            mode: Mode::Starting,
-            spindle_percent: 100,
-            taps_with: TapSpindle::First,
+            state: State::Starting,
             slipped: false,
-            paused: false,
-            pauses_unless_hole: false,
             awaits: false,
             switching: Switching::Nothing,
             stood: 0,
-            in_program: false,
-            is_up: false,
-            source: Source::None,
-            done: Cut::NONE,
-            detour: Detour::None,
-            clearing: false,
-            epoch: Epoch::default(),
-            route_epoch: Epoch::default(),
+            course: Course::new(),
+            away: Away::new(),
+            spindle: SpindleMode::new(),
             found: Found::default(),
-            commanded: Rpm::STOPPED,
-            rigid: Rigid::Off,
-            waited: 0,
             operator: Operator::new(),
             given: *given,
             observer: Self::observer_of(params),
-            pass: None,
             remembered,
             notice: None,
             journal: Journal::new(tap, given.second),
-            // Read in a mode that has one only.
-            alarm: Alarm::new(Code::EmergencyStop, Span::default()),
             drives: Drives::new(params, figures),
             executor: Executor::new(given.arrival),
         }
@@ -318,7 +238,7 @@ impl Ticker {
 
     /// A program begins: until its end an empty queue is a wait, not idleness.
     pub const fn program_begins(&mut self) {
-        self.in_program = true;
+        self.course.begin_program();
     }
 
     /// Where its drives are on the bus.
@@ -330,7 +250,7 @@ impl Ticker {
     /// What is planned in this epoch counts.
     #[must_use]
     pub const fn epoch(&self) -> Epoch {
-        self.epoch
+        self.course.epoch()
     }
 
     /// Takes an operator's command; it acts in the next tick.
@@ -373,7 +293,8 @@ impl Ticker {
         self.observe(sample, ends);
         self.watch_drives(ends);
         self.obey(ends);
-        self.drop_stale(ends);
+        self.course.drop_stale(ends);
+        self.away.drop_stale(ends);
         let instant = self.take_up(ends);
 
         let moved = !self.executor.is_free();
@@ -397,26 +318,13 @@ impl Ticker {
         }
     }
 
-    /// Lets a segment that is done go from the head of its queue.
+    /// A segment that is done leaves its queue.
     fn release(&mut self, ends: &mut Ends<'_, '_>) {
-        if !self.executor.is_free() {
-            return;
-        }
-        match core::mem::take(&mut self.source) {
-            Source::None => {}
+        if self.executor.is_free() {
             // The pass that was left stays: it is done again.
-            Source::Program if self.detour == Detour::Leaving => {}
-            Source::Program => {
-                if let Some(head) = ends.segments.head()
-                    && !matches!(self.mode, Mode::Stopping(_))
-                {
-                    self.done = head.cut;
-                }
-                ends.segments.take();
-            }
-            Source::Detour => {
-                take(ends.detours);
-            }
+            let is_left = self.away.stage() == Detour::Leaving;
+            let is_whole = !matches!(self.state, State::Stopping(_));
+            self.course.release(is_left, is_whole, ends);
         }
     }
 
@@ -430,10 +338,10 @@ impl Ticker {
             hold: self.operator.hold,
             // Asked for where a stroke waits.
             more: self.executor.is_waiting()
-                && self.source == Source::Program
+                && self.course.is_in_program_segment()
                 && ends.segments.has_second(),
         };
-        let current = ends.current(self.source);
+        let current = self.course.current(ends);
         if let Err(alarm) = self.executor.tick(&conditions, current, setpoint) {
             self.raise(&alarm, ends);
         }
@@ -450,6 +358,15 @@ impl Ticker {
         }
     }
 
+    /// Where counts were lost or gained the pulse is right, the counts are not, and the next pulse begins a new count. That
+    /// moves the angle by up to half a turn, so not while an axis follows it as it stands: as soon as none does.
+    const fn begin_new_count(&mut self) {
+        if self.slipped && !self.executor.is_floating() {
+            self.slipped = false;
+            self.observer.forget_index();
+        }
+    }
+
     // What happens seldom is kept out of the tick's own code, which is leaner by it [D140].
 
     #[cold]
@@ -459,7 +376,7 @@ impl Ticker {
         self.begin_new_count();
         let alarm = Alarm::of(Code::IndexSlipped, &[Arg::Int(i64::from(counts))]);
         let in_cycle = self.executor.stops().frozen.is_some()
-            && matches!(self.mode, Mode::Running | Mode::Held);
+            && matches!(self.state, State::Running | State::Held);
         if in_cycle || self.executor.thread().is_some() || self.executor.is_floating() {
             self.raise(&alarm, ends);
         } else {
@@ -468,12 +385,10 @@ impl Ticker {
     }
 
     fn watch_drives(&mut self, ends: &mut Ends<'_, '_>) {
-        match self.mode {
-            Mode::Alarm | Mode::Stopping(Then::Alarm) => {
-                self.drives.let_go(self.mode == Mode::Alarm);
-                return;
-            }
-            Mode::Starting if self.drives.enable() => self.come_up(ends),
+        match self.state {
+            State::Alarm(_) => return self.drives.let_go(true),
+            State::Stopping(Outcome::Alarm(_)) => return self.drives.let_go(false),
+            State::Starting if self.drives.enable() => self.come_up(ends),
             _ => {}
         }
         if let Some(alarm) = self.drives.failure() {
@@ -488,10 +403,7 @@ impl Ticker {
         emit(ends.events, Event::Ready);
         let mut position = self.drives.position(self.remembered.take());
         self.place_tap(&mut position, ends);
-        self.executor.set_position(position);
-        self.restart(position);
-        self.mode = Mode::Idle;
-        self.is_up = true;
+        self.transition_to_ready(position);
         self.tell_found(ends);
     }
 
@@ -519,24 +431,19 @@ impl Ticker {
         }
         if self.operator.takes_resume() {
             self.operator.hold = false;
-            self.paused = false;
-            if self.detour == Detour::AtHome
-                && let Some(pass) = &self.pass
-            {
-                self.detour = Detour::Back;
-                let start = pass.ways.start;
-                self.route([Some(start), None]);
-            }
+            self.course.resume();
+            self.go_back();
         }
     }
 
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {
         // Frozen in a thread cycle, also while a reset leaves it.
-        self.spindle_percent = match self.mode {
-            Mode::Running | Mode::Held | Mode::Stopping(_) => self.executor.stops().frozen,
-            Mode::Starting | Mode::Idle | Mode::Alarm => None,
-        }
-        .unwrap_or(self.operator.spindle_percent());
+        let frozen = match self.state {
+            State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
+            State::Starting | State::Idle | State::Alarm(_) => None,
+        };
+        self.spindle
+            .set_percent(frozen.unwrap_or(self.operator.spindle_percent()));
         let velocity = self.velocity();
         self.leave_rigid();
         let spindle = match self.executor.spindle() {
@@ -544,7 +451,7 @@ impl Ticker {
             None => Spindle::Speed(velocity),
         };
         let position = self.executor.position();
-        let beyond = self.drives.send(position, self.is_up, spindle, frames);
+        let beyond = self.drives.send(position, spindle, frames);
         if let Some(axis) = beyond {
             let args = [Arg::Letter(axis.letter()), Arg::None, Arg::None, Arg::None];
             let alarm = Alarm::new(Code::BeyondDriveRange, Span::default()).with(args);

@@ -1,16 +1,14 @@
 //! The application begins anew with another parameter set, the power being on.
 
-use super::state::Mode;
-use super::{Given, Rigid, Source, Ticker};
-use crate::board::detour::Detour;
+use super::away::Away;
+use super::spindle::SpindleMode;
+use super::{Given, State, Ticker};
 use crate::board::drives::Figures;
 use crate::board::event::Switching;
 use crate::board::kept::Found;
 use crate::board::operator::Operator;
-use crate::motion::Epoch;
 use crate::params::Params;
-use crate::program::{Position, TapSpindle};
-use crate::units::Rpm;
+use crate::program::Position;
 
 impl Ticker {
     /// Begins anew with `params`: the drives are brought up again, and what was known of taps in holes stays. Where it
@@ -19,13 +17,13 @@ impl Ticker {
     ///
     /// The machine has to stand; whoever owns the queues empties them.
     pub fn begin_anew(&mut self, params: &Params, found: Found) -> Option<Option<Position>> {
-        if self.stays_at_rest() {
+        if self.state.stays_at_rest() {
             return None;
         }
         let told = self.executor.position();
-        let position = match self.mode {
+        let position = match self.state {
             // It has not come to know it yet, or not again.
-            Mode::Starting => self.remembered,
+            State::Starting => self.remembered,
             _ => Some(told),
         };
         let figures = (Given::of(params), Figures::of(params));
@@ -34,66 +32,39 @@ impl Ticker {
         };
         // Field by field: as a whole it would be on the stack twice, and most of it is the memory of a profile that stands.
         let Self {
-            mode,
-            spindle_percent,
-            taps_with,
+            state,
             slipped,
-            paused,
-            pauses_unless_hole,
             awaits,
             switching,
             stood,
-            in_program,
-            is_up,
-            source,
-            // What has been cut is not undone.
-            done: _,
-            detour,
-            clearing,
-            epoch,
-            route_epoch,
+            course,
+            away,
+            spindle,
             found: withheld,
-            commanded,
-            rigid,
-            waited,
             operator,
             given: before,
             observer,
-            pass,
             remembered,
             notice,
             journal,
-            // Read in a mode that has one only.
-            alarm: _,
             drives,
             executor,
         } = self;
-        *mode = Mode::Starting;
-        *spindle_percent = 100;
-        *taps_with = TapSpindle::First;
+        *state = State::Starting;
         *slipped = false;
-        *paused = false;
-        *pauses_unless_hole = false;
         *awaits = false;
         *switching = match journal.has_hole() {
             true => Switching::ResetInHole,
             false => Switching::Reset,
         };
         *stood = 0;
-        *in_program = false;
-        *is_up = false;
-        *source = Source::None;
-        *detour = Detour::None;
-        *clearing = false;
-        (*epoch, *route_epoch) = (Epoch::default(), Epoch::default());
+        course.begin_anew();
+        *away = Away::new();
+        *spindle = SpindleMode::new();
         *withheld = found;
-        *commanded = Rpm::STOPPED;
-        *rigid = Rigid::Off;
-        *waited = 0;
         *operator = Operator::new();
         *before = *given;
         *observer = Self::observer_of(params);
-        *pass = None;
         *remembered = position;
         *notice = None;
         journal.begin_anew(given.second);

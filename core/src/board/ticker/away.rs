@@ -1,44 +1,138 @@
 //! Out of a stroke and back: feed hold with immediate retract [D11], and the ways the background plans for it.
+//!
+//! Knows the pass that was left and the way out of it. Must not know why it was left.
 
 use super::super::detour::{Detour, Route};
 use super::super::queue::take;
-use super::{Ends, Mode, Notice, Source, Ticker};
-use crate::motion::{Action, Phase, Retract, Task};
+use super::course::Source;
+use super::{Ends, Notice, State, Ticker};
+use crate::alarm::Span;
+use crate::motion::{Action, Epoch, Phase, Retract, Task, WaysOut};
 use crate::program::Position;
+
+/// What the ways out of a pass need of it, also when it is over.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LastPass {
+    /// Number of its move.
+    pub number: u32,
+    /// Its words.
+    pub span: Span,
+    /// The spindle override, frozen in its cycle.
+    pub frozen: Option<u8>,
+    /// Where the tool can go from it.
+    pub ways: WaysOut,
+}
+
+/// The way out of a stroke.
+#[derive(Debug)]
+pub(super) struct Away {
+    stage: Detour,
+    /// Reset: the tool has to be brought clear of the crests.
+    clearing: bool,
+    /// Of the way asked for last; legs of another epoch do not count.
+    epoch: Epoch,
+    /// The last pass begun.
+    pass: Option<LastPass>,
+}
+
+impl Away {
+    /// No pass has begun.
+    pub(super) fn new() -> Self {
+        Self {
+            stage: Detour::None,
+            clearing: false,
+            epoch: Epoch::default(),
+            pass: None,
+        }
+    }
+
+    /// How far the detour has come.
+    pub(super) const fn stage(&self) -> Detour {
+        self.stage
+    }
+
+    /// A detour is under way.
+    pub(super) fn is_under_way(&self) -> bool {
+        self.stage != Detour::None
+    }
+
+    /// No way out is taken any more.
+    pub(super) const fn forget(&mut self) {
+        self.stage = Detour::None;
+        self.clearing = false;
+    }
+
+    /// A reset has left a stroke: the tool goes on until it is clear of the crests.
+    pub(super) const fn clear_crests(&mut self) {
+        self.clearing = true;
+    }
+
+    /// True, once, where a reset has left a stroke.
+    pub(super) const fn takes_clearing(&mut self) -> bool {
+        core::mem::replace(&mut self.clearing, false)
+    }
+
+    /// A pass begins.
+    pub(super) const fn begin_pass(&mut self, pass: LastPass) {
+        self.pass = Some(pass);
+    }
+
+    /// The last pass begun.
+    pub(super) const fn pass(&self) -> Option<&LastPass> {
+        self.pass.as_ref()
+    }
+
+    /// Drops a leg of a way that was asked for before the last one: one a tick.
+    pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
+        let leg = ends.detours.peek().map(|oldest| oldest.epoch);
+        if leg.is_some_and(|epoch| epoch != self.epoch) {
+            take(ends.detours);
+        }
+    }
+}
 
 impl Ticker {
     /// Feed hold with immediate retract [D11]; where the stroke is all but over it is finished instead.
     pub(super) fn leave_stroke(&mut self, ends: &Ends<'_, '_>) {
-        if self.detour != Detour::None || self.mode != Mode::Running {
+        if self.away.is_under_way() || !matches!(self.state, State::Running) {
             return;
         }
-        let (Some(run), Some(pass)) = (self.executor.thread(), &self.pass) else {
+        let (Some(run), Some(pass)) = (self.executor.thread(), &self.away.pass) else {
             return;
         };
         if !matches!(run.phase(), Phase::Joining | Phase::Locked) {
             return;
         }
         let target = pass.ways.short_of(pass.ways.home);
-        if self.executor.retract(ends.current(self.source), target) == Retract::Leaving {
-            self.detour = Detour::Leaving;
+        if self.executor.retract(self.course.current(ends), target) == Retract::Leaving {
+            self.away.stage = Detour::Leaving;
+        }
+    }
+
+    /// Resume: back to the start of the pass that was left, where the machine waits at the start of its cycle.
+    pub(super) fn go_back(&mut self) {
+        if self.away.stage == Detour::AtHome
+            && let Some(pass) = &self.away.pass
+        {
+            let start = pass.ways.start;
+            self.route(Detour::Back, [Some(start), None]);
         }
     }
 
     /// The next leg of a detour; its mark ends it.
     pub(super) fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
-        if self.detour == Detour::Leaving {
-            let Some(pass) = &self.pass else {
-                self.detour = Detour::None;
+        if self.away.stage == Detour::Leaving {
+            let Some(pass) = &self.away.pass else {
+                self.away.stage = Detour::None;
                 return;
             };
             let home = pass.ways.home;
             let mut level = self.executor.position();
             pass.ways.set_short(&mut level, pass.ways.short_of(home));
-            self.detour = Detour::Home;
-            self.route([Some(level), Some(home)]);
+            self.route(Detour::Home, [Some(level), Some(home)]);
             return;
         }
-        let epoch = self.route_epoch;
+        let epoch = self.away.epoch;
         let Some(leg) = ends.detours.peek().filter(|leg| leg.epoch == epoch) else {
             return;
         };
@@ -47,20 +141,20 @@ impl Ticker {
                 segment: leg,
                 plan: None,
             });
-            self.source = Source::Detour;
-            if let Some(pass) = &self.pass {
+            self.course.take_from(Source::Detour);
+            if let Some(pass) = &self.away.pass {
                 // It belongs to the pass that was left.
                 self.executor.tell_as(pass.number, pass.span, pass.frozen);
             }
             return;
         }
         take(ends.detours);
-        self.detour = match self.detour {
+        self.away.stage = match self.away.stage {
             Detour::Home => Detour::AtHome,
             Detour::Back => {
                 if let Some(pass) = ends.segments.peek() {
                     self.executor.begin(pass);
-                    self.source = Source::Program;
+                    self.course.take_from(Source::Program);
                 }
                 Detour::None
             }
@@ -68,13 +162,15 @@ impl Ticker {
         };
     }
 
-    /// Asks for a way to be planned; what is left of the one before is dropped.
-    pub(super) fn route(&mut self, via: [Option<Position>; 2]) {
-        self.route_epoch = self.route_epoch.next();
+    /// Begins a stage whose way the background has to plan; what is left of the way before is dropped.
+    pub(super) fn route(&mut self, stage: Detour, via: [Option<Position>; 2]) {
+        let away = &mut self.away;
+        away.stage = stage;
+        away.epoch = away.epoch.next();
         self.notice = Some(Notice::Route(Route {
             from: self.executor.position(),
             via,
-            epoch: self.route_epoch,
+            epoch: away.epoch,
         }));
     }
 }

@@ -1,10 +1,11 @@
 //! Where a segment may begin and what that does, and the states that follow from motion having come to rest.
 
-use super::{Detour, Ends, LastPass, Mode, Rigid, Source, Ticker, emit};
+use super::away::LastPass;
+use super::course::Source;
+use super::{Detour, Ends, State, Ticker, emit};
 use crate::alarm::{Alarm, Code};
 use crate::board::event::{Event, Switching};
-use crate::motion::{Action, Motion, Stops};
-use crate::units::Rpm;
+use crate::motion::{Action, Motion};
 
 impl Ticker {
     /// Begins the next segment where one may begin. Number and line of one that is over at once come back, or of one that
@@ -13,33 +14,25 @@ impl Ticker {
         if !self.executor.is_free() {
             return None;
         }
-        if let Rigid::Entering { .. } = self.rigid {
+        if self.spindle.is_entering() {
             return self.enter_rigid(ends);
         }
-        if self.detour != Detour::None {
+        if self.away.is_under_way() {
             self.go_on_with_detour(ends);
             return None;
         }
-        if self.paused || !matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held) {
+        if self.course.is_paused() || !self.state.takes_calls() {
             return None;
         }
-        let epoch = self.epoch;
-        let next = ends.segments.head()?;
-        if next.epoch != epoch {
+        let stops = self.course.next(ends)?.stops;
+        if self.course.pauses_before(stops, self.operator.single_block)
+            || self.operator.hold && !stops.hold_not_before
+        {
             return None;
         }
-        if core::mem::take(&mut self.pauses_unless_hole) && !next.stops.tap_cycle {
-            self.paused = self.operator.single_block;
-            if self.paused {
-                return None;
-            }
-        }
-        if self.operator.hold && !next.stops.hold_not_before {
-            return None;
-        }
-        self.mode = Mode::Running;
-        self.in_program = true;
-        if self.given.waits_for_rgtap && matches!(self.rigid, Rigid::On) {
+        self.transition_to_running();
+        self.course.begin_program();
+        if self.given.waits_for_rgtap && self.spindle.is_rigid() {
             let wait = self.wait_for_release(ends);
             if wait.is_some() {
                 return wait;
@@ -49,7 +42,7 @@ impl Ticker {
             let next = ends.segments.head()?;
             return Some((next.number, next.span.line, Motion::Wait));
         }
-        if matches!(self.rigid, Rigid::On)
+        if self.spindle.is_rigid()
             && let Some(waits) = self.wait_for_journal(ends)
         {
             return Some(waits);
@@ -66,9 +59,10 @@ impl Ticker {
         let instant = match segment.action {
             Action::Planned
                 if let Some(tap) = task.tap()
-                    && !matches!(self.rigid, Rigid::On) =>
+                    && !self.spindle.is_rigid() =>
             {
-                if self.engages_itself(tap, number, line) {
+                if tap.part.returns {
+                    self.ask_for_rigid(tap.hole.spindle, number, line);
                     return Some((number, line, Motion::Wait));
                 }
                 // No program asks for this: its rigid mode comes first.
@@ -79,7 +73,7 @@ impl Ticker {
             }
             Action::Planned
                 if let Some(tap) = task.tap()
-                    && tap.hole.spindle != self.taps_with =>
+                    && tap.hole.spindle != self.spindle.taps_with() =>
             {
                 // E of the cycle: it changes over at standstill, and the hole begins then.
                 let spindle = tap.hole.spindle;
@@ -88,7 +82,7 @@ impl Ticker {
             }
             Action::Timed(_) | Action::Planned | Action::Dwell(_) => {
                 if let Some(pass) = task.pass() {
-                    self.pass = Some(LastPass {
+                    self.away.begin_pass(LastPass {
                         number,
                         span: segment.span,
                         frozen: segment.stops.frozen,
@@ -101,25 +95,15 @@ impl Ticker {
                 emit(events, Event::Started { number, line });
                 self.executor.begin(task);
                 // It stays where it is until it is done.
-                self.source = Source::Program;
+                self.course.take_from(Source::Program);
                 return None;
             }
             Action::Spindle(rpm) => {
-                self.commanded = rpm;
-                self.rigid = match self.rigid {
-                    Rigid::On | Rigid::Leaving => Rigid::Leaving,
-                    Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
-                };
+                self.spindle.turn(rpm);
                 Event::Spindle(rpm)
             }
             Action::Rigid(spindle) => {
-                self.commanded = Rpm::STOPPED;
-                match self.rigid {
-                    Rigid::On | Rigid::Leaving if spindle == self.taps_with => {
-                        self.rigid = Rigid::On;
-                    }
-                    _ => self.enter_with(spindle, number, line),
-                }
+                self.ask_for_rigid(spindle, number, line);
                 Event::Rigid
             }
             Action::TapOut => {
@@ -138,10 +122,7 @@ impl Ticker {
                 return None;
             }
             Action::End => {
-                self.in_program = false;
-                self.commanded = Rpm::STOPPED;
-                self.mode = Mode::Idle;
-                emit(events, Event::Finished);
+                self.transition_to_idle(events);
                 ends.segments.take();
                 return None;
             }
@@ -149,79 +130,58 @@ impl Ticker {
         ends.segments.take();
         emit(ends.events, Event::Started { number, line });
         emit(ends.events, instant);
-        self.pause_behind(stops);
+        self.course.pause_after(stops, self.operator.single_block);
         Some((number, line, Motion::Run))
-    }
-
-    /// Single block behind a segment.
-    pub(super) const fn pause_behind(&mut self, stops: Stops) {
-        if stops.single_block && self.operator.single_block {
-            self.pauses_unless_hole = stops.stops_after_last_hole;
-            self.paused = !stops.stops_after_last_hole;
-        }
     }
 
     /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
     pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_, '_>) {
-        match self.mode {
-            Mode::Stopping(then) => {
-                if !self.executor.is_free() || self.detour != Detour::None {
+        match self.state {
+            State::Stopping(_) => {
+                if !self.executor.is_free() || self.away.is_under_way() {
                     return;
                 }
-                if core::mem::take(&mut self.clearing)
+                if self.away.takes_clearing()
                     && let Some(target) = self.not_clear()
                 {
-                    self.detour = Detour::Clearing;
-                    self.route([Some(target), None]);
+                    self.route(Detour::Clearing, [Some(target), None]);
                     return;
                 }
-                self.finish_stop(then, ends.events);
+                self.transition_from_stopping(ends.events);
             }
-            Mode::Running | Mode::Held => {
+            State::Running | State::Held => {
                 let free = self.executor.is_free();
                 if moved && free {
-                    self.pause_behind(self.executor.stops());
+                    let stops = self.executor.stops();
+                    self.course.pause_after(stops, self.operator.single_block);
                 }
                 let between = free
-                    && match self.detour {
+                    && match self.away.stage() {
                         Detour::None => {
-                            (self.paused || self.operator.hold) && !self.must_go_on(ends)
+                            (self.course.is_paused() || self.operator.hold)
+                                && !self.course.must_go_on(ends)
                         }
                         Detour::AtHome => true,
                         _ => false,
                     };
                 let resting = motion == Motion::Hold || between;
-                if resting && self.mode == Mode::Running {
-                    self.mode = Mode::Held;
-                    emit(ends.events, Event::Held);
-                } else if !resting {
-                    self.mode = Mode::Running;
+                if !resting {
+                    self.transition_to_running();
+                } else if matches!(self.state, State::Running) {
+                    self.transition_to_held(ends.events);
                 }
             }
             // A program that is held before its first block.
-            Mode::Idle => {
-                if self.operator.hold && self.is_next(ends) && !self.must_go_on(ends) {
-                    self.mode = Mode::Held;
-                    emit(ends.events, Event::Held);
+            State::Idle => {
+                if self.operator.hold
+                    && self.course.next(ends).is_some()
+                    && !self.course.must_go_on(ends)
+                {
+                    self.transition_to_held(ends.events);
                 }
             }
-            Mode::Alarm => self.stood = self.stood.saturating_add(1),
-            Mode::Starting => {}
+            State::Alarm(_) => self.stood = self.stood.saturating_add(1),
+            State::Starting => {}
         }
-    }
-
-    /// A segment waits that still counts.
-    pub(super) fn is_next(&self, ends: &Ends<'_, '_>) -> bool {
-        let epoch = self.epoch;
-        ends.segments.head().is_some_and(|next| next.epoch == epoch)
-    }
-
-    /// The retract behind a stroke is next: nothing rests here.
-    pub(super) fn must_go_on(&self, ends: &Ends<'_, '_>) -> bool {
-        !self.paused
-            && ends
-                .segments
-                .head()
-                .is_some_and(|next| next.stops.hold_not_before)
     }
 }

@@ -7,12 +7,12 @@
 
 use super::super::event::Event;
 use super::super::store::StoreError;
-use super::{Ends, Mode, Output, Rigid, Ticker, emit};
+use super::{Ends, Output, State, Ticker, emit};
 use crate::alarm::{Alarm, Arg, Code};
 use crate::journal::{TapHole, TapRecord};
 use crate::motion::{Motion, Tap, TapPart, Task};
 use crate::program::Position;
-use crate::units::{Rpm, Turns};
+use crate::units::Turns;
 
 /// What the tick keeps of it.
 #[derive(Clone, Copy, Debug)]
@@ -135,11 +135,6 @@ impl Ticker {
         self.journal.record.as_ref()
     }
 
-    /// A tap is in its hole, as far as is known.
-    pub(super) const fn has_tap_in_hole(&self) -> bool {
-        self.journal.has_hole()
-    }
-
     /// The newest entry, as it is.
     pub(in crate::board) const fn tap_entry(&self) -> Option<TapRecord> {
         self.journal.record
@@ -160,7 +155,7 @@ impl Ticker {
     /// Drops the entry: the tap is said to be out. False, and nothing changes, where there is none or the machine moves.
     /// A position that was taken from the entry goes with it: that of the drive counts again.
     pub fn discard_tap(&mut self) -> bool {
-        let stands = matches!(self.mode, Mode::Starting | Mode::Idle | Mode::Alarm);
+        let stands = matches!(self.state, State::Starting | State::Idle | State::Alarm(_));
         let record = self.journal.record.as_ref();
         if !stands || !record.is_some_and(|record| record.in_hole) {
             return false;
@@ -170,8 +165,8 @@ impl Ticker {
         self.journal.begun = false;
         self.journal.assumed = false;
         let moved = self.drives.forget_places();
-        match self.mode {
-            Mode::Idle => {
+        match self.state {
+            State::Idle => {
                 let position = if moved {
                     self.drives.position(None)
                 } else {
@@ -180,7 +175,7 @@ impl Ticker {
                 self.executor.set_position(position);
                 self.restart(position);
             }
-            Mode::Alarm if moved => self.remembered = Some(self.drives.position(None)),
+            State::Alarm(_) if moved => self.remembered = Some(self.drives.position(None)),
             _ => {}
         }
         true
@@ -220,7 +215,7 @@ impl Ticker {
         ends: &mut Ends<'_, '_>,
     ) -> Option<(u32, u32, Motion)> {
         let tap = ends.segments.peek()?.tap()?;
-        if tap.part.returns || tap.hole.spindle != self.taps_with {
+        if tap.part.returns || tap.hole.spindle != self.spindle.taps_with() {
             return None;
         }
         if self.journal.confirmed && self.journal.knows(&tap.hole) {
@@ -252,20 +247,6 @@ impl Ticker {
         self.journal.begun = true;
     }
 
-    /// A way out has to be in position mode, which no program has asked for.
-    pub(super) fn engages_itself(&mut self, tap: &Tap, number: u32, line: u32) -> bool {
-        if !tap.part.returns {
-            return false;
-        }
-        self.commanded = Rpm::STOPPED;
-        if matches!(self.rigid, Rigid::Leaving) && tap.hole.spindle == self.taps_with {
-            self.rigid = Rigid::On;
-        } else {
-            self.enter_with(tap.hole.spindle, number, line);
-        }
-        true
-    }
-
     /// At the end of a tick: entries for reversals and for the end of a hole, and
     /// the one of a hole that comes next, so that it need not wait.
     pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_, '_>, output: &mut Output) {
@@ -288,10 +269,10 @@ impl Ticker {
     }
 
     fn between_holes(&mut self, ends: &Ends<'_, '_>) {
-        if core::mem::take(&mut self.journal.returned) && matches!(self.rigid, Rigid::On) {
-            self.rigid = Rigid::Leaving;
+        if core::mem::take(&mut self.journal.returned) {
+            self.spindle.leave();
         }
-        if !self.takes_calls() {
+        if !self.state.takes_calls() {
             return;
         }
         if let Some(part) = self.journal.part.take()
@@ -300,16 +281,16 @@ impl Ticker {
             self.tap_is_out();
             self.journal.returned = part.returns;
         }
-        if !matches!(self.rigid, Rigid::On) || self.operator.hold || self.paused {
+        if !self.spindle.is_rigid() || self.operator.hold || self.course.is_paused() {
             return;
         }
-        let epoch = self.epoch;
+        let epoch = self.course.epoch();
         let next = ends.segments.peek();
         let next = next.filter(|next| next.segment.epoch == epoch);
         let Some(tap) = next.and_then(Task::tap) else {
             return;
         };
-        let here = tap.hole.spindle == self.taps_with;
+        let here = tap.hole.spindle == self.spindle.taps_with();
         if here && !tap.part.returns && !self.journal.knows(&tap.hole) {
             let stand = self.stand();
             self.journal.name(&tap.hole, &stand);

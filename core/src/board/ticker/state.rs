@@ -1,8 +1,8 @@
 //! Where the machine is, and what else can be asked of the tick's side from outside.
 
-use super::{Notice, Source, Ticker};
-use crate::alarm::Alarm;
-use crate::board::operator::{Operator, overridden};
+use super::{Notice, Ticker};
+use crate::alarm::{Alarm, Code};
+use crate::board::operator::Operator;
 use crate::motion::{Cut, Executor, Law, Task};
 use crate::program::TapSpindle;
 use crate::spindle::Observer;
@@ -34,42 +34,50 @@ pub enum Outcome {
     Alarm(Alarm),
 }
 
-/// A [`State`] without its alarm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
-    Starting,
-    Idle,
-    Running,
-    Held,
-    Stopping(Then),
-    Alarm,
-}
+impl State {
+    /// The alarm that the machine stops on or stands on.
+    #[must_use]
+    pub const fn alarm(&self) -> Option<&Alarm> {
+        match self {
+            Self::Alarm(alarm) | Self::Stopping(Outcome::Alarm(alarm)) => Some(alarm),
+            _ => None,
+        }
+    }
 
-/// An [`Outcome`] without its alarm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Then {
-    Reset,
-    Alarm,
+    /// The machine is ready for calls: up, and neither stopping nor on an alarm.
+    #[must_use]
+    pub const fn takes_calls(&self) -> bool {
+        matches!(self, Self::Idle | Self::Running | Self::Held)
+    }
+
+    /// Failed too often: neither a reset nor other parameters let it move any more.
+    pub(super) const fn stays_at_rest(&self) -> bool {
+        matches!(self, Self::Alarm(alarm) if matches!(alarm.code, Code::FailsAgain))
+    }
 }
 
 impl Ticker {
     /// Where the machine is.
     #[must_use]
     pub const fn state(&self) -> State {
-        match self.mode {
-            Mode::Starting => State::Starting,
-            Mode::Idle => State::Idle,
-            Mode::Running => State::Running,
-            Mode::Held => State::Held,
-            Mode::Stopping(Then::Reset) => State::Stopping(Outcome::Reset),
-            Mode::Stopping(Then::Alarm) => State::Stopping(Outcome::Alarm(self.alarm)),
-            Mode::Alarm => State::Alarm(self.alarm),
-        }
+        self.state
+    }
+
+    /// True where the machine is ready for calls: up, and neither stopping nor on an alarm.
+    #[must_use]
+    pub const fn takes_calls(&self) -> bool {
+        self.state.takes_calls()
+    }
+
+    /// True while the machine stops or stands on an alarm.
+    #[must_use]
+    pub const fn has_alarm(&self) -> bool {
+        self.state.alarm().is_some()
     }
 
     /// What the background has to hear, until it [has heard it](Self::notice_heard). A restart makes what was said
     /// before it void; nothing else is said while a way is still to be planned. What was asked for between two ticks is
-    /// told behind the journal's entry that belongs to it.
+    /// told after the journal's entry that belongs to it.
     #[must_use]
     pub const fn notice(&self) -> Option<&Notice> {
         if self.journal.has_entry() {
@@ -110,7 +118,7 @@ impl Ticker {
     /// The head of the program's queue is under way: it has begun, and is not done.
     #[must_use]
     pub fn has_begun(&self) -> bool {
-        self.source == Source::Program
+        self.course.is_in_program_segment()
     }
 
     /// The spindle's angle when the setpoint of the tick before takes effect, on X or on Z.
@@ -127,50 +135,38 @@ impl Ticker {
     /// The spindle whose angle a setpoint has.
     #[must_use]
     pub const fn tap_spindle(&self) -> TapSpindle {
-        self.taps_with
+        self.spindle.taps_with()
     }
 
     /// Commanded spindle speed, override included.
     #[must_use]
     pub fn spindle_command(&self) -> Rpm {
-        overridden(self.commanded, self.spindle_percent)
-    }
-
-    /// True where the machine is ready for calls: up, and neither stopping nor on an alarm.
-    #[must_use]
-    pub const fn takes_calls(&self) -> bool {
-        matches!(self.mode, Mode::Idle | Mode::Running | Mode::Held)
-    }
-
-    /// True while the machine stops or stands on an alarm.
-    #[must_use]
-    pub const fn has_alarm(&self) -> bool {
-        matches!(self.mode, Mode::Alarm | Mode::Stopping(Then::Alarm))
+        self.spindle.commanded()
     }
 
     /// The spindle's power stage is needed: the machine is up or comes to rest, the spindle still turns on an alarm (no
     /// longer than it may take to stop), or a tap is in its hole, which must not lose its spindle [D190].
     #[must_use]
     pub const fn needs_spindle(&self) -> bool {
-        let brakes = match self.mode {
-            Mode::Idle | Mode::Running | Mode::Held | Mode::Stopping(_) => true,
-            Mode::Alarm => {
+        let brakes = match self.state {
+            State::Idle | State::Running | State::Held | State::Stopping(_) => true,
+            State::Alarm(_) => {
                 self.observer.is_turning() && self.stood <= self.given.arrival.speed_ticks
             }
-            Mode::Starting => false,
+            State::Starting => false,
         };
-        brakes || self.has_tap_in_hole()
+        brakes || self.journal.has_hole()
     }
 
     /// A program is under way: its end has not been reached.
     #[must_use]
     pub const fn in_program(&self) -> bool {
-        self.in_program
+        self.course.in_program()
     }
 
     /// The thread or hole of the last segment that was carried to its end, with nothing that stopped it.
     #[must_use]
     pub const fn done(&self) -> Cut {
-        self.done
+        self.course.done()
     }
 }

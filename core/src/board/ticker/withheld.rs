@@ -1,22 +1,16 @@
 //! Motion that is withheld: a board whose stored parameters are damaged brings its drives up and stands on an alarm,
-//! behind every reset again, until a set has been taken [D115].
+//! after every reset again, until a set has been taken [D115].
 
-use super::{Ends, Mode, Ticker, emit};
-use crate::alarm::{Alarm, Code};
+use super::{Ends, State, Ticker, emit};
+use crate::alarm::Alarm;
 use crate::board::event::Event;
 use crate::board::kept::Found;
 
 impl Ticker {
     /// Stands on an alarm from the start: the board did not come to its end in good order the last time. To be said
-    /// before the first tick; the drives are brought up behind a reset.
+    /// before the first tick; the drives are brought up after a reset.
     pub const fn begin_in_alarm(&mut self, alarm: Alarm) {
-        self.alarm = alarm;
-        self.mode = Mode::Alarm;
-    }
-
-    /// It has failed too often: neither a reset nor other parameters let it move any more.
-    pub(super) const fn stays_at_rest(&self) -> bool {
-        matches!(self.mode, Mode::Alarm) && matches!(self.alarm.code, Code::FailsAgain)
+        self.state = State::Alarm(alarm);
     }
 
     /// Says what was found of the stored parameters. To be said before the drives are up.

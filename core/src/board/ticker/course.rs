@@ -1,0 +1,185 @@
+//! How far the program has come: which segment is under way, which segments still count, and where single block stops.
+//!
+//! Knows the heads of the two queues. Must not know drives, the spindle or the state of the machine.
+
+use super::super::queue::take;
+use super::Ends;
+use crate::motion::{Cut, Epoch, Segment, Stops, Task};
+
+/// Which queue the segment under way is in. It stays at the head of its queue until it is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Source {
+    /// No segment is under way.
+    #[default]
+    None,
+    /// The program's.
+    Program,
+    /// The detour's.
+    Detour,
+}
+
+/// How far the program has come.
+#[derive(Debug)]
+pub(super) struct Course {
+    /// The program has begun and not ended: until its end an empty queue is a wait, not idleness.
+    in_program: bool,
+    source: Source,
+    /// Single block has stopped between two segments.
+    paused: bool,
+    /// Single block stops before the next segment unless that segment belongs to a hole.
+    pauses_unless_hole: bool,
+    /// Segments of another epoch were queued before the last restart and do not count.
+    epoch: Epoch,
+    /// The thread or hole of the last segment of the program that was carried to its end.
+    done: Cut,
+}
+
+impl Course {
+    /// No program has been seen.
+    pub(super) fn new() -> Self {
+        Self {
+            in_program: false,
+            source: Source::None,
+            paused: false,
+            pauses_unless_hole: false,
+            epoch: Epoch::default(),
+            done: Cut::NONE,
+        }
+    }
+
+    /// The application begins anew: the program is forgotten. What has been cut stays cut.
+    pub(super) fn begin_anew(&mut self) {
+        *self = Self {
+            done: self.done,
+            ..Self::new()
+        };
+    }
+
+    /// A program begins.
+    pub(super) const fn begin_program(&mut self) {
+        self.in_program = true;
+    }
+
+    /// The program is over, or is given up.
+    pub(super) const fn end_program(&mut self) {
+        self.in_program = false;
+    }
+
+    /// A program has begun and not ended.
+    pub(super) const fn in_program(&self) -> bool {
+        self.in_program
+    }
+
+    /// The thread or hole of the last segment that was carried to its end, with nothing that stopped it.
+    pub(super) const fn done(&self) -> Cut {
+        self.done
+    }
+
+    /// Segments of this epoch count.
+    pub(super) const fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    /// All segments that are queued now, or are planned before the background has heard of this, do not count any more.
+    pub(super) fn drop_queued(&mut self) -> Epoch {
+        self.epoch = self.epoch.next();
+        self.epoch
+    }
+
+    /// Drops a segment that does not count any more: one a tick.
+    pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
+        let epoch = ends.segments.head().map(|oldest| oldest.epoch);
+        if epoch.is_some_and(|epoch| epoch != self.epoch) {
+            ends.segments.take();
+        }
+    }
+
+    /// The oldest segment of the program, if it counts.
+    pub(super) fn next<'a>(&self, ends: &'a Ends<'_, '_>) -> Option<&'a Segment> {
+        let epoch = self.epoch;
+        ends.segments.head().filter(|next| next.epoch == epoch)
+    }
+
+    /// The retract of a stroke is next: the machine must not rest here.
+    pub(super) fn must_go_on(&self, ends: &Ends<'_, '_>) -> bool {
+        !self.paused
+            && ends
+                .segments
+                .head()
+                .is_some_and(|next| next.stops.hold_not_before)
+    }
+
+    /// The segment at the head of this queue is under way from now on.
+    pub(super) const fn take_from(&mut self, source: Source) {
+        self.source = source;
+    }
+
+    /// The segment under way is the program's.
+    pub(super) fn is_in_program_segment(&self) -> bool {
+        self.source == Source::Program
+    }
+
+    /// The segment under way, with its plan.
+    pub(super) fn current<'a>(&self, ends: &'a Ends<'_, '_>) -> Option<Task<'a>> {
+        match self.source {
+            Source::None => None,
+            Source::Program => ends.segments.peek(),
+            Source::Detour => ends.detours.peek().map(|segment| Task {
+                segment,
+                plan: None,
+            }),
+        }
+    }
+
+    /// The segment under way is over and leaves its queue. `is_left`: the program's segment stays, for it is done again.
+    /// `is_whole`: nothing stopped it.
+    pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut Ends<'_, '_>) {
+        match core::mem::take(&mut self.source) {
+            Source::None => {}
+            Source::Program if is_left => {}
+            Source::Program => {
+                if let Some(head) = ends.segments.head()
+                    && is_whole
+                {
+                    self.done = head.cut;
+                }
+                ends.segments.take();
+            }
+            Source::Detour => {
+                take(ends.detours);
+            }
+        }
+    }
+
+    /// Single block has stopped the program.
+    pub(super) const fn is_paused(&self) -> bool {
+        self.paused
+    }
+
+    /// The operator lets the program go on.
+    pub(super) const fn resume(&mut self) {
+        self.paused = false;
+    }
+
+    /// A reset: no stop of single block is left.
+    pub(super) const fn forget_pauses(&mut self) {
+        self.paused = false;
+        self.pauses_unless_hole = false;
+    }
+
+    /// Stops after a segment where single block is on and the segment allows it.
+    pub(super) const fn pause_after(&mut self, stops: Stops, single_block: bool) {
+        if stops.single_block && single_block {
+            self.pauses_unless_hole = stops.stops_after_last_hole;
+            self.paused = !stops.stops_after_last_hole;
+        }
+    }
+
+    /// Stops before `next` where the segment before it was the last hole of its cycle. True where it does.
+    pub(super) fn pauses_before(&mut self, next: Stops, single_block: bool) -> bool {
+        if core::mem::take(&mut self.pauses_unless_hole) && !next.tap_cycle {
+            self.paused = single_block;
+        }
+        self.paused
+    }
+}

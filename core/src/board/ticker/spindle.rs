@@ -1,0 +1,234 @@
+//! What the tick tells the spindle: a speed, or one spindle in position mode (rigid mode), into it at standstill, out of it
+//! with the next speed.
+//!
+//! [`SpindleMode`] knows what is commanded. What becomes of it is the drives' and the executor's.
+
+use super::{Ends, Ticker};
+use crate::alarm::{Alarm, Arg, Code, Span};
+use crate::board::operator::overridden;
+use crate::bus::MilliRpm;
+use crate::motion::{Action, Motion};
+use crate::program::TapSpindle;
+use crate::units::Rpm;
+
+/// Position mode of a spindle.
+#[derive(Clone, Copy, Debug)]
+enum Rigid {
+    /// Speed mode.
+    Off,
+    /// Coming to a stand; the move that asked for it, its line, and the ticks it has taken.
+    Entering { number: u32, line: u32, ticks: u32 },
+    /// In position mode: it turns with the tap axis only.
+    On,
+    /// Speed mode as soon as it stands.
+    Leaving,
+}
+
+/// What the spindles are told.
+#[derive(Debug)]
+pub(super) struct SpindleMode {
+    rigid: Rigid,
+    /// The spindle that is in position mode, or on the way.
+    taps_with: TapSpindle,
+    /// Percent in force; frozen inside a thread cycle.
+    percent: u8,
+    /// S with M03/M04, before override.
+    speed: Rpm,
+    /// Ticks that leaving position mode has waited.
+    waited: u32,
+}
+
+impl SpindleMode {
+    /// At rest, in speed mode.
+    pub(super) const fn new() -> Self {
+        Self {
+            rigid: Rigid::Off,
+            taps_with: TapSpindle::First,
+            percent: 100,
+            speed: Rpm::STOPPED,
+            waited: 0,
+        }
+    }
+
+    /// The spindle that is in position mode, or was last.
+    pub(super) const fn taps_with(&self) -> TapSpindle {
+        self.taps_with
+    }
+
+    /// Commanded speed, override included.
+    pub(super) fn commanded(&self) -> Rpm {
+        overridden(self.speed, self.percent)
+    }
+
+    /// What it is told in speed mode.
+    pub(super) fn velocity(&self) -> MilliRpm {
+        MilliRpm::of(self.speed, u16::from(self.percent))
+    }
+
+    /// The override in force.
+    pub(super) const fn set_percent(&mut self, percent: u8) {
+        self.percent = percent;
+    }
+
+    /// No speed is commanded any more.
+    pub(super) const fn stop(&mut self) {
+        self.speed = Rpm::STOPPED;
+    }
+
+    /// A program commands a speed: position mode ends.
+    pub(super) const fn turn(&mut self, speed: Rpm) {
+        self.speed = speed;
+        self.rigid = match self.rigid {
+            Rigid::On | Rigid::Leaving => Rigid::Leaving,
+            Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
+        };
+    }
+
+    /// A spindle is in position mode.
+    pub(super) const fn is_rigid(&self) -> bool {
+        matches!(self.rigid, Rigid::On)
+    }
+
+    /// A spindle is on its way into position mode.
+    pub(super) const fn is_entering(&self) -> bool {
+        matches!(self.rigid, Rigid::Entering { .. })
+    }
+
+    /// The way out of a hole is over: back to speed mode as soon as the spindle stands.
+    pub(super) const fn leave(&mut self) {
+        if let Rigid::On = self.rigid {
+            self.rigid = Rigid::Leaving;
+        }
+    }
+
+    /// A stop: a spindle in position mode stays there, for a tap may be in its hole; one on the way there just stops.
+    pub(super) const fn stay_rigid(&mut self) {
+        self.rigid = match self.rigid {
+            Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
+            Rigid::On | Rigid::Leaving => Rigid::On,
+        };
+    }
+
+    /// Nothing waits for RGTAP any more.
+    pub(super) const fn forget_wait(&mut self) {
+        self.waited = 0;
+    }
+}
+
+impl Ticker {
+    /// Asks for position mode of `spindle`, for a move. True where it is, or still is, in it.
+    fn stays_with(&mut self, spindle: TapSpindle) -> bool {
+        let mode = &mut self.spindle;
+        let stays = matches!(mode.rigid, Rigid::On | Rigid::Leaving) && spindle == mode.taps_with;
+        if stays {
+            mode.rigid = Rigid::On;
+        }
+        stays
+    }
+
+    /// Position mode of `spindle` for a move of the program, or for a way out of a hole that no program has asked for.
+    pub(super) fn ask_for_rigid(&mut self, spindle: TapSpindle, number: u32, line: u32) {
+        self.spindle.stop();
+        if !self.stays_with(spindle) {
+            self.enter_with(spindle, number, line);
+        }
+    }
+
+    /// Begins position mode of `spindle`, for a move; another one that was in it goes back to speed mode, where it stands.
+    pub(super) const fn enter_with(&mut self, spindle: TapSpindle, number: u32, line: u32) {
+        self.executor.set_spindle(None);
+        self.drives.spindles().select(TapSpindle::First);
+        self.spindle.taps_with = spindle;
+        self.spindle.rigid = Rigid::Entering {
+            number,
+            line,
+            ticks: 0,
+        };
+    }
+
+    /// Spindle 1 and the one that taps stand, and its drive has said where: from here on it is where it is told to be.
+    pub(super) fn enter_rigid(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
+        let taps_with = self.spindle.taps_with;
+        let Rigid::Entering {
+            number,
+            line,
+            ticks,
+        } = &mut self.spindle.rigid
+        else {
+            return None;
+        };
+        *ticks = ticks.saturating_add(1);
+        let (number, line, ticks) = (*number, *line, *ticks);
+        if !self.observer.is_turning()
+            && let Some(angle) = self
+                .drives
+                .spindles()
+                .engage(taps_with, self.observer.angle())
+        {
+            self.drives.spindles().select(taps_with);
+            self.executor.set_spindle(Some(angle));
+            self.spindle.rigid = Rigid::On;
+        } else if ticks > self.given.arrival.speed_ticks {
+            let span = Span {
+                line,
+                ..Span::default()
+            };
+            let args = [
+                Arg::Rpm(self.observer.speed().rpm()),
+                Arg::None,
+                Arg::None,
+                Arg::None,
+            ];
+            self.raise(&Alarm::new(Code::SpindleNotStopped, span).with(args), ends);
+        }
+        Some((number, line, Motion::Wait))
+    }
+
+    /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
+    /// lost then.
+    pub(super) fn leave_rigid(&mut self) {
+        if matches!(self.spindle.rigid, Rigid::Off) || self.executor.is_tapping() {
+            return;
+        }
+        let stands = match self.spindle.taps_with {
+            TapSpindle::First => !self.observer.is_turning(),
+            other => self.drives.spindles().rests(other),
+        };
+        let lost = !self.drives.spindles().is_enabled();
+        if lost || (stands && matches!(self.spindle.rigid, Rigid::Leaving)) {
+            self.spindle.rigid = Rigid::Off;
+            self.executor.set_spindle(None);
+            self.drives.spindles().select(TapSpindle::First);
+        }
+    }
+
+    /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, a second
+    /// at most [D92]. While it does, its move and line come back.
+    pub(super) fn wait_for_release(
+        &mut self,
+        ends: &mut Ends<'_, '_>,
+    ) -> Option<(u32, u32, Motion)> {
+        let next = ends.segments.head()?;
+        let waits =
+            matches!(next.action, Action::Spindle(_)) && self.operator.signals.rgtap == Some(true);
+        if !waits {
+            self.spindle.waited = 0;
+            return None;
+        }
+        let (number, span) = (next.number, next.span);
+        self.spindle.waited = self.spindle.waited.saturating_add(1);
+        if self.spindle.waited > self.given.second {
+            self.raise(&Alarm::new(Code::RigidNotReleased, span), ends);
+        }
+        Some((number, span.line, Motion::Wait))
+    }
+
+    /// What the spindle is told in speed mode: by an ordinary tap while one is under way, else the program's speed with its
+    /// override.
+    pub(super) fn velocity(&self) -> MilliRpm {
+        match self.executor.spindle_speed() {
+            Some(rate) => MilliRpm::of_rate(rate),
+            None => self.spindle.velocity(),
+        }
+    }
+}
