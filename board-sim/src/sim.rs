@@ -237,7 +237,7 @@ impl Sim {
 
     /// The frame with all setpoints, where the drives get them so.
     fn tell_together(&mut self, output: &Output) {
-        let node = self.board.station().node();
+        let node = self.board.device().node();
         self.together = output
             .together
             .as_ref()
@@ -394,7 +394,7 @@ impl Sim {
         self.exchange(&output.frames, wire);
         self.tell_together(&output);
         self.keep();
-        if self.board.station().has_joined() {
+        if self.board.device().has_joined() {
             self.serve(Periods::new(1));
         } else {
             // Nobody asks for anything: it keeps its book.

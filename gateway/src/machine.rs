@@ -138,7 +138,7 @@ fn carry_out(
             feed(&mut feeder, &mut waiting, sim, &mut ended)?;
         }
         if setup.global.cut_power == Some(tick) {
-            ended.threads.take(sim.board().station().threads());
+            ended.threads.take(sim.board().device().threads());
             ended.threads.give_up();
             sim.cut_power();
             ended.cut = true;
@@ -149,10 +149,10 @@ fn carry_out(
             observer.together(tick, frame);
         }
         tick += 1;
-        let newest = sim.board().station().threads().next();
+        let newest = sim.board().device().threads().next();
         if newest.is_some_and(|thread| thread.number != ended.threads.newest()) {
             // The one before is as it stays.
-            ended.threads.take(sim.board().station().threads());
+            ended.threads.take(sim.board().device().threads());
         }
         if let Some(row) = row {
             observer.setpoint(&setpoint(&row))?;
@@ -181,7 +181,7 @@ fn carry_out(
             break;
         }
     }
-    ended.threads.take(sim.board().station().threads());
+    ended.threads.take(sim.board().device().threads());
     ended.threads.give_up();
     let mut result = Ok(());
     sim.last_rows(|row| {

@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use leadscrew_core::board::station::PROGRAM_BYTES;
+use leadscrew_core::board::device::PROGRAM_BYTES;
 use leadscrew_tests::long_program::LongProgram;
 use leadscrew_tests::stream::{directly, over_the_wire};
 

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use leadscrew_board_sim::plant::{Plant, PlantOptions};
 use leadscrew_core::board::{
-    Background, Calls, Command, Detours, Ends, Event, Events, Notice, Output, Segments, Settings,
+    Calls, Command, Detours, Ends, Event, Events, Notice, Output, Planner, Segments, Settings,
     State, Ticker,
 };
 use leadscrew_core::bus::Frame;
@@ -25,7 +25,7 @@ struct Apart {
     params: Params,
     limits: Limits,
     ticker: Ticker,
-    background: Background,
+    background: Planner,
     calls: Calls,
     segments: Segments,
     detours: Detours,
@@ -43,7 +43,7 @@ impl Apart {
             params: params.clone(),
             limits: Limits::from_params(params),
             ticker: Ticker::new(params, None, None).expect("the parameters work"),
-            background: Background::new(Default::default()),
+            background: Planner::new(Default::default()),
             calls: Calls::new(),
             segments: Segments::new(),
             detours: Detours::new(),

@@ -14,7 +14,7 @@ fn random_inputs() -> u32 {
 /// The longest of them.
 const LONGEST: usize = 4096;
 
-fn replay(corpus: &str, door: fn(&[u8])) {
+fn replay(corpus: &str, protection: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../fuzz/corpus")
         .join(corpus);
@@ -28,14 +28,14 @@ fn replay(corpus: &str, door: fn(&[u8])) {
     for file in files {
         println!("{}", file.display());
         let input = fs::read(&file).expect("a file of the corpus");
-        door(&input);
+        protection(&input);
         inputs.push(input);
     }
     leadscrew_seed::only_fresh(|seed| {
         let mut random = Random(seed);
         for _ in 0..random_inputs() {
             let shown = Shown(changed(&mut random, &inputs));
-            door(&shown.0);
+            protection(&shown.0);
         }
     });
 }
@@ -119,7 +119,7 @@ fn messages_of_the_link() {
 
 #[test]
 fn frames_of_anybody() {
-    replay("station", hostile::station);
+    replay("device", hostile::device);
 }
 
 #[test]

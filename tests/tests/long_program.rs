@@ -3,7 +3,7 @@
 
 use std::io::Read as _;
 
-use leadscrew_core::board::station::PROGRAM_BYTES;
+use leadscrew_core::board::device::PROGRAM_BYTES;
 use leadscrew_tests::long_program::LongProgram;
 use leadscrew_tests::stream::{directly, over_the_wire};
 

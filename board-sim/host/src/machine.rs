@@ -394,7 +394,7 @@ impl Machine {
             .any(|frame| frame.id().service() == Some((Service::Tpdo1, node)))
     }
 
-    /// Lets the station and the background go on until there is nothing left to do, and sends what they have to say.
+    /// Lets the background go on until there is nothing left to do, and sends what they have to say.
     fn serve(&mut self, elapsed: u32) -> Outcome {
         let mut elapsed = Periods::new(elapsed);
         loop {

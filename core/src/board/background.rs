@@ -1,399 +1,355 @@
-//! The background: calls in, segments out.
+//! The background half of a board: it plans, stores, and speaks on the bus.
 //!
-//! Expands one call after another, refuses what cannot be done before any of its moves, plans each move from where the
-//! one before ends. A pass of a thread is queued together with its retract. Unbounded only in how often it is called:
-//! one call of [`Background::step`] does one small piece of work. Taking up a call, passes, holes and detours have files of
-//! their own. Knows nothing of ticks, drives or frames.
+//! ```text
+//! frames ◄─► Device ─ calls ─► Planner ─ segments ─► (the tick side)
+//!               │                    ▲                        │
+//!               └── orders ──────────┼───► TickPort ──────────┘
+//!                                    └──── notices, entries, snapshots
+//! ```
+//!
+//! The owner runs the background in turn with the tick side, or in a context of its own. What the background wants of the
+//! tick goes through a [`TickPort`]; what the tick has to say, the owner hands in. Knows nothing of how either travels.
 
-mod hole;
-mod open;
-mod pass;
-mod route;
-
-use heapless::Vec;
-
-use self::hole::{ends_hole, is_tap};
-use self::open::before;
-use self::route::plan_route;
-use super::guard::Guard;
-use super::queue::{CallOut, DetourIn, SegmentIn, take};
+use super::device::Device;
+use super::event::{Command, Event};
+use super::kept::{Held, PowerUp};
+use super::operator::Operator;
+use super::planner::{Planner, Settings};
+use super::queue::{Calls, DetourIn, SegmentIn};
+use super::reference::Measured;
+use super::request::{Content, StoreRequest};
+use super::snapshot::Snapshot;
+use super::store::{Region, StoreError};
 use super::ticker::Notice;
-use crate::alarm::{Alarm, Code, Span};
-use crate::cycle::{Move, MoveKind, Moves, Stage};
+use crate::alarm::Alarm;
+use crate::bus::FdFrame;
+use crate::bus::{Controller, Frame, NodeId, Periods};
 use crate::journal::TapRecord;
-use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
+use crate::motion::{Epoch, Limits};
 use crate::params::Params;
-use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
+use crate::program::{Call, Position};
 use crate::signals::Signals;
-use crate::units::CentiRpm;
 
-/// What planning depends on besides the program.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings<'a> {
-    /// The parameter set.
-    pub params: &'a Params,
-    /// The limits made of it.
-    pub limits: &'a Limits,
-    /// Spindle override in percent, as the operator has set it.
-    pub spindle_percent: u8,
-    /// The oldest segment in the queue is under way: it is there until it is done.
-    pub begun: bool,
-    /// The inputs.
-    pub signals: Signals,
-    /// The newest entry of the tap journal.
-    pub tap: Option<&'a TapRecord>,
+/// What the background asks of the tick side. Everything acts in the next tick, in the order in which it was asked for.
+pub trait TickPort {
+    /// True where there is room for a [`command`](Self::command) and two more wishes.
+    fn has_room(&self) -> bool;
+    /// As [`Ticker::takes_calls`](super::Ticker::takes_calls).
+    fn takes_calls(&self) -> bool;
+    /// As [`Ticker::program_begins`](super::Ticker::program_begins), if what is planned in this epoch still counts.
+    fn program_begins(&mut self, epoch: Epoch);
+    /// As [`Ticker::command`](super::Ticker::command).
+    fn command(&mut self, command: Command);
+    /// As [`Ticker::signals`](super::Ticker::signals).
+    fn signals(&mut self, signals: Signals);
+    /// As [`Ticker::discard_tap`](super::Ticker::discard_tap).
+    fn discard_tap(&mut self);
+    /// As [`Ticker::stored`](super::Ticker::stored).
+    fn stored(&mut self, sequence: u32, result: Result<(), StoreError>);
 }
 
-/// The first stroke of a tap whose strokes are being collected.
-#[derive(Clone, Copy, Debug)]
-struct Collecting {
-    number: u32,
-    span: Span,
-}
-
-/// The state of the background.
+/// The background half.
 #[derive(Debug)]
 pub struct Background {
-    moves: Option<Moves>,
-    epoch: Epoch,
-    /// The thread or hole being expanded, or the last one.
-    cut: Cut,
-    /// The spindle override with which the call under expansion is planned.
-    percent: u8,
-    /// The inputs when the last hole began: one that goes on after K198 keeps them.
-    hole_signals: Signals,
-    /// The call under expansion asks for the end of the program.
-    ending: Option<Span>,
-    /// Where the last planned move ends.
-    position: Position,
-    /// Where the call under expansion starts: A of a cycle.
-    home: Position,
-    /// Moves so far.
-    number: u32,
-    /// The synchronous moves of the pass being collected, and where it starts.
-    pass: Vec<Move, 3>,
-    pass_start: Position,
-    pass_number: u32,
-    /// The plan being made, or waiting to be queued; that of an ordinary tapping call stays for all its holes.
-    plan: Option<Plan>,
-    /// A tap is being collected in it: from R until it is back there.
-    tap: Option<Collecting>,
-    /// The number of the first stroke of the ordinary hole being collected.
-    float_number: Option<u32>,
-    /// The move being taken is the last of its hole.
-    hole_ends: bool,
-    /// Planned and not queued yet; a pass waits here for its retract.
-    planned: Vec<Segment, 4>,
-    complete: bool,
-    failed: bool,
-    guard: Guard,
-    /// For the tap journal: S of the call under expansion, and what else it keeps of the program.
-    infeed: CentiRpm,
-    notes: TapNotes,
+    journal: Entries,
+    limits: Limits,
+    device: Device,
+    planner: Planner,
+    params: Params,
+    calls: Calls,
+}
+
+/// The tap journal on its way from the tick to the storage.
+#[derive(Debug)]
+struct Entries {
+    /// The newest entry.
+    newest: Option<TapRecord>,
+    /// It has not been asked for yet.
+    wanted: bool,
+    /// The entry that is being stored.
+    under_way: Option<u32>,
+}
+
+/// Puts a call on its way. False, and nothing changes, where that does not go.
+fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call) -> bool {
+    let taken = port.takes_calls() && port.has_room() && calls.enqueue(*call).is_ok();
+    if taken {
+        port.program_begins(epoch);
+    }
+    taken
 }
 
 impl Background {
-    /// Nothing to do, at a position.
-    // Part of a desk, which is written where it will be [D146].
+    /// As at power-up: at `position`, with the stored entry of the tap journal, and `snapshot` of the tick side.
+    // Written straight to where it will be, which the caller says: as a function of
+    // its own it would be copied there [D146].
     #[must_use]
     #[inline(always)]
-    pub fn new(position: Position) -> Self {
-        Self::starting(position, Epoch::default())
-    }
-
-    #[inline(always)]
-    const fn starting(position: Position, epoch: Epoch) -> Self {
+    pub fn new(
+        params: &Params,
+        position: Position,
+        tap: Option<TapRecord>,
+        snapshot: Snapshot,
+    ) -> Self {
         Self {
-            moves: None,
-            epoch,
-            cut: Cut::NONE,
-            percent: 100,
-            hole_signals: Signals::POWER_UP,
-            ending: None,
-            position,
-            home: position,
-            number: 0,
-            pass: Vec::new(),
-            pass_start: position,
-            pass_number: 0,
-            plan: None,
-            tap: None,
-            float_number: None,
-            hole_ends: false,
-            planned: Vec::new(),
-            complete: false,
-            failed: false,
-            guard: Guard::open(),
-            infeed: CentiRpm::new(0),
-            notes: TapNotes::METRIC,
+            device: Device::new(NodeId::BOARD, params, snapshot),
+            params: params.clone(),
+            limits: Limits::from_params(params),
+            calls: Calls::new(),
+            planner: Planner::new(position),
+            journal: Entries {
+                newest: tap,
+                wanted: false,
+                under_way: None,
+            },
         }
     }
 
-    /// Forgets everything; the machine stands at `position`, and what is planned from now on is marked with `epoch`.
-    pub fn begin_anew(&mut self, position: Position, epoch: Epoch) {
-        // What is planned from now on is none of what was planned before: its number goes on.
-        let number = self.cut.number;
-        *self = Self::starting(position, epoch);
-        self.cut.number = number;
+    /// Takes what was found of the parameters at power-up; the tick side is to
+    /// [withhold](super::Ticker::withhold) motion by it, now and whenever it begins anew.
+    pub fn power_up(&mut self, up: &PowerUp) {
+        self.device.power_up(up);
     }
 
-    /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
-    /// `tap`: the newest entry of the tap journal, that of the same tick included.
-    pub fn heed(
-        &mut self,
-        notice: &Notice,
-        calls: &mut CallOut<'_>,
-        detours: &mut DetourIn<'_>,
-        limits: &Limits,
-        tap: Option<&TapRecord>,
-    ) {
-        match notice {
-            Notice::Restart(position, epoch) => {
-                while calls.ready() {
-                    drop_oldest(calls);
-                }
-                self.begin_anew(*position, *epoch);
-                self.guard = Guard::of(tap);
-            }
-            Notice::Route(route) => plan_route(route, limits, detours),
-        }
+    /// Sets the serial number of 1018h.
+    pub const fn set_serial(&mut self, serial: u32) {
+        self.device.set_serial(serial);
     }
 
-    /// What it plans is marked with this.
-    pub(super) const fn epoch(&self) -> Epoch {
-        self.epoch
+    /// Says whether the controller sends frames of CAN FD. A board whose controller does not takes no set that asks for
+    /// them.
+    pub const fn set_fd(&mut self, sends_fd: bool) {
+        self.device.set_fd(sends_fd);
     }
 
-    /// True while a call is not fully planned and queued.
+    /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
+    ///
+    /// # Errors
+    /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus;
+    /// [`Code::DriveNodeOfBoard`](crate::alarm::Code::DriveNodeOfBoard) where a drive has this number.
+    pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
+        self.device.set_node(node);
+        self.device.join(&self.params)
+    }
+
+    /// What the tick has said; it comes before everything else the background does, and after the entry of the same tick.
+    pub fn heed(&mut self, notice: &Notice, detours: &mut DetourIn<'_>) {
+        let (_, mut calls) = self.calls.split();
+        let tap = self.journal.newest.as_ref();
+        self.planner
+            .heed(notice, &mut calls, detours, &self.limits, tap);
+    }
+
+    /// A new entry of the tap journal: of those not yet stored only the newest counts.
+    pub const fn enter(&mut self, record: TapRecord) {
+        self.journal.newest = Some(record);
+        self.journal.wanted = true;
+    }
+
+    /// Hands a call over. False, and nothing changes, where there is no room for it now, or while the machine starts, stops
+    /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
     #[must_use]
-    pub fn is_busy(&self) -> bool {
-        self.moves.is_some() || !self.planned.is_empty() || self.ending.is_some()
+    pub fn offer(&mut self, call: &Call, port: &mut impl TickPort) -> bool {
+        !self.device.is_changing() && offer(port, &mut self.calls, self.planner.epoch(), call)
     }
 
-    /// One piece of work. False where there is none that can be done now. A warning of the call just taken up comes back.
-    pub fn step(
+    /// One piece of planning: false where there is none that can be done now. A warning comes back too. `begun`: the oldest
+    /// of the segments is under way.
+    pub fn plan(
         &mut self,
-        calls: &mut CallOut<'_>,
         segments: &mut SegmentIn<'_>,
-        settings: &Settings<'_>,
+        operator: &Operator,
+        begun: bool,
     ) -> (bool, Option<Alarm>) {
-        if self.complete {
-            return (self.hand_over(segments), None);
-        }
-        if self.failed {
-            return (false, None);
-        }
-        if self.moves.is_some() {
-            self.go_on(settings);
-            return (true, None);
-        }
-        if let Some(span) = self.ending.take() {
-            self.queue(span, Stops::default(), Action::End);
-            // The next program counts its own moves.
-            self.number = 0;
-            return (true, None);
-        }
-        if calls
-            .peek()
-            .is_some_and(|call| segments.filled() > before(call, settings))
-        {
-            return (false, None);
-        }
-        // Where a return begins is known when everything before it has been done.
-        if calls
-            .peek()
-            .is_some_and(|call| matches!(call.kind, CallKind::TapReturn(_)))
-            && segments.filled() > 0
-        {
-            return (false, None);
-        }
-        let Some(call) = calls.peek() else {
-            return (false, None);
+        let settings = Settings {
+            params: &self.params,
+            limits: &self.limits,
+            spindle_percent: operator.spindle_percent(),
+            begun,
+            signals: operator.signals,
+            tap: self.journal.newest.as_ref(),
         };
-        let mut warning = None;
-        let opened = self.open(call, settings, &mut warning);
-        drop_oldest(calls);
-        if let Err(alarm) = &opened {
-            self.fail(alarm);
-            warning = None;
+        let (_, mut calls) = self.calls.split();
+        self.planner.step(&mut calls, segments, &settings)
+    }
+
+    /// Takes a frame from the bus. True where it is not for the board as a node: it belongs to the tick side. What it asks
+    /// for waits for [`carry_out`](Self::carry_out).
+    #[must_use]
+    pub fn receive(&mut self, frame: &Frame) -> bool {
+        !self.device.receive(frame, &self.params)
+    }
+
+    /// Takes a frame of CAN FD from the bus.
+    pub fn receive_fd(&mut self, frame: &FdFrame) {
+        self.device.receive_fd(frame, &self.params);
+    }
+
+    /// Lets the device go on: `elapsed` periods after the last call; `measured` as
+    /// the [`Reference`](super::Reference) says of the last of them. True where a call
+    /// went to the planner. What it asks for waits for [`carry_out`](Self::carry_out).
+    pub fn serve(
+        &mut self,
+        elapsed: Periods,
+        snapshot: Snapshot,
+        measured: Option<Measured>,
+        port: &mut impl TickPort,
+    ) -> bool {
+        if elapsed != Periods::new(0) {
+            self.device.set_measured(measured);
         }
-        (true, warning)
+        let (calls, epoch) = (&mut self.calls, self.planner.epoch());
+        let mut offer = |call: &_| offer(port, calls, epoch, call);
+        self.device
+            .poll(elapsed, snapshot, &self.params, &mut offer)
     }
 
-    /// The next move of the call under expansion, or its end.
-    #[inline(never)]
-    fn go_on(&mut self, settings: &Settings<'_>) {
-        let Some(moves) = &mut self.moves else {
-            return;
-        };
-        if let Some(next) = moves.next() {
-            self.hole_ends = ends_hole(&next, moves);
-            if let Err(alarm) = self.take(&next, settings) {
-                self.fail(&alarm);
-            }
-        } else {
-            self.moves = None;
-            // A hole that stays locked ends at its bottom, and nothing stops there.
-            self.hole_ends = false;
-            if let Some(tap) = self.collected()
-                && !tap.part.returns
-            {
-                self.guard = Guard::in_phase(tap.hole);
-            }
-            self.close_tap(settings);
-            self.complete = !self.planned.is_empty();
+    /// Carries out what the device asks for. True where a parameter set came with it: it is in force here, and the owner
+    /// restarts the tick side with [`params`](Self::params), then says so with [`begin_anew`](Self::begin_anew).
+    #[must_use]
+    pub fn carry_out(&mut self, port: &mut impl TickPort) -> bool {
+        while port.has_room()
+            && let Some(command) = self.device.command()
+        {
+            port.command(command);
         }
-    }
-
-    #[inline(never)]
-    fn fail(&mut self, alarm: &Alarm) {
-        self.failed = true;
-        self.moves = None;
-        self.ending = None;
-        self.pass.clear();
-        self.plan = None;
-        self.tap = None;
-        self.float_number = None;
-        self.planned.clear();
-        self.queue(alarm.span, Stops::default(), Action::Alarm(*alarm));
-    }
-
-    #[inline(never)]
-    fn hand_over(&mut self, segments: &mut SegmentIn<'_>) -> bool {
-        let has_plan = |segment: &Segment| matches!(segment.action, Action::Planned);
-        let needs_plan = self.planned.iter().any(has_plan);
-        if segments.room() < self.planned.len() || (needs_plan && !segments.takes_plan()) {
+        if port.has_room()
+            && let Some(signals) = self.device.signals()
+        {
+            port.signals(signals);
+        }
+        if port.has_room() && self.device.drops_tap() {
+            // Refused at the bus where that does not go.
+            port.discard_tap();
+        }
+        let Some(params) = self.device.take_params() else {
             return false;
-        }
-        // There is room; the answer is always yes.
-        if needs_plan && let Some(plan) = &self.plan {
-            self.failed |= !segments.put_plan(plan);
-        }
-        for segment in &self.planned {
-            self.failed |= !segments.put(segment);
-        }
-        self.planned.clear();
-        self.complete = false;
+        };
+        self.params.clone_from(params);
+        self.limits = Limits::from_params(&self.params);
         true
     }
 
-    // What is large on the stack is kept out of each other's frames here and in the
-    // files below: the planner of a pass is at the bottom of all of them [D140].
-
-    /// Puts a segment behind what is planned and lets it all go to the queue.
-    fn queue(&mut self, span: Span, stops: Stops, action: Action) {
-        self.put(self.number, span, stops, action);
-        self.complete = true;
+    /// The tick side has begun anew: from `position`, as far as that is known.
+    pub fn begin_anew(&mut self, position: Option<Position>) {
+        self.calls = Calls::new();
+        self.planner
+            .begin_anew(position.unwrap_or_default(), Epoch::default());
     }
 
-    #[inline(never)]
-    fn put(&mut self, number: u32, span: Span, stops: Stops, action: Action) {
-        let segment = Segment {
-            number,
-            span,
-            epoch: self.epoch,
-            cut: self.cut,
-            stops,
-            action,
-        };
-        // Four places: a pass, its completion, its retract and one to spare.
-        if self.planned.push(segment).is_err() {
-            self.failed = true;
+    /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
+    /// write has not been answered yet; of entries that come meanwhile only the newest counts.
+    pub fn store(&mut self) -> Option<StoreRequest<'_>> {
+        match self.journal.newest.as_ref() {
+            Some(record) if self.journal.wanted && self.journal.under_way.is_none() => {
+                self.journal.wanted = false;
+                self.journal.under_way = Some(record.sequence);
+                Some(StoreRequest {
+                    region: Region::TapJournal,
+                    content: Content::Tap(record.encode()),
+                })
+            }
+            _ => self.device.store(),
         }
     }
 
-    #[inline(never)]
-    fn take(&mut self, next: &Move, settings: &Settings<'_>) -> Result<(), Alarm> {
-        self.number = self.number.saturating_add(1);
-        if let MoveKind::Thread(thread) = next.kind {
-            if self.pass.is_empty() {
-                self.pass_start = self.position;
-                self.pass_number = self.number;
-            }
-            if self.pass.push(*next).is_err() {
-                return Err(Alarm::new(Code::StrokeTooShort, next.span));
-            }
-            self.position = next.to;
-            if thread.last {
-                self.plan_pass(next, thread.rpm, settings)?;
-                self.pass.clear();
-            }
-            return Ok(());
-        }
-        if self.take_float(next, settings) {
-            return Ok(());
-        }
-        if let MoveKind::Tap(tap) = &next.kind {
-            return self.take_stroke(next, tap, settings);
-        }
-        if let (MoveKind::Dwell(time), Some(tap)) = (&next.kind, self.collected()) {
-            let ticks = dwell_ticks(*time, settings.params.tick_us());
-            if tap.push(TapStep::Dwell(ticks)) {
-                return Ok(());
-            }
-        }
-        let stops = self.stops(next, settings.params);
-        let action = match next.kind {
-            MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
-                return self.take_timed(next, stops, settings);
-            }
-            MoveKind::Dwell(time) => match dwell_ticks(time, settings.params.tick_us()) {
-                0 => return Ok(()),
-                ticks => Action::Dwell(ticks),
-            },
-            MoveKind::Spindle(SpindleCall {
-                mode: SpindleMode::Rigid(choice),
-                ..
-            }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
-            MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
-            MoveKind::Aux(aux) => Action::Aux(aux),
-            MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
-        };
-        self.queue(next.span, stops, action);
-        Ok(())
+    /// A region that is to be read now: what it holds is to be given back by [`loaded`](Self::loaded).
+    pub const fn load(&mut self) -> Option<Region> {
+        self.device.load()
     }
 
-    /// A move that time drives.
-    #[inline(never)]
-    fn take_timed(
+    /// What the region holds that [`load`](Self::load) asked for.
+    pub fn loaded(&mut self, held: Held<'_>) {
+        self.device.loaded(held);
+    }
+
+    /// The last write that [`store`](Self::store) asked for has been done, or could not be. A parameter set may come
+    /// with it: [`carry_out`](Self::carry_out) says so.
+    pub fn stored(
         &mut self,
-        next: &Move,
-        stops: Stops,
-        settings: &Settings<'_>,
-    ) -> Result<(), Alarm> {
-        let timed = plan::timed(self.position, next, settings.limits)?;
-        self.position = next.to;
-        if let Some(timed) = timed {
-            self.queue(next.span, stops, Action::Timed(timed));
-        }
-        Ok(())
-    }
-
-    fn stops(&self, next: &Move, params: &Params) -> Stops {
-        let Some(tag) = next.tag else {
-            return Stops {
-                single_block: !matches!(next.kind, MoveKind::Spindle(_)),
-                ..Stops::default()
-            };
-        };
-        if is_tap(&tag) {
-            return self.tap_stops(params);
-        }
-        let thread_cycle = tag.start != 0;
-        let behind_stroke = thread_cycle && tag.stage == Stage::Retract;
-        Stops {
-            hold_not_inside: behind_stroke,
-            hold_not_before: behind_stroke,
-            // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
-            single_block: !thread_cycle || tag.stage == Stage::Return,
-            frozen: thread_cycle.then_some(self.percent),
-            ..Stops::default()
+        region: Region,
+        result: Result<(), StoreError>,
+        port: &mut impl TickPort,
+    ) {
+        match region {
+            Region::TapJournal => {
+                if let Some(sequence) = self.journal.under_way.take() {
+                    port.stored(sequence, result);
+                }
+            }
+            Region::ParametersA | Region::ParametersB | Region::ParametersMark => {
+                self.device.has_stored(region, result);
+            }
         }
     }
-}
 
-/// Lets the oldest call go. Its copy, which the queue gives back, lies in no other frame.
-#[inline(never)]
-fn drop_oldest(calls: &mut CallOut<'_>) {
-    take(calls);
+    /// The newest entry of the tap journal, stored or on its way there.
+    #[must_use]
+    pub const fn tap_record(&self) -> Option<&TapRecord> {
+        self.journal.newest.as_ref()
+    }
+
+    /// Takes what has happened: every event, in order.
+    pub fn note(&mut self, event: &Event) {
+        self.device.note(event);
+    }
+
+    /// The next frame of the device to send.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        self.device.transmit()
+    }
+
+    /// True while a call has not been planned and handed over.
+    #[must_use]
+    pub fn is_planning(&self) -> bool {
+        self.planner.is_busy() || !self.calls.is_empty()
+    }
+
+    /// True while an entry of the tap journal, or a change of the parameter set, is not known to be stored.
+    #[must_use]
+    pub fn is_storing(&self) -> bool {
+        self.journal.wanted || self.journal.under_way.is_some() || self.device.is_changing()
+    }
+
+    /// True while a transfer is under way.
+    #[must_use]
+    pub const fn is_transferring(&self) -> bool {
+        self.device.is_transferring()
+    }
+
+    /// True where a program runs whose next call has not come, and there would be room for it, or whose gateway has to take
+    /// what would be overwritten. In lock-step, time waits.
+    #[must_use]
+    pub fn awaits_program(&self) -> bool {
+        self.device.awaits_program() && !self.calls.is_full() || self.device.awaits_reader()
+    }
+
+    /// Says how many setpoints have come late for their SYNC since power-up.
+    pub const fn set_late(&mut self, late: u32) {
+        self.device.set_late(late);
+    }
+
+    /// Says how the CAN controller is; see [`Device::set_controller`]. What it asks for waits for
+    /// [`carry_out`](Self::carry_out).
+    pub fn set_controller(&mut self, controller: Controller) {
+        self.device.set_controller(controller, &self.params);
+    }
+
+    /// The board as a node.
+    #[must_use]
+    pub const fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// The parameter set in force.
+    #[must_use]
+    pub const fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// The limits in force.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
 }

@@ -1,15 +1,15 @@
 //! The board: calls, frames and encoder samples in; frames, events and setpoints out. Sans-IO.
 //!
 //! Two contexts. The **tick** ([`Ticker`], one SYNC period, bounded) observes the spindle, watches the drives, executes
-//! segments and makes frames. The **background** ([`Background`]) expands and plans. They are joined by single-producer
-//! queues and, the other way, by one message: start afresh from here, or plan this way. What is planned carries the
-//! [`Epoch`] it was planned in, and the tick drops what is older than its last start: so the two need
-//! not agree on the moment. Calls come in on the background's side, which heeds
-//! what the tick has said before it takes more.
+//! segments and makes frames. The **background** ([`Background`]) speaks on the bus ([`Device`]), stores parameters, and
+//! expands and plans calls ([`Planner`]). Single-producer queues join the two contexts. The other way goes one message:
+//! start afresh from here, or plan this way. A planned segment carries the [`Epoch`] in which it was planned, and the tick
+//! drops segments that are older than its last start, so the two contexts need not agree on the moment. The background
+//! obeys the tick's message before it takes further calls.
 //!
 //! ```text
 //!          calls          segments                       SYNC, RPDOs
-//! gateway ──────► Background ──────► Ticker ──────────────────────► drives
+//! gateway ──────► Planner ──────► Ticker ──────────────────────► drives
 //!                      ▲               │ ▲
 //!                      └─── notice ────┘ └── encoder sample, TPDOs
 //! ```
@@ -20,8 +20,8 @@
 //! It must not know hardware, sockets, clocks or flash.
 
 mod background;
-mod desk;
 mod detour;
+pub mod device;
 mod drives;
 mod event;
 mod guard;
@@ -29,29 +29,29 @@ mod kept;
 mod node;
 mod nodes;
 mod operator;
+mod planner;
 pub mod queue;
 mod reference;
 mod request;
 mod snapshot;
 mod spindles;
-pub mod station;
 mod store;
 mod ticker;
 mod trouble;
 
-pub use background::{Background, Settings};
-pub use desk::{Desk, TickPort};
+pub use background::{Background, TickPort};
 pub use detour::Route;
+pub use device::Device;
 pub use drives::FRAMES;
 pub use event::{Command, Event, Switching};
 pub use guard::Guard;
 pub use kept::{Found, Held, KeptError, KeptSet, Mark, PowerUp, Slot};
 pub use nodes::DriveNodes;
 pub use operator::{Operator, overridden};
+pub use planner::{Planner, Settings};
 pub use reference::{Measured, Reference};
 pub use request::StoreRequest;
 pub use snapshot::{Contacts, Snapshot};
-pub use station::Station;
 pub use store::{Region, StoreError};
 pub use ticker::{Ends, Notice, Outcome, Output, State, Ticker};
 pub use trouble::{BusTrouble, Intrusion, Victim};
@@ -74,7 +74,7 @@ pub struct Board {
     detours: Detours,
     events: Events,
     ticker: Ticker,
-    desk: Desk,
+    background: Background,
     /// What the next measured angle is judged by.
     reference: Reference,
 }
@@ -130,7 +130,7 @@ impl Board {
         };
         let snapshot = Snapshot::new(&ticker, &Setpoint::default(), Contacts::default());
         Ok(Self {
-            desk: Desk::new(params, remembered.unwrap_or_default(), tap, snapshot),
+            background: Background::new(params, remembered.unwrap_or_default(), tap, snapshot),
             reference: Reference::default(),
             segments: Segments::new(),
             detours: Detours::new(),
@@ -150,7 +150,7 @@ impl Board {
         tap: Option<TapRecord>,
     ) -> Result<Self, Alarm> {
         let mut board = Self::new(&up.params, remembered, tap)?;
-        board.desk.power_up(up);
+        board.background.power_up(up);
         board.ticker.withhold(up.found);
         Ok(board)
     }
@@ -160,7 +160,7 @@ impl Board {
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
         self.heed();
-        self.desk.offer(call, &mut self.ticker)
+        self.background.offer(call, &mut self.ticker)
     }
 
     /// One piece of background work. False where there is none that can be done now.
@@ -168,7 +168,7 @@ impl Board {
         self.heed();
         let (operator, begun) = (self.ticker.operator(), self.ticker.has_begun());
         let (mut segments, _) = self.segments.split();
-        let (worked, warning) = self.desk.plan(&mut segments, operator, begun);
+        let (worked, warning) = self.background.plan(&mut segments, operator, begun);
         if let Some(warning) = warning
             && self.events.enqueue(Event::Warning(warning)).is_err()
         {
@@ -189,7 +189,7 @@ impl Board {
         };
         self.ticker.tick(sample, received, &mut ends, output);
         if let Some(record) = output.journal {
-            self.desk.enter(record);
+            self.background.enter(record);
         }
     }
 
@@ -197,7 +197,7 @@ impl Board {
     fn heed(&mut self) {
         if let Some(notice) = self.ticker.notice() {
             let (mut detours, _) = self.detours.split();
-            self.desk.heed(notice, &mut detours);
+            self.background.heed(notice, &mut detours);
             self.ticker.notice_heard();
         }
     }
@@ -215,29 +215,29 @@ impl Board {
     /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
     /// write has not been answered yet; of entries that come meanwhile only the newest counts.
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
-        self.desk.store()
+        self.background.store()
     }
 
     /// A region that is to be read now: what it holds is to be given back by [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
-        self.desk.load()
+        self.background.load()
     }
 
     /// What the region holds that [`load`](Self::load) asked for.
     pub fn loaded(&mut self, held: Held<'_>) {
-        self.desk.loaded(held);
+        self.background.loaded(held);
     }
 
     /// The last write that [`store`](Self::store) asked for has been done, or could not be.
     pub fn stored(&mut self, region: Region, result: Result<(), StoreError>) {
-        self.desk.stored(region, result, &mut self.ticker);
+        self.background.stored(region, result, &mut self.ticker);
         self.carry_out();
     }
 
     /// The newest entry of the tap journal, stored or on its way there.
     #[must_use]
     pub const fn tap_record(&self) -> Option<&TapRecord> {
-        self.desk.tap_record()
+        self.background.tap_record()
     }
 
     /// Drops the entry of a tap that is in its hole: there is none, says who calls this. It acts with the next tick. False,
@@ -249,7 +249,7 @@ impl Board {
     /// The oldest event not yet read.
     pub fn event(&mut self) -> Option<Event> {
         let event = self.events.dequeue()?;
-        self.desk.note(&event);
+        self.background.note(&event);
         Some(event)
     }
 
@@ -257,9 +257,9 @@ impl Board {
     #[must_use]
     pub fn is_busy(&self) -> bool {
         let forgotten = matches!(self.ticker.notice(), Some(Notice::Restart(..)));
-        (!forgotten && self.desk.is_planning())
+        (!forgotten && self.background.is_planning())
             || !self.segments.is_empty()
-            || self.desk.is_storing()
+            || self.background.is_storing()
             || self.ticker.operator().reset_waits()
             || !matches!(self.ticker.state(), State::Idle | State::Alarm(_))
     }
@@ -304,6 +304,6 @@ impl Board {
     /// The limits in force.
     #[must_use]
     pub const fn limits(&self) -> &Limits {
-        self.desk.limits()
+        self.background.limits()
     }
 }

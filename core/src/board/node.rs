@@ -1,4 +1,4 @@
-//! A board on a bus, for owners with one thread: routes frames, lets the station go on, carries out what it asks for.
+//! A board on a bus, for owners with one thread: routes frames, lets the device go on, carries out what it asks for.
 //!
 //! ```text
 //! each frame ─► receive() ─► true: a drive's, keep it for tick()
@@ -23,31 +23,31 @@ impl Board {
     /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus;
     /// [`Code::DriveNodeOfBoard`](crate::alarm::Code::DriveNodeOfBoard) where a drive has this number.
     pub fn join(&mut self, node: NodeId) -> Result<(), Alarm> {
-        self.desk.join(node)
+        self.background.join(node)
     }
 
     /// The parameter set in force.
     #[must_use]
     pub const fn params(&self) -> &Params {
-        self.desk.params()
+        self.background.params()
     }
 
     /// Takes a frame from the bus. True where it is not for the board as a node: it belongs to the next
     /// [`tick`](Self::tick).
     #[must_use]
     pub fn receive(&mut self, frame: &Frame) -> bool {
-        let not_taken = self.desk.receive(frame);
+        let not_taken = self.background.receive(frame);
         self.carry_out();
         not_taken
     }
 
     /// Takes a frame of CAN FD from the bus.
     pub fn receive_fd(&mut self, frame: &FdFrame) {
-        self.desk.receive_fd(frame);
+        self.background.receive_fd(frame);
         self.carry_out();
     }
 
-    /// Lets the station go on: `elapsed` periods after the last call, behind the tick that gave `setpoint`. True where a
+    /// Lets the device go on: `elapsed` periods after the last call, after the tick that gave `setpoint`. True where a
     /// call went to the planner.
     pub fn serve(&mut self, elapsed: Periods, setpoint: &Setpoint) -> bool {
         // Before any call goes to the planner.
@@ -61,66 +61,66 @@ impl Board {
             None
         };
         let worked = self
-            .desk
+            .background
             .serve(elapsed, snapshot, measured, &mut self.ticker);
         self.carry_out();
         worked
     }
 
-    /// The next frame of the station to send.
+    /// The next frame of the device to send.
     pub fn transmit(&mut self) -> Option<Frame> {
-        self.desk.transmit()
+        self.background.transmit()
     }
 
     /// True while a transfer is under way.
     #[must_use]
     pub const fn is_transferring(&self) -> bool {
-        self.desk.is_transferring()
+        self.background.is_transferring()
     }
 
     /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
-        self.desk.awaits_program()
+        self.background.awaits_program()
     }
 
     /// Says how many setpoints have come late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
-        self.desk.set_late(late);
+        self.background.set_late(late);
     }
 
-    /// Says how the CAN controller is; see [`Station::set_controller`](super::Station::set_controller).
+    /// Says how the CAN controller is; see [`Device::set_controller`](super::Device::set_controller).
     pub fn bus_state(&mut self, controller: Controller) {
-        self.desk.set_controller(controller);
+        self.background.set_controller(controller);
         self.carry_out();
     }
 
     /// True where a controller that has left the bus may be started again.
     #[must_use]
     pub const fn may_rejoin(&self) -> bool {
-        self.desk.station().may_rejoin()
+        self.background.device().may_rejoin()
     }
 
     /// The board as a node.
     #[must_use]
-    pub const fn station(&self) -> &super::Station {
-        self.desk.station()
+    pub const fn device(&self) -> &super::Device {
+        self.background.device()
     }
 
     pub(super) fn carry_out(&mut self) {
-        if self.desk.carry_out(&mut self.ticker) {
+        if self.background.carry_out(&mut self.ticker) {
             self.restart();
         }
     }
 
     /// The application begins anew with the parameter set as it is now. Nothing moves; the drives are brought up again.
     fn restart(&mut self) {
-        let found = self.desk.station().found();
-        let Some(position) = self.ticker.begin_anew(self.desk.params(), found) else {
+        let found = self.background.device().found();
+        let Some(position) = self.ticker.begin_anew(self.background.params(), found) else {
             // It has been checked before it was staged; or the board stays at rest [D148].
             return;
         };
-        self.desk.begin_anew(position);
+        self.background.begin_anew(position);
         self.segments = Segments::new();
         self.detours = Detours::new();
         self.reference = Reference::default();

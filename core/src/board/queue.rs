@@ -186,7 +186,7 @@ fn task<'a>(segment: &'a Segment, plan: impl FnOnce() -> Option<&'a Plan>) -> Ta
     Task { segment, plan }
 }
 
-// The ends do not carry the size of their ring in their type, and heapless divides by it. Each door below first says
+// The ends do not carry the size of their ring in their type, and heapless divides by it. Each function below first says
 // that it is not zero (a ring of no places would have a capacity of −1), so that no panic is left to be reached.
 
 /// Puts `value` into a queue, or gives it back where there is no room.

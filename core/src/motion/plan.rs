@@ -1,4 +1,4 @@
-//! From a move to what the tick needs: path, speed and ramp. Background work, with 128-bit divisions.
+//! From a move to what the tick needs: path, speed and ramp. Planner work, with 128-bit divisions.
 //!
 //! Knows moves and limits; knows nothing of what was planned before or comes after.
 

@@ -4,8 +4,8 @@ use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::queue::{put, room, take};
 use leadscrew_core::board::{
-    Command, Desk, DetourIn, Event, Held, Notice, Region, SegmentIn, Snapshot, State, StoreError,
-    StoreRequest, TickPort, Ticker,
+    Background, Command, DetourIn, Event, Held, Notice, Region, SegmentIn, Snapshot, State,
+    StoreError, StoreRequest, TickPort, Ticker,
 };
 use leadscrew_core::bus::{Controller, Frame, Periods};
 use leadscrew_core::journal::TapRecord;
@@ -70,7 +70,7 @@ pub struct BackgroundSide {
     ends: Ends,
     /// The tick side, as it was told last.
     snapshot: Snapshot,
-    desk: Desk,
+    background: Background,
 }
 
 /// What is asked of the tick side goes through a queue.
@@ -121,7 +121,7 @@ impl BackgroundSide {
     pub(crate) fn new(up: &PowerUp<'_>, snapshot: Snapshot, ends: Ends) -> Self {
         let position = up.remembered.unwrap_or_default();
         Self {
-            desk: Desk::new(&up.set.params, position, up.tap, snapshot),
+            background: Background::new(&up.set.params, position, up.tap, snapshot),
             ends,
             snapshot,
             begun: false,
@@ -130,8 +130,8 @@ impl BackgroundSide {
         }
     }
 
-    pub(crate) const fn desk(&mut self) -> &mut Desk {
-        &mut self.desk
+    pub(crate) const fn background(&mut self) -> &mut Background {
+        &mut self.background
     }
 
     // Its pieces are functions of their own: what one needs on the stack, the others have no use for.
@@ -155,7 +155,7 @@ impl BackgroundSide {
         worked |= self.plan(machine);
         worked |= self.store(machine);
         while machine.has_room()
-            && let Some(frame) = self.desk.transmit()
+            && let Some(frame) = self.background.transmit()
         {
             machine.send(&frame);
         }
@@ -170,20 +170,20 @@ impl BackgroundSide {
             takes_calls: self.snapshot.takes_calls() && !self.renewing,
             orders: &mut self.ends.orders,
         };
-        self.desk.offer(call, &mut port)
+        self.background.offer(call, &mut port)
     }
 
     /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
-        self.desk.awaits_program()
+        self.background.awaits_program()
     }
 
     /// True while anything handed over has not been carried out, as far as is known here.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         let at_rest = matches!(self.snapshot.state, State::Idle | State::Alarm(_));
-        !at_rest || self.desk.is_planning() || self.desk.is_storing() || self.renewing
+        !at_rest || self.background.is_planning() || self.background.is_storing() || self.renewing
     }
 
     /// The tick side, as it was told last.
@@ -196,11 +196,11 @@ impl BackgroundSide {
     fn hear(&mut self, machine: &mut impl Machine) {
         while let Some(notice) = take(&mut self.ends.notices) {
             self.enter();
-            self.desk.heed(&notice, &mut self.ends.detours);
+            self.background.heed(&notice, &mut self.ends.detours);
         }
         self.enter();
         while let Some(event) = take(&mut self.ends.events) {
-            self.desk.note(&event);
+            self.background.note(&event);
             machine.event(&event);
         }
     }
@@ -208,9 +208,9 @@ impl BackgroundSide {
     /// A controller that has left the bus stays away until the machine stands [D124].
     #[inline(never)]
     fn look_at_bus(&mut self, machine: &mut impl Machine) {
-        self.desk.set_controller(machine.controller());
+        self.background.set_controller(machine.controller());
         self.carry_out();
-        if self.desk.station().may_rejoin() {
+        if self.background.device().may_rejoin() {
             machine.rejoin();
         }
     }
@@ -218,7 +218,7 @@ impl BackgroundSide {
     /// New entries of the tap journal.
     fn enter(&mut self) {
         while let Some(entry) = take(&mut self.ends.entries) {
-            self.desk.enter(entry);
+            self.background.enter(entry);
         }
     }
 
@@ -230,10 +230,10 @@ impl BackgroundSide {
         };
         // What it has said last is part of what is forgotten.
         while take(&mut self.ends.notices).is_some() {}
-        let found = self.desk.station().found();
-        if let Some(position) = ticker.begin_anew(self.desk.params(), found) {
-            self.desk.begin_anew(position);
-            machine.begin_anew(self.desk.params());
+        let found = self.background.device().found();
+        if let Some(position) = ticker.begin_anew(self.background.params(), found) {
+            self.background.begin_anew(position);
+            machine.begin_anew(self.background.params());
         }
         self.snapshot = Snapshot::new(ticker, &Setpoint::default(), self.snapshot.contacts);
         self.renewing = false;
@@ -246,7 +246,7 @@ impl BackgroundSide {
         let mut worked = false;
         while let Some(frame) = take(&mut self.ends.strangers).or_else(|| machine.receive()) {
             // What is not for the board as a node is a drive's, and has gone to the tick.
-            let _ = self.desk.receive(&frame);
+            let _ = self.background.receive(&frame);
             self.carry_out();
             worked = true;
         }
@@ -258,7 +258,7 @@ impl BackgroundSide {
         let (mut elapsed, mut measured) = (0, None);
         if let Some(report) = report {
             (elapsed, measured) = (report.elapsed, report.measured);
-            self.desk.set_late(report.late);
+            self.background.set_late(report.late);
             if !self.renewing {
                 self.snapshot = report.snapshot;
                 self.begun = report.begun;
@@ -266,13 +266,13 @@ impl BackgroundSide {
         }
         // What has been handed over counts, also where the tick has not seen it yet.
         let mut snapshot = self.snapshot;
-        snapshot.in_program |= snapshot.takes_calls() && self.desk.is_planning();
+        snapshot.in_program |= snapshot.takes_calls() && self.background.is_planning();
         let mut port = Port {
             orders: &mut self.ends.orders,
             takes_calls: self.snapshot.takes_calls() && !self.renewing,
         };
         let worked = self
-            .desk
+            .background
             .serve(Periods::new(elapsed), snapshot, measured, &mut port);
         self.carry_out();
         worked
@@ -288,7 +288,7 @@ impl BackgroundSide {
             orders: &mut self.ends.orders,
             takes_calls: false,
         };
-        if port.has_room() && self.desk.carry_out(&mut port) {
+        if port.has_room() && self.background.carry_out(&mut port) {
             self.renewing = true;
             port.order(Order::HandOver);
         }
@@ -300,7 +300,7 @@ impl BackgroundSide {
             return false;
         }
         let (worked, warning) =
-            self.desk
+            self.background
                 .plan(&mut self.ends.segments, &self.snapshot.operator, self.begun);
         if let Some(warning) = warning {
             self.warn(warning, machine);
@@ -311,7 +311,7 @@ impl BackgroundSide {
     #[inline(never)]
     fn warn(&mut self, warning: Alarm, machine: &mut impl Machine) {
         let event = Event::Warning(warning);
-        self.desk.note(&event);
+        self.background.note(&event);
         machine.event(&event);
     }
 
@@ -330,12 +330,12 @@ impl BackgroundSide {
                 return false;
             };
             self.storing = None;
-            self.desk.stored(region, result, &mut port);
+            self.background.stored(region, result, &mut port);
         }
-        if let Some(region) = self.desk.load() {
-            machine.load(region, &mut |held| self.desk.loaded(held));
+        if let Some(region) = self.background.load() {
+            machine.load(region, &mut |held| self.background.loaded(held));
         }
-        let Some(request) = self.desk.store() else {
+        let Some(request) = self.background.store() else {
             return false;
         };
         self.storing = Some(request.region);

@@ -142,15 +142,15 @@ impl Queues {
                 returned: returned_in,
             },
         );
-        background.desk().power_up(up.set);
+        background.background().power_up(up.set);
         if up.failure.is_none()
             && let Some(warning) = up.cause.warning()
         {
-            background.desk().note(&Event::Warning(warning));
+            background.background().note(&Event::Warning(warning));
         }
-        background.desk().set_serial(up.serial);
-        background.desk().set_fd(up.fd);
-        background.desk().join(up.node)?;
+        background.background().set_serial(up.serial);
+        background.background().set_fd(up.fd);
+        background.background().join(up.node)?;
         Ok((tick, background))
     }
 }

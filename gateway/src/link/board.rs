@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use leadscrew_core::board::station::DROP;
-use leadscrew_core::board::station::PRODUCT;
-use leadscrew_core::board::station::objects::{
+use leadscrew_core::board::device::DROP;
+use leadscrew_core::board::device::PRODUCT;
+use leadscrew_core::board::device::objects::{
     CERTIFICATES, EVENTS, EVENTS_FROM, IMAGE, LINK_VERSION, NEWEST_EVENT, PRODUCT_CODE,
     SERIAL_NUMBER, SET_CHECKSUM, SIGNALS, SOFTWARE_VERSION, STATUS_RECORD, TAP_DISCARD, TAP_RECORD,
     THREADS_TAKEN,

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use leadscrew_core::board::station::objects::{BATCH, CREDIT};
+use leadscrew_core::board::device::objects::{BATCH, CREDIT};
 use leadscrew_core::bus::Abort;
 use leadscrew_core::link::{BATCH_BYTES, BatchWriter, CallBytes, encode_call};
 use leadscrew_core::program::Call;

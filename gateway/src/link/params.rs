@@ -7,7 +7,7 @@
 use std::time::{Duration, Instant};
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
-use leadscrew_core::board::station::objects::{
+use leadscrew_core::board::device::objects::{
     CHANGE_STATE, COMMIT, LAST_GOOD_SET, REFUSAL, SET_CHECKSUM, SET_COMMAND, SET_PASSWORD,
     STAGED_CHANGES, STAGED_IMAGE, STORED_SET, TABLE_CHECKSUM,
 };

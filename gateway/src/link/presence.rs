@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use leadscrew_core::board::DriveNodes;
-use leadscrew_core::board::station::PRODUCT;
-use leadscrew_core::board::station::objects::{GATEWAY_WATCH, HEARTBEAT, PRODUCT_CODE};
+use leadscrew_core::board::device::PRODUCT;
+use leadscrew_core::board::device::objects::{GATEWAY_WATCH, HEARTBEAT, PRODUCT_CODE};
 use leadscrew_core::bus::{
     BoardStatus, CobId, Frame, HeartbeatWatch, NmtState, NodeId, Object, Service,
 };

@@ -9,7 +9,7 @@ use leadscrew_board_sim::stored_params;
 use leadscrew_can::Can as _;
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::Found;
-use leadscrew_core::board::station::objects::{COMMIT, STAGED_CHANGES};
+use leadscrew_core::board::device::objects::{COMMIT, STAGED_CHANGES};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardSpindle, CobId, Frame, NodeId, Object, Order, Service,
 };

@@ -1,6 +1,7 @@
 //! Input from anywhere: what must hold whatever comes in. One file a door; each takes bytes and panics where something
 //! that must hold does not. The fuzzers in `fuzz/` call these, and the ordinary tests replay their corpora through them.
 
+mod device;
 mod link;
 mod machine;
 mod parameters;
@@ -8,9 +9,9 @@ mod program;
 mod sdo;
 mod slcan;
 mod staging;
-mod station;
 mod stored;
 
+pub use device::device;
 pub use link::link;
 pub use machine::machine;
 pub use parameters::parameters;
@@ -18,5 +19,4 @@ pub use program::program;
 pub use sdo::sdo;
 pub use slcan::slcan;
 pub use staging::staging;
-pub use station::station;
 pub use stored::stored;

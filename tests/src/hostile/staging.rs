@@ -6,7 +6,7 @@ use core::time::Duration;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_board_sim::{Sim, stored_params};
 use leadscrew_core::board::Found;
-use leadscrew_core::board::station::LOAD;
+use leadscrew_core::board::device::LOAD;
 use leadscrew_core::bus::{
     BoardState, CobId, Frame, Object, SdoDownload, SdoError, SdoProtocol, Service,
 };
@@ -18,7 +18,7 @@ use crate::params;
 
 const IMAGE: Object = Object::new(0x5010, 1);
 const RECALL: Object = Object::new(0x5010, 5);
-const DOOR: Object = Object::new(0x5010, 6);
+const PASSWORD_OBJECT: Object = Object::new(0x5010, 6);
 const STAGED: Object = Object::new(0x5010, 9);
 const CHANGES: Object = Object::new(0x5010, 10);
 const COMMIT: Object = Object::new(0x5010, 11);
@@ -284,7 +284,7 @@ impl Bus {
             12 => self.look(),
             13 => {
                 let word = [4711, 4712, u32::from(more)][usize::from(choice % 3)];
-                let outcome = self.write(DOOR, &word.to_le_bytes());
+                let outcome = self.write(PASSWORD_OBJECT, &word.to_le_bytes());
                 assert_ne!(outcome, Err(SdoError::TimedOut), "no answer");
             }
             14 => {

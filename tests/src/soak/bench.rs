@@ -158,7 +158,7 @@ pub struct Bench {
     /// Axes whose place is not what their drives say: a tap was in its hole when the power went.
     pub assumed: [bool; 3],
     pending: Option<Pending>,
-    inbox: Deque<Frame, 512>,
+    program_buffer: Deque<Frame, 512>,
     /// When the board's status was heard last.
     heard: u64,
     /// The alarm that the machine stands on.
@@ -190,7 +190,7 @@ impl Bench {
             lost_beats: 0,
             assumed: [false; 3],
             pending: None,
-            inbox: Deque::new(),
+            program_buffer: Deque::new(),
             heard: 0,
             alarm: Latch::default(),
             slipped: false,
@@ -411,8 +411,8 @@ impl Bench {
                 if let Some((NODE, status)) = BoardStatus::decode(&frame) {
                     self.status = status;
                     self.heard = self.now;
-                } else if !self.inbox.is_full() {
-                    let _ = self.inbox.push_back(frame);
+                } else if !self.program_buffer.is_full() {
+                    let _ = self.program_buffer.push_back(frame);
                 }
             }
         }
@@ -576,7 +576,7 @@ impl Bench {
 
     fn transfer(&mut self, transfer: &mut impl Transfer) -> Result<(), SdoError> {
         self.counts.transfers += 1;
-        self.inbox.clear();
+        self.program_buffer.clear();
         // How many times in a tick both sides get to speak.
         let turns = self.random.within(1, 12);
         loop {
@@ -594,7 +594,7 @@ impl Bench {
                 }
                 self.sim.settle();
                 self.listen();
-                while let Some(frame) = self.inbox.pop_front() {
+                while let Some(frame) = self.program_buffer.pop_front() {
                     transfer.receive(&frame, now);
                 }
             }
@@ -603,7 +603,7 @@ impl Bench {
                 return Err(SdoError::TimedOut);
             }
             let now = self.time();
-            while let Some(frame) = self.inbox.pop_front() {
+            while let Some(frame) = self.program_buffer.pop_front() {
                 transfer.receive(&frame, now);
             }
         }

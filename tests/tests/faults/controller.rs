@@ -139,10 +139,7 @@ fn an_idle_machine_whose_controller_fails_says_so_too() {
     bench.ticks(49);
     bench.stops_with("idle", 4370, 5);
     bench.ticks(200);
-    assert_eq!(
-        bench.sim.board().station().state(),
-        NmtState::PreOperational
-    );
+    assert_eq!(bench.sim.board().device().state(), NmtState::PreOperational);
     assert_eq!(BusState::default(), BusState::Active);
     bench.reset("idle");
     bench.next("idle");

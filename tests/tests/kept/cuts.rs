@@ -4,7 +4,7 @@
 use core::time::Duration;
 
 use leadscrew_board_sim::plant::{Flash, Tear};
-use leadscrew_core::board::station::CommitState;
+use leadscrew_core::board::device::CommitState;
 use leadscrew_core::board::{Board, Output, Region};
 use leadscrew_core::bus::{Object, Periods, SdoDownload, SdoProtocol};
 use leadscrew_core::params::Entry;
@@ -209,9 +209,9 @@ fn a_change_that_is_told_as_done_is_there() {
     let mut flash = Flash::erased();
     let mut bench = Bench::new(&mut flash);
     bench.ask(1);
-    assert!(bench.board.station().is_changing());
+    assert!(bench.board.device().is_changing());
     assert!(bench.store(&mut flash, 0).0);
-    assert!(!bench.board.station().is_changing());
-    assert_eq!(bench.board.station().commit_state(), CommitState::Done);
+    assert!(!bench.board.device().is_changing());
+    assert_eq!(bench.board.device().commit_state(), CommitState::Done);
     assert_eq!(in_force(&mut flash), Some(1));
 }

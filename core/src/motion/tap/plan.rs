@@ -1,4 +1,4 @@
-//! From the strokes of a hole to what the tick needs. Background work, with 128-bit divisions.
+//! From the strokes of a hole to what the tick needs. Planner work, with 128-bit divisions.
 //!
 //! Knows moves and limits; knows nothing of the tick or of what an operator may do.
 

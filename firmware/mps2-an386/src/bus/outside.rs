@@ -29,7 +29,7 @@ pub struct Outside {
     lines: Lines,
     adapter: Adapter,
     out: Deque<u8, OUT>,
-    inbox: Deque<Frame, IN>,
+    program_buffer: Deque<Frame, IN>,
     told: Consumer<'static, Frame>,
     asked: Producer<'static, Frame>,
     flash: RamFlash,
@@ -53,7 +53,7 @@ impl Outside {
             lines: Lines::new(),
             adapter: Adapter::new(1, 1, *b"LS01"),
             out: Deque::new(),
-            inbox: Deque::new(),
+            program_buffer: Deque::new(),
             told,
             asked,
             flash,
@@ -73,7 +73,7 @@ impl Outside {
             self.say(&frame);
         }
         let mut came = false;
-        while !self.inbox.is_full()
+        while !self.program_buffer.is_full()
             && self.has_room()
             && let Some(byte) = self.bytes.dequeue()
         {
@@ -101,7 +101,7 @@ impl Outside {
         const {
             assert!(OUT >= 2 * BURST * LINE, "a tick has room");
         }
-        self.told.is_empty() && self.out.is_empty() && self.inbox.is_empty()
+        self.told.is_empty() && self.out.is_empty() && self.program_buffer.is_empty()
     }
 
     /// True where all that was said has gone.
@@ -123,7 +123,7 @@ impl Outside {
         self.beat |= frame.id().service() == Some((Service::Heartbeat, NodeId::GATEWAY));
         // Everybody on a bus hears everything. There is room for the board; the drives have a queue of their own, and as on
         // a bus that is flooded one of them may miss a frame.
-        let _ = self.inbox.push_back(frame);
+        let _ = self.program_buffer.push_back(frame);
         let _ = self.asked.enqueue(frame);
     }
 
@@ -143,7 +143,7 @@ impl Outside {
 
 impl Machine for Outside {
     fn receive(&mut self) -> Option<Frame> {
-        self.inbox.pop_front()
+        self.program_buffer.pop_front()
     }
 
     fn has_room(&self) -> bool {

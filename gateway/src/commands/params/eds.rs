@@ -3,8 +3,8 @@
 
 use std::fmt::{self, Write as _};
 
-use leadscrew_core::board::station::dictionary::{Initial, Item, Kind, items};
-use leadscrew_core::board::station::{GROUPS, PRODUCT};
+use leadscrew_core::board::device::dictionary::{Initial, Item, Kind, items};
+use leadscrew_core::board::device::{GROUPS, PRODUCT};
 
 /// Object types of CiA 306.
 const VARIABLE: u8 = 7;

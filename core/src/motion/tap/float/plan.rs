@@ -1,5 +1,5 @@
 //! An ordinary tap planned: every figure the tick needs, from the call, the axis' limits and the spindle's ramp.
-//! Background work.
+//! Planner work.
 
 use super::course::Course;
 use super::law::Law;

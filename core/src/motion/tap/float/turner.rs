@@ -140,7 +140,7 @@ impl Turner {
         CentiRpm::new(i32::try_from(centi).unwrap_or(i32::MAX))
     }
 
-    /// Ticks for an angle at most at `top`: `starts`/`stops`: from rest, to rest. Background work.
+    /// Ticks for an angle at most at `top`: `starts`/`stops`: from rest, to rest. Planner work.
     pub(super) fn ticks(&self, way: i64, starts: bool, stops: bool) -> u64 {
         let way = way.max(0).unsigned_abs();
         let ends = u64::from(starts).wrapping_add(u64::from(stops));

@@ -5,7 +5,7 @@ use core::mem::size_of;
 use core::ptr::{read_volatile, write_volatile};
 
 use audit::work::{Counter, Work};
-use leadscrew_core::board::{Background, Board, Events, Output, Segments, Station, Ticker};
+use leadscrew_core::board::{Board, Device, Events, Output, Planner, Segments, Ticker};
 use leadscrew_core::motion::{Profile, Segment, ThreadPlan};
 use leadscrew_core::params::Params;
 
@@ -16,8 +16,8 @@ pub fn parts() {
     let parts = [
         ("board", size_of::<Board>()),
         ("ticker", size_of::<Ticker>()),
-        ("background", size_of::<Background>()),
-        ("station", size_of::<Station>()),
+        ("planner", size_of::<Planner>()),
+        ("device", size_of::<Device>()),
         ("segments", size_of::<Segments>()),
         ("events", size_of::<Events>()),
         ("params", size_of::<Params>()),

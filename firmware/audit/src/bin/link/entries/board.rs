@@ -1,7 +1,7 @@
 //! The whole board, both contexts, and the operator.
 
 use audit::any::{any, sink};
-use leadscrew_core::board::station::dictionary;
+use leadscrew_core::board::device::dictionary;
 use leadscrew_core::board::{Board, DriveNodes, Held, Output, PowerUp, Region, overridden};
 use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
@@ -61,7 +61,7 @@ fn board() {
         board.receive_fd(&any());
         sink(board.serve(any(), &output.setpoint));
         sink((board.transmit(), board.awaits_program()));
-        sink(board.station().threads().last());
+        sink(board.device().threads().last());
         board.set_late(any());
         board.bus_state(any());
         sink(board.may_rejoin());

@@ -4,7 +4,7 @@ use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::alarm::{Alarm, Code};
 use leadscrew_core::board::Event;
-use leadscrew_core::board::station::{DROP, PROGRAM_BYTES};
+use leadscrew_core::board::device::{DROP, PROGRAM_BYTES};
 use leadscrew_core::bus::{
     Abort, BoardState, NodeId, Object, Order, SdoDownload, SdoError, SdoProtocol,
 };

@@ -1,6 +1,6 @@
 //! The strokes of a hole: collected from R until it is back there, and queued as one segment.
 
-use super::{Background, Collecting, Settings};
+use super::{Collecting, Planner, Settings};
 use crate::alarm::{Alarm, Code};
 use crate::cycle::{Cycle, Move, MoveKind, Moves, Tag, TapMove};
 use crate::journal::TapHole;
@@ -8,7 +8,7 @@ use crate::motion::{Action, Cut, Gear, Plan, Stops, Tap, TapStep, stroke};
 use crate::params::Params;
 use crate::program::TapMode;
 
-impl Background {
+impl Planner {
     /// True for a stroke of an ordinary tap, and for the dwell between two: the whole hole is one segment, planned when its
     /// call was opened. It goes to the queue with its last stroke.
     pub(super) fn take_float(&mut self, next: &Move, settings: &Settings<'_>) -> bool {

@@ -5,7 +5,7 @@ use core::time::Duration;
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::{Flash, PlantOptions};
 use leadscrew_core::alarm::{Alarm, Arg, Code};
-use leadscrew_core::board::station::{CommitState, LOAD, SAVE};
+use leadscrew_core::board::device::{CommitState, LOAD, SAVE};
 use leadscrew_core::board::{Board, Event, KeptSet, Mark, Output, Region, StoreError};
 use leadscrew_core::bus::{
     Abort, BoardState, Object, Order, Periods, SdoBuffer, SdoDownload, SdoError, SdoProtocol,
@@ -417,12 +417,12 @@ fn a_set_without_its_mark_is_stored_and_told() {
     let request = board.store().expect("the mark");
     assert_eq!(request.region, Region::ParametersMark);
     assert_eq!(request.fill(&mut buffer), Mark(1).encode());
-    assert!(board.station().is_changing());
+    assert!(board.device().is_changing());
     board.stored(Region::ParametersMark, Err(StoreError::Full));
-    assert!(!board.station().is_changing());
+    assert!(!board.device().is_changing());
     assert!(board.store().is_none());
     board.serve(Periods::new(1), &output.setpoint);
-    assert_eq!(board.station().commit_state(), CommitState::Done);
+    assert_eq!(board.device().commit_state(), CommitState::Done);
     let events = transfer(&mut board, Object::new(0x5040, 3));
     let events: Vec<_> = EventReader::new(&events)
         .map(|entry| entry.expect("an entry").event)

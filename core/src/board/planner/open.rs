@@ -1,6 +1,6 @@
 //! Taking up a call: when it may be, and refusing what cannot be done before any of its moves.
 
-use super::{Background, Settings};
+use super::{Planner, Settings};
 use crate::alarm::{Alarm, Span};
 use crate::board::operator::overridden;
 use crate::cycle::{Context, Move, MoveKind, Moves, TapMoves};
@@ -13,7 +13,7 @@ use crate::program::{
 };
 use crate::signals::Signals;
 
-impl Background {
+impl Planner {
     /// Checks a call and makes it the one under expansion; `warning` becomes that of it.
     #[inline(never)]
     pub(super) fn open(

@@ -1,8 +1,8 @@
-//! What a station does because others say so, or say nothing any more: the NMT master, the gateway, the operator's PDO.
+//! What a device does because others say so, or say nothing any more: the NMT master, the gateway, the operator's PDO.
 //!
 //! Must not know what is told of it.
 
-use super::Station;
+use super::Device;
 use super::served::Served;
 use super::tell::HEARTBEAT_ERROR;
 use crate::alarm::Code;
@@ -28,7 +28,7 @@ impl Loss {
     }
 }
 
-impl Station {
+impl Device {
     pub(super) fn obey(&mut self, event: NmtEvent, params: &Params) {
         match event {
             NmtEvent::Entered(NmtState::Stopped) => {
@@ -43,7 +43,7 @@ impl Station {
             }
             NmtEvent::ResetCommunication => {
                 self.end_transfer(params);
-                self.shelf.reset_communication(params);
+                self.values.reset_communication(params);
                 let boot_up = self.nmt.boot();
                 self.say(boot_up);
             }
@@ -52,15 +52,15 @@ impl Station {
 
     /// A controlled stop, if anything moves or is about to.
     fn halt(&mut self) {
-        self.shelf.inbox.close();
-        if !self.shelf.snapshot.is_at_rest() {
-            self.shelf.command(Command::Halt(Code::NetworkStop));
+        self.values.program_buffer.close();
+        if !self.values.snapshot.is_at_rest() {
+            self.values.command(Command::Halt(Code::NetworkStop));
         }
     }
 
     pub(super) fn end_transfer(&mut self, params: &Params) {
         let mut served = Served {
-            shelf: &mut self.shelf,
+            values: &mut self.values,
             params,
         };
         self.sdo.reset(&mut served);
@@ -70,47 +70,47 @@ impl Station {
     /// The application begins anew, with the set in force if there is no other.
     pub(super) fn restart(&mut self, params: &Params) {
         self.restarts = false;
-        self.shelf.reset_communication(params);
-        self.shelf.begin_anew(params);
+        self.values.reset_communication(params);
+        self.values.begin_anew(params);
         let boot_up = self.nmt.boot();
         self.say(boot_up);
     }
 
     pub(super) fn command_of(&mut self, frame: &Frame) {
-        if !self.shelf.pdos.command().is_valid() {
+        if !self.values.pdos.command().is_valid() {
             return;
         }
         let Some((count, order, settings)) = BoardCommand::raw(frame) else {
             return;
         };
-        let shelf = &mut self.shelf;
+        let values = &mut self.values;
         // The objects from 5000h:03 on, one byte each.
         for (sub, value) in (3..).zip(settings) {
-            shelf.setting(sub, *value);
+            values.setting(sub, *value);
         }
         if let Some(order) = self.gate.take(count, order) {
             // One that is refused stands in the event log.
-            shelf.order(order);
+            values.order(order);
         }
-        shelf.count = self.gate.count();
+        values.count = self.gate.count();
     }
 
     /// The gateway is not there any more.
     pub(super) fn lose(&mut self, params: &Params) {
-        if !self.shelf.snapshot.in_program {
+        if !self.values.snapshot.in_program {
             return;
         }
         let loss = Loss::of(params);
         if loss == Loss::Stop {
             // Its alarm makes an emergency message of its own.
-            self.shelf.command(Command::Halt(Code::GatewayLost));
+            self.values.command(Command::Halt(Code::GatewayLost));
             return;
         }
         if loss == Loss::Hold {
-            self.shelf.command(Command::Hold);
+            self.values.command(Command::Hold);
         }
-        self.shelf.warn(Code::GatewayLost);
-        self.shelf.emcy.raise(Emcy {
+        self.values.warn(Code::GatewayLost);
+        self.values.emcy.raise(Emcy {
             code: HEARTBEAT_ERROR,
             ..Emcy::of_alarm(Code::GatewayLost.number())
         });

@@ -26,7 +26,7 @@ const WORK: &str =
 /// # Panics
 /// Where an axis moves by more in a tick than any parameter set allows, or moves while the machine says that it is
 /// idle; where the board sends without end, or has a parameter set afterwards that cannot work.
-pub fn station(data: &[u8]) {
+pub fn device(data: &[u8]) {
     let Some((choice, records)) = data.split_first() else {
         return;
     };

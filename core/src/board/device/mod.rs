@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!              frames                    calls (as there is room)
-//! gateway ◄──────────────► Station ───────────────────────────────► Background
+//! gateway ◄──────────────► Device ───────────────────────────────► Planner
 //!                            │  ▲
 //!                   commands ▼  │ snapshot, events
 //!                            Ticker
@@ -15,39 +15,39 @@
 //! - Parameters (2000h, 5010h) are staged, checked as a set, stored, and come into force all or none, with a restart of
 //!   the application [D101], [D116].
 //!
-//! Whoever owns a station gives it every frame that is not a drive's, every event, and a snapshot of the tick side as
-//! often as he can, and takes commands, a changed parameter set and frames from it. [`Board`](super::Board) does all of
+//! The owner of a device gives it every frame that is not a drive's, every event, and a snapshot of the tick side as
+//! often as possible, and takes commands, a changed parameter set and frames from it. [`Board`](super::Board) does all of
 //! that for owners with one thread.
 //!
 //! It must not know motion, drives or what a call means.
 
+mod accessors;
 mod change;
 pub mod dictionary;
-mod door;
 mod health;
-mod inbox;
 mod item;
-mod keeper;
-mod ledger;
 mod log;
 mod obey;
 pub mod objects;
+mod parameter_store;
+mod program_buffer;
+mod protection;
+mod recorder;
 mod ring;
 mod served;
-mod shelf;
 mod table;
 mod tell;
 mod threads;
 mod values;
 
-pub use inbox::PROGRAM_BYTES;
-pub use keeper::CommitState;
+pub use parameter_store::CommitState;
+pub use program_buffer::PROGRAM_BYTES;
 pub use table::{DROP, GROUPS, Group, HISTORY, LOAD, PRODUCT, SAVE};
 
 use heapless::Deque;
 
 use self::served::Served;
-use self::shelf::Shelf;
+use self::values::ObjectValues;
 use super::event::{Command, Event};
 use super::kept::{Found, PowerUp};
 use super::nodes::DriveNodes;
@@ -78,7 +78,7 @@ const DRIVES: u32 = 4;
 
 /// A board's side of the bus, but for its drives.
 #[derive(Debug)]
-pub struct Station {
+pub struct Device {
     nmt: NmtSlave,
     /// It is on a network, starting again or not.
     joined: bool,
@@ -97,10 +97,10 @@ pub struct Station {
     lateness: (u32, Periods),
     urgent: Deque<Frame, URGENT>,
     answers: Deque<Frame, ANSWERS>,
-    shelf: Shelf,
+    values: ObjectValues,
 }
 
-impl Station {
+impl Device {
     /// A node that has not joined a network: it hears nothing and says nothing.
     // Written straight to where it will be, which the caller says: as a function of
     // its own it would be copied there [D146].
@@ -109,7 +109,7 @@ impl Station {
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
         let patience = Periods::from_ms(PATIENCE_MS, params.tick_us()).unwrap_or_default();
         Self {
-            shelf: Shelf::new(node, params, snapshot),
+            values: ObjectValues::new(node, params, snapshot),
             nmt: NmtSlave::new(node),
             joined: false,
             sdo: SdoServer::new(node, patience, BlockSize::MAX),
@@ -127,46 +127,46 @@ impl Station {
 
     /// Takes what was found at power-up. Once, before it joins.
     pub fn power_up(&mut self, up: &PowerUp) {
-        self.shelf.keeper.power_up(up);
+        self.values.parameter_store.power_up(up);
     }
 
     /// What was found at power-up, or has been decided since: the tick side withholds motion by it.
     #[must_use]
     pub const fn found(&self) -> Found {
-        self.shelf.keeper.found()
+        self.values.parameter_store.found()
     }
 
     /// A change of the parameter set is being stored, or waits to be taken: no call goes to the planner.
     #[must_use]
     pub fn is_changing(&self) -> bool {
-        self.shelf.is_changing()
+        self.values.is_changing()
     }
 
     /// How the last change of the parameter set ended: 5010h:02.
     #[must_use]
     pub const fn commit_state(&self) -> CommitState {
-        self.shelf.keeper.state()
+        self.values.parameter_store.state()
     }
 
     /// The region that has to be read now; its bytes are given back by [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
-        self.shelf.keeper.load()
+        self.values.parameter_store.load()
     }
 
     /// What the region holds that [`load`](Self::load) asked for.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
-        self.shelf.loaded(held);
+        self.values.loaded(held);
     }
 
     /// What is to be stored now; the end is told by [`has_stored`](Self::has_stored).
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
-        self.shelf.store()
+        self.values.store()
     }
 
     /// The write that [`store`](Self::store) asked for has been done, or could not be. A set that is stored is behind
     /// [`take_params`](Self::take_params).
     pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
-        self.shelf.has_stored(region, result);
+        self.values.has_stored(region, result);
     }
 
     /// Takes another number. Only before it joins.
@@ -176,7 +176,7 @@ impl Station {
         }
         self.nmt = NmtSlave::new(node);
         self.sdo = SdoServer::new(node, self.patience, BlockSize::MAX);
-        self.shelf.set_node(node);
+        self.values.set_node(node);
     }
 
     /// Joins the network: says so, and waits to be started.
@@ -226,13 +226,13 @@ impl Station {
 
     /// Sets the serial number of 1018h.
     pub const fn set_serial(&mut self, serial: u32) {
-        self.shelf.serial = serial;
+        self.values.serial = serial;
     }
 
     /// Says whether the controller sends frames of CAN FD. A board whose controller does not takes no set that asks for
     /// them.
     pub const fn set_fd(&mut self, sends_fd: bool) {
-        self.shelf.sends_fd = sends_fd;
+        self.values.sends_fd = sends_fd;
     }
 
     /// Takes a frame. False for one that is not for a board: a drive's, or of a service it does not have.
@@ -257,13 +257,13 @@ impl Station {
         if node == NodeId::GATEWAY && service == Service::Heartbeat
             || node == self.node() && service == Service::SdoRequest
         {
-            self.shelf.door.hear();
+            self.values.protection.hear();
         }
-        if let Some((_, event)) = self.shelf.watch.receive(frame) {
+        if let Some((_, event)) = self.values.watch.receive(frame) {
             match event {
                 // Whoever fed the program has forgotten it.
                 HeartbeatEvent::Restarted => self.lose(params),
-                HeartbeatEvent::Found(_) if self.told.is_none() => self.shelf.emcy.clear(),
+                HeartbeatEvent::Found(_) if self.told.is_none() => self.values.emcy.clear(),
                 HeartbeatEvent::Found(_) | HeartbeatEvent::Entered(_) => {}
             }
             return true;
@@ -274,7 +274,7 @@ impl Station {
         match service {
             Service::SdoRequest if self.nmt.state().allows_sdo() => {
                 let mut served = Served {
-                    shelf: &mut self.shelf,
+                    values: &mut self.values,
                     params,
                 };
                 if let Some(answer) = self.sdo.receive(frame, &mut served) {
@@ -284,7 +284,7 @@ impl Station {
             Service::Rpdo1 if self.nmt.state().allows_pdo() => self.command_of(frame),
             // Only a node of this number sends these, and that is this one.
             Service::Tpdo1 | Service::Heartbeat | Service::SdoReply | Service::Emcy => {
-                self.shelf.command(Command::Halt(Code::NodeTwice));
+                self.values.command(Command::Halt(Code::NodeTwice));
             }
             _ => {}
         }
@@ -302,21 +302,21 @@ impl Station {
 
     /// Takes what has happened in the tick: every event, in order.
     pub fn note(&mut self, event: &Event) {
-        self.shelf.log.push(self.shelf.tick, event);
-        self.shelf.ledger.note(event);
+        self.values.log.push(self.values.tick, event);
+        self.values.recorder.note(event);
         if let Event::Reset | Event::Finished | Event::Alarm(_) = event {
-            self.shelf.inbox.close();
+            self.values.program_buffer.close();
         }
     }
 
     /// Says how far the axis that is held to the spindle was from where it should have been; `None`: none is held.
     pub const fn set_measured(&mut self, measured: Option<Measured>) {
-        self.shelf.measured = measured;
+        self.values.measured = measured;
     }
 
     /// Says how many setpoints have come late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
-        self.shelf.late = late;
+        self.values.late = late;
     }
 
     /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
@@ -329,28 +329,28 @@ impl Station {
         offer: &mut impl FnMut(&Call) -> bool,
     ) -> bool {
         // Ticks do not come to the end of 64 bits.
-        self.shelf.tick = self.shelf.tick.wrapping_add(elapsed.get().into());
-        self.shelf.snapshot = snapshot;
-        let (measured, late) = (self.shelf.measured.as_ref(), self.shelf.late);
+        self.values.tick = self.values.tick.wrapping_add(elapsed.get().into());
+        self.values.snapshot = snapshot;
+        let (measured, late) = (self.values.measured.as_ref(), self.values.late);
         if elapsed != Periods::new(0) {
             // Nobody else asks for the hash, which takes its time.
             if self.joined {
-                self.shelf.ledger.write(elapsed, &snapshot);
+                self.values.recorder.write(elapsed, &snapshot);
             }
-            self.shelf.ledger.judge(&snapshot, measured, late);
+            self.values.recorder.judge(&snapshot, measured, late);
         }
         if !snapshot.takes_calls() {
-            self.shelf.inbox.close();
+            self.values.program_buffer.close();
         }
         // A set that is on its way comes into force while the machine stands.
-        let worked = !self.shelf.is_changing() && self.shelf.inbox.hand_over(offer);
-        if self.restarts && snapshot.is_at_rest() && !self.shelf.is_changing() {
+        let worked = !self.values.is_changing() && self.values.program_buffer.hand_over(offer);
+        if self.restarts && snapshot.is_at_rest() && !self.values.is_changing() {
             self.restart(params);
         }
         if !self.has_joined() {
             return worked;
         }
-        self.shelf.door.elapse(elapsed, params);
+        self.values.protection.elapse(elapsed, params);
         self.watch_bus(elapsed, params);
         self.tell_alarms();
         self.transfer(elapsed, params);
@@ -362,22 +362,22 @@ impl Station {
     /// True where the program is running and the rest of it has not come: in lock-step, time waits for it.
     #[must_use]
     pub const fn awaits_program(&self) -> bool {
-        self.shelf.inbox.awaits_more()
+        self.values.program_buffer.awaits_more()
     }
 
     /// True where a gateway that takes the certificates of threads (5042h), and is
     /// there, would miss one if time went on: in lock-step, time waits.
     #[must_use]
     pub fn awaits_reader(&self) -> bool {
-        let watch = &self.shelf.watch;
+        let watch = &self.values.watch;
         let is_there = |gateway: HeartbeatWatch| watch.state(gateway.node).is_some();
-        let full = self.shelf.snapshot.in_program && self.shelf.ledger.threads.is_full();
+        let full = self.values.snapshot.in_program && self.values.recorder.threads.is_full();
         full && watch.get(0).is_some_and(is_there)
     }
 
     /// The certificates of the last threads, the newest first.
     pub fn threads(&self) -> impl Iterator<Item = ThreadCertificate> {
-        self.shelf.ledger.threads.certificates()
+        self.values.recorder.threads.certificates()
     }
 
     /// True while a transfer is under way: in virtual time, its client can only be as fast as it is.
@@ -388,21 +388,21 @@ impl Station {
 
     /// The next command for the tick. Read all of them after every [`receive`](Self::receive) and [`poll`](Self::poll).
     pub fn command(&mut self) -> Option<Command> {
-        self.shelf.commands.pop_front()
+        self.values.commands.pop_front()
     }
 
     /// The inputs, where they have been set over the bus.
     pub const fn signals(&mut self) -> Option<Signals> {
-        self.shelf.signals.take()
+        self.values.signals.take()
     }
 
     /// True, once, where the tap journal's record is to be dropped.
     pub const fn drops_tap(&mut self) -> bool {
-        core::mem::replace(&mut self.shelf.drops_tap, false)
+        core::mem::replace(&mut self.values.drops_tap, false)
     }
 
     /// A parameter set that is to come into force: the owner restarts the application with it. The machine stands.
     pub fn take_params(&mut self) -> Option<&Params> {
-        self.shelf.take_params()
+        self.values.take_params()
     }
 }

@@ -8,13 +8,13 @@
 //! A number of the PDO communication (1400h, 1800h–1802h) is read and written by the PDO itself, the image of the parameter
 //! set and a batch of calls piece by piece (`served`).
 
-use super::inbox::PROGRAM_BYTES;
 use super::item::{Access, Kind};
-use super::shelf::Shelf;
+use super::program_buffer::PROGRAM_BYTES;
 use super::table::{
     Line, PRODUCT, SENDS_SYNC, Value, cob_id, event_timer, fixed, item, map, mapped, of_node, text,
     transmission, with, within,
 };
+use super::values::ObjectValues;
 use crate::alarm::Alarm;
 use crate::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, HeartbeatWatch, Object, Service,
@@ -67,11 +67,11 @@ macro_rules! objects {
         pub(super) const LINES: &[Line] = &[$($line),*];
 
         /// The number that an object is now; `None` for one that only its row knows.
-        pub(super) fn get(shelf: &Shelf, object: Object, params: &Params) -> Result<Option<i64>, Abort> {
+        pub(super) fn get(values: &ObjectValues, object: Object, params: &Params) -> Result<Option<i64>, Abort> {
             Ok(Some(match object {
                 $($(
                     $name => {
-                        let ($get_shelf, $get_params) = (shelf, params);
+                        let ($get_shelf, $get_params) = (values, params);
                         i64::from($get)
                     }
                 )?)*
@@ -80,11 +80,11 @@ macro_rules! objects {
         }
 
         /// Puts a number into effect. Its kind and range are right.
-        pub(super) fn set(shelf: &mut Shelf, object: Object, value: u32, params: &Params) -> Result<(), Abort> {
+        pub(super) fn set(values: &mut ObjectValues, object: Object, value: u32, params: &Params) -> Result<(), Abort> {
             match object {
                 $($(
                     $name => {
-                        let ($set_shelf, $value, $set_params) = (shelf, value, params);
+                        let ($set_shelf, $value, $set_params) = (values, value, params);
                         $set
                     }
                 )?)*
@@ -93,11 +93,11 @@ macro_rules! objects {
         }
 
         /// Puts what a domain holds into the buffer; how many bytes that are comes back.
-        pub(super) fn bytes(shelf: &mut Shelf, object: Object, params: &Params) -> Result<usize, Abort> {
+        pub(super) fn bytes(values: &mut ObjectValues, object: Object, params: &Params) -> Result<usize, Abort> {
             match object {
                 $($(
                     $name => {
-                        let ($bytes_shelf, $bytes_params) = (shelf, params);
+                        let ($bytes_shelf, $bytes_params) = (values, params);
                         $bytes
                     }
                 )?)*
@@ -110,26 +110,26 @@ macro_rules! objects {
 objects! {
     DEVICE_TYPE = fixed(0x1000, 0, "Device type", U32, 0);
     ERROR_REGISTER = mapped(0x1001, 0, "Error register", U8, Read),
-        get |shelf, _| shelf.emcy.register();
+        get |values, _| values.emcy.register();
     ERROR_COUNT = within(item(0x1003, 0, "number of errors", U8, Both), 0, 0),
-        get |shelf, _| shelf.emcy.history(0)?,
-        set |shelf, value, _| shelf.emcy.write_history(0, value);
+        get |values, _| values.emcy.history(0)?,
+        set |values, value, _| values.emcy.write_history(0, value);
     ERROR_1 = item(0x1003, 1, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(1)?;
+        get |values, _| values.emcy.history(1)?;
     ERROR_2 = item(0x1003, 2, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(2)?;
+        get |values, _| values.emcy.history(2)?;
     ERROR_3 = item(0x1003, 3, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(3)?;
+        get |values, _| values.emcy.history(3)?;
     ERROR_4 = item(0x1003, 4, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(4)?;
+        get |values, _| values.emcy.history(4)?;
     ERROR_5 = item(0x1003, 5, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(5)?;
+        get |values, _| values.emcy.history(5)?;
     ERROR_6 = item(0x1003, 6, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(6)?;
+        get |values, _| values.emcy.history(6)?;
     ERROR_7 = item(0x1003, 7, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(7)?;
+        get |values, _| values.emcy.history(7)?;
     ERROR_8 = item(0x1003, 8, "error", U32, Read),
-        get |shelf, _| shelf.emcy.history(8)?;
+        get |values, _| values.emcy.history(8)?;
     SYNC_COB_ID = with(item(0x1005, 0, "COB-ID of SYNC", U32, Read), Value::Number(SENDS_SYNC)),
         get |_, _| SENDS_SYNC;
     CYCLE_PERIOD = item(0x1006, 0, "Communication cycle period", U32, Read),
@@ -138,22 +138,22 @@ objects! {
     SOFTWARE_VERSION = text(0x100A, "Software version", Value::SoftwareVersion);
     STORE = with(item(0x1010, 1, "store all parameters", U32, Both), Value::Number(STORES_ITSELF)),
         get |_, _| STORES_ITSELF,
-        set |shelf, value, params| shelf.save(value, params);
+        set |values, value, params| values.save(value, params);
     RESTORE = with(item(0x1011, 1, "restore all parameters", U32, Both), Value::Number(RESTORES)),
         get |_, _| RESTORES,
-        set |shelf, value, params| shelf.restore(value, params);
+        set |values, value, params| values.restore(value, params);
     EMCY_COB_ID = of_node(0x1014, 0, "COB-ID of EMCY", Const, 0x80);
     GATEWAY_WATCH = item(0x1016, 1, "gateway", U32, Both),
-        get |shelf, _| shelf.watch.get(0).map_or(0, HeartbeatWatch::raw),
-        set |shelf, value, params| shelf.watch_gateway(value, params);
+        get |values, _| values.watch.get(0).map_or(0, HeartbeatWatch::raw),
+        set |values, value, params| values.watch_gateway(value, params);
     HEARTBEAT = item(0x1017, 0, "Producer heartbeat time", U16, Both),
-        get |shelf, _| shelf.heartbeat.ms(),
-        set |shelf, value, params| shelf.beat_every(value, params);
+        get |values, _| values.heartbeat.ms(),
+        set |values, value, params| values.beat_every(value, params);
     VENDOR = fixed(0x1018, 1, "vendor", U32, 0);
     PRODUCT_CODE = fixed(0x1018, 2, "product code", U32, PRODUCT);
     REVISION = fixed(0x1018, 3, "revision", U32, (VERSION.number as u32) << 16);
     SERIAL_NUMBER = item(0x1018, 4, "serial number", U32, Read),
-        get |shelf, _| shelf.serial;
+        get |values, _| values.serial;
     SYNC_OVERFLOW = fixed(0x1019, 0, "Synchronous counter overflow", U8, SyncProducer::LAST as u32);
     SET_CHECKSUM = item(0x1020, 1, "checksum of the set", U32, Read),
         get |_, params| identity(params);
@@ -179,7 +179,7 @@ objects! {
     TPDO3_EVENT_TIMER = event_timer(0x1802);
     // The frame with all setpoints, not used unless the parameters say so.
     TPDO4_COB_ID = of_node(0x1803, 1, "COB-ID", Read, SETPOINTS_UNUSED),
-        get |shelf, params| shelf.setpoints_cob_id(SETPOINTS_UNUSED, params);
+        get |values, params| values.setpoints_cob_id(SETPOINTS_UNUSED, params);
     TPDO4_TRANSMISSION = fixed(0x1803, 2, "transmission type", U8, 1);
     TPDO1_MAPPED_1 = map(0x1A00, 1, &BoardStatus::MAPPING);
     TPDO1_MAPPED_2 = map(0x1A00, 2, &BoardStatus::MAPPING);
@@ -195,95 +195,95 @@ objects! {
     // What it carries are objects of the drives, and none of the board's.
     TPDO4_COUNT = fixed(0x1A03, 0, "mapped objects", U8, 0);
     COMMAND_COUNT = mapped(0x5000, 1, "count", U8, Both),
-        get |shelf, _| shelf.count,
-        set |shelf, value, _| shelf.put_count(value);
+        get |values, _| values.count,
+        set |values, value, _| values.put_count(value);
     COMMAND_ORDER = within(mapped(0x5000, 2, "order", U8, Both), 0, 5),
         get |_, _| 0,
-        set |shelf, value, _| shelf.order_number(value);
+        set |values, value, _| values.order_number(value);
     COMMAND_SWITCHES = mapped(0x5000, 3, "switches", U8, Both),
-        get |shelf, _| shelf.switches_now(),
-        set |shelf, value, _| shelf.put_setting(3, value);
+        get |values, _| values.switches_now(),
+        set |values, value, _| values.put_setting(3, value);
     FEED_OVERRIDE = mapped(0x5000, 4, "feed override", U8, Both),
-        get |shelf, _| shelf.snapshot.operator.feed_percent(),
-        set |shelf, value, _| shelf.put_setting(4, value);
+        get |values, _| values.snapshot.operator.feed_percent(),
+        set |values, value, _| values.put_setting(4, value);
     RAPID_OVERRIDE = mapped(0x5000, 5, "rapid override", U8, Both),
-        get |shelf, _| shelf.snapshot.operator.rapid_percent(),
-        set |shelf, value, _| shelf.put_setting(5, value);
+        get |values, _| values.snapshot.operator.rapid_percent(),
+        set |values, value, _| values.put_setting(5, value);
     SPINDLE_OVERRIDE = mapped(0x5000, 6, "spindle override", U8, Both),
-        get |shelf, _| shelf.snapshot.operator.spindle_percent(),
-        set |shelf, value, _| shelf.put_setting(6, value);
+        get |values, _| values.snapshot.operator.spindle_percent(),
+        set |values, value, _| values.put_setting(6, value);
     STATUS_RECORD = item(0x5001, 1, "record", Domain, Read),
-        bytes |shelf, params| shelf.status_bytes(params);
+        bytes |values, params| values.status_bytes(params);
     STATE = mapped(0x5001, 2, "state", U8, Read),
-        get |shelf, _| shelf.fact(2);
+        get |values, _| values.fact(2);
     FLAGS = mapped(0x5001, 3, "flags", U8, Read),
-        get |shelf, _| shelf.fact(3);
+        get |values, _| values.fact(3);
     ALARM = mapped(0x5001, 4, "alarm", U16, Read),
-        get |shelf, _| shelf.fact(4);
+        get |values, _| values.fact(4);
     ORDER_COUNT = mapped(0x5001, 5, "count of the last order", U8, Read),
-        get |shelf, _| shelf.fact(5);
+        get |values, _| values.fact(5);
     LATE_SETPOINTS = mapped(0x5001, 6, "late setpoints", U8, Read),
-        get |shelf, _| shelf.fact(6);
+        get |values, _| values.fact(6);
     STATUS_CREDIT = mapped(0x5001, 7, "program credit", U16, Read),
-        get |shelf, _| shelf.fact(7);
+        get |values, _| values.fact(7);
     LINE = mapped(0x5001, 8, "line", U32, Read),
-        get |shelf, _| shelf.fact(8);
+        get |values, _| values.fact(8);
     MOVE = mapped(0x5001, 9, "move", U32, Read),
-        get |shelf, _| shelf.fact(9);
+        get |values, _| values.fact(9);
     SPINDLE_ANGLE = mapped(0x5001, 10, "spindle angle", U16, Read),
-        get |shelf, _| shelf.fact(10);
+        get |values, _| values.fact(10);
     SPINDLE_SPEED = mapped(0x5001, 11, "spindle speed", I32, Read),
-        get |shelf, _| shelf.fact(11);
+        get |values, _| values.fact(11);
     SYNC_ERROR = mapped(0x5001, 12, "synchronism error", I16, Read),
-        get |shelf, _| shelf.fact(12);
+        get |values, _| values.fact(12);
     IMAGE = item(0x5010, 1, "image", Domain, Both);
     CHANGE_STATE = item(0x5010, 2, "state of the last change", U8, Read),
-        get |shelf, _| shelf.keeper.state() as u8;
+        get |values, _| values.parameter_store.state() as u8;
     STORED_SET = item(0x5010, 3, "checksum of the stored set", U32, Read),
-        get |shelf, _| shelf.keeper.stored();
+        get |values, _| values.parameter_store.stored();
     LAST_GOOD_SET = item(0x5010, 4, "checksum of the last good set before", U32, Read),
-        get |shelf, _| shelf.keeper.before();
+        get |values, _| values.parameter_store.before();
     SET_COMMAND = within(item(0x5010, 5, "command", U8, Write), 1, 1),
-        set |shelf, _, params| shelf.recall(params);
+        set |values, _, params| values.recall(params);
     SET_PASSWORD = item(0x5010, 6, "password", U32, Write),
-        set |shelf, value, params| shelf.password(value, params);
+        set |values, value, params| values.password(value, params);
     REFUSAL_NUMBER = item(0x5010, 7, "why the last change was refused", U16, Read),
-        get |shelf, _| shelf.keeper.reason().map_or(0, Alarm::number);
+        get |values, _| values.parameter_store.reason().map_or(0, Alarm::number);
     REFUSAL = item(0x5010, 8, "why, with its figures", Domain, Read),
-        bytes |shelf, _| shelf.refusal();
+        bytes |values, _| values.refusal();
     STAGED_IMAGE = item(0x5010, 9, "image to be staged", Domain, Write);
     STAGED_CHANGES = item(0x5010, 10, "what the staged set would change", Domain, Read),
-        bytes |shelf, params| shelf.staged_changes(params);
+        bytes |values, params| values.staged_changes(params);
     COMMIT = item(0x5010, 11, "checksum: commit the staged set", U32, Write),
-        set |shelf, value, params| shelf.commit(value, params);
+        set |values, value, params| values.commit(value, params);
     BATCH = item(0x5020, 1, "batch of calls", Domain, Write);
     LINK_VERSION = with(item(0x5020, 2, "version of the link", U64, Const), Value::Link);
     PROGRAM = item(0x5020, 3, "program", U32, Read),
-        get |shelf, _| shelf.inbox.program();
+        get |values, _| values.program_buffer.program();
     NEXT_CALL = item(0x5020, 4, "next call", U32, Read),
-        get |shelf, _| shelf.inbox.next_call();
+        get |values, _| values.program_buffer.next_call();
     CREDIT = item(0x5020, 5, "credit", U16, Read),
-        get |shelf, _| shelf.inbox.credit();
+        get |values, _| values.program_buffer.credit();
     LONGEST_BATCH = fixed(0x5020, 6, "longest batch", U16, BATCH_BYTES as u32);
     TAP_RECORD = item(0x5030, 1, "record", Domain, Read),
-        bytes |shelf, _| shelf.tap_bytes();
+        bytes |values, _| values.tap_bytes();
     TAP_DISCARD = item(0x5030, 2, "discard", U32, Write),
-        set |shelf, value, _| shelf.discard_tap(value);
+        set |values, value, _| values.discard_tap(value);
     NEWEST_EVENT = item(0x5040, 1, "newest", U32, Read),
-        get |shelf, _| shelf.log.newest();
+        get |values, _| values.log.newest();
     EVENTS_FROM = item(0x5040, 2, "read from", U32, Both),
-        get |shelf, _| shelf.log_from,
-        set |shelf, value, _| shelf.read_events_from(value);
+        get |values, _| values.log_from,
+        set |values, value, _| values.read_events_from(value);
     EVENTS = item(0x5040, 3, "entries", Domain, Read),
-        bytes |shelf, _| shelf.events();
+        bytes |values, _| values.events();
     CERTIFICATES = item(0x5041, 0, "Certificates of the run and of its threads", Domain, Read),
-        bytes |shelf, _| shelf.certificates();
+        bytes |values, _| values.certificates();
     THREADS_TAKEN = item(0x5042, 0, "Certificates of threads taken", U32, Both),
-        get |shelf, _| shelf.ledger.threads.taken(),
-        set |shelf, value, _| shelf.ledger.threads.take(value);
+        get |values, _| values.recorder.threads.taken(),
+        set |values, value, _| values.recorder.threads.take(value);
     SIGNALS = within(item(0x5060, 0, "Signals", U16, Both), 0, Signals::BITS | Signals::MIRRORED),
-        get |shelf, _| shelf.snapshot.signals(),
-        set |shelf, value, _| shelf.put_signals(value);
+        get |values, _| values.snapshot.signals(),
+        set |values, value, _| values.put_signals(value);
 }
 
 const _: () = assert!(PROGRAM_BYTES <= u16::MAX as usize, "the credit has 16 bits");

@@ -1,7 +1,7 @@
 //! How the bus is: the controller, setpoints that come late, and who else speaks to the drives. What is wrong becomes a
 //! [`BusTrouble`] for the tick.
 
-use super::Station;
+use super::Device;
 use crate::board::event::Command;
 use crate::board::nodes::DriveNodes;
 use crate::board::ticker::State;
@@ -13,7 +13,7 @@ use crate::params::Params;
 /// Setpoints that come late are counted against their limit for so long.
 const LATE_MS: u32 = 1000;
 
-impl Station {
+impl Device {
     /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or
     /// bus-off or restricted is a controlled stop with an alarm, which no reset clears before it is well again. One that
     /// has left the bus, or does not send, must not be started again before [`may_rejoin`](Self::may_rejoin), and never
@@ -38,12 +38,12 @@ impl Station {
     /// machine stands on an alarm, and the drives have been let go.
     #[must_use]
     pub const fn may_rejoin(&self) -> bool {
-        self.controller.state.is_cut_off() && matches!(self.shelf.snapshot.state, State::Alarm(_))
+        self.controller.state.is_cut_off() && matches!(self.values.snapshot.state, State::Alarm(_))
     }
 
     /// Somebody else speaks to the drives. What keeps one from following is told by its own failure where nothing moves.
     pub(super) fn resist(&mut self, intrusion: Intrusion) {
-        if !matches!(intrusion, Intrusion::Network(_)) || !self.shelf.snapshot.is_at_rest() {
+        if !matches!(intrusion, Intrusion::Network(_)) || !self.values.snapshot.is_at_rest() {
             self.tell_trouble(Some(BusTrouble::Intruder(intrusion)));
         }
     }
@@ -57,7 +57,7 @@ impl Station {
     /// The first trouble stays until it is reset; what is still there then is told again.
     fn tell_trouble(&mut self, trouble: Option<BusTrouble>) {
         if let Some(trouble) = trouble {
-            self.shelf.command(Command::Trouble(trouble));
+            self.values.command(Command::Trouble(trouble));
         }
     }
 
@@ -66,12 +66,12 @@ impl Station {
         *since = since.plus(elapsed);
         let over = Periods::from_ms(LATE_MS, params.tick_us()).is_none_or(|all| *since > all);
         // What is late while nothing moves does no harm.
-        if over || self.shelf.snapshot.is_at_rest() {
+        if over || self.values.snapshot.is_at_rest() {
             *since = Periods::new(0);
-            *from = self.shelf.late;
+            *from = self.values.late;
         }
-        let count = self.shelf.late.saturating_sub(*from);
-        if elapsed == Periods::new(0) || self.shelf.snapshot.alarm().is_some() {
+        let count = self.values.late.saturating_sub(*from);
+        if elapsed == Periods::new(0) || self.values.snapshot.alarm().is_some() {
             return;
         }
         let limit = params.late_setpoints();

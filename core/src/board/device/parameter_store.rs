@@ -55,7 +55,7 @@ enum Effect {
 
 /// The parameter sets of a board, and the change that is under way.
 #[derive(Debug, Default)]
-pub struct Keeper {
+pub struct ParameterStore {
     found: Found,
     shelved: Shelved,
     step: Step,
@@ -72,7 +72,7 @@ pub struct Progress {
     pub warning: Option<Code>,
 }
 
-impl Keeper {
+impl ParameterStore {
     /// As power-up has found it.
     pub fn power_up(&mut self, up: &PowerUp) {
         self.found = up.found;

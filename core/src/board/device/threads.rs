@@ -398,7 +398,7 @@ mod tests {
         assert!(threads.is_full());
         // Whoever only reads takes nothing.
         let mut bytes = [0; BATCH_BYTES];
-        let run = crate::board::station::ledger::Ledger::new().certificate(0);
+        let run = crate::board::device::recorder::RunRecorder::new().certificate(0);
         let used = threads.encode(&run, &mut bytes).unwrap();
         let read: Result<Vec<_>, _> = crate::link::ThreadReader::new(&bytes[..used])
             .unwrap()

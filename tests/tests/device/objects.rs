@@ -2,7 +2,7 @@
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::alarm::Code;
-use leadscrew_core::board::station::dictionary::{Access, Initial, Kind, items};
+use leadscrew_core::board::device::dictionary::{Access, Initial, Kind, PARAMETERS, items};
 use leadscrew_core::board::{Command, State};
 use leadscrew_core::bus::{
     Abort, BoardCommand, BoardPlace, BoardSpindle, BoardStatus, Mapped, Object, SdoError,
@@ -15,6 +15,21 @@ use leadscrew_tests::params::with;
 
 fn refused(abort: Abort) -> SdoError {
     SdoError::Refused(abort.code())
+}
+
+#[test]
+fn the_page_of_the_bus_names_every_object() {
+    let page = include_str!("../../../docs/bus.md");
+    for item in items() {
+        let index = item.object.index;
+        // The parameters have a page of their own.
+        if (PARAMETERS..0x5000).contains(&index) {
+            continue;
+        }
+        let (alone, family) = (format!("{index:04X}h"), format!("{:02X}xxh", index >> 8));
+        let is_named = page.contains(&alone) || page.contains(&family);
+        assert!(is_named, "docs/bus.md does not name {alone}: {item:?}");
+    }
 }
 
 #[test]

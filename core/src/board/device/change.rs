@@ -1,12 +1,12 @@
 //! A change of the parameter set: who may begin one, what it is made of, and what has become of it.
 //!
 //! It is put together in the draft and looked at as a whole; what comes then is the
-//! [`Keeper`](super::keeper::Keeper)'s. Must not know how a value travels.
+//! [`ParameterStore`](super::parameter_store::ParameterStore)'s. Must not know how a value travels.
 
 use super::dictionary;
-use super::keeper::Progress;
-use super::shelf::Shelf;
+use super::parameter_store::Progress;
 use super::table::{LOAD, SAVE};
+use super::values::ObjectValues;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::board::event::Event;
 use crate::board::nodes::DriveNodes;
@@ -16,10 +16,10 @@ use crate::bus::Abort;
 use crate::link::{ImageError, ImageWriter, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
 
-impl Shelf {
+impl ObjectValues {
     /// A change of the set is under way: no call goes to the planner.
     pub fn is_changing(&self) -> bool {
-        self.staged || self.keeper.is_busy()
+        self.staged || self.parameter_store.is_busy()
     }
 
     /// A change of parameters is refused, and why.
@@ -28,7 +28,7 @@ impl Shelf {
     }
 
     fn refuse_with(&mut self, reason: &Alarm, abort: Abort) -> Result<(), Abort> {
-        self.keeper.refuse(reason);
+        self.parameter_store.refuse(reason);
         Err(abort)
     }
 
@@ -36,11 +36,11 @@ impl Shelf {
     pub(super) fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
         // Whatever comes between, the last value is not repeated any more.
         self.wrote = None;
-        if !self.snapshot.is_at_rest() || self.inbox.awaits_more() || self.is_changing() {
+        if !self.snapshot.is_at_rest() || self.program_buffer.awaits_more() || self.is_changing() {
             return self.refuse(Code::ParametersAtWork, Abort::State);
         }
         // What is loaded only to be talked to is no set to change: it is decided on as a whole.
-        let undecided = self.keeper.found().alarm();
+        let undecided = self.parameter_store.found().alarm();
         if let (Change::Value | Change::Switch, Some(alarm)) = (change, undecided) {
             return self.refuse_with(&alarm, Abort::State);
         }
@@ -49,7 +49,7 @@ impl Shelf {
         if !free && !params.parameter_write_enable() {
             return self.refuse(Code::ParametersProtected, Abort::LocalControl);
         }
-        if !self.door.is_open(params) {
+        if !self.protection.is_open(params) {
             return self.refuse(Code::PasswordMissing, Abort::LocalControl);
         }
         Ok(())
@@ -116,7 +116,7 @@ impl Shelf {
         }
         let there = self.is_there(params);
         if there {
-            self.keeper.nothing_to_do();
+            self.parameter_store.nothing_to_do();
         }
         there
     }
@@ -148,15 +148,15 @@ impl Shelf {
 
     /// The draft is in force already, and stored.
     fn is_there(&self, params: &Params) -> bool {
-        self.draft == *params && self.keeper.is_stored()
+        self.draft == *params && self.parameter_store.is_stored()
     }
 
     /// The draft, which has been looked at, is stored and comes into force.
     fn stage(&mut self, params: &Params) {
         if self.is_there(params) {
-            self.keeper.nothing_to_do();
+            self.parameter_store.nothing_to_do();
         } else {
-            self.keeper.begin();
+            self.parameter_store.begin();
         }
     }
 
@@ -176,7 +176,7 @@ impl Shelf {
         }
         // Before it is asked who may change anything: it may be this very set that protects the board now.
         if same && self.is_there(params) {
-            self.keeper.nothing_to_do();
+            self.parameter_store.nothing_to_do();
             return Ok(());
         }
         self.admit(params, Change::Whole)?;
@@ -188,7 +188,7 @@ impl Shelf {
 
     /// Whether the image that the draft was sent as ends with this checksum. Where it
     /// held the password that is in force, it can be named until somebody names anything
-    /// else: nobody finds a password by trying, without the door's waits [D163].
+    /// else: nobody finds a password by trying, without the waits after a wrong one [D163].
     fn is_draft(&mut self, checksum: u32, params: &Params) -> bool {
         let stays = self.draft.slot(PASSWORD_SLOT) == params.slot(PASSWORD_SLOT);
         self.named = (self.named || !stays)
@@ -220,10 +220,10 @@ impl Shelf {
         if signature != SAVE {
             return Err(Abort::NotStored);
         }
-        if let Some(alarm) = self.keeper.found().alarm() {
+        if let Some(alarm) = self.parameter_store.found().alarm() {
             return self.refuse_with(&alarm, Abort::State);
         }
-        if self.keeper.is_stored() || self.is_changing() {
+        if self.parameter_store.is_stored() || self.is_changing() {
             return Ok(());
         }
         self.admit(params, Change::Whole)?;
@@ -245,32 +245,32 @@ impl Shelf {
     }
 
     pub(super) fn password(&mut self, password: u32, params: &Params) -> Result<(), Abort> {
-        self.door.knock(password, params).or_else(|alarm| {
+        self.protection.knock(password, params).or_else(|alarm| {
             self.log.push(self.tick, &Event::Warning(alarm));
             self.refuse_with(&alarm, Abort::LocalControl)
         })
     }
 
-    /// See [`Keeper::loaded`](super::keeper::Keeper::loaded). It was good when it was stored, on a board that may have had
+    /// See [`ParameterStore::loaded`](super::parameter_store::ParameterStore::loaded). It was good when it was stored, on a board that may have had
     /// another number then.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
-        let progress = self.keeper.loaded(held, &mut self.draft);
-        if self.keeper.is_busy()
+        let progress = self.parameter_store.loaded(held, &mut self.draft);
+        if self.parameter_store.is_busy()
             && let Err(alarm) = DriveNodes::of(&self.draft).spare(self.node)
         {
-            self.keeper.give_up(&alarm);
+            self.parameter_store.give_up(&alarm);
         }
         self.go_on(progress);
     }
 
-    /// See [`Keeper::store`](super::keeper::Keeper::store).
+    /// See [`ParameterStore::store`](super::parameter_store::ParameterStore::store).
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
-        self.keeper.store(&self.draft)
+        self.parameter_store.store(&self.draft)
     }
 
-    /// See [`Keeper::has_stored`](super::keeper::Keeper::has_stored).
+    /// See [`ParameterStore::has_stored`](super::parameter_store::ParameterStore::has_stored).
     pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
-        let progress = self.keeper.has_stored(region, result, &self.draft);
+        let progress = self.parameter_store.has_stored(region, result, &self.draft);
         self.go_on(progress);
     }
 

@@ -1,4 +1,4 @@
-//! The shelf as an SDO server sees it: values by object, in pieces.
+//! The objects as an SDO server sees them: values by object, in pieces.
 //!
 //! A value is put together in one buffer before it is read and after it is written, so nothing changes in the middle of a
 //! transfer and nothing takes effect before its end. Only the parameter image is longer than the buffer: it is made and
@@ -7,7 +7,7 @@
 use super::change::Change;
 use super::dictionary::{Access, Kind, Place, find};
 use super::objects::{BATCH, IMAGE, STAGED_IMAGE};
-use super::shelf::Shelf;
+use super::values::ObjectValues;
 use crate::board::store::copy;
 use crate::bus::{Abort, Object, Objects};
 use crate::link::{BATCH_BYTES, ImageReader, ImageWriter};
@@ -18,9 +18,9 @@ fn is_image(object: Object) -> bool {
     object == IMAGE || object == STAGED_IMAGE
 }
 
-/// The shelf together with the set in force: what an SDO server serves.
+/// The values of the objects together with the set in force: what an SDO server serves.
 pub struct Served<'a> {
-    pub shelf: &'a mut Shelf,
+    pub values: &'a mut ObjectValues,
     pub params: &'a Params,
 }
 
@@ -33,30 +33,30 @@ impl Objects for Served<'_> {
         if object == IMAGE {
             return Ok(ImageWriter::BYTES);
         }
-        let shelf = &mut *self.shelf;
+        let values = &mut *self.values;
         let length = match (place.kind(), place) {
-            (Kind::Text, Place::Row(row)) => copy(row.text().as_bytes(), &mut shelf.buffer),
-            (Kind::Domain, _) => shelf.domain(object, self.params)?,
+            (Kind::Text, Place::Row(row)) => copy(row.text().as_bytes(), &mut values.buffer),
+            (Kind::Domain, _) => values.domain(object, self.params)?,
             (kind, _) => {
-                let number = shelf.number(object, place, self.params)?;
-                copy(&number.to_le_bytes(), &mut shelf.buffer);
+                let number = values.number(object, place, self.params)?;
+                copy(&number.to_le_bytes(), &mut values.buffer);
                 kind.bytes().unwrap_or(0)
             }
         };
-        shelf.length = length;
+        values.length = length;
         Ok(length as u32)
     }
 
     fn read(&mut self, object: Object, offset: u32, into: &mut [u8]) -> Result<usize, Abort> {
         if object == IMAGE {
-            let params = self.shelf.current(self.params);
+            let params = self.values.current(self.params);
             return Ok(ImageWriter::new(params).read(offset, into));
         }
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
         let bytes = self
-            .shelf
+            .values
             .buffer
-            .get(start..self.shelf.length)
+            .get(start..self.values.length)
             .unwrap_or(&[]);
         Ok(copy(bytes, into))
     }
@@ -66,12 +66,12 @@ impl Objects for Served<'_> {
         if matches!(place.access(), Access::Read | Access::Const) {
             return Err(Abort::ReadOnly);
         }
-        let shelf = &mut *self.shelf;
-        shelf.length = 0;
-        shelf.buffer = [0; BATCH_BYTES];
+        let values = &mut *self.values;
+        values.length = 0;
+        values.buffer = [0; BATCH_BYTES];
         if is_image(object) {
-            shelf.admit(self.params, Change::Whole)?;
-            shelf.image = ImageReader::new();
+            values.admit(self.params, Change::Whole)?;
+            values.image = ImageReader::new();
         }
         let Some(size) = size else { return Ok(()) };
         let fixed = place.kind().bytes();
@@ -90,40 +90,40 @@ impl Objects for Served<'_> {
     }
 
     fn write(&mut self, object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort> {
-        let shelf = &mut *self.shelf;
+        let values = &mut *self.values;
         if is_image(object) {
-            let taken = shelf.image.take(bytes, &mut shelf.draft);
-            return taken.or_else(|error| shelf.refuse_image(error));
+            let taken = values.image.take(bytes, &mut values.draft);
+            return taken.or_else(|error| values.refuse_image(error));
         }
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
         let end = start.saturating_add(bytes.len());
-        let place = shelf.buffer.get_mut(start..end).ok_or(Abort::TooLong)?;
+        let place = values.buffer.get_mut(start..end).ok_or(Abort::TooLong)?;
         copy(bytes, place);
-        shelf.length = end;
+        values.length = end;
         Ok(())
     }
 
     fn end_write(&mut self, object: Object, length: u32) -> Result<(), Abort> {
         let place = find(object)?;
-        let shelf = &mut *self.shelf;
+        let values = &mut *self.values;
         if is_image(object) {
-            shelf.admit(self.params, Change::Whole)?;
-            if let Err(error) = shelf.image.finish(&shelf.draft) {
-                return shelf.refuse_image(error);
+            values.admit(self.params, Change::Whole)?;
+            if let Err(error) = values.image.finish(&values.draft) {
+                return values.refuse_image(error);
             }
             return if object == STAGED_IMAGE {
-                shelf.put_aside(self.params)
+                values.put_aside(self.params)
             } else {
-                shelf.look_and_stage(self.params)
+                values.look_and_stage(self.params)
             };
         }
         if object == BATCH {
-            let snapshot = &shelf.snapshot;
+            let snapshot = &values.snapshot;
             let (ready, at_rest) = (snapshot.takes_calls(), snapshot.is_at_rest());
-            let bytes = shelf.buffer.get(..shelf.length).unwrap_or(&[]);
-            let taken = shelf.inbox.take(bytes, ready, at_rest);
-            if shelf.inbox.is_loading() {
-                shelf.ledger.threads.await_reader();
+            let bytes = values.buffer.get(..values.length).unwrap_or(&[]);
+            let taken = values.program_buffer.take(bytes, ready, at_rest);
+            if values.program_buffer.is_loading() {
+                values.recorder.threads.await_reader();
             }
             return taken;
         }
@@ -135,16 +135,20 @@ impl Objects for Served<'_> {
         if length < bytes {
             return Err(Abort::TooShort);
         }
-        let raw = shelf.buffer.first_chunk::<8>().copied().unwrap_or_default();
+        let raw = values
+            .buffer
+            .first_chunk::<8>()
+            .copied()
+            .unwrap_or_default();
         let number = kind.number(raw);
         place.admit(number)?;
         if let Place::Parameter(entry) = place {
-            return shelf.take_parameter(entry, number, self.params);
+            return values.take_parameter(entry, number, self.params);
         }
-        shelf.take_number(object, number as u32, self.params)
+        values.take_number(object, number as u32, self.params)
     }
 
     fn abandon(&mut self, _object: Object) {
-        self.shelf.length = 0;
+        self.values.length = 0;
     }
 }

@@ -65,7 +65,7 @@ impl Cut {
 }
 
 fn look(sim: &Sim, cut: &mut Cut) {
-    for thread in sim.board().station().threads() {
+    for thread in sim.board().device().threads() {
         cut.threads.insert(thread.number, thread.record);
     }
 }
@@ -247,7 +247,7 @@ impl Stroke {
 
     /// True once.
     fn is_half(&mut self, sim: &Sim) -> bool {
-        let newest = sim.board().station().threads().next();
+        let newest = sim.board().device().threads().next();
         let cuts = |record: ThreadRecord| record.tally.passes == self.pass;
         if sim.board().helix().is_some() && newest.is_some_and(|thread| cuts(thread.record)) {
             self.ticks += 1;
@@ -364,7 +364,7 @@ fn a_thread_that_is_done_stays_done() {
     feed(&mut sim, None);
     let told: Vec<_> = sim
         .board()
-        .station()
+        .device()
         .threads()
         .map(|thread| (thread.number, thread.record.line, thread.record.state))
         .collect();
@@ -381,7 +381,7 @@ fn an_error_shows_in_the_thread_in_which_it_was() {
     let disturbed = cut_calls(calls(text, &params), &params, &options, |sim, tick| {
         let second = sim
             .board()
-            .station()
+            .device()
             .threads()
             .next()
             .is_some_and(|thread| thread.number == 2 && thread.record.state == UnderWay);
@@ -503,7 +503,7 @@ fn a_way_out_belongs_to_its_hole_and_is_one_of_its_own_behind_a_reset() {
             sim.step();
             while sim.event().is_some() {}
         }
-        let newest = sim.board().station().threads().next().expect("a hole");
+        let newest = sim.board().device().threads().next().expect("a hole");
         told.push((newest.number, newest.record.line, newest.record.state));
     }
     assert_eq!(told, [(1, 4, CutShort), (2, 1, Finished)]);
@@ -538,7 +538,7 @@ fn a_push_between_makes_no_one_thread_of_two() {
 fn kept(sim: &Sim) -> Vec<(u32, ThreadKind, ThreadState, u16)> {
     let mut kept: Vec<_> = sim
         .board()
-        .station()
+        .device()
         .threads()
         .map(|ThreadCertificate { record, .. }| {
             (record.line, record.kind, record.state, record.tally.passes)
@@ -614,7 +614,7 @@ fn a_hole_that_is_left_is_whole_whatever_comes() {
             for at in [1, 100, 400, 700, 1000] {
                 let mut sim = machine(&params, &PlantOptions::default());
                 feed_to(&mut sim, &hole, &params, |sim, event| {
-                    let newest = sim.board().station().threads().next();
+                    let newest = sim.board().device().threads().next();
                     let measured = newest.map_or(0, |thread| thread.record.tally.measured);
                     if event.is_none() && measured == at {
                         sim.command(command);
@@ -756,13 +756,13 @@ fn a_board_waits_for_whoever_takes_the_certificates_of_this_program() {
                 // Somebody looks on: nothing is taken by that.
                 assert_eq!(read(&mut gateway, &mut sim), 8);
                 assert!(sim.awaits_program());
-                let newest = sim.board().station().threads().next().expect("a hole");
+                let newest = sim.board().device().threads().next().expect("a hole");
                 let whole = newest.number - u32::from(newest.record.state == UnderWay);
                 assert!(take(&mut gateway, &mut sim, whole + 1).is_err());
                 assert!(sim.awaits_program());
                 take(&mut gateway, &mut sim, whole).expect("there are so many");
                 assert!(!sim.awaits_program());
-            } else if sim.board().station().threads().count() > 3 {
+            } else if sim.board().device().threads().count() > 3 {
                 // And whoever looks without end is not waited for.
                 read(&mut gateway, &mut sim);
             }

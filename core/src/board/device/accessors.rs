@@ -5,8 +5,8 @@
 use super::change::Change;
 use super::dictionary::{self, Place};
 use super::objects;
-use super::shelf::{Shelf, Told};
 use super::table::DROP;
+use super::values::{ObjectValues, Told};
 use crate::board::event::Command;
 use crate::board::store::copy;
 use crate::bus::{
@@ -19,7 +19,7 @@ use crate::signals::Signals;
 /// A percentage that stays as it is.
 const AS_IT_IS: u8 = 255;
 
-impl Shelf {
+impl ObjectValues {
     /// Puts what an object of no fixed length holds into the buffer; how many bytes that are comes back.
     pub(super) fn domain(&mut self, object: Object, params: &Params) -> Result<usize, Abort> {
         objects::bytes(self, object, params)
@@ -62,7 +62,7 @@ impl Shelf {
 }
 
 /// What is read.
-impl Shelf {
+impl ObjectValues {
     /// A fact of 5001h: where it stands in its PDO, and what is behind it.
     pub(super) fn fact(&self, sub: u8) -> i64 {
         let (told, mapping) = match sub {
@@ -97,7 +97,7 @@ impl Shelf {
     }
 
     pub(super) fn refusal(&mut self) -> Result<usize, Abort> {
-        encode_alarm(self.keeper.reason(), &mut self.buffer).map_err(|_| Abort::Internal)
+        encode_alarm(self.parameter_store.reason(), &mut self.buffer).map_err(|_| Abort::Internal)
     }
 
     pub(super) fn staged_changes(&mut self, params: &Params) -> Result<usize, Abort> {
@@ -114,18 +114,18 @@ impl Shelf {
     }
 
     pub(super) fn certificates(&mut self) -> Result<usize, Abort> {
-        self.ledger
+        self.recorder
             .read(self.late, &mut self.buffer)
             .map_err(|_| Abort::Internal)
     }
 }
 
 /// What is written.
-impl Shelf {
+impl ObjectValues {
     /// The last good set comes into force.
     pub(super) fn recall(&mut self, params: &Params) -> Result<(), Abort> {
         self.admit(params, Change::Recall)?;
-        self.keeper.recall()
+        self.parameter_store.recall()
     }
 
     /// 1016h:01.

@@ -3,7 +3,7 @@
 use leadscrew_board_sim::Sim;
 use leadscrew_board_sim::plant::Flash;
 use leadscrew_core::alarm::{Arg, Code};
-use leadscrew_core::board::station::{CommitState, LOAD, SAVE};
+use leadscrew_core::board::device::{CommitState, LOAD, SAVE};
 use leadscrew_core::bus::{Abort, CobId, Frame, Object, Order, SdoError, SdoProtocol, Service};
 use leadscrew_core::link::identity;
 use leadscrew_core::params::{Entry, PASSWORD, Params, TABLE_KEY};

@@ -1,10 +1,10 @@
-//! What a station says by itself, and what waits to be sent: answers, heartbeats, emergencies, statuses.
+//! What a device says by itself, and what waits to be sent: answers, heartbeats, emergencies, statuses.
 //!
 //! Nothing that comes is read here.
 
-use super::Station;
+use super::Device;
 use super::served::Served;
-use super::shelf::Told;
+use super::values::Told;
 use crate::alarm::Code;
 use crate::bus::{Emcy, Frame, Periods};
 use crate::params::Params;
@@ -18,7 +18,7 @@ const ERROR_PASSIVE: u16 = 0x8120;
 pub(super) const HEARTBEAT_ERROR: u16 = 0x8130;
 const RECOVERED: u16 = 0x8140;
 
-impl Station {
+impl Device {
     /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
     pub fn transmit(&mut self) -> Option<Frame> {
         if self.controller.state.is_cut_off() {
@@ -41,7 +41,7 @@ impl Station {
     }
 
     pub(super) fn tell_alarms(&mut self) {
-        let code = self.shelf.snapshot.alarm().map(|alarm| alarm.code);
+        let code = self.values.snapshot.alarm().map(|alarm| alarm.code);
         if self.told == code {
             return;
         }
@@ -67,15 +67,15 @@ impl Station {
                     let [low, high, ..] = emcy.detail;
                     emcy.detail = [low, high, errors.sending, errors.receiving, 0];
                 }
-                self.shelf.emcy.raise(emcy);
+                self.values.emcy.raise(emcy);
             }
-            None => self.shelf.emcy.clear(),
+            None => self.values.emcy.clear(),
         }
     }
 
     pub(super) fn transfer(&mut self, elapsed: Periods, params: &Params) {
         let mut served = Served {
-            shelf: &mut self.shelf,
+            values: &mut self.values,
             params,
         };
         if let Some(abort) = self.sdo.elapse(elapsed, &mut served) {
@@ -89,17 +89,17 @@ impl Station {
     }
 
     pub(super) fn beat(&mut self, elapsed: Periods, params: &Params) {
-        if self.shelf.heartbeat.elapse(elapsed) {
+        if self.values.heartbeat.elapse(elapsed) {
             let heartbeat = self.nmt.heartbeat();
             self.say(heartbeat);
         }
-        if !self.shelf.watch.elapse(elapsed).is_empty() {
+        if !self.values.watch.elapse(elapsed).is_empty() {
             self.lose(params);
         }
-        self.shelf.emcy.elapse(elapsed);
+        self.values.emcy.elapse(elapsed);
         if self.nmt.state().allows_emcy()
             && !self.controller.state.is_cut_off()
-            && let Some(frame) = self.shelf.emcy.poll()
+            && let Some(frame) = self.values.emcy.poll()
         {
             self.say(frame);
         }
@@ -110,7 +110,8 @@ impl Station {
             return;
         }
         for (place, told) in Told::ALL.into_iter().enumerate() {
-            let (Some(pdo), Some(since)) = (self.shelf.pdos.sent(place), self.since.get_mut(place))
+            let (Some(pdo), Some(since)) =
+                (self.values.pdos.sent(place), self.since.get_mut(place))
             else {
                 break;
             };
@@ -118,7 +119,7 @@ impl Station {
             let period = Periods::from_ms(pdo.event_ms().into(), params.tick_us());
             if pdo.is_valid() && pdo.event_ms() != 0 && period.is_some_and(|p| *since >= p) {
                 *since = Periods::new(0);
-                let frame = self.shelf.tell(told);
+                let frame = self.values.tell(told);
                 self.say(frame);
             }
         }

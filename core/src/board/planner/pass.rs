@@ -1,6 +1,6 @@
 //! A pass of a thread: planned with all its strokes, queued together with its retract.
 
-use super::{Background, Settings};
+use super::{Planner, Settings};
 use crate::alarm::Alarm;
 use crate::board::operator::overridden;
 use crate::cycle::{Move, MoveKind, Moves};
@@ -8,7 +8,7 @@ use crate::motion::{Action, Pass, Plan, Stops, ThreadPlan, WaysOut, plan};
 use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate};
 
-impl Background {
+impl Planner {
     /// Plans the strokes collected, of which `last` is the last.
     #[inline(never)]
     pub(super) fn plan_pass(

@@ -32,7 +32,7 @@ enum Phase {
 
 /// The memory for programs on their way through.
 #[derive(Debug)]
-pub struct Inbox {
+pub struct ProgramBuffer {
     phase: Phase,
     program: u32,
     /// Number of the call that comes next.
@@ -42,7 +42,7 @@ pub struct Inbox {
     ring: Ring<PROGRAM_BYTES>,
 }
 
-impl Inbox {
+impl ProgramBuffer {
     // [D146]
     #[inline(always)]
     pub const fn new() -> Self {
@@ -232,9 +232,9 @@ mod tests {
     }
 
     /// Lines of all that is handed over.
-    fn drain(inbox: &mut Inbox) -> Vec<u32> {
+    fn drain(program_buffer: &mut ProgramBuffer) -> Vec<u32> {
         let mut lines = Vec::new();
-        inbox.hand_over(&mut |call| {
+        program_buffer.hand_over(&mut |call| {
             lines.push(call.span.line);
             true
         });
@@ -243,95 +243,121 @@ mod tests {
 
     #[test]
     fn calls_wait_for_run_and_come_out_once_and_in_order() {
-        let mut inbox = Inbox::new();
+        let mut program_buffer = ProgramBuffer::new();
         let first = batch(7, 0, &[call(1), call(2)]);
-        assert_eq!(inbox.take(&first, true, true), Ok(()));
-        assert_eq!(drain(&mut inbox), []);
-        assert!(inbox.run());
-        assert_eq!(drain(&mut inbox), [1, 2]);
-        assert!(inbox.awaits_more());
+        assert_eq!(program_buffer.take(&first, true, true), Ok(()));
+        assert_eq!(drain(&mut program_buffer), []);
+        assert!(program_buffer.run());
+        assert_eq!(drain(&mut program_buffer), [1, 2]);
+        assert!(program_buffer.awaits_more());
         // The answer was lost, and the batch comes again; the next overlaps it.
-        assert_eq!(inbox.take(&first, true, false), Ok(()));
+        assert_eq!(program_buffer.take(&first, true, false), Ok(()));
         let overlapping = batch(7, 1, &[call(2), call(3), over()]);
-        assert_eq!(inbox.take(&overlapping, true, false), Ok(()));
-        assert_eq!((inbox.program(), inbox.next_call()), (7, 4));
-        assert_eq!(drain(&mut inbox), [3, 0]);
-        assert!(!inbox.awaits_more(), "the end has come");
-        assert_eq!(inbox.take(&overlapping, true, false), Ok(()));
-        assert_eq!(drain(&mut inbox), []);
+        assert_eq!(program_buffer.take(&overlapping, true, false), Ok(()));
+        assert_eq!(
+            (program_buffer.program(), program_buffer.next_call()),
+            (7, 4)
+        );
+        assert_eq!(drain(&mut program_buffer), [3, 0]);
+        assert!(!program_buffer.awaits_more(), "the end has come");
+        assert_eq!(program_buffer.take(&overlapping, true, false), Ok(()));
+        assert_eq!(drain(&mut program_buffer), []);
     }
 
     #[test]
     fn a_gap_another_program_and_a_call_behind_the_end_are_refused() {
-        let mut inbox = Inbox::new();
-        let refused = |inbox: &mut Inbox, bytes: &[u8], abort| {
-            let before = (inbox.program(), inbox.next_call(), inbox.credit());
-            assert_eq!(inbox.take(bytes, true, true), Err(abort));
-            assert_eq!(before, (inbox.program(), inbox.next_call(), inbox.credit()));
+        let mut program_buffer = ProgramBuffer::new();
+        let refused = |program_buffer: &mut ProgramBuffer, bytes: &[u8], abort| {
+            let before = (
+                program_buffer.program(),
+                program_buffer.next_call(),
+                program_buffer.credit(),
+            );
+            assert_eq!(program_buffer.take(bytes, true, true), Err(abort));
+            assert_eq!(
+                before,
+                (
+                    program_buffer.program(),
+                    program_buffer.next_call(),
+                    program_buffer.credit()
+                )
+            );
         };
-        refused(&mut inbox, &batch(7, 1, &[call(1)]), Abort::State);
-        assert_eq!(inbox.take(&batch(7, 0, &[call(1)]), true, true), Ok(()));
-        refused(&mut inbox, &batch(7, 2, &[call(3)]), Abort::Sequence);
-        refused(&mut inbox, &batch(8, 1, &[call(2)]), Abort::State);
-        refused(&mut inbox, &batch(7, 1, &[over(), call(3)]), Abort::Value);
+        refused(&mut program_buffer, &batch(7, 1, &[call(1)]), Abort::State);
+        assert_eq!(
+            program_buffer.take(&batch(7, 0, &[call(1)]), true, true),
+            Ok(())
+        );
+        refused(
+            &mut program_buffer,
+            &batch(7, 2, &[call(3)]),
+            Abort::Sequence,
+        );
+        refused(&mut program_buffer, &batch(8, 1, &[call(2)]), Abort::State);
+        refused(
+            &mut program_buffer,
+            &batch(7, 1, &[over(), call(3)]),
+            Abort::Value,
+        );
         let mut wrong = batch(7, 1, &[call(2)]);
         wrong[1] ^= 1;
-        refused(&mut inbox, &wrong, Abort::Incompatible);
+        refused(&mut program_buffer, &wrong, Abort::Incompatible);
         let mut short = batch(7, 1, &[call(2)]);
         short.pop();
-        refused(&mut inbox, &short, Abort::Value);
+        refused(&mut program_buffer, &short, Abort::Value);
         // Not ready: on an alarm, or starting.
         let next = batch(7, 1, &[call(2)]);
-        assert_eq!(inbox.take(&next, false, true), Err(Abort::State));
+        assert_eq!(program_buffer.take(&next, false, true), Err(Abort::State));
     }
 
     #[test]
     fn what_does_not_fit_is_refused_whole() {
-        let mut inbox = Inbox::new();
+        let mut program_buffer = ProgramBuffer::new();
         let calls = [call(1), call(2), call(3), call(4), call(5)];
         let mut number = 0;
         loop {
             let bytes = batch(1, number, &calls);
-            let fits = bytes.len() - batch(1, number, &[]).len() <= usize::from(inbox.credit());
+            let fits =
+                bytes.len() - batch(1, number, &[]).len() <= usize::from(program_buffer.credit());
             let expected = if fits {
                 Ok(())
             } else {
                 Err(Abort::OutOfMemory)
             };
-            assert_eq!(inbox.take(&bytes, true, true), expected);
+            assert_eq!(program_buffer.take(&bytes, true, true), expected);
             if !fits {
                 break;
             }
             number += 5;
         }
         assert!(number > 200, "{number}");
-        assert!(inbox.run());
-        assert_eq!(drain(&mut inbox).len(), number as usize);
-        assert_eq!(usize::from(inbox.credit()), PROGRAM_BYTES);
+        assert!(program_buffer.run());
+        assert_eq!(drain(&mut program_buffer).len(), number as usize);
+        assert_eq!(usize::from(program_buffer.credit()), PROGRAM_BYTES);
     }
 
     #[test]
     fn a_closed_program_is_over_and_another_begins_anew() {
-        let mut inbox = Inbox::new();
+        let mut program_buffer = ProgramBuffer::new();
         let first = batch(7, 0, &[call(1)]);
-        assert_eq!(inbox.take(&first, true, true), Ok(()));
-        assert!(inbox.run());
-        inbox.close();
-        assert_eq!(drain(&mut inbox), []);
+        assert_eq!(program_buffer.take(&first, true, true), Ok(()));
+        assert!(program_buffer.run());
+        program_buffer.close();
+        assert_eq!(drain(&mut program_buffer), []);
         let rest = batch(7, 1, &[call(2)]);
-        assert_eq!(inbox.take(&rest, true, true), Err(Abort::State));
+        assert_eq!(program_buffer.take(&rest, true, true), Err(Abort::State));
         // What came before the reset is still not taken twice.
-        assert_eq!(inbox.take(&first, true, true), Ok(()));
-        assert!(!inbox.is_open());
+        assert_eq!(program_buffer.take(&first, true, true), Ok(()));
+        assert!(!program_buffer.is_open());
         let other = batch(8, 0, &[call(9)]);
-        assert_eq!(inbox.take(&other, true, false), Err(Abort::State));
-        assert_eq!(inbox.take(&other, true, true), Ok(()));
+        assert_eq!(program_buffer.take(&other, true, false), Err(Abort::State));
+        assert_eq!(program_buffer.take(&other, true, true), Ok(()));
         // A client that begins again before it has run.
         let again = batch(9, 0, &[call(5)]);
-        assert_eq!(inbox.take(&again, true, true), Ok(()));
-        assert!(inbox.run());
-        assert_eq!(drain(&mut inbox), [5]);
+        assert_eq!(program_buffer.take(&again, true, true), Ok(()));
+        assert!(program_buffer.run());
+        assert_eq!(drain(&mut program_buffer), [5]);
         let other = batch(10, 0, &[call(9)]);
-        assert_eq!(inbox.take(&other, true, true), Err(Abort::State));
+        assert_eq!(program_buffer.take(&other, true, true), Err(Abort::State));
     }
 }

@@ -4,11 +4,11 @@
 
 use heapless::Deque;
 
-use super::door::Door;
-use super::inbox::Inbox;
-use super::keeper::Keeper;
-use super::ledger::Ledger;
 use super::log::Log;
+use super::parameter_store::ParameterStore;
+use super::program_buffer::ProgramBuffer;
+use super::protection::WriteProtection;
+use super::recorder::RunRecorder;
 use super::table::HISTORY;
 use crate::alarm::{Alarm, Code};
 use crate::board::event::{Command, Event};
@@ -28,7 +28,7 @@ const COMMANDS: usize = 8;
 
 /// The values behind the objects.
 #[derive(Debug)]
-pub struct Shelf {
+pub struct ObjectValues {
     pub node: NodeId,
     /// Count of the last order taken.
     pub count: u8,
@@ -59,21 +59,21 @@ pub struct Shelf {
     pub measured: Option<Measured>,
     /// 1017h.
     pub heartbeat: HeartbeatProducer,
-    pub door: Door,
+    pub protection: WriteProtection,
     /// 1016h: who has to be heard.
     pub watch: HeartbeatConsumer<1>,
     pub pdos: Pdos,
     pub(super) image: ImageReader,
-    pub ledger: Ledger,
+    pub recorder: RunRecorder,
     /// 1001h and 1003h.
     pub emcy: EmcyProducer<{ HISTORY as usize }>,
     /// What is stored, and the change that is under way.
-    pub keeper: Keeper,
+    pub parameter_store: ParameterStore,
     pub snapshot: Snapshot,
     /// For the tick, in the order they came.
     pub commands: Deque<Command, COMMANDS>,
     pub log: Log,
-    pub inbox: Inbox,
+    pub program_buffer: ProgramBuffer,
     pub(super) buffer: [u8; BATCH_BYTES],
     /// Where a changed set is put together, before all of it has been looked at.
     pub(super) draft: Params,
@@ -143,15 +143,15 @@ impl Pdos {
     }
 }
 
-impl Shelf {
-    // Part of a desk, which is written where it will be [D146].
+impl ObjectValues {
+    // Part of the background, which is written where it will be [D146].
     #[inline(always)]
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
         Self {
             node,
-            inbox: Inbox::new(),
+            program_buffer: ProgramBuffer::new(),
             log: Log::new(),
-            ledger: Ledger::new(),
+            recorder: RunRecorder::new(),
             snapshot,
             tick: 0,
             late: 0,
@@ -167,8 +167,8 @@ impl Shelf {
             commands: Deque::new(),
             signals: None,
             drops_tap: false,
-            keeper: Keeper::default(),
-            door: Door::default(),
+            parameter_store: ParameterStore::default(),
+            protection: WriteProtection::default(),
             staged: false,
             named: false,
             wrote: None,
@@ -200,9 +200,9 @@ impl Shelf {
         let command = match order {
             Order::Run => {
                 // A program is forgotten with the parameters that it was sent for.
-                let waited = !self.is_changing() && self.inbox.run();
+                let waited = !self.is_changing() && self.program_buffer.run();
                 if waited {
-                    self.ledger.begin(self.inbox.program());
+                    self.recorder.begin(self.program_buffer.program());
                 } else {
                     self.warn(Code::NothingToRun);
                 }
@@ -212,11 +212,11 @@ impl Shelf {
             Order::Resume => Command::Resume,
             Order::Reset => {
                 // What has been sent for the program is forgotten with it.
-                self.inbox.close();
+                self.program_buffer.close();
                 Command::Reset
             }
             Order::Stop => {
-                self.inbox.close();
+                self.program_buffer.close();
                 Command::Stop
             }
         };
@@ -254,7 +254,7 @@ impl Shelf {
             alarm: snapshot.alarm().map(Alarm::number),
             count: self.count,
             late: self.late,
-            credit: self.inbox.credit().into(),
+            credit: self.program_buffer.credit().into(),
         }
     }
 
@@ -309,9 +309,9 @@ impl Shelf {
             spindle_percent: operator.spindle_percent(),
             sync_error: self.sync_error(),
             late: self.late,
-            program: self.inbox.program(),
-            next_call: self.inbox.next_call(),
-            credit: self.inbox.credit(),
+            program: self.program_buffer.program(),
+            next_call: self.program_buffer.next_call(),
+            credit: self.program_buffer.credit(),
             newest_event: self.log.newest(),
             signals: self.snapshot.signals(),
             parameters: identity(params),

@@ -9,7 +9,7 @@ use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
 
 /// What has been written down: since the program was started, and of its threads.
 #[derive(Debug)]
-pub struct Ledger {
+pub struct RunRecorder {
     program: u32,
     /// A tick of the run was not seen.
     gap: bool,
@@ -19,7 +19,7 @@ pub struct Ledger {
     pub threads: Threads,
 }
 
-impl Ledger {
+impl RunRecorder {
     // [D146]
     #[inline(always)]
     pub const fn new() -> Self {

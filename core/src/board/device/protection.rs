@@ -1,7 +1,7 @@
 //! The password before parameters are written [D118]: against mistakes, not against attackers, who read it on the wire.
 //!
 //! Opened by the right number, shut again when the gateway has been silent for its time, or the power goes. After a wrong
-//! one the door hears nothing for a second, after the next for two, then four, up to a minute.
+//! one no password is heard for a second, after the next for two, then four, up to a minute.
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::Periods;
@@ -14,7 +14,7 @@ const LONGEST_WAIT_S: u32 = 60;
 const SILENCE_MS: u32 = 60_000;
 
 #[derive(Debug, Default)]
-pub struct Door {
+pub struct WriteProtection {
     open: bool,
     /// Since the gateway was heard last.
     silent: Periods,
@@ -24,7 +24,7 @@ pub struct Door {
     wait: Periods,
 }
 
-impl Door {
+impl WriteProtection {
     /// The gateway has said something.
     pub const fn hear(&mut self) {
         self.silent = Periods::new(0);

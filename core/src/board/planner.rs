@@ -1,0 +1,399 @@
+//! The background: calls in, segments out.
+//!
+//! Expands one call after another, refuses what cannot be done before any of its moves, plans each move from where the
+//! one before ends. A pass of a thread is queued together with its retract. Unbounded only in how often it is called:
+//! one call of [`Planner::step`] does one small piece of work. Taking up a call, passes, holes and detours have files of
+//! their own. Knows nothing of ticks, drives or frames.
+
+mod hole;
+mod open;
+mod pass;
+mod route;
+
+use heapless::Vec;
+
+use self::hole::{ends_hole, is_tap};
+use self::open::before;
+use self::route::plan_route;
+use super::guard::Guard;
+use super::queue::{CallOut, DetourIn, SegmentIn, take};
+use super::ticker::Notice;
+use crate::alarm::{Alarm, Code, Span};
+use crate::cycle::{Move, MoveKind, Moves, Stage};
+use crate::journal::TapRecord;
+use crate::motion::{Action, Cut, Epoch, Limits, Plan, Segment, Stops, TapStep, dwell_ticks, plan};
+use crate::params::Params;
+use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
+use crate::signals::Signals;
+use crate::units::CentiRpm;
+
+/// What planning depends on besides the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings<'a> {
+    /// The parameter set.
+    pub params: &'a Params,
+    /// The limits made of it.
+    pub limits: &'a Limits,
+    /// Spindle override in percent, as the operator has set it.
+    pub spindle_percent: u8,
+    /// The oldest segment in the queue is under way: it is there until it is done.
+    pub begun: bool,
+    /// The inputs.
+    pub signals: Signals,
+    /// The newest entry of the tap journal.
+    pub tap: Option<&'a TapRecord>,
+}
+
+/// The first stroke of a tap whose strokes are being collected.
+#[derive(Clone, Copy, Debug)]
+struct Collecting {
+    number: u32,
+    span: Span,
+}
+
+/// The state of the background.
+#[derive(Debug)]
+pub struct Planner {
+    moves: Option<Moves>,
+    epoch: Epoch,
+    /// The thread or hole being expanded, or the last one.
+    cut: Cut,
+    /// The spindle override with which the call under expansion is planned.
+    percent: u8,
+    /// The inputs when the last hole began: one that goes on after K198 keeps them.
+    hole_signals: Signals,
+    /// The call under expansion asks for the end of the program.
+    ending: Option<Span>,
+    /// Where the last planned move ends.
+    position: Position,
+    /// Where the call under expansion starts: A of a cycle.
+    home: Position,
+    /// Moves so far.
+    number: u32,
+    /// The synchronous moves of the pass being collected, and where it starts.
+    pass: Vec<Move, 3>,
+    pass_start: Position,
+    pass_number: u32,
+    /// The plan being made, or waiting to be queued; that of an ordinary tapping call stays for all its holes.
+    plan: Option<Plan>,
+    /// A tap is being collected in it: from R until it is back there.
+    tap: Option<Collecting>,
+    /// The number of the first stroke of the ordinary hole being collected.
+    float_number: Option<u32>,
+    /// The move being taken is the last of its hole.
+    hole_ends: bool,
+    /// Planned and not queued yet; a pass waits here for its retract.
+    planned: Vec<Segment, 4>,
+    complete: bool,
+    failed: bool,
+    guard: Guard,
+    /// For the tap journal: S of the call under expansion, and what else it keeps of the program.
+    infeed: CentiRpm,
+    notes: TapNotes,
+}
+
+impl Planner {
+    /// Nothing to do, at a position.
+    // Part of the background, which is written where it will be [D146].
+    #[must_use]
+    #[inline(always)]
+    pub fn new(position: Position) -> Self {
+        Self::starting(position, Epoch::default())
+    }
+
+    #[inline(always)]
+    const fn starting(position: Position, epoch: Epoch) -> Self {
+        Self {
+            moves: None,
+            epoch,
+            cut: Cut::NONE,
+            percent: 100,
+            hole_signals: Signals::POWER_UP,
+            ending: None,
+            position,
+            home: position,
+            number: 0,
+            pass: Vec::new(),
+            pass_start: position,
+            pass_number: 0,
+            plan: None,
+            tap: None,
+            float_number: None,
+            hole_ends: false,
+            planned: Vec::new(),
+            complete: false,
+            failed: false,
+            guard: Guard::open(),
+            infeed: CentiRpm::new(0),
+            notes: TapNotes::METRIC,
+        }
+    }
+
+    /// Forgets everything; the machine stands at `position`, and what is planned from now on is marked with `epoch`.
+    pub fn begin_anew(&mut self, position: Position, epoch: Epoch) {
+        // What is planned from now on is none of what was planned before: its number goes on.
+        let number = self.cut.number;
+        *self = Self::starting(position, epoch);
+        self.cut.number = number;
+    }
+
+    /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
+    /// `tap`: the newest entry of the tap journal, that of the same tick included.
+    pub fn heed(
+        &mut self,
+        notice: &Notice,
+        calls: &mut CallOut<'_>,
+        detours: &mut DetourIn<'_>,
+        limits: &Limits,
+        tap: Option<&TapRecord>,
+    ) {
+        match notice {
+            Notice::Restart(position, epoch) => {
+                while calls.ready() {
+                    drop_oldest(calls);
+                }
+                self.begin_anew(*position, *epoch);
+                self.guard = Guard::of(tap);
+            }
+            Notice::Route(route) => plan_route(route, limits, detours),
+        }
+    }
+
+    /// What it plans is marked with this.
+    pub(super) const fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    /// True while a call is not fully planned and queued.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.moves.is_some() || !self.planned.is_empty() || self.ending.is_some()
+    }
+
+    /// One piece of work. False where there is none that can be done now. A warning of the call just taken up comes back.
+    pub fn step(
+        &mut self,
+        calls: &mut CallOut<'_>,
+        segments: &mut SegmentIn<'_>,
+        settings: &Settings<'_>,
+    ) -> (bool, Option<Alarm>) {
+        if self.complete {
+            return (self.hand_over(segments), None);
+        }
+        if self.failed {
+            return (false, None);
+        }
+        if self.moves.is_some() {
+            self.go_on(settings);
+            return (true, None);
+        }
+        if let Some(span) = self.ending.take() {
+            self.queue(span, Stops::default(), Action::End);
+            // The next program counts its own moves.
+            self.number = 0;
+            return (true, None);
+        }
+        if calls
+            .peek()
+            .is_some_and(|call| segments.filled() > before(call, settings))
+        {
+            return (false, None);
+        }
+        // Where a return begins is known when everything before it has been done.
+        if calls
+            .peek()
+            .is_some_and(|call| matches!(call.kind, CallKind::TapReturn(_)))
+            && segments.filled() > 0
+        {
+            return (false, None);
+        }
+        let Some(call) = calls.peek() else {
+            return (false, None);
+        };
+        let mut warning = None;
+        let opened = self.open(call, settings, &mut warning);
+        drop_oldest(calls);
+        if let Err(alarm) = &opened {
+            self.fail(alarm);
+            warning = None;
+        }
+        (true, warning)
+    }
+
+    /// The next move of the call under expansion, or its end.
+    #[inline(never)]
+    fn go_on(&mut self, settings: &Settings<'_>) {
+        let Some(moves) = &mut self.moves else {
+            return;
+        };
+        if let Some(next) = moves.next() {
+            self.hole_ends = ends_hole(&next, moves);
+            if let Err(alarm) = self.take(&next, settings) {
+                self.fail(&alarm);
+            }
+        } else {
+            self.moves = None;
+            // A hole that stays locked ends at its bottom, and nothing stops there.
+            self.hole_ends = false;
+            if let Some(tap) = self.collected()
+                && !tap.part.returns
+            {
+                self.guard = Guard::in_phase(tap.hole);
+            }
+            self.close_tap(settings);
+            self.complete = !self.planned.is_empty();
+        }
+    }
+
+    #[inline(never)]
+    fn fail(&mut self, alarm: &Alarm) {
+        self.failed = true;
+        self.moves = None;
+        self.ending = None;
+        self.pass.clear();
+        self.plan = None;
+        self.tap = None;
+        self.float_number = None;
+        self.planned.clear();
+        self.queue(alarm.span, Stops::default(), Action::Alarm(*alarm));
+    }
+
+    #[inline(never)]
+    fn hand_over(&mut self, segments: &mut SegmentIn<'_>) -> bool {
+        let has_plan = |segment: &Segment| matches!(segment.action, Action::Planned);
+        let needs_plan = self.planned.iter().any(has_plan);
+        if segments.room() < self.planned.len() || (needs_plan && !segments.takes_plan()) {
+            return false;
+        }
+        // There is room; the answer is always yes.
+        if needs_plan && let Some(plan) = &self.plan {
+            self.failed |= !segments.put_plan(plan);
+        }
+        for segment in &self.planned {
+            self.failed |= !segments.put(segment);
+        }
+        self.planned.clear();
+        self.complete = false;
+        true
+    }
+
+    // What is large on the stack is kept out of each other's frames here and in the
+    // files below: the planner of a pass is at the bottom of all of them [D140].
+
+    /// Puts a segment behind what is planned and lets it all go to the queue.
+    fn queue(&mut self, span: Span, stops: Stops, action: Action) {
+        self.put(self.number, span, stops, action);
+        self.complete = true;
+    }
+
+    #[inline(never)]
+    fn put(&mut self, number: u32, span: Span, stops: Stops, action: Action) {
+        let segment = Segment {
+            number,
+            span,
+            epoch: self.epoch,
+            cut: self.cut,
+            stops,
+            action,
+        };
+        // Four places: a pass, its completion, its retract and one to spare.
+        if self.planned.push(segment).is_err() {
+            self.failed = true;
+        }
+    }
+
+    #[inline(never)]
+    fn take(&mut self, next: &Move, settings: &Settings<'_>) -> Result<(), Alarm> {
+        self.number = self.number.saturating_add(1);
+        if let MoveKind::Thread(thread) = next.kind {
+            if self.pass.is_empty() {
+                self.pass_start = self.position;
+                self.pass_number = self.number;
+            }
+            if self.pass.push(*next).is_err() {
+                return Err(Alarm::new(Code::StrokeTooShort, next.span));
+            }
+            self.position = next.to;
+            if thread.last {
+                self.plan_pass(next, thread.rpm, settings)?;
+                self.pass.clear();
+            }
+            return Ok(());
+        }
+        if self.take_float(next, settings) {
+            return Ok(());
+        }
+        if let MoveKind::Tap(tap) = &next.kind {
+            return self.take_stroke(next, tap, settings);
+        }
+        if let (MoveKind::Dwell(time), Some(tap)) = (&next.kind, self.collected()) {
+            let ticks = dwell_ticks(*time, settings.params.tick_us());
+            if tap.push(TapStep::Dwell(ticks)) {
+                return Ok(());
+            }
+        }
+        let stops = self.stops(next, settings.params);
+        let action = match next.kind {
+            MoveKind::Rapid | MoveKind::Feed(_) | MoveKind::Arc { .. } => {
+                return self.take_timed(next, stops, settings);
+            }
+            MoveKind::Dwell(time) => match dwell_ticks(time, settings.params.tick_us()) {
+                0 => return Ok(()),
+                ticks => Action::Dwell(ticks),
+            },
+            MoveKind::Spindle(SpindleCall {
+                mode: SpindleMode::Rigid(choice),
+                ..
+            }) => Action::Rigid(settings.signals.spindle(choice, next.span)?),
+            MoveKind::Spindle(spindle) => Action::Spindle(spindle.rpm),
+            MoveKind::Aux(aux) => Action::Aux(aux),
+            MoveKind::Thread(_) | MoveKind::Tap(_) => return Ok(()),
+        };
+        self.queue(next.span, stops, action);
+        Ok(())
+    }
+
+    /// A move that time drives.
+    #[inline(never)]
+    fn take_timed(
+        &mut self,
+        next: &Move,
+        stops: Stops,
+        settings: &Settings<'_>,
+    ) -> Result<(), Alarm> {
+        let timed = plan::timed(self.position, next, settings.limits)?;
+        self.position = next.to;
+        if let Some(timed) = timed {
+            self.queue(next.span, stops, Action::Timed(timed));
+        }
+        Ok(())
+    }
+
+    fn stops(&self, next: &Move, params: &Params) -> Stops {
+        let Some(tag) = next.tag else {
+            return Stops {
+                single_block: !matches!(next.kind, MoveKind::Spindle(_)),
+                ..Stops::default()
+            };
+        };
+        if is_tap(&tag) {
+            return self.tap_stops(params);
+        }
+        let thread_cycle = tag.start != 0;
+        let behind_stroke = thread_cycle && tag.stage == Stage::Retract;
+        Stops {
+            hold_not_inside: behind_stroke,
+            hold_not_before: behind_stroke,
+            // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
+            single_block: !thread_cycle || tag.stage == Stage::Return,
+            frozen: thread_cycle.then_some(self.percent),
+            ..Stops::default()
+        }
+    }
+}
+
+/// Lets the oldest call go. Its copy, which the queue gives back, lies in no other frame.
+#[inline(never)]
+fn drop_oldest(calls: &mut CallOut<'_>) {
+    take(calls);
+}

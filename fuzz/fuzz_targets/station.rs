@@ -1,4 +1,0 @@
-#![no_main]
-//! See `leadscrew_tests::hostile::station`.
-
-libfuzzer_sys::fuzz_target!(|data: &[u8]| leadscrew_tests::hostile::station(data));
