@@ -1,25 +1,27 @@
 //! How fast along a path: [`PathRate`], the operator's [`Rate`], and how far one has come ([`Travel`]).
 
+use fixed::types::{U16F16, U24F8, U48F16};
+
 use crate::units::{Feed, Length};
 
-/// Speed along a path in 1/256 nanometre (rotary moves: µ°) per tick, up to 16.7 mm per tick.
+/// Speed along a path in nanometres (rotary moves: µ°) per tick, up to 16.7 mm per tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct PathRate(u32);
+pub struct PathRate(U24F8);
 
 impl PathRate {
     /// Standing.
-    pub const ZERO: Self = Self(0);
+    pub const ZERO: Self = Self(U24F8::ZERO);
 
     /// `raw` · 1/256 nanometre per tick.
     #[must_use]
     pub const fn from_raw(raw: u32) -> Self {
-        Self(raw)
+        Self(U24F8::from_bits(raw))
     }
 
     /// 1/256 nanometres per tick.
     #[must_use]
     pub const fn raw(self) -> u32 {
-        self.0
+        self.0.to_bits()
     }
 
     /// `feed` at a tick of `tick_us` microseconds, rounded to the nearest; saturates at the range of the type. Negative
@@ -38,16 +40,16 @@ impl PathRate {
             .saturating_add(30_000_000)
             / 60_000_000;
         if scaled > u32::MAX as u64 {
-            Self(u32::MAX)
+            Self(U24F8::MAX)
         } else {
-            Self(scaled as u32)
+            Self::from_raw(scaled as u32)
         }
     }
 
     /// The speed as a feed at a tick of `tick_us` microseconds, rounded down.
     #[must_use]
     pub const fn feed(self, tick_us: u32) -> Feed {
-        let nm = (self.0 as u64)
+        let nm = (self.raw() as u64)
             .saturating_mul(60_000_000 / 256)
             .checked_div(tick_us as u64);
         Feed::from_nm_per_min(match nm {
@@ -57,93 +59,90 @@ impl PathRate {
     }
 }
 
-/// What the operator and the spindle make of a programmed speed: a factor from 0 (hold) to 2, in steps of 2⁻¹⁶.
+/// What the operator and the spindle make of a programmed speed: a factor from 0 (hold) to 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Rate(u32);
+pub struct Rate(U16F16);
 
 impl Rate {
     /// Feed hold.
-    pub const HOLD: Self = Self(0);
+    pub const HOLD: Self = Self(U16F16::ZERO);
     /// As programmed.
-    pub const FULL: Self = Self(1 << 16);
+    pub const FULL: Self = Self(U16F16::ONE);
     /// The largest factor.
-    pub const MAX: Self = Self(2 << 16);
+    pub const MAX: Self = Self(U16F16::const_from_int(2));
 
     /// `raw` · 2⁻¹⁶, at most [`Rate::MAX`].
     #[must_use]
     pub const fn from_raw(raw: u32) -> Self {
-        if raw > Self::MAX.0 {
+        if raw > Self::MAX.raw() {
             Self::MAX
         } else {
-            Self(raw)
+            Self(U16F16::from_bits(raw))
         }
     }
 
     /// The factor in 2⁻¹⁶.
     #[must_use]
     pub const fn raw(self) -> u32 {
-        self.0
+        self.0.to_bits()
     }
 
     /// `percent` per cent, at most 200.
     #[must_use]
     pub const fn percent(percent: u8) -> Self {
-        Self::from_raw((percent as u32).wrapping_mul(1 << 16) / 100)
+        Self::from_raw(U16F16::const_from_int(percent as u32).to_bits() / 100)
     }
 
     /// Both factors together, at most [`Rate::MAX`].
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
-        // Both are at most 2¹⁷.
-        Self::from_raw(((self.0 as u64).wrapping_mul(other.0 as u64) >> 16) as u32)
+        // Both are at most 2.
+        Self::from_raw(self.0.wrapping_mul(other.0).to_bits())
     }
 
     /// `speed` times this factor, saturating.
     #[must_use]
-    pub const fn of(self, speed: PathRate) -> PathRate {
-        let scaled = (self.0 as u64).wrapping_mul(speed.0 as u64) >> 16;
-        PathRate(if scaled > u32::MAX as u64 {
-            u32::MAX
-        } else {
-            scaled as u32
-        })
+    pub fn of(self, speed: PathRate) -> PathRate {
+        PathRate(self.0.wide_mul(speed.0).saturating_to_num())
     }
 }
 
-/// Distance covered along a path in 2⁻¹⁶ nanometre (rotary moves: µ°); up to 2⁴⁴ nm.
+/// Distance covered along a path in nanometres (rotary moves: µ°); up to 2⁴⁴ nm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Travel(u64);
+pub struct Travel(U48F16);
 
 impl Travel {
     /// The start.
-    pub const ZERO: Self = Self(0);
+    pub const ZERO: Self = Self(U48F16::ZERO);
 
     /// `raw` · 2⁻¹⁶ nanometre.
     #[must_use]
     pub const fn from_raw(raw: u64) -> Self {
-        Self(raw)
+        Self(U48F16::from_bits(raw))
     }
 
     /// 2⁻¹⁶ nanometres.
     #[must_use]
     pub const fn raw(self) -> u64 {
-        self.0
+        self.0.to_bits()
     }
 
     /// `length` from the start; negative lengths count as zero.
     #[must_use]
-    pub const fn of(length: Length) -> Self {
-        Self(if length.nm() < 0 {
-            0
-        } else {
-            (length.nm() as u64) << 16
-        })
+    pub fn of(length: Length) -> Self {
+        Self(U48F16::wrapping_from_num(length.nm().max(0)))
     }
 
     /// What is left of this after `other`, at least zero.
     #[must_use]
     pub const fn beyond(self, other: Self) -> Self {
         Self(self.0.saturating_sub(other.0))
+    }
+
+    /// This and `more` together.
+    #[must_use]
+    pub const fn and(self, more: Self) -> Self {
+        Self(self.0.saturating_add(more.0))
     }
 }
 

@@ -99,7 +99,7 @@ impl Run {
         let end = Travel::of(current.length);
         let joined = match next {
             Some(next) if self.joined && travel > end => {
-                self.origin = Travel::from_raw(self.origin.raw().saturating_add(end.raw()));
+                self.origin = self.origin.and(end);
                 self.joined = false;
                 self.position = next.path.at(travel.beyond(end));
                 true

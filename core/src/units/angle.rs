@@ -2,6 +2,7 @@
 
 use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 
+use fixed::types::I32F32;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -23,22 +24,9 @@ use serde::{Deserialize, Serialize};
 )]
 pub struct Angle(i64);
 
-/// Spindle angle in 2⁻³² turns, continuous (never wrapped), positive in the direction of M03.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Hash,
-    Serialize,
-    Deserialize,
-    Schema,
-)]
-pub struct Turns(i64);
+/// Spindle angle in turns, continuous (never wrapped), positive in the direction of M03.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Turns(I32F32);
 
 macro_rules! saturating_ops {
     ($type:ident) => {
@@ -74,6 +62,7 @@ macro_rules! saturating_ops {
 }
 saturating_ops!(Angle);
 saturating_ops!(Turns);
+as_bits!(Turns);
 
 impl Angle {
     /// The zero of the axis.
@@ -94,26 +83,26 @@ impl Angle {
 
 impl Turns {
     /// The index at start-up.
-    pub const ZERO: Self = Self(0);
+    pub const ZERO: Self = Self(I32F32::ZERO);
     /// One turn.
-    pub const ONE: Self = Self(1 << 32);
+    pub const ONE: Self = Self(I32F32::ONE);
 
     /// An angle of `raw` · 2⁻³² turns.
     #[must_use]
     pub const fn from_raw(raw: i64) -> Self {
-        Self(raw)
+        Self(I32F32::from_bits(raw))
     }
 
     /// The angle in 2⁻³² turns.
     #[must_use]
     pub const fn raw(self) -> i64 {
-        self.0
+        self.0.to_bits()
     }
 
     /// Millionths of a turn, rounded to the nearest.
     #[must_use]
     pub const fn micro(self) -> i64 {
-        ((self.0 as i128)
+        ((self.raw() as i128)
             .wrapping_mul(1_000_000)
             .wrapping_add(1 << 31)
             >> 32) as i64
@@ -122,7 +111,13 @@ impl Turns {
     /// `n` whole turns.
     #[must_use]
     pub const fn whole(n: i32) -> Self {
-        Self((n as i64) << 32)
+        Self(I32F32::const_from_int(n as i64))
+    }
+
+    /// The first whole turn above this angle.
+    #[must_use]
+    pub const fn next_whole(self) -> Self {
+        Self(self.0.wrapping_floor().wrapping_add(I32F32::ONE))
     }
 }
 
@@ -153,6 +148,6 @@ impl StartAngle {
     #[must_use]
     pub const fn turns(self) -> Turns {
         // (mdeg · 2³² + 180 000) / 360 000; mdeg < 360 000 keeps this below 2⁵¹.
-        Turns((((self.0 as u64) << 32).wrapping_add(180_000) / 360_000) as i64)
+        Turns::from_raw((((self.0 as u64) << 32).wrapping_add(180_000) / 360_000) as i64)
     }
 }

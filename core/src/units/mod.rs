@@ -1,10 +1,34 @@
 //! Quantities with their units in the type.
 //!
-//! Knows nothing of the rest of the core. Every quantity is an integer: lengths are nanometres (a nanometre divides
+//! Knows nothing of the rest of the core. Every quantity is exact: lengths are nanometres (a nanometre divides
 //! every metric and inch input increment exactly, halved for a diameter too), rotary axes are millionths of a degree,
-//! the spindle is counted in 2⁻³² turns, and a lead is an exact ratio of nanometres to turns. `+`, `-` and negation
-//! saturate at the range of the integer; inputs are bounded far below it ([`Length::INPUT_LIMIT`]), so a saturated
+//! a lead is an exact ratio of nanometres to turns. What is a binary fraction (turns, rates, ticks) is a type of the crate
+//! `fixed` inside, with its point in the type. `+`, `-` and negation
+//! saturate at the range of the type; inputs are bounded far below it ([`Length::INPUT_LIMIT`]), so a saturated
 //! value is never a legal position.
+
+/// A binary fraction travels as its bits.
+macro_rules! as_bits {
+    ($type:ident) => {
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                self.raw().serialize(to)
+            }
+        }
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+                i64::deserialize(from).map(Self::from_raw)
+            }
+        }
+        impl postcard_schema::Schema for $type {
+            const SCHEMA: &'static postcard_schema::schema::NamedType =
+                &postcard_schema::schema::NamedType {
+                    name: stringify!($type),
+                    ty: &postcard_schema::schema::DataModelType::NewtypeStruct(i64::SCHEMA),
+                };
+        }
+    };
+}
 
 mod angle;
 mod axis;

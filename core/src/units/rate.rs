@@ -1,54 +1,42 @@
 //! How fast the spindle turns ([`TurnRate`]), and a span of ticks with a fraction ([`Ticks`]).
 
-use postcard_schema::Schema;
-use serde::{Deserialize, Serialize};
+use fixed::types::{I32F32, U16F16};
 
 use super::Rpm;
 
-/// Speed of the spindle in 2⁻³² turns per second, positive in the direction of M03. 1 rpm is about 7·10⁷.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Hash,
-    Serialize,
-    Deserialize,
-    Schema,
-)]
-pub struct TurnRate(i64);
+/// Speed of the spindle in turns per second, positive in the direction of M03.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TurnRate(I32F32);
+
+as_bits!(TurnRate);
 
 impl TurnRate {
     /// Standing.
-    pub const ZERO: Self = Self(0);
+    pub const ZERO: Self = Self(I32F32::ZERO);
 
     /// A speed of `raw` · 2⁻³² turns per second.
     #[must_use]
     pub const fn from_raw(raw: i64) -> Self {
-        Self(raw)
+        Self(I32F32::from_bits(raw))
     }
 
     /// The speed in 2⁻³² turns per second.
     #[must_use]
     pub const fn raw(self) -> i64 {
-        self.0
+        self.0.to_bits()
     }
 
     /// The speed of `rpm` turns per minute, rounded towards zero (by less than 2⁻³² turns per second).
     #[must_use]
     pub const fn of_rpm(rpm: Rpm) -> Self {
-        Self(((rpm.get() as i64) << 32) / 60)
+        Self::from_raw(I32F32::const_from_int(rpm.get() as i64).to_bits() / 60)
     }
 
     /// Whole turns per minute, rounded to the nearest.
     #[must_use]
     pub const fn rpm(self) -> Rpm {
         // 60 · 2¹⁶ keeps the product inside 64 bits for every speed below 2⁴¹ turns per second.
-        let scaled = (self.0 >> 16).saturating_mul(60);
+        let scaled = (self.raw() >> 16).saturating_mul(60);
         Rpm::new((scaled.saturating_add(1 << 15) >> 16) as i32)
     }
 
@@ -61,22 +49,22 @@ impl TurnRate {
     /// True for M04's direction.
     #[must_use]
     pub const fn is_negative(self) -> bool {
-        self.0 < 0
+        self.0.is_negative()
     }
 }
 
-/// A span of time in ticks, in 2⁻¹⁶ ticks, never negative, below 65 536 ticks.
+/// A span of time in ticks, never negative, below 65 536 ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Ticks(u32);
+pub struct Ticks(U16F16);
 
 impl Ticks {
     /// The next tick.
-    pub const ONE: Self = Self(1 << 16);
+    pub const ONE: Self = Self(U16F16::ONE);
 
     /// `whole` ticks.
     #[must_use]
     pub const fn whole(whole: u16) -> Self {
-        Self((whole as u32) << 16)
+        Self(U16F16::const_from_int(whole as u32))
     }
 
     /// One tick plus a latency of `us` microseconds, where a tick is `tick_us` long: how far ahead of the sample a
@@ -84,7 +72,9 @@ impl Ticks {
     #[must_use]
     pub const fn one_and(us: u32, tick_us: u32) -> Self {
         match ((us as u64) << 16).checked_div(tick_us as u64) {
-            Some(extra) if extra < (1 << 31) => Self(Self::ONE.0.saturating_add(extra as u32)),
+            Some(extra) if extra < (1 << 31) => {
+                Self(U16F16::from_bits(extra as u32).saturating_add(U16F16::ONE))
+            }
             _ => Self::ONE,
         }
     }
@@ -92,7 +82,7 @@ impl Ticks {
     /// A tick less than this, but not less than nothing.
     #[must_use]
     pub const fn less_one(self) -> Self {
-        Self(self.0.saturating_sub(Self::ONE.0))
+        Self(self.0.saturating_sub(U16F16::ONE))
     }
 
     /// As long as both, 65 535 ticks and a fraction at most.
@@ -104,6 +94,6 @@ impl Ticks {
     /// The span in 2⁻¹⁶ ticks.
     #[must_use]
     pub const fn raw(self) -> u32 {
-        self.0
+        self.0.to_bits()
     }
 }

@@ -97,8 +97,7 @@ impl ThreadRun {
         let angle = plan.turned(angle);
         // The whole turn after the point where the axis would have to leave now.
         let leaving = angle + plan.join_angle - plan.start_angle;
-        let turn = (leaving.raw() >> 32).wrapping_add(1);
-        let base = Turns::from_raw(turn.wrapping_shl(32)) + plan.start_angle;
+        let base = leaving.next_whole() + plan.start_angle;
         Ok(Self {
             base,
             master: Master::Spindle,

@@ -15,7 +15,7 @@ fn taps(text: &str) -> Vec<TapCall> {
 #[test]
 fn a_turning_spindle_taps_without_rigid_mode() {
     let (kinds, warnings) = kinds_on(&[], "G98 M3 S500\nG84 Z-20 R-2 P300 Q4 F750\nX5\nG80\nM30");
-    assert_eq!(warnings, []);
+    assert!(warnings.is_empty(), "{warnings:?}");
     let [
         turn,
         CallKind::Tap(first),

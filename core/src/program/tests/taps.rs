@@ -36,7 +36,7 @@ pub(super) fn holes(count: u8) -> TapRepeat {
 fn the_sheets_program_as_printed() {
     let text = "G98;\nG0 X50 Z0;\nM29 S1000;\nG84 Z-50 P3000 F2000;\nG80;\nM30;\n";
     let (kinds, warnings) = kinds_on(&[], text);
-    assert_eq!(warnings, []);
+    assert!(warnings.is_empty(), "{warnings:?}");
     let [rapid, rigid, CallKind::Tap(call), off, end] = kinds.as_slice() else {
         panic!("{kinds:?}")
     };
