@@ -63,6 +63,7 @@ impl Coarse {
     /// The sum of the magnitudes of the predicted angle's second differences after a single error of one, in 2⁻³².
     fn second_difference(self, ahead: Ticks) -> u64 {
         let Gains { alpha, beta, gamma } = Gains::new(self.bandwidth_hz, self.tick_us);
+        let (alpha, beta, gamma) = (alpha.to_bits(), beta.to_bits(), gamma.to_bits());
         let one = 1_i64 << 32;
         let ahead = i64::from(ahead.raw());
         let half_square = ahead.wrapping_mul(ahead >> 1) >> 16;

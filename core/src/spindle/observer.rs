@@ -16,10 +16,13 @@
 //! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for
 //! that tick, and what the counter has lost or gained is told [D128].
 //!
-//! The tick is constant work on integers: no division of 64 bits, no loop. Angles are 2⁻³² turns, speed and
-//! acceleration 2⁻⁴⁸ turns per tick and per tick², so no rounding accumulates that a lead could show.
+//! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the
+//! point, speed and acceleration have 48, so no rounding accumulates that a lead could show. Products of them are rounded to
+//! the nearest, which the operators of `fixed` do not do: they are made of the bits.
 
-use crate::units::{Ticks, TurnRate, Turns, product};
+use fixed::types::{I16F48, I32F32, U1F63, U8F56, U32F32, U48F16};
+
+use crate::units::{Ticks, TurnRate, Turns};
 
 /// What the encoder hardware delivers once a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,7 +62,7 @@ const BEYOND_RAMP: u64 = 4;
 
 /// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product. One that
 /// is larger, and not by the width of the counts alone, says that the tracker has lost the spindle.
-const LARGEST_SURPRISE: i64 = 1 << 30;
+const LARGEST_SURPRISE: I32F32 = I32F32::from_bits(1 << 30);
 
 /// No spindle turns faster, in turns per second: 120 000 rpm.
 const FASTEST: u64 = 2_000;
@@ -68,33 +71,33 @@ const FASTEST: u64 = 2_000;
 /// count's boundary limits the extrapolation anyway.
 const OLDEST_EDGE_TICKS: u32 = 16;
 
-/// 2π in 2⁻³².
-const TWO_PI: u64 = 26_986_075_409;
+/// 2π, rounded to the nearest.
+const TWO_PI: U32F32 = U32F32::from_bits(26_986_075_409);
 
-/// What the tracker adds to angle, speed and acceleration of the difference between what it sees and what it predicted,
-/// in 2⁻³².
-#[derive(Clone, Copy, Debug)]
+/// The shares of the difference between the measured and the predicted angle that the tracker adds to angle, speed and
+/// acceleration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Gains {
-    pub alpha: i64,
-    pub beta: i64,
-    pub gamma: i64,
+    pub alpha: I32F32,
+    pub beta: I32F32,
+    pub gamma: I32F32,
 }
 
 impl Gains {
     /// Of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
     pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
-        // θ = exp(−2π·f·T): the exponent is at most 63, so 2⁻³² of it fits easily.
-        let exponent =
-            TWO_PI.wrapping_mul((bandwidth as u64).wrapping_mul(tick_us as u64)) / 1_000_000;
+        // θ = exp(−2π·f·T): the exponent is at most 63, and a million times as much is still in range.
+        let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
+        let exponent = U32F32::from_bits(TWO_PI.wrapping_mul_int(cycles).to_bits() / 1_000_000);
         let theta = exp_of_minus(exponent);
-        let one = 1_u64 << 32;
-        let rest = one.wrapping_sub(theta);
-        let cube = mul(mul(theta, theta), theta);
-        let beta = mul(mul(rest, rest), one.wrapping_add(theta));
+        let rest = U32F32::ONE.wrapping_sub(theta);
+        let square = rest.wrapping_mul(rest);
+        let cube = theta.wrapping_mul(theta).wrapping_mul(theta);
+        let beta = square.wrapping_mul(U32F32::ONE.wrapping_add(theta));
         Self {
-            alpha: one.wrapping_sub(cube) as i64,
-            beta: beta.wrapping_add(beta >> 1) as i64,
-            gamma: mul(mul(rest, rest), rest) as i64,
+            alpha: signed(U32F32::ONE.wrapping_sub(cube)),
+            beta: signed(beta.wrapping_add(half(beta))),
+            gamma: signed(square.wrapping_mul(rest)),
         }
     }
 }
@@ -105,25 +108,20 @@ pub struct Observer {
     // What the encoder is.
     counts: u32,
     tick_us: u32,
-    /// 2⁶³ / counts: an angle within a turn is one multiplication and a shift.
-    scale: u64,
-    /// Width of a count, 2⁻³² turns.
-    width: i64,
-    /// Ticks per nanosecond, 2⁻⁵⁶.
-    ticks_per_ns: u64,
+    /// Turns per count: an angle within a turn is one multiplication and a shift.
+    scale: U1F63,
+    /// Width of a count in turns.
+    width: I32F32,
+    ticks_per_ns: U8F56,
     oldest_edge_ns: u32,
-    /// Ticks per second, 2⁻¹⁶.
-    ticks_per_second: u64,
-    // Gains, 2⁻³².
-    alpha: i64,
-    beta: i64,
-    gamma: i64,
+    ticks_per_second: U48F16,
+    gains: Gains,
     /// Counts by which the movement of the counter may change from tick to tick.
     hardest: u32,
-    /// The farthest way of a tick, 2⁻³² turns.
-    fastest: i64,
-    /// A larger innovation says that the spindle is lost, 2⁻³² turns.
-    lost: u64,
+    /// The farthest way of a tick in turns.
+    fastest: I32F32,
+    /// A larger innovation, in turns, says that the spindle is lost.
+    lost: U32F32,
     // Where the counter is.
     last: Option<i32>,
     /// Its movement in the last tick that was believed; `None`: the next one is believed whatever it is.
@@ -132,10 +130,10 @@ pub struct Observer {
     turn: i64,
     rising: Option<bool>,
     zero: Option<i32>,
-    // The state: 2⁻³² turns, 2⁻⁴⁸ turns per tick, 2⁻⁴⁸ turns per tick².
-    angle: i64,
-    speed: i64,
-    acceleration: i64,
+    // The state: turns, turns per tick, turns per tick².
+    angle: I32F32,
+    speed: I16F48,
+    acceleration: I16F48,
 }
 
 impl Observer {
@@ -150,32 +148,30 @@ impl Observer {
         let tick_ns = tick_us.wrapping_mul(1000);
         let scale = divide(1 << 63, counts as u64);
 
-        let Gains { alpha, beta, gamma } = Gains::new(bandwidth, tick_us);
-
         Self {
             counts,
             tick_us,
-            scale,
-            width: (scale >> 31) as i64,
-            ticks_per_ns: divide(1 << 56, tick_ns as u64),
+            scale: U1F63::from_bits(scale),
+            width: I32F32::from_bits((scale >> 31) as i64),
+            ticks_per_ns: U8F56::from_bits(divide(1 << 56, tick_ns as u64)),
             oldest_edge_ns: tick_ns.wrapping_mul(OLDEST_EDGE_TICKS),
-            ticks_per_second: divide(1_000_000 << 16, tick_us as u64),
-            alpha,
-            beta,
-            gamma,
+            ticks_per_second: U48F16::from_bits(divide(1_000_000 << 16, tick_us as u64)),
+            gains: Gains::new(bandwidth, tick_us),
             hardest: hardest(counts, tick_us, HARDEST),
-            fastest: ((FASTEST << 32) / 1_000_000).wrapping_mul(tick_us as u64) as i64,
+            fastest: I32F32::from_bits(
+                ((FASTEST << 32) / 1_000_000).wrapping_mul(tick_us as u64) as i64
+            ),
             // Two counts: that of the last tick and that of this one.
-            lost: (LARGEST_SURPRISE as u64).wrapping_add(scale >> 30),
+            lost: U32F32::from_bits((LARGEST_SURPRISE.to_bits() as u64).wrapping_add(scale >> 30)),
             last: None,
             pace: None,
             in_turn: 0,
             turn: 0,
             rising: None,
             zero: None,
-            angle: 0,
-            speed: 0,
-            acceleration: 0,
+            angle: I32F32::ZERO,
+            speed: I16F48::ZERO,
+            acceleration: I16F48::ZERO,
         }
     }
 
@@ -203,7 +199,7 @@ impl Observer {
             None => {
                 // Where the spindle stands at the first sample is called count zero until the index says better.
                 self.last = Some(sample.count);
-                self.angle = self.boundary().wrapping_add(self.width >> 1);
+                self.angle = self.boundary().wrapping_add(self.half_width());
                 sample.count
             }
         };
@@ -234,7 +230,7 @@ impl Observer {
         // Predict one tick, look, correct.
         let predicted = self
             .angle
-            .wrapping_add(rounded(self.speed.wrapping_add(self.acceleration >> 1), 16));
+            .wrapping_add(nearest(self.speed.wrapping_add(half_of(self.acceleration))));
         let speed = self.speed.wrapping_add(self.acceleration);
         let measured = self.measured(sample.edge_age_ns, speed);
         let surprise = measured.wrapping_sub(predicted);
@@ -243,11 +239,14 @@ impl Observer {
             return event;
         }
         let surprise = surprise.clamp(LARGEST_SURPRISE.wrapping_neg(), LARGEST_SURPRISE);
-        self.angle = predicted.wrapping_add(rounded(self.alpha.wrapping_mul(surprise), 32));
-        self.speed = speed.wrapping_add(rounded(self.beta.wrapping_mul(surprise), 16));
+        let Gains { alpha, beta, gamma } = self.gains;
+        let by =
+            |gain: I32F32, bits| rounded(gain.to_bits().wrapping_mul(surprise.to_bits()), bits);
+        self.angle = predicted.wrapping_add(I32F32::from_bits(by(alpha, 32)));
+        self.speed = speed.wrapping_add(I16F48::from_bits(by(beta, 16)));
         self.acceleration = self
             .acceleration
-            .wrapping_add(rounded(self.gamma.wrapping_mul(surprise), 16));
+            .wrapping_add(I16F48::from_bits(by(gamma, 16)));
         event
     }
 
@@ -256,30 +255,35 @@ impl Observer {
     /// never finds the spindle again [D185].
     #[cold]
     #[inline(never)]
-    fn find(&mut self, measured: i64, moved: i32) {
+    fn find(&mut self, measured: I32F32, moved: i32) {
         // At most 2³¹ counts of 2³² each; in 10 ms the fastest makes twenty turns.
-        let way = i64::from(moved).wrapping_mul(self.width);
+        let way = self.width.wrapping_mul_int(moved.into());
         self.angle = measured;
-        self.speed = way.min(self.fastest).max(self.fastest.wrapping_neg()) << 16;
-        self.acceleration = 0;
+        self.speed = way
+            .min(self.fastest)
+            .max(self.fastest.wrapping_neg())
+            .wrapping_to_num();
+        self.acceleration = I16F48::ZERO;
     }
 
     /// The angle at the last sample.
     #[must_use]
     pub const fn angle(&self) -> Turns {
-        Turns::from_raw(self.angle)
+        Turns::from_raw(self.angle.to_bits())
     }
 
     /// The angle `ahead` of the last sample, at the present speed and acceleration. Good for a few tens of ticks.
     #[must_use]
     pub const fn predict(&self, ahead: Ticks) -> Turns {
         let ahead = ahead.raw() as i64;
-        let by_speed = rounded((self.speed >> 16).wrapping_mul(ahead), 16);
+        let by_speed = rounded((self.speed.to_bits() >> 16).wrapping_mul(ahead), 16);
         // ½·a·t²: t² ≤ 2⁴⁸ in 2⁻³², brought back to 2⁻¹⁶ before it meets the acceleration.
         let half_square = ahead.wrapping_mul(ahead >> 1) >> 16;
-        let by_acceleration = rounded((self.acceleration >> 16).wrapping_mul(half_square), 16);
+        let acceleration = self.acceleration.to_bits() >> 16;
+        let by_acceleration = rounded(acceleration.wrapping_mul(half_square), 16);
         Turns::from_raw(
             self.angle
+                .to_bits()
                 .wrapping_add(by_speed)
                 .wrapping_add(by_acceleration),
         )
@@ -289,9 +293,9 @@ impl Observer {
     #[must_use]
     pub const fn speed(&self) -> TurnRate {
         // 2⁻³² turns per tick times 2⁻¹⁶ ticks per second.
-        let per_tick = self.speed >> 16;
+        let per_tick = self.speed.to_bits() >> 16;
         TurnRate::from_raw(rounded(
-            per_tick.wrapping_mul(self.ticks_per_second as i64),
+            per_tick.wrapping_mul(self.ticks_per_second.to_bits() as i64),
             16,
         ))
     }
@@ -321,9 +325,13 @@ impl Observer {
     }
 
     /// Lower boundary of the present count.
-    const fn boundary(&self) -> i64 {
-        let within = (self.in_turn as u64).wrapping_mul(self.scale) >> 31;
-        (self.turn << 32).wrapping_add(within as i64)
+    const fn boundary(&self) -> I32F32 {
+        let within = self.scale.wrapping_mul_int(self.in_turn as u64).to_bits() >> 31;
+        I32F32::from_bits((self.turn << 32).wrapping_add(within as i64))
+    }
+
+    const fn half_width(&self) -> I32F32 {
+        I32F32::from_bits(self.width.to_bits() >> 1)
     }
 
     /// Moves the counter by `delta` counts.
@@ -364,7 +372,7 @@ impl Observer {
             self.rising = rising;
             // Of all whole turns the nearest, so that the angle jumps by half a turn at most.
             let jump = before.wrapping_sub(self.boundary());
-            self.turn = self.turn.wrapping_add(rounded(jump, 32));
+            self.turn = self.turn.wrapping_add(rounded(jump.to_bits(), 32));
             self.angle = self
                 .angle
                 .wrapping_add(self.boundary().wrapping_sub(before));
@@ -390,21 +398,21 @@ impl Observer {
     }
 
     /// The angle that the sample shows.
-    fn measured(&self, edge_age_ns: Option<u32>, speed: i64) -> i64 {
+    fn measured(&self, edge_age_ns: Option<u32>, speed: I16F48) -> I32F32 {
         let lower = self.boundary();
         let (Some(age), Some(rising)) = (edge_age_ns, self.rising) else {
-            return lower.wrapping_add(self.width >> 1);
+            return lower.wrapping_add(self.half_width());
         };
         let age = age.min(self.oldest_edge_ns);
         // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again.
-        let age = (u64::from(age).wrapping_mul(self.ticks_per_ns) >> 32) as i64;
-        let way = (speed >> 16).wrapping_mul(age) >> 24;
+        let age = (self.ticks_per_ns.wrapping_mul_int(age.into()).to_bits() >> 32) as i64;
+        let way = I32F32::from_bits((speed.to_bits() >> 16).wrapping_mul(age) >> 24);
         let within = if rising {
             way
         } else {
             self.width.wrapping_add(way)
         };
-        lower.wrapping_add(within.min(self.width).max(0))
+        lower.wrapping_add(within.min(self.width).max(I32F32::ZERO))
     }
 }
 
@@ -432,9 +440,22 @@ const fn rounded(value: i64, bits: u32) -> i64 {
         .wrapping_shr(bits)
 }
 
-/// Product of two numbers in 2⁻³², neither above 2.
-const fn mul(a: u64, b: u64) -> u64 {
-    (product(a, b) >> 32) as u64
+/// An angle with 48 bits after the point, rounded to one with 32.
+const fn nearest(value: I16F48) -> I32F32 {
+    I32F32::from_bits(rounded(value.to_bits(), 16))
+}
+
+const fn half_of(value: I16F48) -> I16F48 {
+    I16F48::from_bits(value.to_bits() >> 1)
+}
+
+const fn half(value: U32F32) -> U32F32 {
+    U32F32::from_bits(value.to_bits() >> 1)
+}
+
+/// A gain, which is far below what a sign leaves room for.
+const fn signed(gain: U32F32) -> I32F32 {
+    I32F32::from_bits(gain.to_bits() as i64)
 }
 
 const fn clamp(value: u32, low: u32, high: u32) -> u32 {
@@ -454,18 +475,21 @@ const fn divide(a: u64, b: u64) -> u64 {
     }
 }
 
-/// exp(−x), both in 2⁻³², x ≤ 64: the series of x/256, squared eight times.
-const fn exp_of_minus(x: u64) -> u64 {
-    let one = 1_u64 << 32;
-    let y = x >> 8;
+/// exp(−x) for x ≤ 64: the series of x/256, squared eight times.
+const fn exp_of_minus(x: U32F32) -> U32F32 {
+    const fn part(value: U32F32, of: u64) -> U32F32 {
+        U32F32::from_bits(divide(value.to_bits(), of))
+    }
+    let one = U32F32::ONE;
+    let y = part(x, 256);
     // 1 − y·(1 − y/2·(1 − y/3·(1 − y/4)))
-    let mut sum = one.wrapping_sub(y / 4);
-    sum = one.wrapping_sub(mul(y, sum) / 3);
-    sum = one.wrapping_sub(mul(y, sum) / 2);
-    sum = one.wrapping_sub(mul(y, sum));
+    let mut sum = one.wrapping_sub(part(y, 4));
+    sum = one.wrapping_sub(part(y.wrapping_mul(sum), 3));
+    sum = one.wrapping_sub(part(y.wrapping_mul(sum), 2));
+    sum = one.wrapping_sub(y.wrapping_mul(sum));
     let mut squarings = 0;
     while squarings < 8 {
-        sum = mul(sum, sum);
+        sum = sum.wrapping_mul(sum);
         squarings = 1_u32.wrapping_add(squarings);
     }
     sum

@@ -270,6 +270,17 @@ impl Bench {
         self.send(command.frame(NODE));
     }
 
+    /// The heartbeats of the gateway stop, or come again: the board misses one until the next has arrived.
+    pub fn beat(&mut self, beats: bool) {
+        self.beats = beats;
+        self.lost_beats = self.lost_beats.max(1);
+    }
+
+    /// The board misses a heartbeat of the gateway.
+    pub fn misses_beat(&self) -> bool {
+        self.lost_beats > 0
+    }
+
     /// An order is under way.
     pub fn is_ordering(&self) -> bool {
         self.pending.is_some()

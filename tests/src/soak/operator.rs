@@ -215,8 +215,8 @@ fn overrides(bench: &mut Bench) {
 
 /// The gateway's messages of its own life stop or come again.
 fn hush(bench: &mut Bench) {
-    bench.beats = !bench.beats;
-    let beats = bench.beats;
+    let beats = !bench.beats;
+    bench.beat(beats);
     bench
         .random
         .act(|| format!("heartbeats of the gateway: {beats}"));

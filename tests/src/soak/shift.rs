@@ -260,8 +260,14 @@ impl Shift {
                 upload.waiting()
             );
             match feed(bench, &mut upload) {
-                // A reset before the program had begun.
-                Fed::Closed if !ordered => break,
+                // A reset before the program had begun. Or the operator has ordered "run" for the first calls of a program
+                // whose gateway is gone: nobody sends the rest.
+                Fed::Closed if !ordered => {
+                    if matches!(bench.state(), State::Running | State::Held) {
+                        bench.ordered(Order::Reset);
+                    }
+                    break;
+                }
                 Fed::Taken => begun = true,
                 _ => {}
             }
@@ -314,6 +320,8 @@ impl Shift {
         let whole = bench.operator.is_well();
         let stood = bench.position();
         settle(bench);
+        // They are sent again, but a program would still miss them before one has arrived.
+        bench.until("a heartbeat", LONGEST, |bench| !bench.misses_beat());
         bench.until("an order before", LONGEST, |bench| !bench.is_ordering());
         if !whole {
             bench.stands(AFTERMATH);
