@@ -1,78 +1,82 @@
 //! The spindle observer: a third-order tracker (angle, speed, acceleration) over a quantised encoder.
 //!
-//! Encoder counts are coarse (a count of 4096 is 1.5 µm of a 6 mm lead) and a setpoint takes effect a tick after the
-//! sample, so the angle is filtered and predicted. The tracker predicts with constant acceleration and corrects with
-//! three gains of one design figure, the bandwidth: all three poles lie at `θ = exp(−2π·f·T)`, which is the discounted
-//! least-squares ("fading memory") fit of a parabola. It follows constant speed and constant acceleration without lag.
+//! An encoder count is coarse: one count of 4096 is 1.5 µm of a 6 mm lead. A setpoint takes effect one tick after the
+//! sample. Therefore the observer filters the angle and predicts it. The tracker predicts with constant acceleration
+//! and corrects with three gains. One design figure, the bandwidth, gives all three gains: all three poles lie at `θ =
+//! exp(−2π·f·T)`. This is the discounted least-squares ("fading memory") fit of a parabola. The tracker follows
+//! constant speed and constant acceleration without lag.
 //!
-//! What the sample says of the angle: the counter stands at `c` while the angle is within `[c, c + 1)` counts. Where the
-//! hardware captures the time of the last edge, the angle of that edge is known exactly (the lower boundary when the
-//! count rose, the upper one when it fell) and the speed carries it to the instant of the sample, never beyond the
-//! count's other boundary. Without the edge's time the middle of the count is the best guess.
+//! What a sample tells about the angle: the counter stands at `c` while the angle is within `[c, c + 1)` counts. If the
+//! hardware captures the time of the last edge, the angle at that edge is known exactly: the lower boundary of the
+//! count if the count rose, the upper boundary if the count fell. The speed carries this angle to the instant of the
+//! sample, but never beyond the other boundary of the count. Without the edge's time, the middle of the count is the
+//! best guess.
 //!
-//! A spindle that is farther than a quarter turn from where the tracker expects it is taken up anew where the sample says
-//! that it is [D185].
+//! If the spindle is farther than a quarter turn from where the tracker expects it, the tracker starts again at the
+//! angle that the sample shows [D185].
 //!
-//! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for
-//! that tick, and what the counter has lost or gained is told [D128].
+//! If the counter moves as no spindle can, the cause is a disturbance on its wires. The observer does not follow such a
+//! movement: the angle goes on as before for that tick, and the observer reports the counts that were lost or gained
+//! [D128].
 //!
-//! The tick is constant work on integers: no division of 64 bits, no loop. Angles are 2⁻³² turns, speed and
-//! acceleration 2⁻⁴⁸ turns per tick and per tick², so no rounding accumulates that a lead could show.
+//! The tick is constant work on integers: no division of 64 bits, no loop. Angles are in 2⁻³² turns, speed and
+//! acceleration in 2⁻⁴⁸ turns per tick and per tick². With these units no rounding error grows until a lead could show
+//! it.
 
 use crate::units::{Ticks, TurnRate, Turns, product};
 
 /// What the encoder hardware delivers once a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EncoderSample {
-    /// The hardware counter at the sample, all edges counted, wrapping. It stands at `c` while the angle is within
-    /// `[c, c + 1)` counts of the counter's zero.
+    /// The hardware counter at the sample. It counts all edges and wraps. The counter stands at `c` while the angle is
+    /// within `[c, c + 1)` counts of the counter's zero.
     pub count: i32,
-    /// How long before the sample the counter last changed, in nanoseconds; `None` where the hardware does not
-    /// capture it (or nothing has moved yet).
+    /// Time from the last change of the counter to the sample, in nanoseconds. `None` if the hardware does not capture
+    /// this time, or if nothing has moved yet.
     pub edge_age_ns: Option<u32>,
-    /// The counter as latched by an index pulse since the last sample: the count within which the pulse lies, whatever
-    /// the direction. The lower boundary of that count is the spindle's zero.
+    /// The counter value that an index pulse has latched since the last sample: the count in which the pulse lies, in
+    /// either direction of turning. The lower boundary of that count is the spindle's zero.
     pub index: Option<i32>,
 }
 
-/// What the observer found out at a sample.
+/// What the observer noticed at a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpindleEvent {
-    /// The first index: angles are absolute from here on.
+    /// The first index came: from here on angles are absolute.
     Indexed,
-    /// Counts were lost or gained: an index came where none belongs, or the counter moved as no spindle can [D128].
+    /// Counts were lost or gained: an index came at a wrong place, or the counter moved as no spindle can [D128].
     Slipped {
-        /// How many counts late (negative: early) the index came; or how many the counter moved too many.
+        /// By how many counts the index came late (negative: early), or how many counts the counter moved too far.
         counts: i32,
     },
 }
 
-/// Slower than this the spindle counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
+/// A spindle that turns slower than this counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
 const STANDING: i64 = (1 << 32) / 240;
 
-/// No spindle changes its speed faster, in turns per second and second: it would stop from 3000 rpm within one eightieth of
-/// a second, ten times faster than a crash stops it.
+/// No spindle changes its speed faster than this, in turns per second squared. At this rate a spindle would stop from
+/// 3000 rpm within one eightieth of a second, ten times faster than a crash stops it.
 const HARDEST: u64 = 4_000;
 
-/// A spindle's ramp is taken for hard where it is harder: by so much more than the drive's own.
+/// The observer allows changes of speed this many times harder than the drive's own ramp.
 const BEYOND_RAMP: u64 = 4;
 
-/// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product. One that
-/// is larger, and not by the width of the counts alone, says that the tracker has lost the spindle.
+/// The observer clips each innovation (measured minus predicted angle) to a quarter turn. No acceleration makes a
+/// larger innovation, and no product overflows with this one. If an innovation is larger, and not only by the width of
+/// the counts, the tracker has lost the spindle.
 const LARGEST_SURPRISE: i64 = 1 << 30;
 
-/// No spindle turns faster, in turns per second: 120 000 rpm.
+/// No spindle turns faster than this, in turns per second: 120 000 rpm.
 const FASTEST: u64 = 2_000;
 
-/// Edges older than this many ticks are treated as this old: the speed is then far below one count a tick, and the
+/// An edge older than this many ticks is treated as this old. The speed is then far below one count a tick, and the
 /// count's boundary limits the extrapolation anyway.
 const OLDEST_EDGE_TICKS: u32 = 16;
 
 /// 2π in 2⁻³².
 const TWO_PI: u64 = 26_986_075_409;
 
-/// What the tracker adds to angle, speed and acceleration of the difference between what it sees and what it predicted,
-/// in 2⁻³².
+/// Gains of the tracker, in 2⁻³²: the shares of the innovation that are added to angle, speed and acceleration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gains {
     pub alpha: i64,
@@ -81,9 +85,9 @@ pub(super) struct Gains {
 }
 
 impl Gains {
-    /// Of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
+    /// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
     pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
-        // θ = exp(−2π·f·T): the exponent is at most 63, so 2⁻³² of it fits easily.
+        // θ = exp(−2π·f·T). The exponent is at most 63, so it fits easily in 2⁻³².
         let exponent =
             TWO_PI.wrapping_mul((bandwidth as u64).wrapping_mul(tick_us as u64)) / 1_000_000;
         let theta = exp_of_minus(exponent);
@@ -102,7 +106,7 @@ impl Gains {
 /// Angle, speed and acceleration of the spindle, one sample a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Observer {
-    // What the encoder is.
+    // Properties of the encoder.
     counts: u32,
     tick_us: u32,
     /// 2⁶³ / counts: an angle within a turn is one multiplication and a shift.
@@ -118,15 +122,16 @@ pub struct Observer {
     alpha: i64,
     beta: i64,
     gamma: i64,
-    /// Counts by which the movement of the counter may change from tick to tick.
+    /// The movement of the counter may change by this many counts from one tick to the next.
     hardest: u32,
-    /// The farthest way of a tick, 2⁻³² turns.
+    /// The largest movement in one tick, 2⁻³² turns.
     fastest: i64,
-    /// A larger innovation says that the spindle is lost, 2⁻³² turns.
+    /// The tracker has lost the spindle when an innovation is larger than this, 2⁻³² turns.
     lost: u64,
-    // Where the counter is.
+    // State of the counter.
     last: Option<i32>,
-    /// Its movement in the last tick that was believed; `None`: the next one is believed whatever it is.
+    /// The counter's movement in the last tick that the observer believed. `None`: the observer believes the next
+    /// movement, whatever it is.
     pace: Option<i32>,
     in_turn: u32,
     turn: i64,
@@ -139,9 +144,9 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// An observer at rest for an encoder of `counts_per_turn` (after quadrature; 1…2²⁰), with a bandwidth in hertz
-    /// (1…200 is sensible; the poles of the tracker) and a tick in microseconds (250…10 000). Values outside are
-    /// taken as the nearest limit; the parameter table refuses them earlier.
+    /// An observer at rest for an encoder of `counts_per_turn` (after quadrature; 1…2²⁰). The bandwidth is in hertz
+    /// (1…200 is sensible; it places the poles of the tracker), the tick in microseconds (250…10 000). A value outside
+    /// its range is replaced by the nearest limit; the parameter table refuses such values earlier.
     #[must_use]
     pub const fn new(counts_per_turn: u32, bandwidth_hz: u32, tick_us: u32) -> Self {
         let counts = clamp(counts_per_turn, 1, 1 << 20);
@@ -165,7 +170,7 @@ impl Observer {
             gamma,
             hardest: hardest(counts, tick_us, HARDEST),
             fastest: ((FASTEST << 32) / 1_000_000).wrapping_mul(tick_us as u64) as i64,
-            // Two counts: that of the last tick and that of this one.
+            // The width of two counts: the count of the last tick and the count of this tick.
             lost: (LARGEST_SURPRISE as u64).wrapping_add(scale >> 30),
             last: None,
             pace: None,
@@ -179,11 +184,11 @@ impl Observer {
         }
     }
 
-    /// For a spindle whose drive takes `ramp_ms` milliseconds for 1000 rpm (0 counts as 1): one that is faster than any
-    /// other may be.
+    /// Prepares the observer for a spindle whose drive takes `ramp_ms` milliseconds for 1000 rpm (0 counts as 1). Such
+    /// a spindle may change its speed faster than the general limit allows.
     #[must_use]
     pub const fn for_ramp(mut self, ramp_ms: u32) -> Self {
-        // 1000 rpm in a millisecond are 16 667 turns per second and second.
+        // 1000 rpm in a millisecond are 16 667 turns per second squared.
         let ramp = 16_667 * BEYOND_RAMP;
         let ramp = match ramp.checked_div(ramp_ms as u64) {
             Some(ramp) => ramp,
@@ -201,7 +206,7 @@ impl Observer {
         let last = match before {
             Some(last) => last,
             None => {
-                // Where the spindle stands at the first sample is called count zero until the index says better.
+                // Until the first index, the spindle's position at the first sample is called count zero.
                 self.last = Some(sample.count);
                 self.angle = self.boundary().wrapping_add(self.width >> 1);
                 sample.count
@@ -214,14 +219,14 @@ impl Observer {
                 if self.zero.is_some()
                     && delta.wrapping_sub(pace).unsigned_abs() > self.hardest =>
             {
-                // Never twice in a row: what goes on is true, whatever it is.
+                // Never reject two ticks in a row: a movement that goes on is true, whatever it is.
                 self.pace = None;
                 self.advance(pace);
                 let counts = delta.wrapping_sub(pace);
                 (pace, Some(SpindleEvent::Slipped { counts }))
             }
             _ => {
-                // The first sample says nothing of how the counter moves.
+                // The first sample does not tell how the counter moves.
                 self.pace = before.map(|_| delta);
                 self.advance(delta);
                 let event = sample
@@ -231,7 +236,7 @@ impl Observer {
             }
         };
 
-        // Predict one tick, look, correct.
+        // Predict one tick, measure, correct.
         let predicted = self
             .angle
             .wrapping_add(rounded(self.speed.wrapping_add(self.acceleration >> 1), 16));
@@ -251,13 +256,13 @@ impl Observer {
         event
     }
 
-    /// The spindle is not where it was expected, by far: it is where the sample says, and turns as the counter has moved in
-    /// this tick. A tracker of the third order that follows such a leap by clipped steps swings farther each time, and
-    /// never finds the spindle again [D185].
+    /// Takes the angle from the sample, and the speed from the counter's movement in this tick. This is for a spindle
+    /// that is far from where the tracker expects it. A third-order tracker that follows such a leap in clipped steps
+    /// swings farther each time and never finds the spindle again [D185].
     #[cold]
     #[inline(never)]
     fn find(&mut self, measured: i64, moved: i32) {
-        // At most 2³¹ counts of 2³² each; in 10 ms the fastest makes twenty turns.
+        // At most 2³¹ counts of 2³² each. The fastest spindle makes twenty turns in 10 ms.
         let way = i64::from(moved).wrapping_mul(self.width);
         self.angle = measured;
         self.speed = way.min(self.fastest).max(self.fastest.wrapping_neg()) << 16;
@@ -270,12 +275,13 @@ impl Observer {
         Turns::from_raw(self.angle)
     }
 
-    /// The angle `ahead` of the last sample, at the present speed and acceleration. Good for a few tens of ticks.
+    /// The angle at the time `ahead` after the last sample, at the present speed and acceleration. Good for a few tens
+    /// of ticks.
     #[must_use]
     pub const fn predict(&self, ahead: Ticks) -> Turns {
         let ahead = ahead.raw() as i64;
         let by_speed = rounded((self.speed >> 16).wrapping_mul(ahead), 16);
-        // ½·a·t²: t² ≤ 2⁴⁸ in 2⁻³², brought back to 2⁻¹⁶ before it meets the acceleration.
+        // ½·a·t²: t² ≤ 2⁴⁸ in 2⁻³². It is shifted to 2⁻¹⁶ before the multiplication by the acceleration.
         let half_square = ahead.wrapping_mul(ahead >> 1) >> 16;
         let by_acceleration = rounded((self.acceleration >> 16).wrapping_mul(half_square), 16);
         Turns::from_raw(
@@ -296,20 +302,20 @@ impl Observer {
         ))
     }
 
-    /// True while the last index is no more than two turns away: angle 0 and every whole turn is the index. False before
-    /// the first one, and where it stays out.
+    /// True while the last index is no more than two turns away. Angle 0 and every whole turn are then at the index.
+    /// False before the first index, and when index pulses fail to come.
     #[must_use]
-    // Asked while a stroke waits: in line it makes the tick that begins the stroke copy more.
+    // A waiting stroke asks for this. If the compiler inlines it, the tick that begins the stroke copies more.
     #[inline(never)]
     pub const fn indexed(&self) -> bool {
         let (Some(zero), Some(last)) = (self.zero, self.last) else {
             return false;
         };
-        // One that comes a count late is in time.
+        // An index that comes one count late is still in time.
         last.wrapping_sub(zero).unsigned_abs() <= self.counts.wrapping_mul(2).wrapping_add(1)
     }
 
-    /// After a slip: the next index is taken for the first one.
+    /// For use after a slip: the next index then counts as the first one.
     pub const fn forget_index(&mut self) {
         self.zero = None;
     }
@@ -352,7 +358,7 @@ impl Observer {
         }
     }
 
-    /// Uses an index: the first makes the zero, each later one must be whole turns from the last.
+    /// Uses an index. The first index sets the zero; each later index must be whole turns from the last.
     fn index(&mut self, latched: i32, count: i32) -> Option<SpindleEvent> {
         let Some(zero) = self.zero else {
             self.zero = Some(latched);
@@ -362,7 +368,7 @@ impl Observer {
             let rising = self.rising;
             self.advance(count.wrapping_sub(latched));
             self.rising = rising;
-            // Of all whole turns the nearest, so that the angle jumps by half a turn at most.
+            // Keep the nearest whole turn, so that the angle jumps by half a turn at most.
             let jump = before.wrapping_sub(self.boundary());
             self.turn = self.turn.wrapping_add(rounded(jump, 32));
             self.angle = self
@@ -385,7 +391,7 @@ impl Observer {
             (slip, whole as i32)
         };
         self.zero = Some(zero.wrapping_add(whole));
-        // An index pulse may sit on a boundary of its count: one count either way is no slip.
+        // An index pulse may sit on a boundary of its count, so a difference of one count either way is no slip.
         (slip.unsigned_abs() > 1).then_some(SpindleEvent::Slipped { counts: slip })
     }
 
@@ -396,7 +402,7 @@ impl Observer {
             return lower.wrapping_add(self.width >> 1);
         };
         let age = age.min(self.oldest_edge_ns);
-        // Ticks in 2⁻²⁴, at most 16 of them: 28 bits; the speed in 2⁻³² has as many again.
+        // The age in ticks, in 2⁻²⁴: at most 16 ticks, which are 28 bits. The speed in 2⁻³² has as many bits.
         let age = (u64::from(age).wrapping_mul(self.ticks_per_ns) >> 32) as i64;
         let way = (speed >> 16).wrapping_mul(age) >> 24;
         let within = if rising {
@@ -408,16 +414,16 @@ impl Observer {
     }
 }
 
-/// Counts that the movement of the counter changes by in a tick at `acceleration` turns per second and second, and what
-/// reading whole counts adds to it.
+/// By how many counts the counter's movement may change in one tick at `acceleration` turns per second squared, plus a
+/// margin because the counter reads whole counts.
 const fn hardest(counts: u32, tick_us: u32, acceleration: u64) -> u32 {
-    // At most 2²⁰ counts and 10⁴ µs: below 2⁶⁴ up to 10⁵ turns per second and second.
+    // At most 2²⁰ counts and 10⁴ µs: below 2⁶⁴ up to 10⁵ turns per second squared.
     let square = (tick_us as u64).wrapping_mul(tick_us as u64);
     let moved = acceleration
         .wrapping_mul(counts as u64)
         .wrapping_mul(square / 100)
         / 10_000_000_000;
-    // More than a quarter of what the counter can hold is no movement at all.
+    // More than a quarter of the counter's range is no movement at all.
     if moved < 1 << 30 {
         (moved as u32).wrapping_add(3)
     } else {
@@ -454,7 +460,7 @@ const fn divide(a: u64, b: u64) -> u64 {
     }
 }
 
-/// exp(−x), both in 2⁻³², x ≤ 64: the series of x/256, squared eight times.
+/// exp(−x), both in 2⁻³², x ≤ 64: the series for x/256, squared eight times.
 const fn exp_of_minus(x: u64) -> u64 {
     let one = 1_u64 << 32;
     let y = x >> 8;
