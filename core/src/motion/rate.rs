@@ -1,4 +1,4 @@
-//! How fast along a path: [`PathRate`], the operator's [`Rate`], and how far one has come ([`Travel`]).
+//! Speed along a path ([`PathRate`]), the operator's factor ([`Rate`]) and the distance covered ([`Travel`]).
 
 use crate::units::{Feed, Length};
 
@@ -31,7 +31,7 @@ impl PathRate {
         } else {
             feed.nm_per_min() as u64
         };
-        // nm/min · µs · 256 / (60 · 10⁶ µs/min); what saturates here is far beyond the type.
+        // nm/min · µs · 256 / (60 · 10⁶ µs/min). Values that saturate here are far beyond the type's range.
         let scaled = nm
             .saturating_mul(tick_us as u64)
             .saturating_mul(256)
@@ -57,14 +57,14 @@ impl PathRate {
     }
 }
 
-/// What the operator and the spindle make of a programmed speed: a factor from 0 (hold) to 2, in steps of 2⁻¹⁶.
+/// The factor that operator and spindle apply to a programmed speed: from 0 (hold) to 2, in steps of 2⁻¹⁶.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rate(u32);
 
 impl Rate {
     /// Feed hold.
     pub const HOLD: Self = Self(0);
-    /// As programmed.
+    /// The speed as programmed.
     pub const FULL: Self = Self(1 << 16);
     /// The largest factor.
     pub const MAX: Self = Self(2 << 16);
@@ -91,7 +91,7 @@ impl Rate {
         Self::from_raw((percent as u32).wrapping_mul(1 << 16) / 100)
     }
 
-    /// Both factors together, at most [`Rate::MAX`].
+    /// The product of both factors, at most [`Rate::MAX`].
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
         // Both are at most 2¹⁷.
@@ -140,7 +140,7 @@ impl Travel {
         })
     }
 
-    /// What is left of this after `other`, at least zero.
+    /// The part of this distance beyond `other`, at least zero.
     #[must_use]
     pub const fn beyond(self, other: Self) -> Self {
         Self(self.0.saturating_sub(other.0))
