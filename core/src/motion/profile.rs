@@ -12,8 +12,8 @@
 //! K(t) = u(t) − u(t−n1) − u(t−n2) + u(t−n1−n2),   A += K,   V += A,   s += V / (n1·n2)
 //! ```
 //!
-//! speed is V/(n1·n2), acceleration A/(n1·n2), jerk K/(n1·n2). From 0 ≤ u ≤ v follow V ≤ n1·n2·v and |A| ≤ n2·v. If |K|
-//! ≤ v too, speed is within v, acceleration within v/n1 and jerk within v/(n1·n2), whatever the input does. A mean
+//! speed is V/(n1·n2), acceleration A/(n1·n2), jerk K/(n1·n2). From 0 ≤ u ≤ v follow V ≤ n1·n2·v and |A| ≤ n2·v. If
+//! also |K| ≤ v, speed is within v, acceleration within v/n1 and jerk within v/(n1·n2), whatever the input does. A mean
 //! loses nothing: the division carries its remainder, so the output ends exactly where the input ends. A constant pulse
 //! of n1 + n2 ticks or more comes out as the time-optimal ramp, cruise, ramp.
 //!
@@ -33,8 +33,8 @@
 //! proof:
 //!
 //! - A forced input is x + y − z − v of three older inputs, so it is at most the smaller of x and y. A forced input
-//!   forces no other input: if x is a forced input made of x', y', z', then z = y', and x + y − z − v = (x' − v) + (y −
-//!   v) − z' ≤ 0; the same holds for y.
+//!   forces no other input: if x is a forced input made of x', y', z', then z = y', and x + y − z − v
+//!   = (x' − v) + (y − v) − z' ≤ 0; the same holds for y.
 //! - Let t0 be the tick of the level's last rise, and let M count that rise too. All inputs from t0 on are at most M:
 //!   levels by rule 2, forced inputs by the point above. R(t0) ≥ M·N, so at t0 + i at least M·(N − i) is left. This is
 //!   enough for every lo before t0 + N.

@@ -1,7 +1,7 @@
 //! Chooses the ramp of a motion: the two means with which the motion ends soonest within the limits of its path.
 //!
-//! This module knows only numbers. A ramp of m ticks may reach the smaller of the rates a·n1 and j·n1·n2, with n1 + n2
-//! = m. The best split makes this rate largest. The rate grows with m, so everything here is a search over m.
+//! This module knows only numbers. A ramp of m ticks may reach the smaller of the rates a·n1 and j·n1·n2, with
+//! n1 + n2 = m. The best split makes this rate largest. The rate grows with m, so everything here is a search over m.
 
 use super::limits::PathLimits;
 use super::profile::{CAPACITY, Ramp};

@@ -2,8 +2,8 @@
 //!
 //! An encoder count is coarse: one count of 4096 is 1.5 µm of a 6 mm lead. A setpoint takes effect one tick after the
 //! sample. Therefore the observer filters the angle and predicts it. The tracker predicts with constant acceleration
-//! and corrects with three gains. One design figure, the bandwidth, gives all three gains: all three poles lie at `θ =
-//! exp(−2π·f·T)`. This is the discounted least-squares ("fading memory") fit of a parabola. The tracker follows
+//! and corrects with three gains. One design figure, the bandwidth, gives all three gains: all three poles lie at
+//! `θ = exp(−2π·f·T)`. This is the discounted least-squares ("fading memory") fit of a parabola. The tracker follows
 //! constant speed and constant acceleration without lag.
 //!
 //! What a sample tells about the angle: the counter stands at `c` while the angle is within `[c, c + 1)` counts. If the
@@ -62,7 +62,7 @@ const HARDEST: u64 = 4_000;
 const BEYOND_RAMP: u64 = 4;
 
 /// The observer clips each innovation (measured minus predicted angle) to a quarter turn. No acceleration makes a
-/// larger innovation, and no product overflows with this one. If an innovation is larger, and not only by the width of
+/// larger innovation, and at this size no product overflows. If an innovation is larger, and not only by the width of
 /// the counts, the tracker has lost the spindle.
 const LARGEST_SURPRISE: i64 = 1 << 30;
 

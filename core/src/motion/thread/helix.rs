@@ -47,7 +47,7 @@ pub(in crate::motion) struct HelixTravel {
 }
 
 impl HelixTravel {
-    /// The travel of a helix of `lead`. Its angles reach from one turn before `join`, which lies ahead of the start
+    /// The travel of a helix of `lead`. Its angles reach from one turn before `join`, which lies before the start
     /// point, to one turn after `done`. `rounding` is added before the part of the lead below a nanometre is divided by
     /// the lead's denominator and rounded down.
     #[inline(never)]

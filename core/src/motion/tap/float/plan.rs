@@ -235,8 +235,8 @@ fn standing(call: &TapCall, span: Span, params: &Params) -> Alarm {
     Alarm::new(Code::TapSpindleStands, span).with(args)
 }
 
-/// Parameter 5276, in tenths of a turn a minute. 0 stands for a quarter of a turn a minute; any speed below looks like
-/// standing.
+/// Parameter 5276, in tenths of a turn a minute. 0 stands for a quarter of a turn a minute; no lower speed can be told
+/// from standing.
 fn standing_rate(params: &Params) -> TurnRate {
     const SLOWEST: u64 = (1 << 32) / 240;
     let rate = mul_div(u64::from(params.tap_reversal_speed()), 1 << 32, 600).max(SLOWEST);
