@@ -23,7 +23,8 @@ pub struct ThreadReport {
     pub lead_in: Length,
     /// The start must lie at least this far before the material: the lead-in, plus the shift if Z is the long axis.
     pub start_before: Length,
-    /// Warnings, which stop nothing: long lead-in, falling lead, run-out that lags, parameters 107 and 5129.
+    /// Warnings, for what may leave a mark on the work but stops nothing: long lead-in, falling lead, run-out that
+    /// lags, parameters 107 and 5129.
     pub warnings: [Option<Alarm>; FINDINGS],
 }
 

@@ -52,8 +52,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis, and the tick. A top speed is limited to 16.7
-    /// mm (16.7°) a tick; at 1 ms this is 1000 m/min or 2796 rpm of C.
+    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis, and the tick. A top speed is limited to
+    /// 16.7 mm (16.7°) a tick; at 1 ms this is 1000 m/min or 2796 rpm of C.
     #[must_use]
     pub fn from_params(params: &Params) -> Self {
         let tick_us = params.tick_us();
@@ -109,8 +109,8 @@ impl Limits {
     pub(super) fn line(&self, line: &Line, pace: Pace) -> PathLimits {
         let length = line.length().nm() as u64;
         let mut least = [u64::from(u32::MAX), u64::MAX, u64::MAX];
-        // One division per axis: length / distance in 2^-shift. This is as fine as 64 bits allow, at least 2⁻²⁰ at 4
-        // km.
+        // One division per axis: length / distance in 2^-shift. This is as fine as 64 bits allow, at least 2⁻²⁰ at
+        // 4 km.
         let shift = length.leading_zeros().min(63);
         for (axis, distance) in Axis::ALL.into_iter().zip(line.distances()) {
             let Some(ratio) = (length << shift).checked_div(distance) else {

@@ -322,8 +322,8 @@ mod tests {
         // 100 mm/s on a radius of 100 mm: 0.1 m/s² across the path, so the feed and its override stay as they are.
         assert_eq!(arc(100_000_000).nominal.raw(), 100_000 * 256);
         assert!(arc(100_000_000).ramp.cap().raw() > 130_000 * 256);
-        // On a radius of 1 mm two limits hold: √(a·R/2) with a = 2 m/s² · 15/16 is 30.6 mm/s, and ∛(j·R²/4) with 60
-        // m/s³ · 7/8 is 23.6 mm/s.
+        // On a radius of 1 mm two limits hold: √(a·R/2) with a = 2 m/s² · 15/16 is 30.6 mm/s, and ∛(j·R²/4) with
+        // 60 m/s³ · 7/8 is 23.6 mm/s.
         let tight = arc(1_000_000).ramp.cap().raw() / 256;
         assert!((15_000..23_600).contains(&tight), "{tight}");
     }

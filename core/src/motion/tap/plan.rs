@@ -182,8 +182,8 @@ impl Tap {
 /// The speed is S times lead, within 1430 and the axis' own limits. The acceleration is within the axis' limit and
 /// within the spindle's acceleration times lead. The spindle's acceleration is 1000 rpm in 5261 milliseconds, or in
 /// 5271 milliseconds out of the hole if 5201.2 is 1; 0 means that the axis alone decides. The jerk is the axis'. If a
-/// ramp is longer than the profile holds, the same stroke becomes slower. It stays in phase,
-/// and [`Stroke::reaches_speed`] tells that it is slower.
+/// ramp is longer than the profile holds, the same stroke becomes slower. It stays in phase, and
+/// [`Stroke::reaches_speed`] tells that it is slower.
 ///
 /// # Errors
 /// [`Code::MoveTooFar`](crate::alarm::Code::MoveTooFar);
