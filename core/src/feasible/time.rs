@@ -20,7 +20,7 @@ const HALF_TURN: u64 = 1 << 31;
 /// planned only once, so the computation takes no longer for many columns and infeeds than for few.
 ///
 /// # Errors
-/// What the planner refuses.
+/// The errors of the planner.
 pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, Alarm> {
     let Moves::Groove(groove) = moves else {
         return time_of_each(*moves, from, params);
@@ -43,7 +43,7 @@ pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, 
 /// planned. A change of spindle speed and machine functions count as zero.
 ///
 /// # Errors
-/// What the planner refuses.
+/// The errors of the planner.
 pub(super) fn time_of_each(
     moves: impl Iterator<Item = Move>,
     from: Position,

@@ -105,7 +105,7 @@ pub struct Setpoint {
     pub position: Position,
     /// What the axes are doing.
     pub motion: Motion,
-    /// The long axis is held to the helix, or axis and spindle to the tap's master.
+    /// True when the long axis is held to the helix, or axis and spindle to the tap's master.
     pub locked: bool,
     /// Commanded angle of the spindle while it is in position mode.
     pub spindle: Option<Turns>,
@@ -158,7 +158,7 @@ pub struct Executor {
     aborting: bool,
     /// Ticks since the pass came to rest.
     settled: u8,
-    /// A stroke of a tap has ended in this tick.
+    /// True when a stroke of a tap has ended in this tick.
     turned: bool,
     run: Run,
 }
@@ -251,7 +251,7 @@ impl Executor {
         self.stops
     }
 
-    /// The pass under way.
+    /// The threading pass under way.
     #[must_use]
     pub const fn thread(&self) -> Option<&ThreadRun> {
         match &self.active {
@@ -266,7 +266,7 @@ impl Executor {
         matches!(self.active, Active::Waiting(_))
     }
 
-    /// True while a tap is under way.
+    /// True while a rigid tap is under way.
     #[must_use]
     pub const fn is_tapping(&self) -> bool {
         matches!(self.active, Active::Tap(_))

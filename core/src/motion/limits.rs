@@ -201,7 +201,7 @@ impl AxisLimits {
 /// Acceleration and jerk limits of an axis, per second.
 #[inline(never)]
 pub(super) fn bounds(params: &Params, axis: Axis) -> Bounds {
-    // Neither is negative.
+    // Neither limit is negative.
     Bounds {
         acceleration: params.acceleration(axis).nm_per_s2() as u64,
         jerk: params.jerk(axis).nm_per_s3() as u64,

@@ -91,7 +91,7 @@ impl Line {
     }
 }
 
-/// Both are within [`Length::INPUT_LIMIT`].
+/// The distance between two coordinates. Both are within [`Length::INPUT_LIMIT`].
 const fn magnitude(from: i64, to: i64) -> u64 {
     to.wrapping_sub(from).unsigned_abs()
 }

@@ -94,7 +94,7 @@ impl Rate {
     /// The product of both factors, at most [`Rate::MAX`].
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
-        // Both are at most 2¹⁷.
+        // Both factors are at most 2¹⁷.
         Self::from_raw(((self.0 as u64).wrapping_mul(other.0 as u64) >> 16) as u32)
     }
 
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn feeds_convert_both_ways() {
-        // 60 mm/min is 1 mm/s is 1000 nm in 1 ms.
+        // 60 mm/min = 1 mm/s = 1000 nm in 1 ms.
         let rate = PathRate::of_feed(Feed::from_nm_per_min(60_000_000), 1_000);
         assert_eq!(rate, PathRate::from_raw(256_000));
         assert_eq!(rate.feed(1_000), Feed::from_nm_per_min(60_000_000));

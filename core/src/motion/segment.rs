@@ -166,7 +166,7 @@ pub struct Pass {
 pub struct WaysOut {
     /// X is the long axis.
     pub long_x: bool,
-    /// Where the pass starts.
+    /// The start of the pass.
     pub start: Position,
     /// Point A, where the pass's cycle starts and ends. A retract in mid-thread goes there.
     pub home: Position,
@@ -229,7 +229,7 @@ pub struct Stops {
     pub hold_not_before: bool,
     /// Single block stops after this segment.
     pub single_block: bool,
-    /// Part of a thread cycle: the spindle override in percent with which it was planned, frozen.
+    /// Part of a thread cycle. The value is the frozen spindle override in percent, with which the cycle was planned.
     pub frozen: Option<u8>,
     /// Part of a tapping cycle.
     pub tap_cycle: bool,

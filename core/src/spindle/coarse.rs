@@ -50,7 +50,7 @@ impl Coarse {
         Acceleration::from_nm_per_s2(signed(mul_div(along, 1, turns)))
     }
 
-    /// The slowest spindle whose speed the observer knows to 15 %, rounded up.
+    /// The lowest spindle speed that the observer knows to 15 %, rounded up.
     #[must_use]
     pub fn slowest(self) -> Rpm {
         let counts_a_minute = self

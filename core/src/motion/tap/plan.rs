@@ -90,7 +90,7 @@ pub struct Tap {
     pub feed_override: bool,
     /// The hole, for the tap journal.
     pub hole: TapHole,
-    /// Which part of the hole.
+    /// The part of the hole that this tap covers.
     pub part: TapPart,
     steps: [Option<TapStep>; TAP_STEPS],
     len: u8,

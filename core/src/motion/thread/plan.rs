@@ -13,7 +13,7 @@ use crate::params::Params;
 use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate, Turns, mul_div};
 
-/// One pass of a thread, ready for [`ThreadRun`](super::ThreadRun).
+/// One threading pass, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ThreadPlan {
     pub(super) span: Span,

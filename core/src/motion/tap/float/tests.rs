@@ -258,7 +258,7 @@ fn what_cannot_be_planned_is_an_alarm() {
     assert_eq!(code(&shallow), Code::StrokeTooShortForSpeed);
 }
 
-/// 3000 rpm cannot be stopped within the first 2 mm: the spindle goes in slower.
+/// A spindle at 3000 rpm cannot stop within the first 2 mm, so it goes in slower.
 #[test]
 fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
     let fast = tap("M3 S3000\nG99 G84 Z-20 R-5 Q2 F1.25\n");
