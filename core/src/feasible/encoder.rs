@@ -1,14 +1,14 @@
-//! Can an axis follow this encoder? What whole counts, whose edges are not timed, do to an axis on the lead.
+//! Checks whether an axis can follow an encoder without edge times: whole counts shake an axis on the lead.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::params::{Params, metres};
 use crate::units::{Axis, Lead, Length, Rpm, mul_div, signed};
 
-/// Checks a lead that `axis` shall follow at `rpm`, of a cycle whose G word stands at `span`.
+/// Checks a lead that `axis` must follow at `rpm`. The cycle's G word stands at `span`.
 ///
 /// # Errors
-/// More noise than the axis has acceleration ([`Code::LeadForEncoder`]); a spindle so slow that its speed is not known
-/// ([`Code::SpeedForEncoder`]).
+/// The noise exceeds the axis' acceleration ([`Code::LeadForEncoder`]); the spindle is so slow that the observer cannot
+/// know its speed ([`Code::SpeedForEncoder`]).
 pub(super) fn can_follow(
     lead: At<Lead>,
     axis: Axis,
@@ -37,7 +37,7 @@ pub(super) fn can_follow(
         Some(noise) if noise > limit => {
             let [much, most] = [noise, limit].map(|one| one.nm_per_s2().unsigned_abs());
             let written = lead.value.rounded();
-            // Whole micrometres, rounded down.
+            // In whole micrometres, rounded down.
             let longest = mul_div(written.nm().unsigned_abs(), most, much.saturating_mul(1000));
             let figures = [
                 Arg::Length(written),

@@ -1,19 +1,19 @@
-//! Ordinary tapping against the machine: the way to get onto the lead.
+//! Ordinary tapping and the machine's limits: the way onto the lead.
 
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::motion::FloatPlan;
 use crate::program::TapCall;
 use crate::units::{CentiRpm, Length};
 
-/// How the axis of an ordinary tap gets onto the lead, and leaves it: R has to lie `lead_in` before the material, or the
-/// holder has to take what the axis is ahead [D93].
+/// How the axis of an ordinary tap gets onto the lead, and leaves it. Either R lies `lead_in` before the material, or
+/// the holder takes up the distance by which the axis is ahead [D93].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapJoin {
-    /// From R to where the axis is on the lead.
+    /// Distance from R to where the axis is on the lead.
     pub lead_in: Length,
-    /// How far the axis is ahead of the lead before, at most.
+    /// The largest distance by which the axis is ahead of the lead before that.
     pub ahead: Length,
-    /// Getting onto the lead takes more than a quarter of the depth.
+    /// The warning that getting onto the lead takes more than a quarter of the depth.
     pub warning: Option<Alarm>,
 }
 

@@ -1,4 +1,4 @@
-//! Grooves: travel by the ends of what repeats, and what is worth a word to whoever wrote it.
+//! Grooves: travel limits by the extremes of the repeated moves, and a warning for the programmer.
 
 use super::limits::inside;
 use crate::alarm::{Alarm, Arg, Code};
@@ -7,14 +7,15 @@ use crate::params::Params;
 use crate::program::{GrooveCall, Position};
 use crate::units::{Axis, Length};
 
-/// What [`super::within_limits`] gives for the moves of a groove one after the other, without making them. Infeeds go one
-/// way and so do columns: what leaves the travel first is the first infeed, the retract from it, the first infeed or the
-/// first column beyond a limit, the relief of the first column, or the start level.
+/// Gives the same result as [`super::within_limits`] move by move, but without making the moves of a groove. All
+/// infeeds go one way, and so do all columns. So only these positions can be the first to leave the travel: the first
+/// infeed, the retract from the first infeed, the first infeed or the first column beyond a limit, the relief of the
+/// first column, and the start level.
 pub(super) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Result<(), Alarm> {
     let (call, span) = (groove.call(), groove.span());
     let start = call.start;
     let to = |x, z| inside(Position { x, z, ..start }, span, params);
-    // The limit that lies ahead of a way.
+    // The limit in the direction of a way.
     let ahead = |axis, way: Length| {
         Length::from_nm(if way > Length::ZERO {
             params.soft_limit_plus(axis)
@@ -38,8 +39,8 @@ pub(super) fn groove_within_limits(groove: &GrooveMoves, params: &Params) -> Res
     to(start.x, groove.column_at(beyond))
 }
 
-/// The warning of a groove whose retract takes back more than an infeed: nothing breaks, and time is lost; mostly P was
-/// meant otherwise.
+/// The warning for a groove whose retract goes back further than an infeed. Nothing breaks, but time is lost. Usually
+/// the programmer meant another P.
 #[must_use]
 pub fn groove_warning(call: &GrooveCall) -> Option<Alarm> {
     let (peck, retract) = (call.peck?, call.retract.value);

@@ -1,4 +1,4 @@
-//! Travel limits (parameters 1320 and 1321): every end of a move, and how far an arc bulges.
+//! Travel limits (parameters 1320 and 1321): every end of a move, and the bulge of an arc.
 
 use super::groove::groove_within_limits;
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -8,11 +8,11 @@ use crate::program::Position;
 use crate::units::plane::{self, Vector, ahead, side};
 use crate::units::{Angle, Axis, Diameter, Length, signed};
 
-/// Checks that no move of `moves`, the first of which begins at `from`, leaves the travel of an axis. A groove takes as
-/// long as any other, whatever its columns and infeeds.
+/// Checks that no move of `moves` leaves the travel of an axis. The first move begins at `from`. The check of a groove
+/// takes the same time for any number of columns and infeeds.
 ///
 /// # Errors
-/// [`Code::SoftLimit`] with the axis, where it would go and its limit (machine coordinates).
+/// [`Code::SoftLimit`] with the axis, its target and its limit (machine coordinates).
 pub fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), Alarm> {
     match moves {
         Moves::Groove(groove) => groove_within_limits(groove, params),
@@ -20,7 +20,7 @@ pub fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(
     }
 }
 
-/// The same move by move.
+/// The same check, move by move.
 pub(super) fn each_within_limits(
     moves: impl Iterator<Item = Move>,
     from: Position,
@@ -76,8 +76,8 @@ pub(super) fn inside(at: Position, span: Span, params: &Params) -> Result<(), Al
     Ok(())
 }
 
-/// Where the arc from `start` to `end` around `centre` is farthest out: along +Z (0), +X, −Z or −X (3). `None` where it
-/// does not get there.
+/// The point where the arc from `start` to `end` around `centre` is farthest out: along +Z (0), +X, −Z or −X (3).
+/// `None` if the arc does not reach this point.
 #[inline(never)]
 fn farthest(
     which: u8,
@@ -86,7 +86,7 @@ fn farthest(
     centre: Position,
     clockwise: bool,
 ) -> Option<Position> {
-    // In the Z–X plane: Z to the right, X up; counter-clockwise is G03.
+    // Vectors in the Z–X plane, with Z to the right and X up; counter-clockwise is G03.
     let from = |p: Position| ((p.z - centre.z).nm(), (p.x - centre.x).nm());
     let (first, last) = if clockwise {
         (from(end), from(start))
@@ -113,8 +113,8 @@ fn radius((z, x): Vector) -> i64 {
     signed(plane::length_up(z.unsigned_abs(), x.unsigned_abs()))
 }
 
-/// True where one comes through `point` on the way counter-clockwise from `first` to `last` (a whole turn where they
-/// point the same way).
+/// True if the counter-clockwise way from `first` to `last` passes through `point`. The way is a whole turn if `first`
+/// and `last` point the same way.
 fn passes(first: Vector, point: Vector, last: Vector) -> bool {
     let whole = side(first, last) == 0 && ahead(first, last) > 0;
     if whole {
@@ -127,7 +127,7 @@ fn passes(first: Vector, point: Vector, last: Vector) -> bool {
     side(point, last) >= 0
 }
 
-/// 0 where `to` lies less than half a turn counter-clockwise of `from`, else 1.
+/// 0 if `to` lies less than half a turn counter-clockwise of `from`, else 1.
 fn half(from: Vector, to: Vector) -> u8 {
     let side = side(from, to);
     u8::from(side < 0 || (side == 0 && ahead(from, to) < 0))

@@ -1,8 +1,9 @@
-//! Can this be done? Speeds, lead-in, run-out and travel limits of calls and moves, before anything moves.
+//! Feasibility checks before anything moves: speeds, lead-in, run-out and travel limits of calls and moves.
 //!
-//! Arithmetic on figures, without state: what geometry allows `cycle` has decided, what is left are the limits of the
-//! machine. The command line prints the reports; the board asks the same functions before it starts a block, and plans
-//! with the same planner, so both see the same numbers. Knows nothing of the bus or the board.
+//! This is arithmetic on figures, without state. `cycle` has already decided what the geometry allows; here only the
+//! limits of the machine count. The command line prints the reports. The board asks the same functions before it starts
+//! a block, and plans with the same planner, so both see the same numbers. This module knows nothing of the bus or the
+//! board.
 
 mod encoder;
 mod float;

@@ -5,14 +5,15 @@ use heapless::Vec;
 use crate::cycle::{Move, MoveKind};
 use crate::program::Position;
 
-/// A pass: where it starts, and its one to three moves in order.
+/// A pass: its start position, and its one to three moves in order.
 #[derive(Clone, Debug)]
 pub(super) struct Pass {
     pub from: Position,
     pub moves: Vec<Move, 3>,
 }
 
-/// Gathers passes: takes each move with the position it begins at, and gives a pass when its last move has come.
+/// Gathers passes from a stream of moves. It takes each move with the position at which the move begins, and returns a
+/// pass after the pass's last move.
 #[derive(Clone, Debug)]
 pub(super) struct Gather(Pass);
 
@@ -24,7 +25,7 @@ impl Gather {
         })
     }
 
-    /// The pass gathered last.
+    /// The last gathered pass.
     pub fn pass(self) -> Pass {
         self.0
     }
@@ -42,7 +43,7 @@ impl Gather {
         if pass.moves.is_empty() {
             pass.from = from;
         }
-        // There are no more than three; what came beyond would not be planned.
+        // A pass has at most three moves; any further move would not be planned.
         pass.moves.push(*next).ok()?;
         last(next).then_some(&*pass)
     }

@@ -1,4 +1,5 @@
-//! G84 and G88 against the machine: feed of the tap axis, and whether the spindle gets to its speed in the depth.
+//! G84 and G88 and the machine's limits: the feed of the tap axis, and whether the spindle reaches its speed within the
+//! depth.
 
 use super::encoder::can_follow;
 use super::float::{TapJoin, faster, join};
@@ -12,26 +13,26 @@ use crate::program::{
 use crate::signals::Signals;
 use crate::units::{Axis, CentiRpm, Feed, Lead, Rpm, mul_div, narrow_div, product, signed};
 
-/// What a tapping cycle does on the machine.
+/// The behaviour of a tapping cycle on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TapReport {
-    /// Infeeds of a hole.
+    /// Number of infeeds of a hole.
     pub infeeds: u32,
-    /// The fastest the spindle turns on the way in.
+    /// The highest speed of the spindle on the way in.
     pub fastest: CentiRpm,
     /// Ordinary tapping: how the axis gets onto the lead.
     pub join: Option<TapJoin>,
-    /// S is not reached in any infeed.
+    /// The warning that no infeed reaches S.
     pub warning: Option<Alarm>,
 }
 
 impl TapReport {
-    /// All there is to warn of.
+    /// All warnings.
     pub fn warnings(&self) -> impl Iterator<Item = Alarm> {
         self.warning.into_iter().chain(self.join_warning().copied())
     }
 
-    /// The first of them.
+    /// The first of these warnings.
     pub(crate) fn first_warning(&self) -> Option<&Alarm> {
         self.warning.as_ref().or(self.join_warning())
     }
@@ -41,14 +42,16 @@ impl TapReport {
     }
 }
 
-/// Checks a tapping cycle whose G word stands at `span`, with these signals.
+/// Checks a tapping cycle with these signals. The cycle's G word stands at `span`.
 ///
 /// # Errors
-/// What geometry forbids (see [`TapMoves::new`]); a spindle this machine cannot tap with
-/// ([`Code::TapSpindleNotAvailable`]), or follow ([`Code::FloatSpindleWithoutEncoder`]);
-/// a rigid tap along X whose drive does not act together with the spindle's ([`Code::TapDrivesApart`]);
-/// lead times speed above the axis' feed, in or out ([`Code::LeadTooFast`]); what [`stroke`], or for ordinary tapping
-/// [`FloatPlan::new`](crate::motion::FloatPlan::new), refuses.
+/// - The geometry forbids the cycle: see [`TapMoves::new`].
+/// - This machine cannot tap with the spindle ([`Code::TapSpindleNotAvailable`]), or cannot follow it
+///   ([`Code::FloatSpindleWithoutEncoder`]).
+/// - A rigid tap along X has an axis drive that does not act together with the spindle's drive:
+///   [`Code::TapDrivesApart`].
+/// - Lead times speed exceeds the axis' feed, in or out: [`Code::LeadTooFast`].
+/// - The errors of [`stroke`], or for ordinary tapping of [`FloatPlan::new`](crate::motion::FloatPlan::new).
 pub fn tap(
     call: &TapCall,
     signals: Signals,
@@ -68,10 +71,10 @@ pub fn tap(
     Ok(report)
 }
 
-/// The first part of [`tap`]: what can be said before any stroke is planned, and the spindle that turns the tap.
+/// The first part of [`tap`]: all checks that need no planned stroke. Returns the spindle that turns the tap.
 ///
 /// # Errors
-/// As [`tap`], but for what planning refuses.
+/// As [`tap`], without the errors of planning.
 #[inline(never)]
 pub(crate) fn tap_can_begin(
     call: &TapCall,
@@ -99,10 +102,11 @@ pub(crate) fn tap_can_begin(
     Ok(spindle)
 }
 
-/// The rest of it, with the plan of an ordinary tap: every stroke of a hole is planned, so that none can be refused later.
+/// The second part of [`tap`], with the plan of an ordinary tap. It plans every stroke of a hole, so that no stroke can
+/// be refused later.
 ///
 /// # Errors
-/// What [`stroke`] refuses.
+/// The errors of [`stroke`].
 #[inline(never)]
 pub(crate) fn tap_strokes(
     moves: &mut TapMoves,
@@ -118,7 +122,7 @@ pub(crate) fn tap_strokes(
         report.fastest = plan.entry_speed();
     }
     let mut at = call.start;
-    // All holes of a call are alike.
+    // All holes of a call are alike, so one hole is enough.
     while let Some(next) = moves.advance()
         && next.tag.as_ref().is_some_and(|tag| tag.pass == 1)
     {
@@ -148,7 +152,7 @@ pub(crate) fn tap_strokes(
     let span = moves.span();
     let code = if let Some(plan) = plan {
         report.join = Some(join(call, plan, span));
-        // A thousandth less counts as reached.
+        // A speed a thousandth lower counts as reached.
         let fastest = i64::from(report.fastest.get()).saturating_mul(1000);
         reached = fastest >= i64::from(call.speed.get()).saturating_mul(999);
         Code::FloatSpeedNotReached
@@ -163,10 +167,10 @@ pub(crate) fn tap_strokes(
     Ok(())
 }
 
-/// Checks a spindle command for taps to come: the spindle it selects has to be there. Other calls pass.
+/// Checks a spindle command for later taps: the spindle that it selects must exist. Other calls pass.
 ///
 /// # Errors
-/// Two spindles selected at once ([`Code::TapSpindlesSelected`]); a spindle this machine does not have
+/// Two spindles are selected at once ([`Code::TapSpindlesSelected`]); this machine does not have the spindle
 /// ([`Code::TapSpindleNotAvailable`]).
 pub fn tap_spindle(call: &Call, signals: Signals, params: &Params) -> Result<(), Alarm> {
     match call.kind {
@@ -178,7 +182,8 @@ pub fn tap_spindle(call: &Call, signals: Signals, params: &Params) -> Result<(),
     }
 }
 
-/// Axis and spindle are on one line where their drives act at the same time, and a spindle's acts with Z's [D92].
+/// Axis and spindle stay on one line only if their drives act at the same time. A spindle's drive acts together with
+/// Z's drive [D92].
 fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
     let [x, z] = [Axis::X, Axis::Z].map(|axis| params.latency_us(axis));
     if call.mode == TapMode::Floating || call.axis == TapAxis::Z || x == z {
@@ -191,7 +196,7 @@ fn in_step(call: &TapCall, span: Span, params: &Params) -> Result<(), Alarm> {
 /// Checks the move of a tapping return at `span`.
 ///
 /// # Errors
-/// A spindle this machine does not have ([`Code::TapSpindleNotAvailable`]); lead times speed above the axis' feed
+/// This machine does not have the spindle ([`Code::TapSpindleNotAvailable`]); lead times speed exceeds the axis' feed
 /// ([`Code::LeadTooFast`]).
 pub fn tap_return(out: &TapMove, span: Span, params: &Params) -> Result<(), Alarm> {
     taps_with(out.spindle, span, params)?;
@@ -238,7 +243,7 @@ fn feed(
     Err(Alarm::new(Code::LeadTooFast, span).with(args))
 }
 
-/// The spindle speed that goes with a rate of the axis, rounded to the nearest hundredth of a turn a minute.
+/// The spindle speed that belongs to a rate of the axis, rounded to the nearest hundredth of a turn a minute.
 fn speed(rate: PathRate, lead: Lead, tick_us: u32) -> CentiRpm {
     // 1/256 nm per tick to nm per minute, times 100.
     let feed = u64::from(rate.raw()).saturating_mul(6_000_000_000);

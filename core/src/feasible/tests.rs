@@ -1,4 +1,4 @@
-//! The sheets' cycles on the built-in machine.
+//! The cycles of the sheets on the built-in machine.
 
 extern crate std;
 
@@ -61,7 +61,7 @@ fn o0013(rpm: i32) -> ThreadCall {
     }
 }
 
-/// `G78 P020545 Q0.15 R0.5; G78 X60 Z-60 P3 Q1.8 F300 J1.5 K2` from X80 Z10, F given.
+/// `G78 P020545 Q0.15 R0.5; G78 X60 Z-60 P3 Q1.8 F300 J1.5 K2` from X80 Z10, with the lead (F) as given.
 fn g78(lead: i64, rpm: i32) -> ThreadCall {
     ThreadCall {
         cycle: ThreadCycle::G78,
@@ -142,7 +142,7 @@ fn the_largest_speed_is_the_largest() {
         call.rpm = Rpm::new(most.get() + 1);
         assert!(thread(&call, Span::default(), &params).is_err());
     }
-    // Lead 6 at 8 m/min is 1333 rpm; nothing else stands in the way of a long stroke without a run-out.
+    // Lead 6 at 8 m/min is 1333 rpm. A long stroke without a run-out has no other limit.
     let mut call = o0013(300);
     call.run_out = None;
     call.end_z = at(nm(-500 * MM));
@@ -150,7 +150,7 @@ fn the_largest_speed_is_the_largest() {
     assert_eq!(most, Rpm::new(1333));
 }
 
-/// With an override a thread is asked about at a speed of its own; what is refused is told with that one.
+/// With an override a thread is checked at the overridden speed; a refusal names that speed.
 #[test]
 fn a_thread_at_another_speed_is_refused_as_if_that_were_written() {
     let params = Params::default();
@@ -185,7 +185,7 @@ fn every_refusal() {
     let mut run_in = g78(3 * MM, 600);
     run_in.run_in = at(nm(200_000));
     assert_eq!(code(run_in), Code::RunInTooFast);
-    // A feed that is just reached is none too many; the feed of the short axis counts along a taper.
+    // A feed that just reaches the limit is allowed. Along a taper the feed of the short axis counts too.
     let mut just = o0013(1000);
     just.lead = at(Lead::new(8 * MM, 1).unwrap());
     just.end_z = at(nm(-400 * MM));
@@ -249,7 +249,7 @@ fn an_encoder_that_is_too_coarse_is_named_with_the_lead_and_the_speed_it_can_do(
     let refused = Err((Code::SpeedForEncoder, Some(b'S'), figures));
     assert_eq!(told(&g78(MM, 41), &coarse).map(drop), refused);
     assert!(told(&g78(MM, 42), &coarse).is_ok());
-    // Timed edges know both.
+    // With timed edges the encoder suits both the lead and the speed.
     assert!(told(&o0013(300), &with(1024, 1)).is_ok());
     assert!(told(&g78(MM, 10), &with(100, 1)).is_ok());
 }
@@ -277,7 +277,7 @@ fn every_warning() {
         .flatten()
         .find(|w| w.code == Code::RunOutLags)
         .unwrap();
-    // With the K it asks for the warning is gone.
+    // With the K that the warning asks for, the warning disappears.
     let Arg::Length(enough) = lags.args[1] else {
         panic!("{lags:?}")
     };
@@ -312,7 +312,7 @@ fn time_of_a_cycle() {
     let call = o0013(300);
     let moves = ThreadMoves::new(&call, Span::default()).unwrap();
     let took = time_of_each(moves, call.start, &params).unwrap();
-    // Six strokes of 70 to 71 mm at 30 mm/s and half a turn each, and the way back.
+    // Six strokes of 70 to 71 mm at 30 mm/s with half a turn each, and the way back.
     assert!((14.5..20.0).contains(&took.as_secs_f64()), "{took:?}");
     let dwell = Move {
         span: Span::default(),
@@ -359,7 +359,7 @@ fn travel_limits() {
 #[test]
 fn arcs_bulge_beyond_their_ends() {
     let params = Params::default();
-    // From the top of a circle of 10 mm around X 295, Z 0 to its right end, either way round.
+    // From the top of a circle of 10 mm around X 295, Z 0 to its right end, in both directions.
     let arc = |from: Position, to: Position, i: i64, k: i64, clockwise: bool| {
         let feed = FeedRate::PerMinute(Feed::from_nm_per_min(100 * MM));
         let kind = MoveKind::Arc {
@@ -389,7 +389,7 @@ fn arcs_bulge_beyond_their_ends() {
     assert!(arc(right, left_high, 0, -10, true));
     assert!(!arc(right, right, 0, -10, true));
     assert!(arc(left, left, 0, 10, false));
-    // A point of the way is enough: just before the top to just behind it.
+    // Passing a single extreme point is enough: from just before the top to just after it.
     assert!(!arc(left_high, right, 0, 10, true));
     assert!(arc(left_high, right, 0, 10, false));
     assert!(!arc(left_high, top, 0, 10, true));

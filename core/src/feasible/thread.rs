@@ -1,4 +1,4 @@
-//! G76 and G78 against the machine: spindle, feeds, lead-in, run-out.
+//! G76 and G78 and the machine's limits: spindle, feeds, lead-in, run-out.
 
 use super::encoder::can_follow;
 use super::pass::{Gather, Pass};
@@ -9,26 +9,27 @@ use crate::params::Params;
 use crate::program::ThreadCall;
 use crate::units::{Axis, Feed, Length, Rpm, mul_div, signed, signed_product};
 
-/// Different warnings, or different alarms, that one thread cycle can have.
+/// The largest number of different warnings, or of different alarms, of one thread cycle.
 pub const FINDINGS: usize = 6;
 
-/// What a thread cycle needs at its commanded speed.
+/// The needs of a thread cycle at its commanded speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadReport {
-    /// Passes, rough and finishing; each start of a multiple thread makes all of them.
+    /// Number of passes, rough and finishing; each start of a multiple thread makes all of them.
     pub passes: u32,
-    /// Largest shift of a pass's start along Z.
+    /// Largest shift of a pass's start point along Z.
     pub z_shift_max: Length,
-    /// From a pass's start to where the axis is on the lead, jerk included; along the long axis.
+    /// Distance along the long axis from a pass's start to where the axis is on the lead, jerk included.
     pub lead_in: Length,
-    /// Start at least this far before the material: lead-in, and the shift where Z is the long axis.
+    /// The start must lie at least this far before the material: the lead-in, plus the shift if Z is the long axis.
     pub start_before: Length,
-    /// What leaves a mark and stops nothing: long lead-in, falling lead, run-out that lags, parameters 107 and 5129.
+    /// Warnings, for what may leave a mark on the work but stops nothing: long lead-in, falling lead, run-out that
+    /// lags, parameters 107 and 5129.
     pub warnings: [Option<Alarm>; FINDINGS],
 }
 
 impl ThreadReport {
-    /// True where the warning about the lead-in is among the warnings (`check --strict`).
+    /// True if the warnings contain the one about the lead-in (`check --strict`).
     #[must_use]
     pub fn lead_in_is_long(&self) -> bool {
         self.warnings
@@ -38,23 +39,26 @@ impl ThreadReport {
     }
 }
 
-/// Everything that is wrong with a thread cycle, not only the first thing.
+/// All errors of a thread cycle, not only the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadFindings {
-    /// In the order of importance; empty if the cycle can run.
+    /// In order of importance; empty if the cycle can run.
     pub alarms: [Option<Alarm>; FINDINGS],
-    /// The report, where the cycle can run.
+    /// The report, if the cycle can run.
     pub report: Option<ThreadReport>,
 }
 
-/// Checks a thread cycle whose G word stands at `span`.
+/// Checks a thread cycle. Its G word stands at `span`.
 ///
 /// # Errors
-/// What geometry forbids (see [`ThreadMoves::new`]); a standing spindle ([`Code::SpindleStopped`]), more speed than it
-/// has ([`Code::SpeedAboveSpindle`]), a pitch longer than the shortest stroke ([`Code::PitchTooLong`]), lead times speed
-/// above the long axis' feed ([`Code::LeadTooFast`]), an encoder too coarse for lead or speed
-/// ([`Code::LeadForEncoder`], [`Code::SpeedForEncoder`]), a run-out above the short axis' ([`Code::RunOutTooFast`]), and no
-/// room for joining, run-in or braking ([`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`]).
+/// - The geometry forbids the cycle: see [`ThreadMoves::new`].
+/// - The spindle stands ([`Code::SpindleStopped`]), or the speed exceeds the spindle's highest speed
+///   ([`Code::SpeedAboveSpindle`]).
+/// - The pitch is longer than the shortest stroke: [`Code::PitchTooLong`].
+/// - Lead times speed exceeds the long axis' feed: [`Code::LeadTooFast`].
+/// - The encoder is too coarse for lead or speed: [`Code::LeadForEncoder`], [`Code::SpeedForEncoder`].
+/// - The run-out exceeds the short axis' feed: [`Code::RunOutTooFast`].
+/// - There is no room for joining, run-in or braking: [`Code::StrokeTooShortForSpeed`], [`Code::RunInTooFast`].
 pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadReport, Alarm> {
     let findings = thread_findings(call, span, params)?;
     match (
@@ -67,7 +71,8 @@ pub fn thread(call: &ThreadCall, span: Span, params: &Params) -> Result<ThreadRe
     }
 }
 
-/// The first of what [`thread_findings`] finds of a call at a speed of its own, in little memory: what a board asks.
+/// The first error that [`thread_findings`] would find for a call at the speed `rpm`. It needs little memory, so a
+/// board can use it.
 ///
 /// # Errors
 /// As [`thread`].
@@ -87,7 +92,7 @@ pub fn thread_can_run(
     first
 }
 
-/// Plans the passes that ask most of the machine, shows the plans, and says everything that is wrong.
+/// Plans the passes that demand most of the machine. Passes each plan to `seen` and each error to `wrong`.
 fn examine(
     call: &ThreadCall,
     rpm: Rpm,
@@ -128,10 +133,10 @@ fn examine(
     Ok(summary)
 }
 
-/// As [`thread`], but goes on after the first thing that is wrong.
+/// Like [`thread`], but goes on after the first error.
 ///
 /// # Errors
-/// What geometry forbids: without moves there is nothing to check.
+/// The geometry forbids the cycle: without moves there is nothing to check.
 pub fn thread_findings(
     call: &ThreadCall,
     span: Span,
@@ -226,11 +231,11 @@ pub fn thread_findings(
     })
 }
 
-/// The largest whole spindle speed at which the cycle can run, up to the spindle's own; [`Rpm::STOPPED`] if there is
-/// none. Plans a few dozen passes: for reports.
+/// The largest whole spindle speed at which the cycle can run, up to the spindle's highest speed; [`Rpm::STOPPED`] if
+/// no speed works. It plans a few dozen passes, so it is for reports only.
 ///
 /// # Errors
-/// What geometry forbids.
+/// The geometry forbids the cycle.
 pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Alarm> {
     let summary = ThreadMoves::survey(call, span)?;
     let passes = extremes(&summary).map(|number| pass(call, span, number));
@@ -240,7 +245,7 @@ pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Al
             .iter()
             .all(|pass| plan(call, pass, params, rpm).is_ok())
     };
-    // Invariant: `low` can (or is 0), `high` is one more than may be tried, or cannot.
+    // Invariant: the cycle can run at `low` (or `low` is 0); it cannot run at `high`, or `high` is one above the limit.
     let most = i32::try_from(params.spindle_max_rpm()).unwrap_or(i32::MAX);
     let mut low = 0_i32;
     let mut high = most.saturating_add(1);
@@ -258,7 +263,7 @@ pub fn rpm_max(call: &ThreadCall, span: Span, params: &Params) -> Result<Rpm, Al
 /// Plans a pass, and checks its run-out's speed.
 #[inline(never)]
 fn plan(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -> Result<ThreadPlan, Alarm> {
-    // A plan is large, and stays where it is written.
+    // A plan is large, so it stays where it is written.
     let mut plan = ThreadPlan::for_rpm(pass.from, &pass.moves, params, rpm);
     match &mut plan {
         Err(alarm) => to_word(call, alarm),
@@ -316,12 +321,12 @@ fn run_out_too_fast(call: &ThreadCall, pass: &Pass, params: &Params, rpm: Rpm) -
     Some(Alarm::new(Code::RunOutTooFast, span).word(b'J').with(args))
 }
 
-/// S as it is written: without the direction.
+/// S as written, without the direction.
 const fn positive(rpm: Rpm) -> Rpm {
     Rpm::new(rpm.get().saturating_abs())
 }
 
-/// Puts the planner's alarm at the word that has to change, where it is written.
+/// Moves the planner's alarm to the program word that has to change.
 fn to_word(call: &ThreadCall, alarm: &mut Alarm) {
     let span = match alarm.code {
         Code::LeadTooFast => call.lead.span,
@@ -335,7 +340,7 @@ fn to_word(call: &ThreadCall, alarm: &mut Alarm) {
     }
 }
 
-/// A pitch (lead over starts) longer than the shortest stroke is a feed rate by mistake.
+/// A pitch (lead over starts) longer than the shortest stroke: the programmer wrote a feed rate by mistake.
 fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
     let lead = call.lead.value;
     let starts = i64::from(call.starts.value.max(1));
@@ -352,13 +357,13 @@ fn pitch(call: &ThreadCall, stroke: Length) -> Option<Alarm> {
     )
 }
 
-/// The passes that ask most of the machine, by their numbers: the last (largest J), the one with the shortest stroke, and
-/// the first (shortest run-in, smallest J). All passes share slope, K and lead, and J and run-in grow with depth.
+/// Numbers of the passes that demand most of the machine: the last (largest J), the pass with the shortest stroke, and
+/// the first (shortest run-in, smallest J). All passes share slope, K and lead; J and run-in grow with depth.
 const fn extremes(summary: &ThreadSummary) -> [u32; 3] {
     [summary.passes.saturating_sub(1), summary.shortest, 0]
 }
 
-/// Pass `number` of a cycle that can be. Made anew when it is wanted: a pass is large.
+/// Pass number `number` of a cycle with valid geometry. A pass is large, so it is made again each time.
 #[inline(never)]
 fn pass(call: &ThreadCall, span: Span, number: u32) -> Pass {
     let mut moves = ThreadMoves::of(call, span);
@@ -374,7 +379,7 @@ fn pass(call: &ThreadCall, span: Span, number: u32) -> Pass {
     gather.pass()
 }
 
-/// The worst figures over the passes.
+/// The largest figures over all passes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Figures {
     lead_in: Length,
@@ -394,7 +399,7 @@ impl Figures {
     }
 }
 
-/// A list of at most [`FINDINGS`]: as many as there are different ones.
+/// A list of at most [`FINDINGS`] alarms. There are no more different alarms than this.
 #[derive(Clone, Copy, Debug, Default)]
 struct List([Option<Alarm>; FINDINGS]);
 

@@ -1,4 +1,4 @@
-//! How long moves take.
+//! The time that moves take.
 
 use core::time::Duration;
 
@@ -10,17 +10,17 @@ use crate::params::Params;
 use crate::program::{Position, TapMode};
 use crate::units::{TurnRate, mul_div};
 
-/// Ticks in which nothing moves: a pass that is over stands for two, and one that waits has waited for one at least.
+/// Ticks in which nothing moves: a finished pass stands for two ticks, and a waiting pass waits for at least one.
 const BETWEEN_PASSES: u64 = 3;
 
 /// In 2⁻³² turns.
 const HALF_TURN: u64 = 1 << 31;
 
-/// The time of the moves of a call, the first of which begins at `from`, at full override. A groove is counted by the
-/// moves that differ: it takes no longer for many columns and infeeds than for few.
+/// The time of the moves of a call at full override. The first move begins at `from`. For a groove each kind of move is
+/// planned only once, so the computation takes no longer for many columns and infeeds than for few.
 ///
 /// # Errors
-/// What the planner refuses.
+/// The errors of the planner.
 pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, Alarm> {
     let Moves::Groove(groove) = moves else {
         return time_of_each(*moves, from, params);
@@ -37,13 +37,13 @@ pub fn time(moves: &Moves, from: Position, params: &Params) -> Result<Duration, 
     Ok(Duration::from_micros(ticks.saturating_mul(tick)))
 }
 
-/// The time of `moves`, the first of which begins at `from`, at full override: exact for moves that time drives; a thread
-/// counts its turns at the commanded speed and the wait for its start angle, which is half a turn for the first pass and
-/// follows from the pass before for the others; an ordinary tap counts the ramps its spindle is planned with; a change of
-/// spindle speed and machine functions count nothing.
+/// The time of `moves` at full override. The first move begins at `from`. The time is exact for moves driven by time. A
+/// thread counts its turns at the commanded speed and the wait for its start angle; the first pass waits half a turn,
+/// the wait of each later pass follows from the pass before. An ordinary tap counts the ramps for which its spindle is
+/// planned. A change of spindle speed and machine functions count as zero.
 ///
 /// # Errors
-/// What the planner refuses.
+/// The errors of the planner.
 pub(super) fn time_of_each(
     moves: impl Iterator<Item = Move>,
     from: Position,
@@ -54,7 +54,7 @@ pub(super) fn time_of_each(
     let mut gather = Gather::new();
     let mut at = from;
     let mut micros = 0_u64;
-    // The spindle's angle when the last pass was over, and when that was.
+    // The spindle's angle at the end of the last pass, and the time of that end.
     let mut spindle = None;
     for next in moves {
         let more = match next.kind {
@@ -74,7 +74,7 @@ pub(super) fn time_of_each(
                     let turns = plan.turns().raw().unsigned_abs().saturating_add(wait);
                     let over = begins.saturating_add(mul_div(turns, 1_000_000, speed));
                     spindle = Some((plan.leaves_at() + plan.turns(), over));
-                    // What the short axis lags behind the run-out it makes up by itself.
+                    // The short axis makes up its lag at the run-out in a separate rapid move.
                     let rest = Move {
                         kind: MoveKind::Rapid,
                         ..next

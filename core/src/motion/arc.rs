@@ -1,19 +1,20 @@
-//! Circular paths in X–Z: a direction that turns and a radius that may change a little, driven by one distance.
+//! Circular paths in X–Z, driven by one distance: the direction from the centre turns, and the radius may change a
+//! little.
 
 use super::rate::Travel;
 use crate::program::Position;
 use crate::units::{Direction, Length, mul_div, mul_high, narrow_div, plane};
 
-/// How far the end may be from the circle through the start, at most; see [`Arc::new`].
+/// The largest distance of the end from the circle through the start; see [`Arc::new`].
 pub const ARC_TOLERANCE: Length = Length::from_nm(10_000);
 
 /// 2π in 2⁻⁶⁰.
 const TAU: u64 = 7_244_019_458_077_122_842;
 
-/// A circular path in X–Z; C stands.
+/// A circular path in X–Z; C stands still.
 ///
-/// Where start and end are not equally far from the centre (I and K are rounded to the input increment) the radius
-/// changes evenly along the way, so that the end is met exactly and without a step.
+/// I and K are rounded to the input increment, so start and end may be at slightly different distances from the centre.
+/// The radius then changes evenly along the path, so that the path meets the end exactly and without a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arc {
     from: Position,
@@ -21,33 +22,34 @@ pub struct Arc {
     centre_x: i64,
     centre_z: i64,
     length: Length,
-    /// Radius at the start and what it grows by, 2⁻²⁰ nm.
+    /// Radius at the start, and the growth of the radius up to the end, 2⁻²⁰ nm.
     radius: u64,
     growth: i64,
-    /// Direction of the start from the centre, from +Z towards +X.
+    /// Direction from the centre to the start, counted from +Z towards +X.
     start: Direction,
-    /// How far it turns, 2⁻⁶² turns, positive from +Z towards +X (G03).
+    /// Angle by which the direction turns, 2⁻⁶² turns, positive from +Z towards +X (G03).
     sweep: i64,
     /// 2¹²⁷ / (length in 2⁻¹⁶ nm · 2^shift).
     inverse: u64,
     shift: u32,
 }
 
-/// How strongly a path is bent: what the limits need to know of it.
+/// The curvature figures of a path that the limits need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Bend {
     /// Path length per radian, nm; at least 1.
     pub(super) radius: u64,
-    /// By how much a derivative of the position may exceed that of a circle of this radius: a factor in 2⁻³², 1 or more.
+    /// The factor, in 2⁻³² and at least 1, by which a derivative of the position may exceed that of a circle of this
+    /// radius.
     pub(super) stretch: u64,
 }
 
-/// Why there is no such arc.
+/// The reason why an arc is impossible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcError {
     /// Start or end is the centre.
     NoRadius,
-    /// Start and end are not equally far from the centre: the two distances.
+    /// Start and end are not equally far from the centre. The values are the two distances.
     NotOnCircle(Length, Length),
     /// The centre or the circle is out of range.
     TooFar,
@@ -56,13 +58,14 @@ pub enum ArcError {
 }
 
 impl Arc {
-    /// From `from` to `to` about the centre `from` + (`i`, `k`), clockwise (G02) in the trade's view: Z to the right,
-    /// X up. Where both points are in the same direction from the centre it is a full turn. Positions within
-    /// [`Length::INPUT_LIMIT`].
+    /// The arc from `from` to `to` about the centre `from` + (`i`, `k`). Clockwise (G02) is as seen with Z to the right
+    /// and X up, the trade's view. If both points lie in the same direction from the centre, the arc is a full turn.
+    /// Positions are within [`Length::INPUT_LIMIT`].
     ///
     /// # Errors
     ///
-    /// [`ArcError`]. The end may be off the circle by [`ARC_TOLERANCE`], and by a quarter of the radius.
+    /// [`ArcError`]. The end may be off the circle by at most [`ARC_TOLERANCE`], and by at most a quarter of the
+    /// radius.
     #[inline(never)]
     pub fn new(
         from: Position,
@@ -95,7 +98,7 @@ impl Arc {
         }
         .max(1);
 
-        // Mean radius times angle, and the growth across it; rounded up.
+        // Mean radius times angle, combined with the growth at a right angle to it; rounded up.
         let mean = r0.midpoint(r1);
         // 2⁻²⁰ nm · 2⁻⁶³ turns · 2⁻⁶⁰: 2⁻¹⁵ nm.
         let arc = mul_high(mul_high(mean, turn << 1), TAU);
@@ -129,19 +132,19 @@ impl Arc {
         self.length
     }
 
-    /// Where it starts.
+    /// Start of the arc.
     #[must_use]
     pub const fn start(&self) -> Position {
         self.from
     }
 
-    /// Where it ends.
+    /// End of the arc.
     #[must_use]
     pub const fn end(&self) -> Position {
         self.to
     }
 
-    /// How strongly it is bent.
+    /// The curvature figures of this arc.
     pub(super) fn bend(&self) -> Bend {
         let length = self.length.nm() as u64;
         // Radians in 2⁻⁵⁹: 2⁻⁶³ turns · 2⁻⁶⁰.
@@ -160,13 +163,13 @@ impl Arc {
         }
     }
 
-    /// The position at `travel`, rounded to the nearest nm; the end from the length on.
+    /// The position at `travel`, rounded to the nearest nm. From the length on this is the end.
     #[must_use]
     pub fn at(&self, travel: Travel) -> Position {
         if travel >= Travel::of(self.length) {
             return self.to;
         }
-        // Share of the way, 2⁻⁶³.
+        // Part of the length covered, 2⁻⁶³.
         let share = mul_high(travel.raw() << self.shift, self.inverse);
         let turned = (mul_high(self.sweep.unsigned_abs() << 1, share) << 2) as i64;
         let phase = self.start.turned(if self.sweep < 0 {
@@ -202,7 +205,7 @@ const fn component(radius: u64, factor: i64) -> i64 {
 /// A turn in 2⁻⁶² turns.
 const FULL: u64 = 1 << 62;
 
-/// A vector from the centre.
+/// A vector from the centre to a point.
 struct Ray {
     x: i64,
     z: i64,
@@ -216,7 +219,7 @@ impl Ray {
         })
     }
 
-    /// Its length in 2⁻²⁰ nm: below 2⁶³.
+    /// The length of the vector in 2⁻²⁰ nm: below 2⁶³.
     fn radius(&self) -> u64 {
         plane::length(self.x.unsigned_abs() << 20, self.z.unsigned_abs() << 20)
     }
@@ -225,8 +228,8 @@ impl Ray {
         Direction::of_vector(self.z, self.x)
     }
 
-    /// The turn from this one to `other`, from +Z to +X, in 2⁻⁶² turns; a full one for the same direction. The sign of
-    /// the cross product is exact and decides between almost nothing and almost a turn.
+    /// The turn from this vector to `other`, from +Z to +X, in 2⁻⁶² turns; a full turn if both have the same direction.
+    /// The sign of the cross product is exact, so it decides between almost no turn and almost a full turn.
     fn sweep_to(&self, other: &Self) -> u64 {
         let between = other.phase().raw().wrapping_sub(self.phase().raw());
         let (from, to) = ((self.z, self.x), (other.z, other.x));
@@ -283,7 +286,7 @@ mod tests {
         let nose = arc((0, 0), (10_000_000, -10_000_000), (0, -10_000_000), false).unwrap();
         assert_eq!(nose.length(), Length::from_nm(15_707_964));
         assert_eq!(at_share(&nose, 1, 2), (7_071_068, -2_928_932));
-        // The other way round it is three quarters, through the back.
+        // The other way round the arc is three quarters of a turn, through the back.
         let back = arc((0, 0), (10_000_000, -10_000_000), (0, -10_000_000), true).unwrap();
         assert_eq!(back.length(), Length::from_nm(47_123_890));
         assert_eq!(at_share(&back, 1, 3), (-10_000_000, -10_000_000));
@@ -382,7 +385,7 @@ mod tests {
                 assert_eq!(arc.at(full), arc.to);
                 assert_eq!(arc.at(Travel::from_raw(full.raw() - 1)), arc.to);
 
-                // The exact circle in floats: 10⁹ nm leave them 10⁻⁷ nm.
+                // The exact circle in floats: at 10⁹ nm their resolution is 10⁻⁷ nm.
                 let hypot = |p: (i64, i64)| (p.0 as f64).hypot(p.1 as f64);
                 let start = (a.0 as f64).atan2(a.1 as f64);
                 let turn = ((b.0 as f64).atan2(b.1 as f64) - start).rem_euclid(TAU);

@@ -1,22 +1,22 @@
 //! The ease: a curve that leaves rest and joins a straight line, smooth to the second derivative.
 //!
-//! `at(h)` is 0 for `h ≤ −H` and `h` for `h ≥ H`; between them the slope grows from 0 to 1 with a trapezoidal second
-//! derivative, so that an `h` that runs at constant speed gives a jerk-limited start. Because the curve is even about
-//! the corner it rounds, `at(h) = max(h, 0) + bulge(|h|)`: the line itself is never disturbed outside, and a mirror
-//! image of the same curve brakes. Threads use it on the long axis (join, brake) and on the short one (run-in, run-out).
+//! `at(h)` is 0 for `h ≤ −H` and `h` for `h ≥ H`. Between them the slope grows from 0 to 1 with a trapezoidal second
+//! derivative, so an `h` that runs at constant speed gives a jerk-limited start. The curve is even about the corner
+//! that it rounds: `at(h) = max(h, 0) + bulge(|h|)`. So the curve never changes the line outside, and its mirror image
+//! serves for braking. Threads use the ease on the long axis (join, brake) and on the short axis (run-in, run-out).
 
 use super::wide::{mul_div_up, root_mul_div_up};
 use crate::units::{Length, mul_div};
 
-/// A length in 2⁻¹⁶ nm: what the laws of a thread are computed in before the one rounding to a setpoint.
+/// A length in 2⁻¹⁶ nm. The laws of a thread compute in this unit before the single rounding to a setpoint.
 pub(crate) type Fine = i64;
 
-/// Whole nanometres, rounded to the nearest.
+/// Rounds to the nearest whole nanometre.
 pub(super) const fn whole(fine: Fine) -> Length {
     Length::from_nm(fine.wrapping_add(1 << 15) >> 16)
 }
 
-/// Speed, acceleration and jerk in nm/s, nm/s², nm/s³.
+/// Acceleration and jerk in nm/s², nm/s³.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bounds {
     pub acceleration: u64,
@@ -24,7 +24,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// The tighter of both, figure by figure.
+    /// The smaller acceleration and the smaller jerk of both.
     pub fn least(&self, other: &Self) -> Self {
         Self {
             acceleration: self.acceleration.min(other.acceleration),
@@ -32,15 +32,15 @@ impl Bounds {
         }
     }
 
-    /// Time from rest to `speed` (nm/s) in ns, rounded up, and the part of it in which the acceleration rises.
+    /// Time from rest to `speed` (nm/s) in ns, rounded up, and the part of this time in which the acceleration rises.
     pub fn time(&self, speed: u64) -> (u64, u64) {
         let (a, j) = (self.acceleration.max(1), self.jerk.max(1));
-        // a²/j ≤ v: the acceleration is reached.
+        // If a²/j ≤ v, the motion reaches its acceleration limit.
         let rise = mul_div_up(a, NS, j);
         if mul_div(a, a, j) <= speed {
             (mul_div_up(speed, NS, a).saturating_add(rise), rise)
         } else {
-            // √(v/j) seconds up and as many down.
+            // √(v/j) seconds for the rise and the same time for the fall.
             let rise = root_mul_div_up(speed, NS.wrapping_mul(NS), j);
             (rise.saturating_mul(2), rise)
         }
@@ -49,11 +49,11 @@ impl Bounds {
 
 const NS: u64 = 1_000_000_000;
 
-/// A straight number scaled so that its size fits 32 bits, and its reciprocal: a division in the tick made a
-/// multiplication.
+/// A whole number, scaled so that its size fits 32 bits, and its reciprocal. With it the tick multiplies instead of
+/// dividing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Fraction {
-    /// As wide as the other, so that a plan has no gaps and is cleared at one go.
+    /// As wide as the other field, so that a plan has no gaps and can be cleared in one go.
     shift: u64,
     inverse: u64,
 }
@@ -79,7 +79,7 @@ impl Fraction {
         (part.wrapping_mul(self.inverse) >> 32).min(1 << 31)
     }
 
-    /// `part` / `whole`, which it was made of, in 2⁻³¹: at most one either way.
+    /// `part` / `whole` in 2⁻³¹, limited to ±1. `whole` is the number from which this fraction was made.
     pub fn share(self, part: Fine, whole: Fine) -> i64 {
         let size = part.unsigned_abs() as Fine;
         let share = if size >= whole {
@@ -101,7 +101,7 @@ impl Fraction {
     }
 }
 
-/// See the module. By itself no rounding at all: a corner.
+/// The curve of the module's description. The default has no rounding at all: a sharp corner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Ease {
     half: Fine,
@@ -115,7 +115,7 @@ pub(crate) struct Ease {
 }
 
 impl Ease {
-    /// The ease for something that runs at `speed` (nm/s) along `h` while its follower gains `follower` nm/s within
+    /// The ease for a master that runs at `speed` (nm/s) along `h`, while its follower gains `follower` nm/s within
     /// `bounds`.
     #[inline(never)]
     pub fn new(speed: u64, follower: u64, bounds: &Bounds) -> Self {
@@ -128,7 +128,7 @@ impl Ease {
         Self::of(half, rise)
     }
 
-    /// The half length of [`Ease::new`], without the rest of the work.
+    /// The half length of [`Ease::new`], without computing the rest.
     #[inline(never)]
     pub fn half_for(speed: u64, follower: u64, bounds: &Bounds) -> u64 {
         if speed == 0 || follower == 0 {
@@ -161,7 +161,7 @@ impl Ease {
         self.half
     }
 
-    /// `part` / H in 2⁻³¹, at most one either way.
+    /// `part` / H in 2⁻³¹, limited to ±1.
     pub fn share(&self, part: Fine) -> i64 {
         self.of_half.share(part, self.half)
     }
@@ -181,7 +181,7 @@ impl Ease {
         line.wrapping_add(self.bulge(inside))
     }
 
-    /// How far the curve is from its two lines, `inside` after the nearer end.
+    /// Distance of the curve from its two lines at the point `inside` from the nearer end.
     fn bulge(&self, inside: Fine) -> Fine {
         if inside < self.rise {
             let u = self.of_rise.get(inside);
@@ -197,7 +197,7 @@ impl Ease {
     }
 }
 
-/// Half the way that h makes in a time (ns), up to whole nanometres.
+/// Half of the way that `h` covers in a time (ns), rounded up to whole nanometres.
 fn half_way(speed: u64, time: u64) -> u64 {
     mul_div_up(speed, time, 2 * NS).min(1 << 42)
 }
@@ -210,7 +210,8 @@ mod tests {
     use super::*;
 
     const MACHINES: [(u64, u64, u64); 6] = [
-        // Speed, acceleration, jerk: jerk alone, both, hardly any jerk limit, slow, fast, a tick's travel and less.
+        // Speed, acceleration, jerk. The cases: jerk alone, both limits, hardly any jerk limit, slow, fast, a tick's
+        // travel and less.
         (34_500_000, 3_000_000_000, 60_000_000_000),
         (200_000_000, 2_000_000_000, 60_000_000_000),
         (50_000_000, 1_000_000_000, 10_000_000_000_000),
@@ -219,7 +220,7 @@ mod tests {
         (1_000, 3_000_000_000, 60_000_000_000),
     ];
 
-    /// The curve from its definition: the second derivative rises over R, stays, falls over R.
+    /// The curve by its definition: the second derivative rises over R, stays constant, then falls over R.
     fn exact(h: f64, half: f64, rise: f64) -> f64 {
         let whole = 2.0 * half;
         let x = (h + half).clamp(0.0, whole);
@@ -259,7 +260,7 @@ mod tests {
                 2.0 * (v / j).sqrt()
             };
             let half = ease.half_nm() as f64;
-            // Never shorter, and longer by the rounding to nanoseconds and nanometres alone.
+            // Never shorter than exact, and longer only by the rounding to nanoseconds and nanometres.
             assert!(half >= v * time / 2.0 - 1e-3 && half <= v * (time + 4e-9) / 2.0 + 1.0);
         }
         assert_eq!(

@@ -1,10 +1,10 @@
-//! The tick of motion: one segment after another becomes one setpoint a tick.
+//! The executor: it turns one segment after another into one setpoint per tick.
 //!
-//! Knows planned segments, the spindle's angle and how far the operator lets things go; knows nothing of moves, program
-//! text, drives or frames. Constant work: at most one segment is begun in a tick.
+//! The executor knows planned segments, the angle of the spindle and the operator's overrides and feed hold. It knows
+//! nothing of moves, program text, drives or frames. A tick is constant work: it begins at most one segment.
 //!
-//! A planned segment is large. It stays where it is (at the head of its queue) until it is done, and whoever drives the
-//! executor hands it in, the same one every time; the executor keeps what changes alone [D104].
+//! A planned segment is large. It stays at the head of its queue until it is done. The caller of the executor passes
+//! the same segment in every tick; the executor itself keeps only the state that changes [D104].
 
 mod float;
 mod pass;
@@ -21,12 +21,12 @@ use crate::spindle::Observer;
 use crate::units::{Length, Rpm, Ticks, TurnRate, Turns};
 use pass::Waited;
 
-/// What one tick of motion depends on.
+/// The inputs of one tick of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
-    /// Where the spindle is.
+    /// The observer that tells the angle of the spindle.
     pub observer: &'a Observer,
-    /// How far ahead of the sample an X setpoint takes effect.
+    /// Time from the sample to the instant at which an X setpoint takes effect.
     pub ahead_x: Ticks,
     /// The same for Z.
     pub ahead_z: Ticks,
@@ -34,17 +34,17 @@ pub struct Conditions<'a> {
     pub feed: Rate,
     /// Rapid override, at most [`Rate::FULL`].
     pub rapid: Rate,
-    /// Feed hold is asked for.
+    /// The operator asks for feed hold.
     pub hold: bool,
-    /// What comes next is in the queue: a stroke may begin, its retract is there. Matters while it
-    /// [waits](Executor::is_waiting).
+    /// True when the segment after the stroke (its retract) is in the queue, so that the stroke may begin. Only matters
+    /// while a pass [waits](Executor::is_waiting).
     pub more: bool,
 }
 
-/// How the spindle must be for a stroke, and how long to wait for it.
+/// The condition of the spindle for a stroke, and the longest wait for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arrival {
-    /// Measured speed within this many per cent of the commanded one counts as arrived.
+    /// The spindle has arrived when its measured speed is within this many per cent of the commanded speed.
     pub tolerance_percent: u8,
     /// Ticks the spindle may take to arrive.
     pub speed_ticks: u32,
@@ -53,15 +53,16 @@ pub struct Arrival {
 }
 
 impl Arrival {
-    /// Ticks the index may stay out at a speed: two turns and a second.
+    /// The longest wait for the index at a speed: two turns and a second, in ticks.
     pub(super) fn index_ticks(&self, rpm: Rpm) -> u32 {
         let per_minute = self.ticks_per_minute;
         let turn = per_minute.checked_div(rpm.abs()).unwrap_or(per_minute);
         turn.saturating_mul(2).saturating_add(per_minute / 60)
     }
 
-    /// Counts the ticks for which a spindle does not turn as it must, each trouble with its patience: so many parts of a
-    /// second. The trouble where it has lasted longer.
+    /// Counts the ticks in which the spindle does not turn as it must. `trouble` holds the alarm code and the patience
+    /// for it: this part of a second (100 means a hundredth). Returns the code once the trouble has lasted longer than
+    /// that.
     pub(super) fn count_astray(
         &self,
         astray: &mut u32,
@@ -97,27 +98,27 @@ pub enum Motion {
     Wait,
 }
 
-/// The setpoint of a tick and what it belongs to.
+/// The setpoint of a tick and the move to which it belongs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Setpoint {
     /// Machine position.
     pub position: Position,
     /// What the axes are doing.
     pub motion: Motion,
-    /// The long axis is held to the helix, or axis and spindle to the tap's master.
+    /// True when the long axis is held to the helix, or axis and spindle to the tap's master.
     pub locked: bool,
     /// Commanded angle of the spindle while it is in position mode.
     pub spindle: Option<Turns>,
     /// Number of the move; 0 where nothing executes.
     pub number: u32,
-    /// Its block's line; 0 where nothing executes.
+    /// Line of the move's block; 0 where nothing executes.
     pub line: u32,
 }
 
-/// By what an axis is held to the spindle.
+/// The law by which an axis follows the spindle.
 #[derive(Clone, Copy, Debug)]
 pub enum Law {
-    /// The exact helix of a pass.
+    /// The exact helix of a threading pass.
     Thread(Helix),
     /// The line of a rigid tap.
     Tap(TapLine),
@@ -129,7 +130,7 @@ pub enum Law {
 enum Active {
     Free,
     Timed,
-    /// For the spindle, to begin the pass.
+    /// A pass waits for the spindle before it begins.
     Waiting(Waited),
     Thread(ThreadRun),
     Tap(TapRun),
@@ -144,19 +145,20 @@ pub struct Executor {
     position: Position,
     /// Commanded spindle angle, in position mode.
     spindle: Option<Turns>,
-    /// Commanded speed of a spindle in speed mode, where what is under way turns it.
+    /// Commanded speed of a spindle in speed mode, if the motion under way turns the spindle.
     spindle_speed: Option<TurnRate>,
     number: u32,
     span: Span,
     arrival: Arrival,
-    /// Ticks for which the spindle has not turned as it must in a stroke: a second of standing is an alarm, a tenth of it
-    /// of turning the wrong way, a hundredth of being faster than the pass is planned for.
+    /// Ticks for which the spindle has not turned as it must in a stroke. An alarm follows after a second of standing,
+    /// after a tenth of a second of turning the wrong way, or after a hundredth of a second above the speed for which
+    /// the pass is planned.
     astray: u32,
     stops: Stops,
     aborting: bool,
     /// Ticks since the pass came to rest.
     settled: u8,
-    /// A stroke of a tap has ended in this tick.
+    /// True when a stroke of a tap has ended in this tick.
     turned: bool,
     run: Run,
 }
@@ -174,9 +176,9 @@ impl Executor {
         end: 0,
     };
 
-    /// At rest at the machine's zero.
-    // Written straight to where it will be, which the caller says: as a function of
-    // its own it would be copied there [D146].
+    /// An executor at rest at the machine's zero.
+    // Inlined so that it writes straight into the caller's place; the result of a separate function would be copied
+    // there [D146].
     #[must_use]
     #[inline(always)]
     pub const fn new(arrival: Arrival) -> Self {
@@ -197,7 +199,7 @@ impl Executor {
         }
     }
 
-    /// As [`new`](Self::new), in place: what is under way is forgotten, and where it stood.
+    /// Resets in place to the state of [`new`](Self::new): the motion under way and the position are forgotten.
     pub const fn begin_anew(&mut self, arrival: Arrival) {
         let Self {
             run,
@@ -224,7 +226,7 @@ impl Executor {
         (*aborting, *astray, *settled, *turned) = (false, 0, 0, false);
     }
 
-    /// Says where the machine stands. Only while nothing is under way.
+    /// Sets the position at which the machine stands. Has an effect only while nothing is under way.
     pub const fn set_position(&mut self, position: Position) {
         if self.is_free() {
             self.position = position;
@@ -237,19 +239,19 @@ impl Executor {
         self.position
     }
 
-    /// True where the next segment may begin.
+    /// True when the next segment may begin.
     #[must_use]
     pub const fn is_free(&self) -> bool {
         matches!(self.active, Active::Free)
     }
 
-    /// What the segment under way, or the last one, lets an operator do.
+    /// The operator's stops that the segment under way, or the last one, allows.
     #[must_use]
     pub const fn stops(&self) -> Stops {
         self.stops
     }
 
-    /// The pass under way.
+    /// The threading pass under way.
     #[must_use]
     pub const fn thread(&self) -> Option<&ThreadRun> {
         match &self.active {
@@ -258,19 +260,20 @@ impl Executor {
         }
     }
 
-    /// True while a pass waits for its spindle and for what comes behind it.
+    /// True while a pass waits for its spindle and for the segment after the pass.
     #[must_use]
     pub const fn is_waiting(&self) -> bool {
         matches!(self.active, Active::Waiting(_))
     }
 
-    /// True while a tap is under way.
+    /// True while a rigid tap is under way.
     #[must_use]
     pub const fn is_tapping(&self) -> bool {
         matches!(self.active, Active::Tap(_))
     }
 
-    /// The law of what is under way (`current`), where an axis follows the spindle by one.
+    /// The law by which an axis follows the spindle in the segment under way (`current`); `None` if no axis follows the
+    /// spindle.
     #[must_use]
     pub fn law(&self, current: Option<Task<'_>>) -> Option<Law> {
         Some(match (&self.active, current?.plan?) {
@@ -281,7 +284,7 @@ impl Executor {
         })
     }
 
-    /// A stroke of a tap has ended in the last tick.
+    /// True if a stroke of a tap ended in the last tick.
     #[must_use]
     pub const fn has_turned(&self) -> bool {
         self.turned
@@ -293,14 +296,16 @@ impl Executor {
         self.spindle
     }
 
-    /// The spindle stands at `angle` in position mode, or is in speed mode again. Not while a tap is under way.
+    /// Tells that the spindle stands at `angle` in position mode, or (`None`) is in speed mode again. Has no effect
+    /// while a tap is under way.
     pub const fn set_spindle(&mut self, angle: Option<Turns>) {
         if !self.is_tapping() {
             self.spindle = angle;
         }
     }
 
-    /// Begins a segment of motion; commands and marks are the board's. Ignored while another is under way.
+    /// Begins a segment of motion; the board itself executes commands and marks. Ignored while another segment is under
+    /// way.
     pub fn begin(&mut self, task: Task<'_>) {
         if !self.is_free() {
             return;
@@ -331,15 +336,16 @@ impl Executor {
         }
     }
 
-    /// What has just begun is told as part of another segment: a way out of a pass and back belongs to the pass.
+    /// Reports the segment that has just begun as part of another segment: a way out of a pass and back belongs to the
+    /// pass.
     pub const fn tell_as(&mut self, number: u32, span: Span, frozen: Option<u8>) {
         self.number = number;
         self.span = span;
         self.stops.frozen = frozen;
     }
 
-    /// Emergency stop: whatever is under way (`current`) comes to rest on its path, both axes of a synchronised move
-    /// together [D18]; what is left of it is forgotten.
+    /// Emergency stop: the segment under way (`current`) comes to rest on its path, both axes of a synchronised move
+    /// together [D18]. The rest of the segment is forgotten.
     pub fn stop(&mut self, current: Option<Task<'_>>) {
         self.aborting = true;
         match (&mut self.active, current.and_then(Task::pass)) {
@@ -362,8 +368,8 @@ impl Executor {
         }
     }
 
-    /// Reset, and feed hold with immediate retract: a stroke is left along the run-out's slope towards `target` on the
-    /// short axis while the long one stays in lead; anything else stops as by [`stop`](Self::stop).
+    /// For reset, and for feed hold with immediate retract. The short axis leaves a stroke along the run-out's slope
+    /// towards `target` while the long axis stays in lead. Any other motion stops as by [`stop`](Self::stop).
     pub fn retract(&mut self, current: Option<Task<'_>>, target: Length) -> Retract {
         if let Active::Thread(run) = &mut self.active
             && let Some(pass) = current.and_then(Task::pass)
@@ -375,14 +381,13 @@ impl Executor {
         Retract::Standing
     }
 
-    /// One tick, its setpoint put into its place. `current`: the segment that was begun, until the executor
+    /// Runs one tick and writes its setpoint. `current` is the segment that was begun, until the executor
     /// [is free](Self::is_free) again.
     ///
     /// # Errors
-    /// What the spindle does not do for a stroke: [`NoIndex`](crate::alarm::Code::NoIndex),
-    /// [`SpindleNotArrived`](crate::alarm::Code::SpindleNotArrived), and what
-    /// [`ThreadRun::start`] refuses. The setpoint is the first of the way to rest
-    /// then; [`stop`](Self::stop) goes on with it.
+    /// The spindle does not do what a stroke needs: [`NoIndex`](crate::alarm::Code::NoIndex),
+    /// [`SpindleNotArrived`](crate::alarm::Code::SpindleNotArrived), and the errors of [`ThreadRun::start`]. The
+    /// setpoint of such a tick is then the first on the way to rest; [`stop`](Self::stop) continues this way.
     pub fn tick(
         &mut self,
         now: &Conditions<'_>,
@@ -400,7 +405,8 @@ impl Executor {
         done
     }
 
-    /// One tick of what is under way. What it is goes into the setpoint; nothing where nothing is.
+    /// One tick of the segment under way. Writes what the axes are doing into the setpoint; writes nothing if no
+    /// segment is under way.
     fn advance(
         &mut self,
         now: &Conditions<'_>,
@@ -428,7 +434,8 @@ impl Executor {
         }
     }
 
-    /// A tick of a dwell, or nothing is under way; or, which cannot be, it is not what was begun.
+    /// A tick of a dwell, or of no motion at all. Also frees the executor if `current` is not the segment that was
+    /// begun, which cannot happen.
     fn stand(&mut self, now: &Conditions<'_>, setpoint: &mut Setpoint) -> Result<(), Alarm> {
         let Active::Dwell(left) = &mut self.active else {
             self.active = Active::Free;
@@ -447,7 +454,7 @@ impl Executor {
         Ok(())
     }
 
-    /// Says what a setpoint is.
+    /// Writes into the setpoint what the axes are doing, and for which move.
     fn tell(&self, setpoint: &mut Setpoint, motion: Motion) {
         setpoint.motion = motion;
         setpoint.number = self.number;
@@ -476,7 +483,7 @@ impl Executor {
         setpoint.number = self.number.saturating_add(point.offset);
     }
 
-    /// A tick of a move that time drives.
+    /// A tick of a move that is driven by time.
     fn move_on(&mut self, now: &Conditions<'_>, timed: &Timed, setpoint: &mut Setpoint) {
         let hold = now.hold && !self.stops.hold_not_inside;
         let rate = if hold {
@@ -510,7 +517,7 @@ impl Executor {
     }
 }
 
-/// Measured over commanded speed.
+/// Measured speed divided by commanded speed.
 fn turning(measured: TurnRate, commanded: Rpm) -> Rate {
     let wanted = TurnRate::of_rpm(commanded).abs().raw() >> 16;
     let ratio = measured.abs().raw().checked_div(wanted.max(1)).unwrap_or(0);

@@ -1,10 +1,10 @@
-//! What a lead makes of a travel and of a speed of the spindle. For planning: each is rounded up, by divisions of 128 bits.
+//! Converts travel and spindle speed by a lead, for planning. Results are rounded up, with divisions of 128 bits.
 
 use super::ease::Fine;
 use super::wide::mul_div_up;
 use crate::units::{Lead, Turns};
 
-/// The spindle's angle for a travel; at most a quarter of the range, so that sums of two still count.
+/// The spindle's angle for a travel. It is limited to a quarter of the range, so that a sum of two does not overflow.
 #[inline(never)]
 pub(super) fn turns_of(lead: Lead, travel: Fine) -> Turns {
     let (nm, turns) = lead.parts();

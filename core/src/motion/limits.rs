@@ -1,6 +1,6 @@
-//! What the axes can bear, per tick, and what that leaves for a path.
+//! Limits of the axes per tick, and the limits that follow for a path.
 //!
-//! Knows parameters and directions; knows nothing of moves, profiles or time.
+//! This module knows parameters and directions; it knows nothing of moves, profiles or time.
 
 use super::arc::Bend;
 use super::ease::Bounds;
@@ -11,19 +11,19 @@ use crate::units::{
     Acceleration, Axis, Feed, Jerk, div_wide, mul_div, mul_wide, narrow_div, product, root_wide,
 };
 
-/// Whether a move is a rapid or cuts; they have different top speeds.
+/// Tells whether a move is a rapid or a cutting move; these have different top speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// 1420.
+    /// The speed limit is parameter 1420.
     Rapid,
-    /// 1430.
+    /// The speed limit is parameter 1430.
     Cutting,
 }
 
 /// The limits of one axis, or of a path, per tick.
 ///
-/// Acceleration and jerk are in 2⁻³² nm (rotary: µ°) per tick² and per tick³. All are rounded down and lack what the
-/// 2⁻¹⁶ nm of the path's resolution can add to a difference of setpoints.
+/// Acceleration and jerk are in 2⁻³² nm (rotary: µ°) per tick² and per tick³. All limits are rounded down. They are
+/// also reduced by the amount that the path's resolution of 2⁻¹⁶ nm can add to a difference of setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PathLimits {
     /// Top speed.
@@ -42,7 +42,7 @@ struct AxisLimits {
     jerk: u64,
 }
 
-/// The limits of all axes at one tick.
+/// The limits of all axes for one tick length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     tick_us: u32,
@@ -52,8 +52,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis and the tick. A top speed above 16.7 mm (16.7°)
-    /// a tick, which at 1 ms is 1000 m/min or 2796 rpm of C, counts as that.
+    /// The limits of a parameter set: 1420, 1430, 1620, 1622 of each axis, and the tick. A top speed is limited to
+    /// 16.7 mm (16.7°) a tick; at 1 ms this is 1000 m/min or 2796 rpm of C.
     #[must_use]
     pub fn from_params(params: &Params) -> Self {
         let tick_us = params.tick_us();
@@ -104,12 +104,13 @@ impl Limits {
         [speed.raw() as u64, limits.acceleration, limits.jerk]
     }
 
-    /// Limits along a straight path: of every axis its limit times the path's length over the axis' own way, and the least
-    /// of those.
+    /// Limits along a straight path. Each axis allows its own limit, times the path's length over the axis' own
+    /// distance; the smallest of these values counts.
     pub(super) fn line(&self, line: &Line, pace: Pace) -> PathLimits {
         let length = line.length().nm() as u64;
         let mut least = [u64::from(u32::MAX), u64::MAX, u64::MAX];
-        // One division for each axis: length / distance in 2^-shift, as fine as 64 bits allow, at least 2⁻²⁰ at 4 km.
+        // One division per axis: length / distance in 2^-shift. This is as fine as 64 bits allow, at least 2⁻²⁰ at
+        // 4 km.
         let shift = length.leading_zeros().min(63);
         for (axis, distance) in Axis::ALL.into_iter().zip(line.distances()) {
             let Some(ratio) = (length << shift).checked_div(distance) else {
@@ -124,12 +125,12 @@ impl Limits {
 
     /// Limits along a circular path in X–Z that is never driven faster than `top`.
     ///
-    /// On a circle of radius R at speed V, acceleration A and jerk J the tool feels A along and V²/R across the path,
-    /// and J, 3·V·A/R and V³/R². Half of the weaker axis' acceleration is kept for A, half of its jerk for J; where V
-    /// takes less than its part, they get the rest.
+    /// On a circle of radius R at speed V, acceleration A and jerk J, the tool has the accelerations A along the path
+    /// and V²/R across it, and the jerks J, 3·V·A/R and V³/R². Half of the weaker axis' acceleration is reserved for A,
+    /// half of its jerk for J. If V needs less than its part, A and J get the rest.
     pub(super) fn arc(&self, bend: &Bend, top: PathRate) -> PathLimits {
-        // The bends between two ticks are not those at the ticks; an eighth of a radian a tick at most makes that small.
-        // So 15/16 of the acceleration counts, and 14/16 of the jerk.
+        // The bends between two ticks differ from those at the ticks. The speed limit of an eighth of a radian a tick
+        // keeps this small. So 15/16 of the acceleration counts, and 14/16 of the jerk.
         let mut axes = self.figures(Axis::X, Pace::Cutting);
         let mut keep = 1_u64 << 32;
         for (least, z) in axes.iter_mut().zip(self.figures(Axis::Z, Pace::Cutting)) {
@@ -139,7 +140,7 @@ impl Limits {
         let [speed, acceleration, jerk] = axes;
         let radius = bend.radius;
 
-        // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick; beyond 2³⁶ nm of radius the second cannot matter.
+        // V² ≤ a·R/2 and V³ ≤ j·R²/4, in 1/256 nm per tick. Beyond a radius of 2³⁶ nm the second limit has no effect.
         let by_acceleration = root_wide(product(acceleration, radius) >> 17);
         let near = radius.min(1 << 36);
         let by_jerk = cube_root(mul_wide(product(near, near), jerk) >> 10);
@@ -150,7 +151,7 @@ impl Limits {
             .min(radius.saturating_mul(32))
             .max(2);
 
-        // V fits 32 bits and is 32·R at most, or 2.
+        // V fits 32 bits and is at most 32·R, or 2.
         let square = speed.wrapping_mul(speed);
         let across = mul_div(square, 1 << 16, radius);
         // A ≤ j·R / (12·V).
@@ -167,7 +168,7 @@ impl Limits {
 }
 
 impl PathLimits {
-    /// Of speed, below 2³², acceleration and jerk.
+    /// From speed (below 2³²), acceleration and jerk.
     const fn of([speed, acceleration, jerk]: [u64; 3]) -> Self {
         Self {
             speed: PathRate::from_raw(speed as u32),
@@ -185,7 +186,7 @@ impl AxisLimits {
         jerk: Jerk,
         tick_us: u32,
     ) -> Self {
-        // Two positions, each wrong by less than 2⁻¹⁶ nm: less than one unit of 1/256 nm.
+        // Two positions are each wrong by less than 2⁻¹⁶ nm: together less than one unit of 1/256 nm.
         let speed =
             |feed| PathRate::from_raw(PathRate::of_feed(feed, tick_us).raw().saturating_sub(1));
         Self {
@@ -197,10 +198,10 @@ impl AxisLimits {
     }
 }
 
-/// What an axis bears, per second.
+/// Acceleration and jerk limits of an axis, per second.
 #[inline(never)]
 pub(super) fn bounds(params: &Params, axis: Axis) -> Bounds {
-    // Neither is negative.
+    // Neither limit is negative.
     Bounds {
         acceleration: params.acceleration(axis).nm_per_s2() as u64,
         jerk: params.jerk(axis).nm_per_s3() as u64,
@@ -212,7 +213,7 @@ fn stretched(limit: u64, ratio: u64, shift: u32) -> u64 {
     mul_div(limit, ratio, 1_u64.wrapping_shl(shift))
 }
 
-/// The largest integer whose cube is not above `value`; `u32::MAX` at most.
+/// The largest integer whose cube is at most `value`, limited to `u32::MAX`.
 fn cube_root(value: u128) -> u32 {
     let mut root = 0_u32;
     for bit in (0..32).rev() {
@@ -253,7 +254,7 @@ mod tests {
     #[test]
     fn the_slower_axis_of_a_diagonal_counts_by_its_share() {
         let limits = Limits::from_params(&Params::default());
-        // 3-4-5: X moves 3 of 5.
+        // A 3-4-5 triangle: X moves 3 of 5.
         let to = Position {
             x: Length::from_nm(3_000),
             z: Length::from_nm(-4_000),

@@ -1,4 +1,4 @@
-//! Straight paths: three axes in proportion to one distance.
+//! Straight paths: three axes move in proportion to one distance.
 
 use super::rate::Travel;
 use crate::program::Position;
@@ -6,14 +6,14 @@ use crate::units::{Angle, Length, mul_high, narrow_div, plane};
 
 /// A straight path in X, Z and C.
 ///
-/// Its length is the distance in X and Z, and C follows in proportion. Where C turns further (1 µ° for 1 nm), or moves
-/// alone, C's angle is the length, so that no axis ever covers more than the path does.
+/// Its length is the distance in X and Z, and C follows in proportion. If C turns further (1 µ° counts as 1 nm) or
+/// moves alone, the length is C's angle. So no axis ever covers more than the length of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
     from: Position,
     to: Position,
     length: Length,
-    /// Distance in X and Z alone: what a feed is measured on; the length where only C moves.
+    /// Distance in X and Z alone, on which a feed is measured. If only C moves: the length.
     feed_length: Length,
     /// Share of each axis, 2⁻⁶³.
     x: u64,
@@ -22,7 +22,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// From `from` to `to`; positions within [`Length::INPUT_LIMIT`].
+    /// The line from `from` to `to`. Both positions are within [`Length::INPUT_LIMIT`].
     #[must_use]
     pub fn new(from: Position, to: Position) -> Self {
         let dx = magnitude(from.x.nm(), to.x.nm());
@@ -42,19 +42,19 @@ impl Line {
         }
     }
 
-    /// Length in nm; in µ° where C covers more.
+    /// Length in nm, or in µ° if C covers more.
     #[must_use]
     pub const fn length(&self) -> Length {
         self.length
     }
 
-    /// The part of the length a feed is measured on.
+    /// The part of the length on which a feed is measured.
     #[must_use]
     pub const fn feed_length(&self) -> Length {
         self.feed_length
     }
 
-    /// What each axis covers (X, Z, C), in nm and µ°.
+    /// The distance that each axis covers (X, Z, C), in nm and µ°.
     pub(super) const fn distances(&self) -> [u64; 3] {
         [
             magnitude(self.from.x.nm(), self.to.x.nm()),
@@ -63,25 +63,25 @@ impl Line {
         ]
     }
 
-    /// Where it starts.
+    /// Start of the line.
     #[must_use]
     pub const fn start(&self) -> Position {
         self.from
     }
 
-    /// Where it ends.
+    /// End of the line.
     #[must_use]
     pub const fn end(&self) -> Position {
         self.to
     }
 
-    /// The position at `travel`, rounded to the nearest nm or µ°; the end from the length on.
+    /// The position at `travel`, rounded to the nearest nm or µ°. From the length on this is the end.
     #[must_use]
     pub fn at(&self, travel: Travel) -> Position {
         if travel >= Travel::of(self.length) {
             return self.to;
         }
-        // Below 2⁶⁰ (4.4 km to either side): 2⁻²⁰ nm fit.
+        // The travel is below 2⁶⁰ (4.4 km to either side), so it fits in 2⁻²⁰ nm.
         let way = travel.raw() << 4;
         Position {
             x: Length::from_nm(along(self.from.x.nm(), self.to.x.nm(), way, self.x)),
@@ -91,7 +91,7 @@ impl Line {
     }
 }
 
-/// Both are within [`Length::INPUT_LIMIT`].
+/// The distance between two coordinates. Both are within [`Length::INPUT_LIMIT`].
 const fn magnitude(from: i64, to: i64) -> u64 {
     to.wrapping_sub(from).unsigned_abs()
 }
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn the_end_is_met_without_a_step() {
-        // One unit of travel before the end every axis is there already.
+        // One unit of travel before the end, every axis is already at its end.
         let line = Line::new(position(0, 0, 0), position(1 << 42, -(1 << 42), 3));
         let last = Travel::from_raw(Travel::of(line.length()).raw() - 1);
         assert_eq!(line.at(last), line.end());

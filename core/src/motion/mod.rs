@@ -1,13 +1,15 @@
-//! Segments in, setpoints out, one for each tick.
+//! From planned segments to setpoints, one setpoint per tick.
 //!
-//! All motion is one idea: a path parameter driven by a master, which is time or, for threads, the spindle's angle
-//! ([`ThreadPlan`], [`ThreadRun`]); a tap's spindle is geared to an axis that time drives ([`Tap`]).
-//! Where it is time, [`plan`] makes a move into a [`Path`], a speed and a ramp in the background; in
-//! the tick the [`Profile`] turns the rate the operator and the spindle leave into a distance,
-//! jerk-limited, and the path turns the distance into a position. Feed hold, override and abort are
-//! rates; nothing is replanned for them. The tick is integers, constant work and no division.
+//! All motion follows one principle: a master drives a path parameter. The master is time or, for threads, the
+//! spindle's angle ([`ThreadPlan`], [`ThreadRun`]). In a rigid tap time drives the axis, and the spindle is geared to
+//! the axis ([`Tap`]).
 //!
-//! Knows nothing of program text, cycles' insides or the bus.
+//! For a move driven by time, [`plan`] makes a [`Path`], a speed and a ramp in the background. In the tick the
+//! [`Profile`] turns the rate from operator and spindle into a jerk-limited distance, and the path turns this distance
+//! into a position. Feed hold, override and abort are rates; they need no new plan. The tick is constant work on
+//! integers, without a division.
+//!
+//! This module knows nothing of program text, the insides of cycles, or the bus.
 
 mod arc;
 mod ease;

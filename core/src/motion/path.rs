@@ -1,4 +1,4 @@
-//! Where a distance along a path is.
+//! The path of a time-driven move: from a distance along the path to a position.
 
 use super::arc::Arc;
 use super::line::Line;
@@ -25,8 +25,8 @@ impl Path {
         }
     }
 
-    /// The position at `travel`: the start at zero and the end from the length on, exactly; between them rounded to the
-    /// nearest nanometre (µ°).
+    /// The position at `travel`. It is exactly the start at zero and exactly the end from the length on; between them
+    /// it is rounded to the nearest nanometre (µ°).
     #[must_use]
     pub fn at(&self, travel: Travel) -> Position {
         match self {
@@ -35,7 +35,7 @@ impl Path {
         }
     }
 
-    /// Where it starts.
+    /// Start of the path.
     #[must_use]
     pub const fn start(&self) -> Position {
         match self {
@@ -44,7 +44,7 @@ impl Path {
         }
     }
 
-    /// Where it ends.
+    /// End of the path.
     #[must_use]
     pub const fn end(&self) -> Position {
         match self {

@@ -1,6 +1,6 @@
-//! From a move to what the tick needs: path, speed and ramp. Planner work, with 128-bit divisions.
+//! Plans a time-driven move for the tick: path, speed and ramp. Background work, with 128-bit divisions.
 //!
-//! Knows moves and limits; knows nothing of what was planned before or comes after.
+//! This module knows moves and limits; it knows nothing of the moves before or after.
 
 use super::arc::{Arc, ArcError};
 use super::limits::{Limits, Pace, PathLimits};
@@ -14,43 +14,44 @@ use crate::cycle::{Move, MoveKind};
 use crate::program::{FeedRate, Position};
 use crate::units::{Feed, Length, Rpm, mul_div};
 
-/// The feed override up to which a feed leaves room in its ramp.
+/// The highest feed override for which the ramp of a feed has room.
 pub const FEED_OVERRIDE_MAX: Rate = Rate::percent(150);
 
 /// A motion driven by time, ready for the tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed {
-    /// Where it goes.
+    /// The path of the motion.
     pub path: Path,
-    /// Its length: nm, or µ° where C covers more.
+    /// Length of the path: in nm, or in µ° if C covers more.
     pub length: Length,
     /// Rate at [`Rate::FULL`].
     pub nominal: PathRate,
-    /// Its means and its largest rate.
+    /// The ramp: the two means and the largest rate.
     pub ramp: Ramp,
-    /// Rate at which it may hand over to the next motion; zero asks for an exact stop, and the planner always does.
+    /// Rate at which the motion may hand over to the next motion. Zero asks for an exact stop; the planner always asks
+    /// for one.
     pub exit: PathRate,
-    /// The programmed speed, `None` for a rapid. Under G99 the tick's rate is the measured spindle speed over the
-    /// commanded one, times the override.
+    /// The programmed speed; `None` for a rapid. Under G99 the tick's rate is the measured spindle speed divided by the
+    /// commanded speed, times the override.
     pub feed: Option<FeedRate>,
 }
 
 impl Timed {
-    /// Ticks from rest to rest at [`Rate::FULL`]; zero where nothing moves.
+    /// Ticks from rest to rest at [`Rate::FULL`]; zero if nothing moves.
     #[must_use]
     pub fn duration_ticks(&self) -> u64 {
         shape::duration_ticks(self.length, self.nominal, &self.ramp)
     }
 
-    /// Where it ends.
+    /// End of the path.
     #[must_use]
     pub const fn end(&self) -> Position {
         self.path.end()
     }
 }
 
-/// Plans a rapid, a feed or an arc from the standing position `from`. `None` for moves that time does not drive along a
-/// path: threads, taps, dwells, spindle and machine functions.
+/// Plans a rapid, a feed or an arc from the standing position `from`. `None` for all other moves: threads, taps,
+/// dwells, spindle and machine functions.
 ///
 /// # Errors
 ///
@@ -72,17 +73,17 @@ pub fn timed(from: Position, target: &Move, limits: &Limits) -> Result<Option<Ti
     }
 }
 
-/// Why a move cannot be planned.
+/// The reason why a move cannot be planned.
 pub(super) enum Refusal {
-    /// It begins or ends out of range.
+    /// The move begins or ends out of range.
     TooFar,
-    /// The feed is nothing on this path.
+    /// The feed is zero on this path.
     NoFeed,
-    /// It is one per turn of a spindle that stands.
+    /// The feed is per turn, and the spindle stands.
     Standing,
-    /// There is no such arc.
+    /// The arc is impossible.
     Arc(ArcError),
-    /// Its ramp would be too long, up to this speed.
+    /// The ramp up to this speed would be too long.
     OutOfReach(Feed),
 }
 
@@ -152,8 +153,8 @@ fn path(from: Position, target: &Move) -> Result<Path, ArcError> {
     }
 }
 
-/// The limits of an arc. The bend takes its part of acceleration and jerk, so that a ramp which a line could just make
-/// may be too long here: then the arc is driven slower, which gives back some of both and makes the ramp shorter.
+/// The limits of an arc. The bend uses part of the acceleration and jerk, so a ramp that a line could just make may be
+/// too long here. The arc is then driven slower: this frees some acceleration and jerk and makes the ramp shorter.
 #[inline(never)]
 fn arc_limits(arc: &Arc, nominal: PathRate, limits: &Limits) -> PathLimits {
     let bend = arc.bend();
@@ -204,7 +205,7 @@ impl Refusal {
     }
 }
 
-/// The programmed speed as a rate on a path of `length`, of which `measured` counts for the feed.
+/// The programmed speed as a rate on a path of `length`. The feed is measured on the part `measured` of this length.
 fn nominal(feed: FeedRate, length: Length, measured: Length, tick_us: u32) -> PathRate {
     let own = PathRate::of_feed(feed.nominal(), tick_us);
     if length == measured {
@@ -268,7 +269,7 @@ mod tests {
             .unwrap();
         assert_eq!(slow.nominal.raw(), 10_000 * 256);
         assert_eq!(slow.ramp.cap().raw(), 15_000 * 256);
-        // 8 m/min is the most: 133 333 nm a tick.
+        // 8 m/min is the largest feed: 133 333 nm a tick.
         let fast = plan_to(position(0, 500_000_000, 0), MoveKind::Feed(feed(7_000)))
             .unwrap()
             .unwrap();
@@ -318,10 +319,11 @@ mod tests {
                 .unwrap()
                 .unwrap()
         };
-        // 100 mm/s round 100 mm: 0.1 m/s² across; the feed and its override stand.
+        // 100 mm/s on a radius of 100 mm: 0.1 m/s² across the path, so the feed and its override stay as they are.
         assert_eq!(arc(100_000_000).nominal.raw(), 100_000 * 256);
         assert!(arc(100_000_000).ramp.cap().raw() > 130_000 * 256);
-        // Round 1 mm the most is √(a·R/2) with a = 2 m/s² · 15/16: 30.6 mm/s, and ∛(j·R²/4) with 60 m/s³ · 7/8: 23.6.
+        // On a radius of 1 mm two limits hold: √(a·R/2) with a = 2 m/s² · 15/16 is 30.6 mm/s, and ∛(j·R²/4) with
+        // 60 m/s³ · 7/8 is 23.6 mm/s.
         let tight = arc(1_000_000).ramp.cap().raw() / 256;
         assert!((15_000..23_600).contains(&tight), "{tight}");
     }

@@ -1,58 +1,62 @@
 //! The jerk-limited profile: two running means over a path rate.
 //!
-//! Knows lengths, speeds and ticks; knows nothing of axes, paths, planning or why the operator asks for a rate.
+//! This module knows lengths, speeds and ticks. It knows nothing of axes, paths or planning, nor why the operator asks
+//! for a rate.
 //!
 //! # The filter
 //!
-//! The input `u(t)` is a path rate, never above the cap `v`, whose sum is the length of the move. It passes a running
-//! mean over n1 ticks and one over n2 ticks; what comes out is the speed. With
+//! The input `u(t)` is a path rate that never exceeds the cap `v`. The sum of all inputs is the length of the move. The
+//! input passes a running mean over n1 ticks and then a running mean over n2 ticks; the result is the speed. With
 //!
 //! ```text
 //! K(t) = u(t) − u(t−n1) − u(t−n2) + u(t−n1−n2),   A += K,   V += A,   s += V / (n1·n2)
 //! ```
 //!
-//! speed is V/(n1·n2), acceleration A/(n1·n2), jerk K/(n1·n2). From 0 ≤ u ≤ v follow V ≤ n1·n2·v and |A| ≤ n2·v; where
+//! speed is V/(n1·n2), acceleration A/(n1·n2), jerk K/(n1·n2). From 0 ≤ u ≤ v follow V ≤ n1·n2·v and |A| ≤ n2·v. If
 //! also |K| ≤ v, speed is within v, acceleration within v/n1 and jerk within v/(n1·n2), whatever the input does. A mean
-//! forgets nothing: the division carries its remainder, so the output ends exactly where the input ends. A constant
-//! pulse of n1 + n2 ticks or more comes out as the time-optimal ramp, cruise, ramp.
+//! loses nothing: the division carries its remainder, so the output ends exactly where the input ends. A constant pulse
+//! of n1 + n2 ticks or more comes out as the time-optimal ramp, cruise, ramp.
 //!
 //! # The governor
 //!
 //! Override, feed hold and a feed that follows the spindle change the wanted rate `w` from tick to tick in any way. The
-//! governor makes the input of it. N = n1 + n2, R is the length not yet put in, L the level: what the governor wants to
-//! put in, zero at the start. Each tick, with c = u(t−n1) + u(t−n2) − u(t−N):
+//! governor turns this wanted rate into the input. N = n1 + n2. R is the length that has not been put in yet. L is the
+//! level: the input that the governor aims for, zero at the start. Each tick, with c = u(t−n1) + u(t−n2) − u(t−N):
 //!
-//! 1. the input must be within lo = max(0, c − v) and hi = min(v, c + v), that is |K| ≤ v. Since −v ≤ c ≤ 2v there is
-//!    always such an input;
-//! 2. the level falls at once, to w or hi. It rises to at most R/N, and only where R/N is at least M, the largest input
-//!    of the last N ticks;
-//! 3. the input is the level, or lo where that is higher ("forced"), or R where that is lower: the end.
+//! 1. The input must be within lo = max(0, c − v) and hi = min(v, c + v), that is |K| ≤ v. Since −v ≤ c ≤ 2v, such an
+//!    input always exists.
+//! 2. The level falls at once, to w or hi. The level rises to at most R/N, and only if R/N is at least M, the largest
+//!    input of the last N ticks.
+//! 3. The input is the level, or lo if lo is higher (a "forced" input), or R if R is lower (the end).
 //!
-//! Then the input can always end, that is lo ≤ R always, and lo = 0 from the tick on in which R is spent:
+//! With these rules the input can always end: lo ≤ R always, and lo = 0 from the tick on in which R is spent. The
+//! proof:
 //!
-//! - A forced input is x + y − z − v of three older inputs, so at most the smaller of x and y. A forced input forces no
-//!   other: where x is one, made of x', y', z', then z = y', and x + y − z − v = (x' − v) + (y − v) − z' ≤ 0; the same
-//!   for y.
-//! - Let the level rise last at t0, and let M count that rise too. All inputs from t0 on are at most M, levels by rule 2,
-//!   forced ones by the line above. R(t0) ≥ M·N, so at t0 + i at least M·(N − i) is left: enough for every lo before
-//!   t0 + N.
-//! - From t0 + N on, x, y and z are all younger than t0, where the level only falls. x and y are levels, not forced; z is
-//!   the oldest, so z ≥ x and lo ≤ y − v ≤ 0. Nothing is forced any more, in particular not after the end.
-//! - Where less than N units (of 1/256 nm) are left the level is one unit, taken from rest only; K is then at most two
+//! - A forced input is x + y − z − v of three older inputs, so it is at most the smaller of x and y. A forced input
+//!   forces no other input: if x is a forced input made of x', y', z', then z = y', and x + y − z − v
+//!   = (x' − v) + (y − v) − z' ≤ 0; the same holds for y.
+//! - Let t0 be the tick of the level's last rise, and let M count that rise too. All inputs from t0 on are at most M:
+//!   levels by rule 2, forced inputs by the point above. R(t0) ≥ M·N, so at t0 + i at least M·(N − i) is left. This is
+//!   enough for every lo before t0 + N.
+//! - From t0 + N on, x, y and z are all younger than t0, and since t0 the level only falls. x and y are levels, not
+//!   forced; z is the oldest, so z ≥ x and lo ≤ y − v ≤ 0. No input is forced any more, in particular not after the
+//!   end.
+//! - If less than N units (of 1/256 nm) are left, the level is one unit, and only from rest. K is then at most two
 //!   units, and the cap is never less.
 //!
-//! Nothing can get stuck: at level zero the filter drains, at rest M is zero, and from rest every rest of a length has a
-//! level. M is kept as the maxima of two stretches of N ticks, so that it may remember up to 2·N ticks; that only delays.
+//! The profile cannot get stuck. At level zero the filter drains; at rest M is zero; and from rest every remaining
+//! length has a level. The code keeps M as the maxima of two stretches of N ticks, so M may remember up to 2·N ticks.
+//! This only delays a rise.
 
 use super::rate::{PathRate, Rate, Travel};
 use crate::units::{Divisor, Length};
 
-/// Ticks the profile can look back: the longest ramp n1 + n2.
+/// The number of ticks that the profile can look back: the longest ramp n1 + n2.
 pub const CAPACITY: u16 = 2048;
 
 const MASK: usize = CAPACITY as usize - 1;
 
-/// The two means of a motion and the largest rate they are made for.
+/// The two means of a motion and the largest rate for which they are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ramp {
     cap: PathRate,
@@ -64,8 +68,8 @@ pub struct Ramp {
 
 impl Ramp {
     /// A ramp of `n1` + `n2` ticks to the rate `cap`. Speed then stays within cap, acceleration within cap/n1 and jerk
-    /// within cap/(n1·n2), per tick. `None` where a mean has no ticks, the two have more than [`CAPACITY`] together, or
-    /// `cap` is less than two units (1/128 nm per tick).
+    /// within cap/(n1·n2), per tick. `None` if a mean has no ticks, if the two means together have more than
+    /// [`CAPACITY`] ticks, or if `cap` is less than two units (1/128 nm per tick).
     #[must_use]
     pub const fn new(cap: PathRate, n1: u16, n2: u16) -> Option<Self> {
         let ticks = (n1 as u32).wrapping_add(n2 as u32);
@@ -82,7 +86,7 @@ impl Ramp {
         })
     }
 
-    /// True where it is the same ramp.
+    /// True if `other` is the same ramp.
     #[must_use]
     pub const fn is(&self, other: &Self) -> bool {
         self.cap.raw() == other.cap.raw() && self.n1 == other.n1 && self.n2 == other.n2
@@ -107,19 +111,19 @@ impl Ramp {
     }
 }
 
-/// Where a tick has brought the motion.
+/// The state of a motion after a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Distance from the start of the motion.
     pub travel: Travel,
-    /// True where the motion stands and nothing is left to do: at its end, or where it was abandoned.
+    /// True when the motion stands and nothing is left to do: at its end, or where it was abandoned.
     pub done: bool,
 }
 
 /// The one long-lived profile of a machine: about 8 KiB, most of it the ring of past inputs.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// R: what has not been put in yet, in 1/256 nm.
+    /// R: the length that has not been put in yet, in 1/256 nm.
     left: u64,
     /// A.
     accel: i64,
@@ -131,12 +135,12 @@ pub struct Profile {
     nominal: PathRate,
     /// L.
     level: u32,
-    /// M is the larger of the two.
+    /// M is the larger of the two peaks.
     peak: u32,
     older_peak: u32,
     peak_ticks: u16,
-    /// Inputs since the start of this motion, up to the capacity; what is older in the ring belongs to another motion
-    /// and counts as zero.
+    /// Number of inputs since the start of this motion, up to the capacity. Older inputs in the ring belong to another
+    /// motion and count as zero.
     filled: u16,
     abandoned: bool,
     /// Slot of the next input.
@@ -181,7 +185,7 @@ impl Profile {
         }
     }
 
-    /// At rest with nothing to do, as [`new`](Self::new): what is in the ring counts no more.
+    /// Puts the profile at rest with nothing to do, like [`new`](Self::new). The contents of the ring no longer count.
     pub const fn begin_anew(&mut self) {
         self.filled = 0;
         self.left = 0;
@@ -191,8 +195,8 @@ impl Profile {
         self.abandoned = true;
     }
 
-    /// Starts a motion of `length` from rest; at [`Rate::FULL`] it goes at `nominal`, or at the ramp's cap where that is
-    /// less. False, and nothing changes, while the last motion is not done.
+    /// Starts a motion of `length` from rest. At [`Rate::FULL`] its rate is `nominal`, or the ramp's cap if that is
+    /// less. Returns false and changes nothing while the last motion is not done.
     #[must_use]
     pub const fn begin(&mut self, length: Length, nominal: PathRate, ramp: Ramp) -> bool {
         if !self.at_rest() || self.left != 0 {
@@ -211,8 +215,8 @@ impl Profile {
     }
 
     /// Joins a further piece of `length` to the motion under way, with the same ramp and without a stop: travel goes on
-    /// counting. `nominal` holds from now on, also for what is left of the piece before. False, and nothing changes, where
-    /// there is none or it was abandoned.
+    /// counting. `nominal` holds from now on, also for the rest of the piece before. Returns false and changes nothing
+    /// if the motion was abandoned or none was begun.
     #[must_use]
     pub const fn extend(&mut self, length: Length, nominal: PathRate) -> bool {
         if self.abandoned {
@@ -223,8 +227,8 @@ impl Profile {
         true
     }
 
-    /// Gives up what is left: the motion stops as on a feed hold and is then done, wherever it stands. Nothing of it
-    /// comes back.
+    /// Gives up the rest of the motion. The motion stops as on a feed hold and is then done, wherever it stands. The
+    /// rest cannot be resumed.
     pub const fn abandon(&mut self) {
         self.abandoned = true;
         if self.at_rest() {
@@ -232,13 +236,13 @@ impl Profile {
         }
     }
 
-    /// True while nothing moves and nothing is on its way through the means: speed and acceleration are zero.
+    /// True while nothing moves and the means hold nothing that still has to come out: speed and acceleration are zero.
     #[must_use]
     pub const fn at_rest(&self) -> bool {
         self.speed == 0 && self.accel == 0
     }
 
-    /// What has not entered the means yet, rounded down.
+    /// The length that has not entered the means yet, rounded down.
     #[must_use]
     pub const fn remaining(&self) -> Length {
         Length::from_nm((self.left >> 8) as i64)
@@ -299,7 +303,7 @@ impl Profile {
         }
     }
 
-    /// Rule 2 of the governor: the level the length allows, for a wanted rate above the level.
+    /// Rule 2 of the governor, for a wanted rate above the level: raises the level as far as the length allows.
     fn raise(&mut self, wanted: u32) {
         let (share, _) = self.ramp.ticks.divide(self.left);
         let share = u32::try_from(share).unwrap_or(u32::MAX);
@@ -314,7 +318,7 @@ impl Profile {
         }
     }
 
-    /// The input of `ticks` ticks ago.
+    /// The input `ticks` ticks ago.
     fn past(&self, ticks: u16) -> i64 {
         if ticks > self.filled {
             return 0;
@@ -346,7 +350,7 @@ impl Profile {
     }
 }
 
-/// Nanometres to the unit of the input.
+/// Converts nanometres to the unit of the input.
 const fn to_units(length: Length) -> u64 {
     if length.nm() < 0 {
         0

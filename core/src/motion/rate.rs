@@ -1,4 +1,4 @@
-//! How fast along a path: [`PathRate`], the operator's [`Rate`], and how far one has come ([`Travel`]).
+//! Speed along a path ([`PathRate`]), the operator's factor ([`Rate`]) and the distance covered ([`Travel`]).
 
 use fixed::types::{U16F16, U24F8, U48F16};
 
@@ -33,7 +33,7 @@ impl PathRate {
         } else {
             feed.nm_per_min() as u64
         };
-        // nm/min · µs · 256 / (60 · 10⁶ µs/min); what saturates here is far beyond the type.
+        // nm/min · µs · 256 / (60 · 10⁶ µs/min). Values that saturate here are far beyond the type's range.
         let scaled = nm
             .saturating_mul(tick_us as u64)
             .saturating_mul(256)
@@ -59,7 +59,7 @@ impl PathRate {
     }
 }
 
-/// What the operator and the spindle make of a programmed speed: a factor from 0 (hold) to 2.
+/// The factor that operator and spindle apply to a programmed speed: from 0 (hold) to 2, in steps of 2⁻¹⁶.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rate(U16F16);
 
@@ -93,7 +93,7 @@ impl Rate {
         Self::from_raw(U16F16::const_from_int(percent as u32).to_bits() / 100)
     }
 
-    /// Both factors together, at most [`Rate::MAX`].
+    /// The product of both factors, at most [`Rate::MAX`].
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
         // Both are at most 2.
@@ -133,7 +133,7 @@ impl Travel {
         Self(U48F16::wrapping_from_num(length.nm().max(0)))
     }
 
-    /// What is left of this after `other`, at least zero.
+    /// The part of this distance beyond `other`, at least zero.
     #[must_use]
     pub const fn beyond(self, other: Self) -> Self {
         Self(self.0.saturating_sub(other.0))
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn feeds_convert_both_ways() {
-        // 60 mm/min is 1 mm/s is 1000 nm in 1 ms.
+        // 60 mm/min = 1 mm/s = 1000 nm in 1 ms.
         let rate = PathRate::of_feed(Feed::from_nm_per_min(60_000_000), 1_000);
         assert_eq!(rate, PathRate::from_raw(256_000));
         assert_eq!(rate.feed(1_000), Feed::from_nm_per_min(60_000_000));

@@ -1,6 +1,6 @@
-//! One motion after another in the tick: the profile, the path under way and the path joined to it.
+//! Time-driven motions in the tick: the profile, the motion under way and the motion joined to it.
 //!
-//! Knows planned motions; knows nothing of moves, limits or what the rate is made of.
+//! This module knows planned motions; it knows nothing of moves or limits, nor of how the rate is made.
 
 use super::plan::Timed;
 use super::profile::{Profile, Progress, Ramp};
@@ -8,22 +8,22 @@ use super::rate::{PathRate, Rate, Travel};
 use crate::program::Position;
 use crate::units::Length;
 
-/// What one tick of a [`Run`] says.
+/// The result of one tick of a [`Run`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// The setpoint.
     pub position: Position,
-    /// True in the tick in which the setpoint leaves the first motion for the one joined to it.
+    /// True in the tick in which the setpoint leaves the first motion and enters the joined motion.
     pub joined: bool,
-    /// True where the axes stand and nothing is left to do.
+    /// True when the axes stand and nothing is left to do.
     pub done: bool,
 }
 
-/// Time-driven motion in the tick. Long-lived: holds the profile and what has become of the motion under way. The motion
-/// itself stays where it is and is handed in, the same one until it is done.
+/// Time-driven motion in the tick. This long-lived object holds the profile and the changing state of the motion under
+/// way. The motion itself stays where it is: the caller passes the same motion in every tick until it is done.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// A motion is under way; one is joined to it.
+    /// `moving`: a motion is under way. `joined`: another motion is joined to it.
     moving: bool,
     joined: bool,
     /// Travel at which the current path starts.
@@ -51,14 +51,14 @@ impl Run {
         }
     }
 
-    /// As [`new`](Self::new), in place: whatever is under way is forgotten.
+    /// Resets in place to the state of [`new`](Self::new): a motion under way is forgotten.
     pub const fn begin_anew(&mut self) {
         self.profile.begin_anew();
         (self.moving, self.joined) = (false, false);
         self.origin = Travel::ZERO;
     }
 
-    /// Starts a motion from rest. False, and nothing changes, while the last one is not done.
+    /// Starts a motion from rest. Returns false and changes nothing while the last motion is not done.
     #[must_use]
     pub fn begin(&mut self, motion: &Timed) -> bool {
         if !self.begin_length(motion.length, motion.nominal, motion.ramp) {
@@ -68,10 +68,10 @@ impl Run {
         true
     }
 
-    /// Joins `next` to the motion under way, which must have asked for it by its exit rate: it runs on without a stop,
-    /// with the same ramp, and the speed of the second holds from here on. Joining is for motions that go on in the same
-    /// direction; who plans them answers for that. False, and nothing changes, where it cannot be done: nothing is under
-    /// way, one is joined already, the first asks for a stop, or the ramps differ.
+    /// Joins `next` to the motion under way, which must have asked for this by its exit rate. The axes run on without a
+    /// stop, with the same ramp, and the speed of `next` holds from here on. Both motions must go in the same
+    /// direction; the planner is responsible for this. Returns false and changes nothing if joining is impossible:
+    /// nothing is under way, a motion is already joined, the first motion asks for a stop, or the ramps differ.
     #[must_use]
     pub const fn join(&mut self, current: &Timed, next: &Timed) -> bool {
         if !self.moving || self.joined {
@@ -84,8 +84,8 @@ impl Run {
         self.joined
     }
 
-    /// One tick at `rate`. `next` is the motion that was joined. Where the step says that it has been entered, it is the
-    /// current one from then on.
+    /// One tick at `rate`. `next` is the joined motion. After a step with `joined`, the caller must pass this motion as
+    /// `current`.
     pub fn tick(&mut self, rate: Rate, current: &Timed, next: Option<&Timed>) -> Step {
         if !self.moving {
             return Step {
@@ -116,8 +116,8 @@ impl Run {
         }
     }
 
-    /// Starts a motion of which the run keeps the profile alone. False, and nothing changes, while the last one is not
-    /// done.
+    /// Starts a motion for which the run keeps only the profile. Returns false and changes nothing while the last
+    /// motion is not done.
     pub(super) fn begin_length(&mut self, length: Length, nominal: PathRate, ramp: Ramp) -> bool {
         if !self.profile.begin(length, nominal, ramp) {
             return false;
@@ -127,14 +127,14 @@ impl Run {
         true
     }
 
-    /// One tick of such a motion at `rate`.
+    /// One tick at `rate` of a motion begun by [`begin_length`](Self::begin_length).
     pub(super) fn progress(&mut self, rate: Rate) -> Progress {
         let progress = self.profile.tick(rate);
         self.moving &= !progress.done;
         progress
     }
 
-    /// Gives up what is left, the joined motion too: the axes stop as on a feed hold, and then the run is done.
+    /// Gives up the rest, the joined motion too. The axes stop as on a feed hold, and then the run is done.
     pub const fn abandon(&mut self) {
         self.profile.abandon();
         if self.profile.at_rest() {
@@ -142,7 +142,7 @@ impl Run {
         }
     }
 
-    /// True while nothing moves, on a feed hold too.
+    /// True while nothing moves, also in a feed hold.
     #[must_use]
     pub const fn at_rest(&self) -> bool {
         self.profile.at_rest()
@@ -154,7 +154,7 @@ impl Run {
         self.position
     }
 
-    /// The profile, for what it can tell.
+    /// The profile, for reading its state.
     #[must_use]
     pub const fn profile(&self) -> &Profile {
         &self.profile
@@ -190,7 +190,7 @@ mod tests {
         }
     }
 
-    /// A run with the motions it is handed: what a queue is on a board.
+    /// A run together with its motions. On a board a queue holds the motions.
     struct Driven {
         run: Run,
         current: Timed,
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn joining_late_still_ends_exactly() {
-        // All of the first is put in already; the axis slows down and goes on.
+        // The whole first motion has already entered the profile; the axis slows down and goes on.
         let mut driven = Driven::new(line(0, 5_000, 51_200, 51_200));
         let mut last = 0;
         for _ in 0..28 {
@@ -272,7 +272,7 @@ mod tests {
     fn three_lines_one_after_another() {
         let mut driven = Driven::new(line(0, 4_000, 51_200, 51_200));
         assert!(driven.join(line(4_000, 8_000, 51_200, 51_200)));
-        // Only one can wait.
+        // Only one motion can wait.
         let third = line(8_000, 12_000, 51_200, 0);
         assert!(!driven.join(third));
         while !driven.tick(Rate::FULL).joined {}
@@ -313,7 +313,7 @@ mod tests {
         driven.run.abandon();
         let step = driven.tick(Rate::FULL);
         assert_eq!((step.position, step.done), (z(6_000), true));
-        // The next motion starts here and knows nothing of the last.
+        // The next motion starts here and does not depend on the last one.
         let last = line(6_000, 6_100, 256, 0);
         assert!(driven.run.begin(&last));
         (driven.current, driven.next) = (last, None);

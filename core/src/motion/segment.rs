@@ -1,4 +1,4 @@
-//! What the background hands to the tick: a planned piece of work.
+//! Segments: the planned pieces of work that the background hands to the tick.
 
 use super::plan::Timed;
 use super::tap::{FloatPlan, Tap};
@@ -7,38 +7,38 @@ use crate::alarm::{Alarm, Span};
 use crate::program::{Aux, Position, TapSpindle};
 use crate::units::{Length, Rpm};
 
-/// Counts how often a board has forgotten what was queued. What is still in a queue from before is told by it, and
-/// dropped.
+/// Counts how often a board has forgotten its queued segments. A segment with an older epoch is left over in a queue;
+/// the board recognises it by its epoch and drops it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Epoch(u8);
 
 impl Epoch {
-    /// The next one. A queue holds far fewer segments than there are epochs.
+    /// The next epoch. A queue holds far fewer segments than there are epochs.
     #[must_use]
     pub const fn next(self) -> Self {
         Self(self.0.wrapping_add(1))
     }
 }
 
-/// Which thread or hole of a program a segment belongs to: those cut by one call of a threading cycle, or on the way
-/// through one hole, have the same number. Counted from one to the next, and round:
-/// what is apart is told by it, and no more.
+/// Tells to which thread or hole of a program a segment belongs. All segments of one call of a threading cycle, or of
+/// one hole, have the same number. The number counts up from one thread or hole to the next and wraps. Different
+/// numbers mean different threads or holes; the number tells nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut {
-    /// Its number.
+    /// Number of the thread or hole.
     pub number: u8,
-    /// Of a stroke: it is the last one of the thread, or out of the hole.
+    /// For a stroke: this is the last stroke of the thread, or the stroke out of the hole.
     pub last: bool,
 }
 
 impl Cut {
-    /// Nothing has been cut yet.
+    /// The value before anything is cut.
     pub const NONE: Self = Self {
         number: 0,
         last: true,
     };
 
-    /// The next one, at its beginning.
+    /// The next thread or hole, at its beginning.
     #[must_use]
     pub const fn next(self) -> Self {
         Self {
@@ -51,31 +51,31 @@ impl Cut {
 /// One planned piece of work with its place in the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// Number of the (first) move it came from, as `expand` counts them, from 1.
+    /// Number of the (first) move from which the segment came, as `expand` counts moves, from 1.
     pub number: u32,
-    /// The block it came from.
+    /// The block from which the segment came.
     pub span: Span,
-    /// When it was planned.
+    /// The epoch in which the segment was planned.
     pub epoch: Epoch,
-    /// The thread or hole it belongs to, or the last one before it.
+    /// The thread or hole to which the segment belongs, or the last one before it.
     pub cut: Cut,
-    /// What feed hold and single block may do here.
+    /// The effect that feed hold and single block may have here.
     pub stops: Stops,
     /// The work.
     pub action: Action,
 }
 
-/// A segment with its plan beside it, as the tick sees the two: at the head of their queues.
+/// A segment together with its plan, as the tick sees them: each at the head of its queue.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
     /// The segment.
     pub segment: &'a Segment,
-    /// Of an [`Action::Planned`].
+    /// The plan, if the action is [`Action::Planned`].
     pub plan: Option<&'a Plan>,
 }
 
 impl<'a> Task<'a> {
-    /// The pass of a thread, if it is one.
+    /// The threading pass, if this is one.
     #[must_use]
     pub const fn pass(self) -> Option<&'a Pass> {
         match self.plan {
@@ -84,7 +84,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The strokes of a rigid tap, if it is one.
+    /// The strokes of a rigid tap, if this is one.
     #[must_use]
     pub const fn tap(self) -> Option<&'a Tap> {
         match self.plan {
@@ -93,7 +93,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The hole of an ordinary tap, if it is one.
+    /// The hole of an ordinary tap, if this is one.
     #[must_use]
     pub const fn float(self) -> Option<&'a FloatPlan> {
         match self.plan {
@@ -102,7 +102,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The move, if it is one that time drives.
+    /// The move, if it is driven by time.
     #[must_use]
     pub const fn timed(self) -> Option<&'a Timed> {
         match &self.segment.action {
@@ -117,65 +117,66 @@ impl<'a> Task<'a> {
 pub enum Action {
     /// Driven by time: rapid, feed, arc.
     Timed(Timed),
-    /// What is bound to the spindle: its [`Plan`] lies in a queue of its own.
+    /// A motion bound to the spindle. Its [`Plan`] lies in a separate queue.
     Planned,
-    /// The tap is out of its hole already: its journal is cleared.
+    /// The tap is already out of its hole: clear its journal.
     TapOut,
-    /// Stand still for so many ticks.
+    /// Stand still for this many ticks.
     Dwell(u32),
     /// Command a spindle speed.
     Spindle(Rpm),
-    /// Bring spindle 1 to a stand, and this one into position mode, for tapping.
+    /// Stop spindle 1 and switch this spindle to position mode, for tapping.
     Rigid(TapSpindle),
     /// Switch a machine function.
     Aux(Aux),
-    /// All that was planned before is done and the next call cannot be: raise this.
+    /// All earlier planned work is done, and the next call cannot be done: raise this alarm.
     Alarm(Alarm),
     /// The program has ended.
     End,
 }
 
-/// The plan of a motion that is bound to the spindle. It is several times as large as a segment, and few of many segments
-/// have one [D139].
-// The largest is what a queue has room for, whichever it holds.
+/// The plan of a motion bound to the spindle. A plan is several times as large as a segment, and only few segments have
+/// one [D139].
+// A queue needs room for the largest plan anyway, whichever plan it holds.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Plan {
-    /// Driven by the spindle angle: a whole pass with run-in and run-out.
+    /// Driven by the spindle angle: one whole threading pass with run-in and run-out.
     Thread(Pass),
-    /// Driven by time, the spindle geared to it: a whole way from R into a hole and back.
+    /// Driven by time, with the spindle geared to the axis: the whole way from R into a hole and back.
     Tap(Tap),
-    /// Driven by the measured spindle angle, and turning the spindle: a whole hole of ordinary tapping.
+    /// Driven by the measured spindle angle, while the tap also commands the spindle: one whole hole of ordinary
+    /// tapping.
     Float(FloatPlan),
 }
 
-/// A pass of a thread as the tick needs it.
+/// A threading pass as the tick needs it.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
     /// The planned pass.
     pub plan: ThreadPlan,
-    /// How it can be left.
+    /// The ways to leave the pass early.
     pub ways: WaysOut,
     /// Commanded speed, override included.
     pub rpm: Rpm,
 }
 
-/// What the ways out of a pass need to know of it.
+/// The data of a pass that its ways out need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WaysOut {
     /// X is the long axis.
     pub long_x: bool,
-    /// Where the pass starts.
+    /// The start of the pass.
     pub start: Position,
-    /// A: where its cycle starts and ends; a retract in mid-thread goes there.
+    /// Point A, where the pass's cycle starts and ends. A retract in mid-thread goes there.
     pub home: Position,
-    /// Where the short axis is clear of both crests, C's and D's, or at the start level.
+    /// The short axis' coordinate that is clear of both crests, at C and at D; or the start level if that is nearer.
     pub clear: Length,
 }
 
 impl WaysOut {
-    /// Out of the pass `plan`, `depth` below the crest, of a cycle that starts at `home`; `clearance`: how far beyond the
-    /// crests is clear.
+    /// The ways out of the pass `plan`. The pass is `depth` below the crest and belongs to a cycle that starts at
+    /// `home`. From `clearance` beyond the crests on, the tool is clear.
     #[must_use]
     pub fn new(plan: &ThreadPlan, home: Position, depth: Length, clearance: Length) -> Self {
         let mut ways = Self {
@@ -208,7 +209,7 @@ impl WaysOut {
 }
 
 impl Stops {
-    /// Whatever is asked for may happen.
+    /// No stop is forbidden, and nothing is frozen.
     pub const NONE: Self = Self {
         hold_not_inside: false,
         hold_not_before: false,
@@ -219,19 +220,19 @@ impl Stops {
     };
 }
 
-/// Where an operator's stop may take effect, and what is frozen meanwhile.
+/// Where an operator's stop may take effect, and the override that is frozen in the segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
-    /// Feed hold does not act inside: the stroke of a thread and the X retract behind it.
+    /// Feed hold does not act inside this segment: the stroke of a thread, and the X retract after the stroke.
     pub hold_not_inside: bool,
-    /// Feed hold does not act before it either: the retract behind a stroke.
+    /// Feed hold does not act before this segment either: the retract after a stroke.
     pub hold_not_before: bool,
     /// Single block stops after this segment.
     pub single_block: bool,
-    /// Part of a thread cycle: the spindle override in percent with which it was planned, frozen.
+    /// Part of a thread cycle. The value is the frozen spindle override in percent, with which the cycle was planned.
     pub frozen: Option<u8>,
     /// Part of a tapping cycle.
     pub tap_cycle: bool,
-    /// Single block stops after this segment only where no further hole follows (5200.6 = 0).
+    /// Single block stops after this segment only if no further hole follows (5200.6 = 0).
     pub stops_after_last_hole: bool,
 }

@@ -1,7 +1,7 @@
-//! Choosing the ramp of a motion: the two means that get it to its end soonest within the limits of its path.
+//! Chooses the ramp of a motion: the two means with which the motion ends soonest within the limits of its path.
 //!
-//! Knows numbers only. Of all ramps of m ticks the best splits them so that the rate it may reach, the least of a·n1 and
-//! j·n1·n2 with n1 + n2 = m, is largest; that rate grows with m, so everything here is a search over m.
+//! This module knows only numbers. A ramp of m ticks may reach the smaller of the rates a·n1 and j·n1·n2, with
+//! n1 + n2 = m. The best split makes this rate largest. The rate grows with m, so everything here is a search over m.
 
 use super::limits::PathLimits;
 use super::profile::{CAPACITY, Ramp};
@@ -9,10 +9,10 @@ use super::rate::PathRate;
 use super::wide::mul_div_up;
 use crate::units::Length;
 
-/// The ramp for a motion of `length` at `nominal`, able to go up to `limits.speed`.
+/// The ramp for a motion of `length` at `nominal` that can go up to `limits.speed`.
 ///
-/// A motion too short for that top speed gets the shorter ramp of the lower speed that is quickest at `nominal`. `None`
-/// where the ramp would be longer than [`CAPACITY`] ticks.
+/// If the motion is too short for this top speed, it gets the shorter ramp of a lower speed, chosen to be quickest at
+/// `nominal`. `None` if the ramp would be longer than [`CAPACITY`] ticks.
 pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Option<Ramp> {
     let units = units(length);
     let cap = limits.speed.raw().max(2);
@@ -20,10 +20,11 @@ pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Op
 
     let least = smallest(limits, Figure::Rate(2))?;
     let full = smallest(limits, Figure::Rate(cap));
-    // The first ramp for which the motion is too short.
+    // The smallest ramp for which the motion is too short.
     let over = smallest(limits, Figure::Way(goal, units));
 
-    // Ticks and rate. A tick less of ramp may be worth a little less speed, where nobody can go faster than `goal`.
+    // Ticks and rate. If the motion can never go faster than `goal`, one tick less of ramp may be worth a slightly
+    // lower speed.
     let (own, may_be_shorter) = match (full, over) {
         (Some(full), over) if over.is_none_or(|over| over > full) => ((full, cap), goal == cap),
         (_, Some(over)) => {
@@ -47,8 +48,8 @@ pub(super) fn ramp(length: Length, nominal: PathRate, limits: &PathLimits) -> Op
     Ramp::new(PathRate::from_raw(rate), n1, m.saturating_sub(n1))
 }
 
-/// Ticks from the start at rest to rest at the end, at [`super::Rate::FULL`] throughout: how often the profile ticks
-/// until it is done. Zero for no length.
+/// Number of profile ticks from rest at the start to rest at the end, at [`super::Rate::FULL`] throughout. Zero for no
+/// length.
 pub(super) fn duration_ticks(length: Length, nominal: PathRate, ramp: &Ramp) -> u64 {
     ticks_in_units(
         units(length),
@@ -57,7 +58,7 @@ pub(super) fn duration_ticks(length: Length, nominal: PathRate, ramp: &Ramp) -> 
     )
 }
 
-/// With a ramp of so many ticks to a rate.
+/// The ticks with a ramp of this many ticks to the rate `cap`.
 #[inline(never)]
 fn ticks_in_units(units: u64, nominal: PathRate, (ticks, cap): (u16, u32)) -> u64 {
     if units == 0 {
@@ -69,7 +70,7 @@ fn ticks_in_units(units: u64, nominal: PathRate, (ticks, cap): (u16, u32)) -> u6
     mul_div_up(units, 1, level).saturating_add(ticks)
 }
 
-/// How `m` ticks are best split, and the rate (1/256 nm per tick) that makes possible.
+/// The best split of `m` ticks, and the rate (1/256 nm per tick) that this split makes possible.
 #[inline(never)]
 fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
     let ratio = limits
@@ -83,7 +84,7 @@ fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
     for n1 in [half, crossing.saturating_sub(1), crossing] {
         let n1 = n1.max(half).min(most);
         let n2 = m.saturating_sub(n1).max(1);
-        // 2⁻³² nm to 1/256 nm. What saturates is beyond any cap.
+        // 2⁻³² nm to 1/256 nm. Values that saturate are beyond any cap.
         let by_accel = limits.acceleration.saturating_mul(u64::from(n1));
         let product = u32::from(n1).wrapping_mul(u32::from(n2));
         let by_jerk = limits.jerk.saturating_mul(u64::from(product));
@@ -95,16 +96,16 @@ fn split(m: u16, limits: &PathLimits) -> (u16, u32) {
     best
 }
 
-/// What a ramp is looked for by.
+/// The condition for which a ramp is searched.
 #[derive(Clone, Copy)]
 enum Figure {
-    /// It gets to this rate.
+    /// The ramp reaches this rate.
     Rate(u32),
-    /// At its rate, or this one where that is less, its ticks make a longer way than this.
+    /// At its rate, or at the first value if that is less, the ramp's ticks make a longer way than the second value.
     Way(u32, u64),
 }
 
-/// The smallest ramp, 2…[`CAPACITY`] ticks, that does; all longer ones do too.
+/// The smallest ramp of 2…[`CAPACITY`] ticks that meets the condition; all longer ramps meet it too.
 #[inline(never)]
 fn smallest(limits: &PathLimits, figure: Figure) -> Option<u16> {
     let (mut low, mut high) = (2_u16, CAPACITY.wrapping_add(1));
@@ -151,7 +152,7 @@ mod tests {
         Length::from_nm(nm)
     }
 
-    /// Units of this module: speed, acceleration and jerk in 1/256 nm per tick, tick², tick³.
+    /// Figures in the units of this module: speed, acceleration and jerk in 1/256 nm per tick, tick², tick³.
     #[test]
     fn hand_worked_full_ramps() {
         // v = 1000, a = 100, j = 20: n1 = 10, n2 = 1000 / (10·20) = 5.
@@ -171,7 +172,7 @@ mod tests {
 
     #[test]
     fn hand_worked_jerk_only() {
-        // The acceleration limit is never reached: n1·n2 ≥ v / j = 100, best as 10 + 10, not as 1 + 100.
+        // The acceleration limit is never reached: n1·n2 ≥ v / j = 100. The best split is 10 + 10, not 1 + 100.
         let ramp = ramp(
             nm(1_000),
             PathRate::from_raw(1_000),
@@ -183,9 +184,10 @@ mod tests {
 
     #[test]
     fn hand_worked_short_move() {
-        // 25 nm = 6400 units. a is out of the way, j = 1: m ticks allow (m/2)², needing m·(m/2)² = m³/4 ≤ 6400: m = 29
-        // with n = (15, 14), v = 210, 6090 units; 30 with (15, 15) allows 225 but has only 6400 / 30 = 213.
-        // 29: ⌈6400/210⌉ + 29 = 31 + 29 = 60. 30: ⌈6400/213⌉ + 30 = 31 + 30 = 61.
+        // 25 nm = 6400 units. The acceleration limit has no effect, j = 1: m ticks allow a rate of (m/2)² and need a
+        // way of m·(m/2)² = m³/4 ≤ 6400. m = 29 with n = (15, 14) has v = 210 and needs 6090 units; 30 with (15, 15)
+        // allows 225 but has only 6400 / 30 = 213. Ticks with 29: ⌈6400/210⌉ + 29 = 31 + 29 = 60. Ticks with 30:
+        // ⌈6400/213⌉ + 30 = 31 + 30 = 61.
         let ramp = ramp(nm(25), PathRate::from_raw(1_000), &limits(1_000, 1_000, 1)).unwrap();
         assert_eq!((ramp.cap().raw(), ramp.means()), (210, (15, 14)));
         assert_eq!(duration_ticks(nm(25), PathRate::from_raw(1_000), &ramp), 60);
@@ -193,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_feed_keeps_room_for_the_override_where_it_costs_nothing() {
-        // Nominal 100 of a cap of 150. Long: room for the whole override.
+        // Nominal 100 of a cap of 150. A long move has room for the whole override.
         let limits = limits(150, 1_000, 1);
         let long = ramp(nm(1_000), PathRate::from_raw(100), &limits).unwrap();
         assert_eq!(long.cap().raw(), 150);
@@ -212,7 +214,7 @@ mod tests {
         );
     }
 
-    /// No ramp of the family gets there sooner.
+    /// No other ramp of two means is quicker.
     #[test]
     fn no_other_ramp_is_quicker() {
         leadscrew_seed::volume(7, |seed| {

@@ -1,6 +1,6 @@
 //! Wide arithmetic for planning, where a division may cost hundreds of instructions. Nothing here runs in a tick.
 //!
-//! Every function saturates: at the end of the range where a result does not fit, and where a divisor is zero.
+//! Every function saturates at the end of its range: if the result does not fit, and if a divisor is zero.
 
 use crate::units::{div_wide, narrow_div, product, root_wide};
 

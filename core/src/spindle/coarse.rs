@@ -1,28 +1,28 @@
-//! How coarse an encoder is whose edges are not timed: what its counts leave unknown, and what the observer makes of that.
+//! The errors that come from an encoder without edge times.
 //!
-//! The observer takes the middle of the count for the angle and is wrong by up to half a count, in a way that changes with
-//! each tick. An axis on the lead follows the predicted angle, so it is shaken by that error. And where counts come more
-//! seldom than the observer can bridge, its speed swings from count to count. Both are computed here for checks before
-//! anything moves; the tick knows nothing of this.
+//! Without edge times the observer takes the middle of the count as the angle. This is wrong by up to half a count, and
+//! the error changes with each tick. An axis on the lead follows the predicted angle, so the error shakes the axis. If
+//! counts come too seldom for the observer to bridge the gap, the speed that it finds swings from count to count. This
+//! module computes both effects for checks before anything moves; the tick knows nothing of this module.
 
 use super::observer::Gains;
 use crate::units::{Acceleration, Lead, Rpm, Ticks, mul_div, signed};
 
-/// Counts a second for each hertz of the observer's bandwidth, from which on its speed is within 15 % at a steady spindle.
-/// With 12 it is within 23 %, with 6 within 45 %, with one count four times too fast. (Simulated over all phases,
-/// bandwidths of 15 to 80 Hz at ticks of 1 and 2 ms.)
+/// The observer's speed is within 15 % at a steady spindle if at least this many counts come each second for each hertz
+/// of its bandwidth. With 12 counts the speed is within 23 %, with 6 within 45 %; with one count it is four times too
+/// fast. (Simulated over all phases, bandwidths of 15 to 80 Hz at ticks of 1 and 2 ms.)
 const COUNTS_TO_BANDWIDTH: u32 = 20;
 
-/// Ticks until a step has left the observer: so many times the time of its poles.
+/// A step has left the observer after this many time constants of its poles.
 const POLES: u32 = 24;
 
-/// Most ticks that are added up; the slowest observer needs 3056.
+/// The largest number of ticks that are added up; the slowest observer needs 3056.
 const LONGEST: u32 = 4096;
 
-/// An encoder whose edges are not timed, and the observer that follows it.
+/// An encoder without edge times, and the observer that follows it.
 #[derive(Clone, Copy, Debug)]
 pub struct Coarse {
-    /// Counts a turn, 1…2²⁰.
+    /// Counts per turn, 1…2²⁰.
     pub counts: u32,
     /// Bandwidth of the observer, 1…1000 Hz.
     pub bandwidth_hz: u32,
@@ -31,25 +31,26 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// The largest acceleration that reading whole counts can give an axis which is on this lead, and whose setpoints are
+    /// The largest acceleration that reading whole counts can give an axis on this lead. The axis's setpoints are
     /// predicted `ahead` of the sample.
     ///
-    /// A bound: the error of half a count in the worst order. What comes is about 70 % of it.
+    /// This is a bound: it assumes errors of half a count in the worst order. Real accelerations reach about 70 % of
+    /// it.
     #[must_use]
     pub fn noise(self, lead: Lead, ahead: Ticks) -> Acceleration {
         let gain = self.second_difference(ahead);
-        // Half a count of error, in 2⁻³² turns a tick squared; then a second squared, and the lead.
+        // Half a count of error, in 2⁻³² turns per tick squared; then per second squared; then times the lead.
         let tick = u64::from(self.tick_us);
         let counts = u64::from(self.counts);
         let divisor = counts.saturating_mul(tick).saturating_mul(tick);
         let turns_per_s2 = mul_div(gain >> 1, 1_000_000_000_000, divisor);
         let (nm, turns) = lead.parts();
-        // One division after the other rounds as one by both would, and no lead is too odd for it.
+        // Two divisions, one after the other, round like one division by the product, and they work for any lead.
         let along = mul_div(turns_per_s2, nm, 1 << 32);
         Acceleration::from_nm_per_s2(signed(mul_div(along, 1, turns)))
     }
 
-    /// The slowest spindle whose speed the observer knows to 15 %, rounded up.
+    /// The lowest spindle speed that the observer knows to 15 %, rounded up.
     #[must_use]
     pub fn slowest(self) -> Rpm {
         let counts_a_minute = self
@@ -60,7 +61,7 @@ impl Coarse {
         Rpm::new(i32::try_from(rpm).unwrap_or(i32::MAX))
     }
 
-    /// The sum of the magnitudes of the predicted angle's second differences after a single error of one, in 2⁻³².
+    /// The predicted angle's second differences after a single error of one: the sum of their magnitudes, in 2⁻³².
     fn second_difference(self, ahead: Ticks) -> u64 {
         let Gains { alpha, beta, gamma } = Gains::new(self.bandwidth_hz, self.tick_us);
         let (alpha, beta, gamma) = (alpha.to_bits(), beta.to_bits(), gamma.to_bits());
@@ -91,9 +92,9 @@ impl Coarse {
         sum
     }
 
-    /// Ticks after which nothing of an error is left.
+    /// The number of ticks after which an error has fully decayed.
     fn ticks_to_rest(self) -> u32 {
-        // The time of a pole is 1/(2π·f).
+        // The time constant of a pole is 1/(2π·f).
         let product = self
             .bandwidth_hz
             .saturating_mul(self.tick_us)
@@ -106,7 +107,7 @@ impl Coarse {
     }
 }
 
-/// `gain · value`, the gain in 2⁻³² and at most 1.5, the value at most some units in 2⁻³².
+/// `gain · value`. The gain is in 2⁻³² and at most 1.5; the value is at most a few units in 2⁻³².
 const fn times(gain: i64, value: i64) -> i64 {
     ((gain as i128).wrapping_mul(value as i128) >> 32) as i64
 }

@@ -1,7 +1,8 @@
-//! Where the spindle is: the encoder's counts in, the angle at any instant out.
+//! From the encoder's counts to the angle of the spindle at any instant.
 //!
-//! Knows nothing of programs, axes or the bus. A sample comes in once a tick, with the time of the last edge where the
-//! hardware captures it; what follows the spindle asks for the angle at the instant its setpoint takes effect.
+//! A sample comes in once a tick, with the time of the last edge if the hardware captures that time. A motion that
+//! follows the spindle asks for the angle at the instant at which its setpoint takes effect. This module knows nothing
+//! of programs, axes or the bus.
 
 mod coarse;
 mod observer;

@@ -1,20 +1,23 @@
 //! The spindle observer: a third-order tracker (angle, speed, acceleration) over a quantised encoder.
 //!
-//! Encoder counts are coarse (a count of 4096 is 1.5 µm of a 6 mm lead) and a setpoint takes effect a tick after the
-//! sample, so the angle is filtered and predicted. The tracker predicts with constant acceleration and corrects with
-//! three gains of one design figure, the bandwidth: all three poles lie at `θ = exp(−2π·f·T)`, which is the discounted
-//! least-squares ("fading memory") fit of a parabola. It follows constant speed and constant acceleration without lag.
+//! An encoder count is coarse: one count of 4096 is 1.5 µm of a 6 mm lead. A setpoint takes effect one tick after the
+//! sample. Therefore the observer filters the angle and predicts it. The tracker predicts with constant acceleration
+//! and corrects with three gains. One design figure, the bandwidth, gives all three gains: all three poles lie at
+//! `θ = exp(−2π·f·T)`. This is the discounted least-squares ("fading memory") fit of a parabola. The tracker follows
+//! constant speed and constant acceleration without lag.
 //!
-//! What the sample says of the angle: the counter stands at `c` while the angle is within `[c, c + 1)` counts. Where the
-//! hardware captures the time of the last edge, the angle of that edge is known exactly (the lower boundary when the
-//! count rose, the upper one when it fell) and the speed carries it to the instant of the sample, never beyond the
-//! count's other boundary. Without the edge's time the middle of the count is the best guess.
+//! What a sample tells about the angle: the counter stands at `c` while the angle is within `[c, c + 1)` counts. If the
+//! hardware captures the time of the last edge, the angle at that edge is known exactly: the lower boundary of the
+//! count if the count rose, the upper boundary if the count fell. The speed carries this angle to the instant of the
+//! sample, but never beyond the other boundary of the count. Without the edge's time, the middle of the count is the
+//! best guess.
 //!
-//! A spindle that is farther than a quarter turn from where the tracker expects it is taken up anew where the sample says
-//! that it is [D185].
+//! If the spindle is farther than a quarter turn from where the tracker expects it, the tracker starts again at the
+//! angle that the sample shows [D185].
 //!
-//! A counter that moves as no spindle can, a disturbance on its wires, is not followed: the angle goes on as before for
-//! that tick, and what the counter has lost or gained is told [D128].
+//! If the counter moves as no spindle can, the cause is a disturbance on its wires. The observer does not follow such a
+//! movement: the angle goes on as before for that tick, and the observer reports the counts that were lost or gained
+//! [D128].
 //!
 //! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the
 //! point, speed and acceleration have 48, so no rounding accumulates that a lead could show. Products of them are rounded to
@@ -27,47 +30,47 @@ use crate::units::{Ticks, TurnRate, Turns};
 /// What the encoder hardware delivers once a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EncoderSample {
-    /// The hardware counter at the sample, all edges counted, wrapping. It stands at `c` while the angle is within
-    /// `[c, c + 1)` counts of the counter's zero.
+    /// The hardware counter at the sample. It counts all edges and wraps. The counter stands at `c` while the angle is
+    /// within `[c, c + 1)` counts of the counter's zero.
     pub count: i32,
-    /// How long before the sample the counter last changed, in nanoseconds; `None` where the hardware does not
-    /// capture it (or nothing has moved yet).
+    /// Time from the last change of the counter to the sample, in nanoseconds. `None` if the hardware does not capture
+    /// this time, or if nothing has moved yet.
     pub edge_age_ns: Option<u32>,
-    /// The counter as latched by an index pulse since the last sample: the count within which the pulse lies, whatever
-    /// the direction. The lower boundary of that count is the spindle's zero.
+    /// The counter value that an index pulse has latched since the last sample: the count in which the pulse lies, in
+    /// either direction of turning. The lower boundary of that count is the spindle's zero.
     pub index: Option<i32>,
 }
 
-/// What the observer found out at a sample.
+/// What the observer noticed at a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpindleEvent {
-    /// The first index: angles are absolute from here on.
+    /// The first index came: from here on angles are absolute.
     Indexed,
-    /// Counts were lost or gained: an index came where none belongs, or the counter moved as no spindle can [D128].
+    /// Counts were lost or gained: an index came at a wrong place, or the counter moved as no spindle can [D128].
     Slipped {
-        /// How many counts late (negative: early) the index came; or how many the counter moved too many.
+        /// By how many counts the index came late (negative: early), or how many counts the counter moved too far.
         counts: i32,
     },
 }
 
-/// Slower than this the spindle counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
+/// A spindle that turns slower than this counts as standing: a quarter of a turn a minute, in 2⁻³² turns per second.
 const STANDING: i64 = (1 << 32) / 240;
 
-/// No spindle changes its speed faster, in turns per second and second: it would stop from 3000 rpm within one eightieth of
-/// a second, ten times faster than a crash stops it.
+/// No spindle changes its speed faster than this, in turns per second squared. At this rate a spindle would stop from
+/// 3000 rpm within one eightieth of a second, ten times faster than a crash stops it.
 const HARDEST: u64 = 4_000;
 
-/// A spindle's ramp is taken for hard where it is harder: by so much more than the drive's own.
+/// The observer allows changes of speed this many times harder than the drive's own ramp.
 const BEYOND_RAMP: u64 = 4;
 
 /// Innovations are clipped to a quarter turn: more than any acceleration makes, little enough for every product. One that
 /// is larger, and not by the width of the counts alone, says that the tracker has lost the spindle.
 const LARGEST_SURPRISE: I32F32 = I32F32::from_bits(1 << 30);
 
-/// No spindle turns faster, in turns per second: 120 000 rpm.
+/// No spindle turns faster than this, in turns per second: 120 000 rpm.
 const FASTEST: u64 = 2_000;
 
-/// Edges older than this many ticks are treated as this old: the speed is then far below one count a tick, and the
+/// An edge older than this many ticks is treated as this old. The speed is then far below one count a tick, and the
 /// count's boundary limits the extrapolation anyway.
 const OLDEST_EDGE_TICKS: u32 = 16;
 
@@ -84,7 +87,7 @@ pub(super) struct Gains {
 }
 
 impl Gains {
-    /// Of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
+    /// The gains of a tracker with this bandwidth (1…1000 Hz) and tick (250…10 000 µs).
     pub const fn new(bandwidth: u32, tick_us: u32) -> Self {
         // θ = exp(−2π·f·T): the exponent is at most 63, and a million times as much is still in range.
         let cycles = (bandwidth as u64).wrapping_mul(tick_us as u64);
@@ -105,7 +108,7 @@ impl Gains {
 /// Angle, speed and acceleration of the spindle, one sample a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Observer {
-    // What the encoder is.
+    // Properties of the encoder.
     counts: u32,
     tick_us: u32,
     /// Turns per count: an angle within a turn is one multiplication and a shift.
@@ -124,7 +127,8 @@ pub struct Observer {
     lost: U32F32,
     // Where the counter is.
     last: Option<i32>,
-    /// Its movement in the last tick that was believed; `None`: the next one is believed whatever it is.
+    /// The counter's movement in the last tick that the observer believed. `None`: the observer believes the next
+    /// movement, whatever it is.
     pace: Option<i32>,
     in_turn: u32,
     turn: i64,
@@ -137,9 +141,9 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// An observer at rest for an encoder of `counts_per_turn` (after quadrature; 1…2²⁰), with a bandwidth in hertz
-    /// (1…200 is sensible; the poles of the tracker) and a tick in microseconds (250…10 000). Values outside are
-    /// taken as the nearest limit; the parameter table refuses them earlier.
+    /// An observer at rest for an encoder of `counts_per_turn` (after quadrature; 1…2²⁰). The bandwidth is in hertz
+    /// (1…200 is sensible; it places the poles of the tracker), the tick in microseconds (250…10 000). A value outside
+    /// its range is replaced by the nearest limit; the parameter table refuses such values earlier.
     #[must_use]
     pub const fn new(counts_per_turn: u32, bandwidth_hz: u32, tick_us: u32) -> Self {
         let counts = clamp(counts_per_turn, 1, 1 << 20);
@@ -175,11 +179,11 @@ impl Observer {
         }
     }
 
-    /// For a spindle whose drive takes `ramp_ms` milliseconds for 1000 rpm (0 counts as 1): one that is faster than any
-    /// other may be.
+    /// Prepares the observer for a spindle whose drive takes `ramp_ms` milliseconds for 1000 rpm (0 counts as 1). Such
+    /// a spindle may change its speed faster than the general limit allows.
     #[must_use]
     pub const fn for_ramp(mut self, ramp_ms: u32) -> Self {
-        // 1000 rpm in a millisecond are 16 667 turns per second and second.
+        // 1000 rpm in a millisecond are 16 667 turns per second squared.
         let ramp = 16_667 * BEYOND_RAMP;
         let ramp = match ramp.checked_div(ramp_ms as u64) {
             Some(ramp) => ramp,
@@ -197,7 +201,7 @@ impl Observer {
         let last = match before {
             Some(last) => last,
             None => {
-                // Where the spindle stands at the first sample is called count zero until the index says better.
+                // Until the first index, the spindle's position at the first sample is called count zero.
                 self.last = Some(sample.count);
                 self.angle = self.boundary().wrapping_add(self.half_width());
                 sample.count
@@ -210,14 +214,14 @@ impl Observer {
                 if self.zero.is_some()
                     && delta.wrapping_sub(pace).unsigned_abs() > self.hardest =>
             {
-                // Never twice in a row: what goes on is true, whatever it is.
+                // Never reject two ticks in a row: a movement that goes on is true, whatever it is.
                 self.pace = None;
                 self.advance(pace);
                 let counts = delta.wrapping_sub(pace);
                 (pace, Some(SpindleEvent::Slipped { counts }))
             }
             _ => {
-                // The first sample says nothing of how the counter moves.
+                // The first sample does not tell how the counter moves.
                 self.pace = before.map(|_| delta);
                 self.advance(delta);
                 let event = sample
@@ -227,7 +231,7 @@ impl Observer {
             }
         };
 
-        // Predict one tick, look, correct.
+        // Predict one tick, measure, correct.
         let predicted = self
             .angle
             .wrapping_add(nearest(self.speed.wrapping_add(half_of(self.acceleration))));
@@ -250,9 +254,9 @@ impl Observer {
         event
     }
 
-    /// The spindle is not where it was expected, by far: it is where the sample says, and turns as the counter has moved in
-    /// this tick. A tracker of the third order that follows such a leap by clipped steps swings farther each time, and
-    /// never finds the spindle again [D185].
+    /// Takes the angle from the sample, and the speed from the counter's movement in this tick. This is for a spindle
+    /// that is far from where the tracker expects it. A third-order tracker that follows such a leap in clipped steps
+    /// swings farther each time and never finds the spindle again [D185].
     #[cold]
     #[inline(never)]
     fn find(&mut self, measured: I32F32, moved: i32) {
@@ -272,7 +276,8 @@ impl Observer {
         Turns::from_raw(self.angle.to_bits())
     }
 
-    /// The angle `ahead` of the last sample, at the present speed and acceleration. Good for a few tens of ticks.
+    /// The angle at the time `ahead` after the last sample, at the present speed and acceleration. Good for a few tens
+    /// of ticks.
     #[must_use]
     pub const fn predict(&self, ahead: Ticks) -> Turns {
         let ahead = ahead.raw() as i64;
@@ -300,20 +305,20 @@ impl Observer {
         ))
     }
 
-    /// True while the last index is no more than two turns away: angle 0 and every whole turn is the index. False before
-    /// the first one, and where it stays out.
+    /// True while the last index is no more than two turns away. Angle 0 and every whole turn are then at the index.
+    /// False before the first index, and when index pulses fail to come.
     #[must_use]
-    // Asked while a stroke waits: in line it makes the tick that begins the stroke copy more.
+    // A waiting stroke asks for this. If the compiler inlines it, the tick that begins the stroke copies more.
     #[inline(never)]
     pub const fn indexed(&self) -> bool {
         let (Some(zero), Some(last)) = (self.zero, self.last) else {
             return false;
         };
-        // One that comes a count late is in time.
+        // An index that comes one count late is still in time.
         last.wrapping_sub(zero).unsigned_abs() <= self.counts.wrapping_mul(2).wrapping_add(1)
     }
 
-    /// After a slip: the next index is taken for the first one.
+    /// For use after a slip: the next index then counts as the first one.
     pub const fn forget_index(&mut self) {
         self.zero = None;
     }
@@ -360,7 +365,7 @@ impl Observer {
         }
     }
 
-    /// Uses an index: the first makes the zero, each later one must be whole turns from the last.
+    /// Uses an index. The first index sets the zero; each later index must be whole turns from the last.
     fn index(&mut self, latched: i32, count: i32) -> Option<SpindleEvent> {
         let Some(zero) = self.zero else {
             self.zero = Some(latched);
@@ -370,7 +375,7 @@ impl Observer {
             let rising = self.rising;
             self.advance(count.wrapping_sub(latched));
             self.rising = rising;
-            // Of all whole turns the nearest, so that the angle jumps by half a turn at most.
+            // Keep the nearest whole turn, so that the angle jumps by half a turn at most.
             let jump = before.wrapping_sub(self.boundary());
             self.turn = self.turn.wrapping_add(rounded(jump.to_bits(), 32));
             self.angle = self
@@ -393,7 +398,7 @@ impl Observer {
             (slip, whole as i32)
         };
         self.zero = Some(zero.wrapping_add(whole));
-        // An index pulse may sit on a boundary of its count: one count either way is no slip.
+        // An index pulse may sit on a boundary of its count, so a difference of one count either way is no slip.
         (slip.unsigned_abs() > 1).then_some(SpindleEvent::Slipped { counts: slip })
     }
 
@@ -416,16 +421,16 @@ impl Observer {
     }
 }
 
-/// Counts that the movement of the counter changes by in a tick at `acceleration` turns per second and second, and what
-/// reading whole counts adds to it.
+/// By how many counts the counter's movement may change in one tick at `acceleration` turns per second squared, plus a
+/// margin because the counter reads whole counts.
 const fn hardest(counts: u32, tick_us: u32, acceleration: u64) -> u32 {
-    // At most 2²⁰ counts and 10⁴ µs: below 2⁶⁴ up to 10⁵ turns per second and second.
+    // At most 2²⁰ counts and 10⁴ µs: below 2⁶⁴ up to 10⁵ turns per second squared.
     let square = (tick_us as u64).wrapping_mul(tick_us as u64);
     let moved = acceleration
         .wrapping_mul(counts as u64)
         .wrapping_mul(square / 100)
         / 10_000_000_000;
-    // More than a quarter of what the counter can hold is no movement at all.
+    // More than a quarter of the counter's range is no movement at all.
     if moved < 1 << 30 {
         (moved as u32).wrapping_add(3)
     } else {

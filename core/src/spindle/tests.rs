@@ -1,4 +1,4 @@
-//! The observer on an ideal encoder: angles, index, slip, counts that are no power of two, standstill.
+//! The observer on an ideal encoder: angles, index, slip, counts that are not a power of two, standstill.
 
 extern crate std;
 
@@ -9,8 +9,8 @@ use crate::units::{Rpm, Ticks, TurnRate, Turns};
 
 const TURN: i128 = 1 << 32;
 
-/// An encoder at a steady speed, exact in integers: `step` 2⁻³² turns a tick from `angle`, its counter at `zero` where the
-/// angle is 0.
+/// An encoder at a steady speed, exact in integers. The angle moves `step` 2⁻³² turns each tick, from `angle` on. The
+/// counter stands at `zero` where the angle is 0.
 #[derive(Clone, Copy)]
 struct Encoder {
     counts: i64,
@@ -61,12 +61,12 @@ impl Encoder {
     }
 }
 
-/// Step of a speed in a tick of a millisecond.
+/// The angle that a spindle covers in a tick of one millisecond.
 fn step(rpm: i32) -> i64 {
     TurnRate::of_rpm(Rpm::new(rpm)).raw() / 1000
 }
 
-/// Signed distance of two angles within a turn.
+/// Signed difference of two angles within a turn.
 fn apart(a: Turns, b: i64) -> i64 {
     i64::from((a.raw() as i32).wrapping_sub(b as i32))
 }
@@ -77,10 +77,10 @@ fn steady_speed_is_known_exactly_with_edge_times() {
         for counts in [4096, 5000, 1, 1000] {
             let mut encoder = Encoder::new(step(rpm));
             encoder.counts = counts;
-            // The hardware counter wraps on the way.
+            // The hardware counter wraps during the test.
             encoder.zero = if rpm > 0 { i32::MAX - 3 } else { i32::MIN + 3 };
             let mut observer = Observer::new(counts as u32, 35, 1000);
-            // One count in eight ticks is about where the age of edges is still used in full.
+            // At about one count in eight ticks the age of edges is still used in full.
             let enough = counts * step(rpm).abs() >= (1 << 32) / 8;
             for _ in 0..3000 {
                 observer.tick(encoder.tick());
@@ -90,7 +90,7 @@ fn steady_speed_is_known_exactly_with_edge_times() {
             }
             let indexed = observer.indexed();
             assert_eq!(indexed, step(rpm).abs() * 3000 >= 1 << 32);
-            // A nanosecond of the edge's time, and the truncated scale.
+            // One nanosecond of the edge's time, and the truncated scale.
             let allowed = step(rpm).abs() / 1_000_000 + 4;
             let error = apart(observer.angle(), encoder.angle);
             assert!(
@@ -144,7 +144,7 @@ fn starts_from_rest_and_stands_again() {
     for (n, speed) in speeds.into_iter().enumerate() {
         encoder.step = speed;
         observer.tick(encoder.tick());
-        // Two milliseconds' change of acceleration is what the filter has to learn at the corners.
+        // At the corners the filter needs some ticks to learn the acceleration that changed within two milliseconds.
         if n % 500 > 100 {
             worst = worst.max(apart(observer.angle(), encoder.angle).abs());
         }
@@ -207,7 +207,7 @@ fn lost_counts_are_noticed_at_the_next_index() {
             for _ in 0..490 {
                 events.extend(observer.tick(encoder.tick()));
             }
-            // One count is within what an index on a boundary may do.
+            // One count is within the tolerance for an index on a boundary.
             let slip = SpindleEvent::Slipped { counts: lost };
             let wanted = if lost == 1 {
                 Vec::new()
@@ -219,7 +219,8 @@ fn lost_counts_are_noticed_at_the_next_index() {
     }
 }
 
-/// A disturbance on the wires: the angle goes on as if nothing had been, and it is said in the same tick.
+/// A disturbance on the wires: the angle goes on as if nothing had happened, and the observer reports the slip in the
+/// same tick.
 #[test]
 fn a_counter_that_jumps_is_not_followed() {
     for rpm in [0, 60, 300, -300, 3000] {
@@ -228,7 +229,7 @@ fn a_counter_that_jumps_is_not_followed() {
                 let mut encoder = Encoder::new(step(rpm) * i64::from(tick_us) / 1000);
                 encoder.tick_ns = tick_ns;
                 let mut observer = Observer::new(4096, 35, tick_us as u32).for_ramp(500);
-                // The first index comes at once.
+                // The first index comes immediately.
                 observer.tick(encoder.tick());
                 observer.tick(EncoderSample {
                     index: Some(0),
@@ -246,7 +247,7 @@ fn a_counter_that_jumps_is_not_followed() {
                     "{rpm} {jump}: {event:?}"
                 );
                 for _ in 0..300 {
-                    // Two counts: one of them for the tick in which nothing was known.
+                    // Two counts: one of them for the tick in which the observer had no measurement.
                     let off = apart(observer.angle(), encoder.angle).abs();
                     assert!(off <= (1 << 33) / 4096, "{rpm} {jump}: {off}");
                     observer.forget_index();
@@ -261,7 +262,8 @@ fn a_counter_that_jumps_is_not_followed() {
     }
 }
 
-/// A counter that stands still from one tick to the next, its wire cut: said at once, and not turned on without end.
+/// A counter that stands still from one tick to the next because its wire is cut: the observer reports the slip at once
+/// and does not extrapolate without end.
 #[test]
 fn a_counter_that_stays_as_it_is_is_believed_at_the_second_tick() {
     let mut encoder = Encoder::new(step(3000));
@@ -290,7 +292,7 @@ fn a_counter_that_stays_as_it_is_is_believed_at_the_second_tick() {
     assert!(!observer.is_turning());
 }
 
-/// Ramps of drives, however hard, are no disturbance.
+/// The ramp of a drive, however hard, is not reported as a disturbance.
 #[test]
 fn the_hardest_ramp_of_the_table_is_followed() {
     for ramp_ms in [1, 4, 20, 500] {
@@ -314,8 +316,8 @@ fn the_hardest_ramp_of_the_table_is_followed() {
     }
 }
 
-/// The largest acceleration of the predicted angle, and the largest relative error of the speed, of an encoder whose edges
-/// are not timed, once the observer has settled: turns per second squared, and a share.
+/// Simulates an encoder without edge times and returns, after the observer has settled, the largest acceleration of the
+/// predicted angle (turns per second squared) and the largest relative error of the speed (a fraction).
 fn shaken(coarse: Coarse, rpm: f64, ahead: Ticks) -> (f64, f64) {
     let tick_s = f64::from(coarse.tick_us) * 1e-6;
     let per_tick = rpm / 60.0 * tick_s * TURN as f64;
@@ -352,7 +354,7 @@ fn whole_counts_shake_an_axis_by_no_more_than_is_said_and_by_most_of_it() {
             };
             let ahead = Ticks::one_and(latency_us, tick_us);
             let lead = crate::units::Lead::new(1_000_000_000, 1).unwrap();
-            // On a lead of a metre, metres are turns.
+            // On a lead of one metre, metres are turns.
             let said = coarse.noise(lead, ahead).nm_per_s2() as f64 * 1e-9;
             let worst = (1..160)
                 .map(|n| shaken(coarse, 7.3 * f64::from(n), ahead).0)
@@ -381,13 +383,13 @@ fn the_slowest_speed_of_an_encoder_is_known_and_a_twentieth_of_it_is_not() {
     }
 }
 
-/// Whatever the counter does, the speed is one that a spindle can have, and a spindle that stands afterwards is soon known
-/// to stand.
+/// Whatever the counter does, the speed stays one that a spindle can have. If the spindle stands afterwards, the
+/// observer soon knows that it stands.
 #[test]
 fn after_a_leap_of_the_counter_the_spindle_is_found_again() {
     for (tick_us, bandwidth) in [(250, 35), (1000, 35), (2000, 35), (10_000, 35), (1000, 200)] {
         for leap in [1025, 2048, 12_315, -11_435, 1 << 20, i32::MAX, i32::MIN] {
-            // In one tick, or as a drive that lags goes there: a quarter of the rest in each.
+            // The counter leaps in one tick, or in the steps of a drive that lags: a quarter of the rest in each tick.
             for lags in [false, true] {
                 for indexed in [false, true] {
                     let mut observer = Observer::new(4096, bandwidth, tick_us);
@@ -406,7 +408,7 @@ fn after_a_leap_of_the_counter_the_spindle_is_found_again() {
                         rest -= part;
                         observer.tick(sample);
                         let rpm = observer.speed().rpm().get();
-                        // That of the fastest, and what the last clipped step added to it.
+                        // The speed of the fastest spindle, plus the part that the last clipped step added.
                         assert!(
                             rpm.abs() <= 150_000,
                             "{rpm} rpm, {leap} counts, tick {tick}"
@@ -416,7 +418,7 @@ fn after_a_leap_of_the_counter_the_spindle_is_found_again() {
                     observer.tick(sample);
                     let still = (observer.is_turning(), observer.speed().rpm().get());
                     assert_eq!(still, (false, 0), "{leap} counts, {tick_us} µs, {lags}");
-                    // To the unit that rounding leaves.
+                    // Within one unit, for rounding.
                     assert!(observer.angle().raw().abs_diff(at.raw()) <= 1);
                 }
             }

@@ -1,4 +1,4 @@
-//! An ordinary tap in the executor: the axis follows the spindle, and the tap turns it.
+//! An ordinary (floating) tap in the executor: the axis follows the spindle, and the tap commands the spindle's speed.
 
 use super::{Active, Conditions, Executor, Setpoint};
 use crate::alarm::Alarm;
@@ -13,14 +13,14 @@ impl Executor {
         matches!(self.active, Active::Float(_))
     }
 
-    /// The speed an ordinary tap tells the spindle, while one is under way; it takes the place of what M03 and the override
-    /// say.
+    /// The speed that an ordinary tap commands the spindle, while one is under way. It replaces the speed of M03 and
+    /// the override.
     #[must_use]
     pub const fn spindle_speed(&self) -> Option<TurnRate> {
         self.spindle_speed
     }
 
-    /// The spindle is the program's again.
+    /// Ends the tap and gives the spindle's speed back to the program.
     pub(super) const fn end_float(&mut self) {
         self.active = Active::Free;
         self.spindle_speed = None;

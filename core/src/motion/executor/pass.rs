@@ -1,4 +1,4 @@
-//! A pass of a thread in the executor: waiting for the spindle, and what the spindle may do in the stroke.
+//! A threading pass in the executor: the wait for the spindle, and the limits for the spindle during the stroke.
 
 use super::{Active, Conditions, Executor, Motion, Setpoint};
 use crate::alarm::{Alarm, Arg, Code};
@@ -6,16 +6,16 @@ use crate::motion::segment::Pass;
 use crate::motion::thread::{Phase, ThreadPlan, ThreadRun};
 use crate::units::TurnRate;
 
-/// Ticks for which the axes stand at the end of a pass before the next segment begins. The last setpoints of the pass and
-/// the first of the next segment then share no third difference, so their jerks do not add.
+/// The axes stand for this many ticks at the end of a pass before the next segment begins. Then no third difference
+/// spans the last setpoints of the pass and the first setpoints of the next segment, so their jerks do not add.
 const SETTLING: u8 = 2;
 
-/// For how many ticks a pass has waited, and for what.
+/// How many ticks a pass has waited.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Waited {
-    /// For the speed.
+    /// Ticks of waiting for the speed.
     speed: u32,
-    /// For the index, at speed.
+    /// Ticks of waiting for the index, at speed.
     index: u32,
 }
 
@@ -48,7 +48,7 @@ impl Executor {
                 return Err(Alarm::new(Code::NoIndex, self.span));
             }
         } else if now.more {
-            // Both axes have to be in time: the one with the slower drive leaves first.
+            // Both axes must be in time, so the axis with the slower drive decides when the pass leaves.
             let ahead = now.ahead_x.max(now.ahead_z);
             match ThreadRun::start(&pass.plan, now.observer.predict(ahead), speed) {
                 Ok(run) => self.active = Active::Thread(run),
@@ -62,7 +62,7 @@ impl Executor {
         Ok(())
     }
 
-    /// A tick more of one of the waits: its ticks so far.
+    /// Counts one more tick of one of the waits and returns its ticks so far.
     fn waits_longer(&mut self, which: impl FnOnce(&mut Waited) -> &mut u32) -> u32 {
         let Active::Waiting(waited) = &mut self.active else {
             return 0;
@@ -97,7 +97,7 @@ impl Executor {
             return Ok(());
         };
         if now.hold && !self.aborting && run.phase() == Phase::Waiting {
-            // It has not left yet: it waits again after the hold.
+            // The axes have not left the start point yet, so the pass waits again after the hold.
             self.active = Active::Waiting(Waited::default());
             self.tell(setpoint, Motion::Hold);
             return Ok(());
@@ -119,7 +119,7 @@ impl Executor {
         };
         let trouble = self.arrival.count_astray(&mut self.astray, trouble);
         if trouble.is_some() {
-            // The axes brake from this tick on: one in which they stood would be a blow.
+            // The axes must brake from this very tick on. A tick in which they stood would be a jolt.
             run.stop(plan);
         }
         let (long, short) = if plan.long_x() {

@@ -1,4 +1,4 @@
-//! The profile against hand-worked motions and against any operator.
+//! The profile, compared with hand-worked motions and with random operators.
 
 extern crate std;
 use super::*;
@@ -44,7 +44,7 @@ impl Watch {
     }
 }
 
-/// Input in 1/256 nm; lengths are whole nm, so `begin` is bypassed where finer ones are wanted.
+/// Input in 1/256 nm. `Profile::begin` takes whole nm, so this function sets finer lengths directly.
 fn begin(watch: &mut Watch, units: u64, nominal: u32, ramp: Ramp) {
     assert!(
         watch
@@ -79,7 +79,7 @@ fn constant_pulse_is_the_time_optimal_ramp() {
     }
 }
 
-/// Any operator whatever: small ramps and short lengths, so that every corner of the governor is met.
+/// A random operator with small ramps and short lengths, so that every case of the governor occurs.
 #[test]
 fn no_operator_breaks_a_limit_or_the_end() {
     leadscrew_seed::volume(11, |seed| {
@@ -95,7 +95,7 @@ fn no_operator_breaks_a_limit_or_the_end() {
             let area = u64::from(n1) * u64::from(n2);
             let mut units = random.below(u64::from(cap) * 40);
             begin(&mut watch, units, cap, ramp(cap, n1, n2));
-            // How this operator behaves: how often the rate changes, and to what.
+            // Behaviour of this operator: how often the rate changes, and to which values.
             let (change, kind) = (1 + random.below(8), random.below(4));
             let mut rate = Rate::FULL;
             let (mut ticks, mut limit) = (0_u64, 4_000);
@@ -178,7 +178,7 @@ fn abandoned_while_moving_stops_and_leaves_nothing() {
     assert!(last.done);
     assert_eq!(last.travel, Travel::of(Length::from_nm(200)));
     assert_eq!(profile.remaining(), Length::ZERO);
-    // The next one starts from nothing.
+    // The next motion starts from an empty profile.
     assert!(profile.begin(Length::from_nm(3), PathRate::from_raw(256), ramp));
     let first = profile.tick(Rate::FULL);
     assert_eq!(

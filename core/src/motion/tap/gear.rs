@@ -1,13 +1,13 @@
-//! The gear of a tap: spindle angle as a pure function of the axis position.
+//! The gear of a tap: the spindle angle as a pure function of the axis position.
 //!
-//! Knows a lead, a hand and a level; knows nothing of time.
+//! This module knows a lead, a hand and a level; it knows nothing of time.
 
 use crate::motion::wide::mul_div_up;
 use crate::program::{Hand, Position, TapAxis};
 use crate::units::{Lead, Length, Turns, mul_high, narrow_div, product, signed, signed_product};
 
-/// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`, plus into the hole
-/// for a right-hand tap [G84/G88 sheet].
+/// Turns of the spindle for a position of the tap axis, counted from the R plane: `±|p − p_R| / lead`. The sign is plus
+/// into the hole for a right-hand tap [G84/G88 sheet].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gear {
     axis: TapAxis,
@@ -16,21 +16,21 @@ pub struct Gear {
     /// 2⁻³² turns per nanometre, in 2^−`shift`, rounded up.
     factor: u64,
     shift: u32,
-    /// A coordinate above the level is a negative angle.
+    /// A coordinate above the level has a negative angle.
     falling: bool,
     /// The bottom lies at a smaller coordinate than the level.
     downwards: bool,
 }
 
 impl Gear {
-    /// The gear of a hole whose R plane is at `level` and whose bottom lies `inward` (−1 or +1) of it. `None` for a lead
-    /// beyond 2³⁰ m or below 2⁻³⁰ nm a turn.
+    /// The gear of a hole with its R plane at `level`. The bottom lies `inward` (−1 or +1) of this plane. `None` for a
+    /// lead beyond 2³⁰ m or below 2⁻³⁰ nm a turn.
     #[must_use]
     pub fn new(axis: TapAxis, level: Length, inward: i64, lead: Lead, hand: Hand) -> Option<Self> {
         let (nm, turns) = (lead.numerator(), lead.denominator());
         let (short, room) = (nm.leading_zeros(), turns.leading_zeros());
-        // The factor has 62 to 64 bits: turns · 2³² / nm in that many, which is turns in 63 bits times the highest bit
-        // of nm over nm. Neither is negative, so that each has a bit to spare.
+        // The factor turns · 2³² / nm has 62 to 64 bits. It is computed as turns in 63 bits, times the highest bit of
+        // nm, over nm. Both numbers are not negative, so each has a bit to spare.
         let shift = 30_u32.wrapping_add(room).checked_sub(short)?;
         if shift > 90 {
             return None;
@@ -71,31 +71,31 @@ impl Gear {
         self.axis.with(position, at)
     }
 
-    /// How deep `position` is below R; negative above it.
+    /// Depth of `position` below R; negative above R.
     #[must_use]
     pub fn depth(&self, position: Position) -> Length {
         let way = self.axis.of(position) - self.level;
         if self.downwards { -way } else { way }
     }
 
-    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact where they are a whole number of those. What
-    /// is rounded may be too large by 2⁻⁶¹ of itself, so what is that near to the next 2⁻³² is that. No division: made for
-    /// the tick.
+    /// Turns from R to `position`, rounded towards zero to 2⁻³² turns; exact if the turns are a whole number of 2⁻³²
+    /// turns. Before rounding the value may be too large by 2⁻⁶¹ of itself, so a value this close to the next 2⁻³²
+    /// turns becomes that value. No division, for use in the tick.
     #[must_use]
     pub fn turns(&self, position: Position) -> Turns {
         let way = (self.axis.of(position) - self.level).nm();
         if way == 0 {
-            // Where a tap begins, in a tick that has enough to do.
+            // A tap begins here, in a tick that already has much to do.
             return Turns::ZERO;
         }
         let size = way.unsigned_abs();
-        // way · factor / 2^shift. The factor has 62 bits at least and is less than 1 too large, so
-        // the product is above the exact one by less than 2⁻⁶¹ of itself: by less than one
-        // unit wherever the lead is above 8 µm and the way below 2⁴³.
+        // way · factor / 2^shift. The factor has at least 62 bits and is too large by less than 1. So the product
+        // exceeds the exact one by less than 2⁻⁶¹ of itself: by less than one unit wherever the lead is above 8 µm and
+        // the way below 2⁴³.
         let magnitude = if self.shift >= 64 {
             mul_high(size, self.factor).wrapping_shr(self.shift.wrapping_sub(64))
         } else if self.shift >= 44 && size < 1 << 44 {
-            // The quick way for all leads above 16 µm: what is shifted out below need not be made.
+            // The quick way for all leads above 16 µm: it does not compute the low bits that the shift would drop.
             mul_high(
                 size.wrapping_shl(64_u32.wrapping_sub(self.shift)),
                 self.factor,
@@ -112,15 +112,15 @@ impl Gear {
         }
     }
 
-    /// Where the tap axis would stand at so many turns from R, rounded to the nearest nanometre: the inverse, to judge by.
-    /// A 128-bit division: not for the tick.
+    /// The position of the tap axis at this number of turns from R, rounded to the nearest nanometre. This is the
+    /// inverse, for checks. It has a 128-bit division, so it is not for the tick.
     #[must_use]
     pub fn position(&self, turns: Turns) -> Length {
         let scaled = signed_product(turns.raw(), self.lead.numerator());
         let turns = self.lead.parts().1;
         let unit = u128::from(turns) << 32;
         let above = scaled.wrapping_add((unit >> 1) as i128);
-        // Rounded down, below zero as above it.
+        // Rounded down, below zero too.
         let rounding = if above < 0 { unit.wrapping_sub(1) } else { 0 };
         let way = narrow_div(above.unsigned_abs().wrapping_add(rounding) >> 32, turns);
         let way = Length::from_nm(signed(way));
@@ -133,7 +133,7 @@ impl Gear {
     }
 }
 
-/// The line on which axis and spindle of a hole are, whatever the tick: the gear, and the spindle's angle at R.
+/// The line on which axis and spindle of a hole are in every tick: the gear, and the spindle's angle at R.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapLine {
     /// The gear.
@@ -158,7 +158,7 @@ impl TapLine {
         self.origin + self.gear.turns(position)
     }
 
-    /// How far the tap axis is from where it should stand at a spindle angle.
+    /// The tap axis' distance from its exact position for a spindle angle.
     #[must_use]
     pub fn error(&self, position: Position, angle: Turns) -> Length {
         self.gear.axis.of(position) - self.gear.position(angle - self.origin)

@@ -1,17 +1,18 @@
 //! Taps: one master drives the tap axis and the spindle (rigid), or the axis follows the spindle's encoder (ordinary,
 //! [`FloatPlan`]).
 //!
-//! In rigid mode the master is time: a stroke is a straight piece of the tap axis with the jerk-limited
-//! [`Profile`](super::Profile), bounded by what the axis bears and by what the spindle bears times the lead. The
-//! commanded spindle angle is a function of the axis setpoint of the same tick and of nothing else ([`Gear`]), so there
-//! is no skew between them, and whatever stops the axis (feed hold, override, abort) stops the spindle in phase.
+//! In rigid mode the master is time. A stroke is a straight move of the tap axis with the jerk-limited
+//! [`Profile`](super::Profile). The limits of the axis bound the stroke, and so do the limits of the spindle times the
+//! lead. The commanded spindle angle is a function of the axis setpoint of the same tick and of nothing else
+//! ([`Gear`]). So there is no skew between axis and spindle, and anything that stops the axis (feed hold, override,
+//! abort) stops the spindle in phase.
 //!
-//! A [`Tap`] is a way from R into the hole and back to R, with all its strokes: pecks that are alike are stored once, so
-//! that a hole of any number of high-speed pecks is one segment, and a deep peck is one for each time the tap is in the
-//! hole. The queue can run dry between two of them, never inside: what has begun has its way out. Only a hole that stays
-//! locked at its bottom (K198) ends there.
+//! A [`Tap`] is a way from R into the hole and back to R, with all its strokes. Equal pecks are stored once, so a hole
+//! of any number of high-speed pecks is one segment. A hole of deep pecks has one segment for each time the tap is in
+//! the hole. The queue can run dry between two of these segments, but never inside one: a tap that has begun always has
+//! its way out. Only a hole that stays locked at its bottom (K198) ends there.
 //!
-//! Knows strokes, limits and ticks; knows nothing of cycles' words, drives or operators.
+//! This module knows strokes, limits and ticks; it knows nothing of cycles' words, drives or operators.
 
 mod float;
 mod gear;

@@ -1,6 +1,6 @@
-//! From the strokes of a hole to what the tick needs. Planner work, with 128-bit divisions.
+//! Plans the strokes of a hole for the tick. Background work, with 128-bit divisions.
 //!
-//! Knows moves and limits; knows nothing of the tick or of what an operator may do.
+//! This module knows moves and limits; it knows nothing of the tick or of what an operator may do.
 
 use super::gear::Gear;
 use crate::alarm::{Alarm, Span};
@@ -20,17 +20,17 @@ use crate::units::{
 /// One stroke along the tap axis, from rest to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stroke {
-    /// How far the tap axis goes, signed.
+    /// Travel of the tap axis, signed.
     pub travel: Length,
     /// Rate at [`Rate::FULL`]: S times lead.
     pub nominal: PathRate,
-    /// Its means and its largest rate.
+    /// Its ramp: the two means and the largest rate.
     pub ramp: Ramp,
 }
 
 impl Stroke {
-    /// The rate it reaches: the nominal one, or less where it is too short (a triangular profile) or its ramp would be
-    /// longer than the profile holds.
+    /// The rate that the stroke reaches. This is less than the nominal rate if the stroke is too short (a triangular
+    /// profile), or if its ramp would be longer than the profile holds.
     #[must_use]
     pub fn peak(&self) -> PathRate {
         let units = self.travel.nm().unsigned_abs().saturating_mul(256);
@@ -42,8 +42,8 @@ impl Stroke {
         self.nominal.min(self.ramp.cap()).min(share)
     }
 
-    /// True where it is as fast as commanded for at least a tick. A thousandth less counts as that: the profile spreads
-    /// what is left over of a tick.
+    /// True if the stroke runs at the commanded speed for at least a tick. A speed a thousandth lower also counts,
+    /// because the profile spreads the remainder of a tick.
     #[must_use]
     pub fn reaches_speed(&self) -> bool {
         let (peak, nominal) = (u64::from(self.peak().raw()), u64::from(self.nominal.raw()));
@@ -57,50 +57,50 @@ impl Stroke {
     }
 }
 
-/// A step in the hole.
+/// A step in the hole of a tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapStep {
     /// A stroke.
     Stroke(Stroke),
-    /// Stand for so many ticks.
+    /// Stand still for this many ticks.
     Dwell(u32),
 }
 
-/// Steps a [`Tap`] can hold, pecks that are alike counted as one: infeed, one pair of pecks, back, last infeed, dwell, out,
-/// and one to spare.
+/// Number of steps a [`Tap`] can hold, with equal pecks counted as one: infeed, one pair of pecks, back, last infeed,
+/// dwell, out, and one to spare.
 pub const TAP_STEPS: usize = 8;
 
-/// Which part of a hole a [`Tap`] is.
+/// The part of a hole that a [`Tap`] covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TapPart {
-    /// The tap is out of the hole at its end.
+    /// The tap is out of the hole at the end of this part.
     pub closes: bool,
-    /// It is the way out by itself (G30 P99), which begins in the hole.
+    /// This part is the way out alone (G30 P99), which begins in the hole.
     pub returns: bool,
 }
 
-/// The way from R into a hole and back, or the part of it that a K198 leaves.
+/// The way from R into the hole and back, or the part of this way that a K198 leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tap {
-    /// What ties the spindle to the axis.
+    /// The gear between axis and spindle.
     pub gear: Gear,
-    /// Where it starts.
+    /// Position at which the tap starts.
     pub start: Position,
     /// The feed override acts on the strokes (5203.4).
     pub feed_override: bool,
     /// The hole, for the tap journal.
     pub hole: TapHole,
-    /// Which part of the hole.
+    /// The part of the hole that this tap covers.
     pub part: TapPart,
     steps: [Option<TapStep>; TAP_STEPS],
     len: u8,
-    /// The pair of steps that is done again, and how often.
+    /// The pair of steps that is repeated, and the number of repeats.
     pair: u8,
     repeats: u32,
 }
 
 impl Tap {
-    /// Nothing to do yet.
+    /// A tap without steps.
     #[must_use]
     pub const fn new(gear: Gear, hole: TapHole, start: Position, feed_override: bool) -> Self {
         Self {
@@ -119,7 +119,7 @@ impl Tap {
         }
     }
 
-    /// Appends a step. False, and nothing changes, where there is no room.
+    /// Appends a step. Returns false and changes nothing if there is no room.
     #[must_use]
     pub fn push(&mut self, step: TapStep) -> bool {
         let Some(place) = self.steps.get_mut(usize::from(self.len)) else {
@@ -131,7 +131,7 @@ impl Tap {
         true
     }
 
-    /// Two equal pairs at the end become one that is done once more. Only one pair of a tap is ever repeated.
+    /// Merges two equal pairs at the end into one pair with one more repeat. A tap repeats only one pair.
     fn fold(&mut self) {
         let Some(first) = self.len.checked_sub(4) else {
             return;
@@ -145,7 +145,7 @@ impl Tap {
         }
     }
 
-    /// Step `index` of those that are stored.
+    /// Stored step number `index`.
     #[must_use]
     pub fn step(&self, index: u8) -> Option<&TapStep> {
         if index >= self.len {
@@ -154,19 +154,19 @@ impl Tap {
         self.steps.get(usize::from(index)).and_then(Option::as_ref)
     }
 
-    /// True where there is no step.
+    /// True if the tap has no step.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// How often the stored pair is done again.
+    /// Number of times the stored pair is repeated.
     #[must_use]
     pub const fn repeats(&self) -> u32 {
         self.repeats
     }
 
-    /// The step after `index` with `left` repeats to go, and the repeats then left.
+    /// The step after `index` when `left` repeats remain, and the repeats that then remain.
     #[must_use]
     pub(super) const fn after(&self, index: u8, left: u32) -> (u8, u32) {
         if left > 0 && index == self.pair.wrapping_add(1) {
@@ -177,11 +177,13 @@ impl Tap {
     }
 }
 
-/// Plans one stroke of a tap that ends `travel` (signed, not zero) from where it begins.
+/// Plans one stroke of a tap. The stroke ends `travel` (signed, not zero) from its start.
 ///
-/// Speed is S times lead, within 1430 and the axis' own limits; acceleration the axis' and the spindle's (1000 rpm in 5261
-/// milliseconds, out of the hole 5271 where 5201.2 is 1; 0 means the axis alone) times lead; jerk the axis'. A ramp longer
-/// than the profile holds makes the stroke slower, not another: it stays in phase, and [`Stroke::reaches_speed`] tells.
+/// The speed is S times lead, within 1430 and the axis' own limits. The acceleration is within the axis' limit and
+/// within the spindle's acceleration times lead. The spindle's acceleration is 1000 rpm in 5261 milliseconds, or in
+/// 5271 milliseconds out of the hole if 5201.2 is 1; 0 means that the axis alone decides. The jerk is the axis'. If a
+/// ramp is longer than the profile holds, the same stroke becomes slower. It stays in phase, and
+/// [`Stroke::reaches_speed`] tells that it is slower.
 ///
 /// # Errors
 /// [`Code::MoveTooFar`](crate::alarm::Code::MoveTooFar);
@@ -231,7 +233,7 @@ pub fn stroke(
     })
 }
 
-/// The quickest ramp; where it would be longer than the profile holds, that of a lower speed.
+/// The quickest ramp, or the ramp of a lower speed if the quickest is longer than the profile holds.
 fn ramp(length: Length, nominal: PathRate, bounds: &mut PathLimits) -> Option<Ramp> {
     for _ in 0..128 {
         if let Some(ramp) = shape::ramp(length, nominal, bounds) {
@@ -243,7 +245,7 @@ fn ramp(length: Length, nominal: PathRate, bounds: &mut PathLimits) -> Option<Ra
     None
 }
 
-/// S times lead in a tick, to the nearest 1/256 nm.
+/// S times lead per tick, to the nearest 1/256 nm.
 fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
     let (nm, turns) = lead.parts();
     let nm = mul_div(
@@ -255,8 +257,8 @@ fn rate(lead: Lead, speed: CentiRpm, tick_us: u32) -> PathRate {
     PathRate::from_raw(rate.raw().max(2))
 }
 
-/// 1000 rpm in `ramp_ms` milliseconds, times lead, in 2⁻³² nm per tick²; lacks what rounding adds to a difference of
-/// setpoints. `None` for 0: no limit.
+/// 1000 rpm in `ramp_ms` milliseconds, times lead, in 2⁻³² nm per tick². The result is lower by the amount that
+/// rounding adds to a difference of setpoints. `None` for 0: no limit.
 fn spindle_acceleration(lead: Lead, ramp_ms: u32, tick_us: u32) -> Option<u64> {
     if ramp_ms == 0 {
         return None;

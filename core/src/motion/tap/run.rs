@@ -1,4 +1,4 @@
-//! A tap in the tick: one step after another, axis and spindle from one setpoint.
+//! A rigid tap in the tick: one step after another; axis and spindle follow one setpoint.
 
 use super::gear::TapLine;
 use super::plan::{Stroke, Tap, TapStep};
@@ -8,18 +8,18 @@ use crate::motion::run::Run;
 use crate::program::Position;
 use crate::units::{Length, Turns};
 
-/// What one tick of a tap says.
+/// The result of one tick of a tap.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct TapPoint {
     /// The commanded spindle angle at the setpoint.
     pub(in crate::motion) angle: Turns,
     /// What the axes are doing.
     pub(in crate::motion) motion: Motion,
-    /// Steps done before the one of this tick.
+    /// Number of steps done before the step of this tick.
     pub(in crate::motion) offset: u32,
-    /// Nothing is left to do.
+    /// True when nothing is left to do.
     pub(in crate::motion) done: bool,
-    /// A stroke has just ended.
+    /// True when a stroke has just ended.
     pub(in crate::motion) turned: bool,
 }
 
@@ -27,13 +27,13 @@ pub(in crate::motion) struct TapPoint {
 enum Stage {
     /// At rest before a step.
     Between,
-    /// In a stroke that began here on the tap axis.
+    /// In a stroke that began at this position of the tap axis.
     Moving(Length),
-    /// In a dwell, so many ticks to go.
+    /// In a dwell, with this many ticks left.
     Dwelling(u32),
 }
 
-/// A tap under way. Only what changes: its steps stay where they are and are handed in, the same ones every time.
+/// The changing state of a tap under way. The steps stay in the plan, which the caller passes unchanged in every tick.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct TapRun {
     /// Commanded spindle angle at R.
@@ -48,7 +48,7 @@ pub(in crate::motion) struct TapRun {
 
 impl TapRun {
     /// A tap that begins where the machine stands, with the spindle at `angle`.
-    // Made where it will be, not copied there.
+    // Inlined so that the result is made in its final place and not copied.
     #[inline(always)]
     pub(in crate::motion) fn new(tap: &Tap, position: Position, angle: Turns) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl TapRun {
         }
     }
 
-    /// The line it is on.
+    /// The line on which axis and spindle are.
     pub(in crate::motion) const fn line(&self, tap: &Tap) -> TapLine {
         TapLine {
             gear: tap.gear,
@@ -69,14 +69,15 @@ impl TapRun {
         }
     }
 
-    /// Gives up what is left. True where nothing moves and it is over at once.
+    /// Gives up the rest of the tap. True if nothing moves, so that the tap is over at once.
     pub(in crate::motion) const fn stop(&mut self, run: &mut Run) -> bool {
         self.aborted = true;
         run.abandon();
         !matches!(self.stage, Stage::Moving(_))
     }
 
-    /// One tick at `rate`, from the last setpoint to the next; `hold`: nothing new begins, and a stroke is at rate zero.
+    /// One tick at `rate`, from the last setpoint to the next. With `hold` no new step begins, and a stroke runs at
+    /// rate zero.
     pub(in crate::motion) fn tick(
         &mut self,
         tap: &Tap,
@@ -105,7 +106,7 @@ impl TapRun {
                 let motion = if resting { Motion::Hold } else { Motion::Run };
                 (motion, progress.done)
             }
-            // Not reached: only a stroke moves.
+            // Never reached: only a stroke moves.
             (Stage::Moving(_), _) => (Motion::Run, true),
         };
         let turned = over && matches!(self.stage, Stage::Moving(_));
@@ -129,12 +130,12 @@ impl TapRun {
                     Stage::Between
                 }
             }
-            // Not reached: a tap without a step is over before it begins.
+            // Never reached: a tap without a step is over before it begins.
             None => Stage::Dwelling(1),
         };
     }
 
-    /// The next step; true where there is none.
+    /// Goes to the next step; true if there is none.
     fn finish_step(&mut self, tap: &Tap) -> bool {
         (self.index, self.left) = tap.after(self.index, self.left);
         self.done = self.done.saturating_add(1);
@@ -143,7 +144,7 @@ impl TapRun {
     }
 }
 
-/// How far a stroke has come, rounded to the nearest nanometre; all of it at its end.
+/// The distance covered in a stroke, rounded to the nearest nanometre; the whole travel at the end.
 const fn way(stroke: &Stroke, travel: Travel) -> Length {
     let length = stroke.travel.nm().unsigned_abs();
     let way = travel.raw().wrapping_add(1 << 15) >> 16;

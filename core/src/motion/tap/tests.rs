@@ -50,7 +50,7 @@ fn any_lead_is_the_ratio_rounded_towards_zero() {
             let scaled = (i128::from(way) * i128::from(denominator)) << 32;
             let exact = scaled / i128::from(numerator);
             let turns = gear.turns(z(5_000_000 - way));
-            // What is 2⁻⁶¹ of itself below the next one is the next one.
+            // A value within 2⁻⁶¹ of itself below the next unit counts as the next unit.
             let next = (exact + 1) * i128::from(numerator) <= scaled + (scaled >> 61) + 1;
             let beyond = i128::from(turns.raw()) - exact;
             assert!(
@@ -58,7 +58,7 @@ fn any_lead_is_the_ratio_rounded_towards_zero() {
                 "{way} at {numerator}/{denominator}: {beyond} beyond"
             );
             assert_eq!(gear.turns(z(5_000_000 + way)), -turns);
-            // There and back: less than a nanometre from where it was.
+            // There and back: the result is less than a nanometre from the start.
             let back = gear.position(turns).nm() - (5_000_000 - way);
             assert!(
                 back.abs() <= 1 + ((numerator / denominator) >> 32),
@@ -111,7 +111,7 @@ fn tap(steps: &[i64]) -> Tap {
     tap
 }
 
-/// What a tap does, step by step.
+/// The strokes and dwells of a tap, step by step.
 fn unrolled(tap: &Tap) -> std::vec::Vec<i64> {
     let (mut index, mut left) = (0, tap.repeats());
     let mut steps = std::vec::Vec::new();

@@ -1,11 +1,11 @@
-//! The helix of a pass: the travel for an angle.
+//! The helix of a pass: from an angle to a travel.
 //!
-//! Knows no pass and no axis' limits.
+//! This module knows no pass and no limits of axes.
 
 use crate::motion::ease::{Fine, whole};
 use crate::units::{Lead, Length, Turns, narrow_div};
 
-/// The exact helix of a pass, to judge its setpoints by.
+/// The exact helix of a pass, as a reference for its setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Helix {
     pub(super) travel: HelixTravel,
@@ -17,13 +17,13 @@ pub struct Helix {
 }
 
 impl Helix {
-    /// True where X is the long axis.
+    /// True if X is the long axis.
     #[must_use]
     pub const fn long_x(&self) -> bool {
         self.long_x
     }
 
-    /// Where the helix stands on the long axis at a spindle angle.
+    /// The long axis' position on the helix at a spindle angle.
     #[must_use]
     pub fn at(&self, angle: Turns) -> Length {
         let turned = if self.reverse { -angle } else { angle };
@@ -36,10 +36,10 @@ impl Helix {
     }
 }
 
-/// What turns an angle into a travel.
+/// Converts an angle into a travel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::motion) struct HelixTravel {
-    /// Angles below and above count as these: a turn around the pass.
+    /// Angles below `low` count as `low`, angles above `high` as `high`: each is one turn outside the pass.
     pub low: Turns,
     pub high: Turns,
     /// Travel per turn: whole nanometres, and the rest in 2⁻³² nm.
@@ -47,8 +47,9 @@ pub(in crate::motion) struct HelixTravel {
 }
 
 impl HelixTravel {
-    /// The travel of a helix of `lead`, from a turn before `join` ahead of the start point to a turn behind `done`.
-    /// `rounding`: of the lead's denominator, what its part below a nanometre is given before it is rounded down.
+    /// The travel of a helix of `lead`. Its angles reach from one turn before `join`, which lies before the start
+    /// point, to one turn after `done`. `rounding` is added before the part of the lead below a nanometre is divided by
+    /// the lead's denominator and rounded down.
     #[inline(never)]
     pub fn new(lead: Lead, join: Turns, done: Turns, rounding: u64) -> Self {
         let (nm, turns) = lead.parts();
@@ -62,9 +63,9 @@ impl HelixTravel {
         }
     }
 
-    /// The helix' travel for an angle since it was at the start point.
+    /// The helix' travel for an angle that counts from the start point.
     pub fn at(&self, relative: Turns) -> Fine {
-        // Not `clamp`, which panics where the limits cross.
+        // Not `clamp`, which panics if the limits cross.
         let relative = relative.raw().max(self.low.raw()).min(self.high.raw());
         let turns = relative >> 32;
         let part = (relative as u64) & 0xffff_ffff;

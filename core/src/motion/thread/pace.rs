@@ -1,4 +1,4 @@
-//! How fast a pass goes, and what that makes of its ends: the ramps of run-in, run-out and retract.
+//! The speed of a pass, and the ramps of run-in, run-out and retract that follow from this speed.
 
 use super::ramp::{Corner, DIAGONAL, Machine, Ramp, Slope, directed, seen, slope};
 use super::shape::Shape;
@@ -10,16 +10,16 @@ use crate::motion::wide::mul_div_up;
 use crate::params::Params;
 use crate::units::{Axis, Feed, Rpm, TurnRate, mul_div};
 
-/// Percent of the spindle's speed for which a run-out is tried that does not fit with the whole margin.
+/// If a run-out does not fit with the whole margin, it is tried at these percentages of the spindle's speed.
 const MARGINS: [u64; 4] = [110, 105, 102, 100];
 
-/// The speed a pass is planned for: none of its figures is negative.
+/// The speed for which a pass is planned. None of these figures is negative.
 pub(super) struct Pace {
     /// The faster of commanded and measured speed, magnitude.
     pub nominal: TurnRate,
-    /// Percent of it that the plan leaves room for.
+    /// Percent of the nominal speed for which the plan leaves room.
     pub margin: u64,
-    /// That much of it.
+    /// The nominal speed times this percentage.
     pub limit: TurnRate,
     /// M04.
     pub reverse: bool,
@@ -45,7 +45,7 @@ impl Pace {
         }
     }
 
-    /// The spindle turns, and no axis is asked for more than its feed.
+    /// Checks that the spindle turns, and that no axis must exceed its feed.
     #[inline(never)]
     pub fn check(
         &self,
@@ -58,7 +58,7 @@ impl Pace {
         if nominal == TurnRate::ZERO {
             return Err(shape.alarm(Code::SpindleStopped));
         }
-        // nm/min, exact where the command decides, so that a feed that is just reached is no alarm.
+        // In nm/min, exact if the command decides, so that a feed that just reaches the limit raises no alarm.
         let (nm, turns) = shape.thread.lead.parts();
         let asked = if nominal > measured.abs() || measured == TurnRate::ZERO {
             mul_div(nm, u64::from(commanded.abs()), turns)
@@ -101,7 +101,8 @@ impl Pace {
         }
     }
 
-    /// The join, and the run-in that brings the short axis from beside the line's extension onto it: a ramp mirrored.
+    /// Makes the join, and the run-in that brings the short axis onto the line from a point off its extension: a
+    /// mirrored ramp.
     #[inline(never)]
     pub fn run_in(
         &self,
@@ -128,8 +129,8 @@ impl Pace {
         Ok(())
     }
 
-    /// The brake and the run-out; where the short axis cannot make it inside K, the K in which it could. The margin on
-    /// the speed is given up, step by step, before the run-out is.
+    /// Makes the brake and the run-out. If the short axis cannot finish inside K, returns the K in which it could. The
+    /// plan reduces the margin on the speed step by step before it gives up the run-out.
     #[inline(never)]
     pub fn run_out(
         &self,
@@ -160,7 +161,7 @@ impl Pace {
         (!corner.whole).then(|| self.machine(shape, params, 100).way_needed(rise) as Fine)
     }
 
-    /// A retract in mid-thread: the run-out's slope, 45° where there is none.
+    /// A retract in mid-thread: with the run-out's slope, or 45° if there is no run-out.
     #[inline(never)]
     pub fn retract(&self, shape: &Shape, machine: &Machine, ramp: &mut Ramp) {
         let mean = if shape.run_out > 0 {
@@ -175,7 +176,8 @@ impl Pace {
 }
 
 impl Corner {
-    /// Lays down the long axis' part of the corner and the short one's, which displaces it towards the side of `rise`.
+    /// Writes the long axis' ease and the short axis' ramp. The ramp displaces the short axis towards the side of
+    /// `rise`.
     #[inline(never)]
     fn put(&self, rise: Fine, long: &mut Ease, ramp: &mut Ramp) {
         *long = self.long;

@@ -1,4 +1,4 @@
-//! Where a pass runs: the tool's position for a way along the long axis.
+//! The path of a pass: the tool's position for a way along the long axis.
 
 use super::helix::Helix;
 use super::plan::ThreadPlan;
@@ -7,7 +7,7 @@ use crate::motion::ease::{Fine, whole};
 use crate::program::Position;
 use crate::units::{Length, Turns};
 
-/// The short axis' way out in mid-thread: a ramp up and, `apart` further on, one down.
+/// The short axis' way out in mid-thread: a corner into the slope and, `apart` further on, a corner out of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Out {
     pub from: Fine,
@@ -32,7 +32,7 @@ impl ThreadPlan {
         }
     }
 
-    /// An angle counted in the direction the spindle is to turn.
+    /// The angle, counted in the direction in which the spindle must turn.
     pub(super) fn turned(&self, angle: Turns) -> Turns {
         if self.reverse { -angle } else { angle }
     }
@@ -43,14 +43,16 @@ impl ThreadPlan {
         if self.run_in.slope == 0 {
             return line;
         }
-        // Beside the line by what is left of the ramp, backwards from its end; at the start all of it is left.
+        // The offset from the line is the rest of the ramp, counted backwards from its end; at the start it is the
+        // whole ramp.
         let corner = self.run_in.ease.half();
         let left = self.run_in.at.wrapping_sub(way).wrapping_sub(corner);
         let ramp = along(self.run_in.ease.at(left), self.run_in.slope);
         line.wrapping_add(ramp).wrapping_sub(self.run_in_rise)
     }
 
-    /// The tool's position with the long axis `way` along, on the way out in mid-thread or on the pass's own run-out.
+    /// The tool's position when the long axis is `way` along, either on the way out in mid-thread or on the pass's own
+    /// run-out.
     pub(super) fn position(&self, way: Fine, out: Option<Out>) -> Position {
         let mut beside = self.line(way);
         if let Some(out) = out {
@@ -102,7 +104,7 @@ impl ThreadPlan {
         }
     }
 
-    /// Which move of the pass a way belongs to, from 0; `out`: on the way out in mid-thread.
+    /// The move of the pass to which a way belongs, from 0. `out`: true on the way out in mid-thread.
     pub(super) fn move_index(&self, way: Fine, out: bool) -> u8 {
         let behind_run_in = u8::from(self.run_in.at > 0 && way >= self.run_in.at);
         let in_run_out = u8::from(self.run_out.at > 0 && !out && way >= self.run_out.at);

@@ -1,4 +1,5 @@
-//! A pass planned: every figure the tick needs, from the moves of the pass, the axes' limits and the spindle's speed.
+//! The plan of a threading pass: every figure the tick needs, from the moves of the pass, the axes' limits and the
+//! spindle's speed.
 
 use super::helix::HelixTravel;
 use super::pace::Pace;
@@ -12,7 +13,7 @@ use crate::params::Params;
 use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate, Turns, mul_div};
 
-/// One pass of a thread, ready for [`ThreadRun`](super::ThreadRun).
+/// One threading pass, ready for [`ThreadRun`](super::ThreadRun).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ThreadPlan {
     pub(super) span: Span,
@@ -20,27 +21,27 @@ pub struct ThreadPlan {
     pub(super) end: Position,
     /// X is the long axis.
     pub(super) long_x: bool,
-    /// The long axis runs towards minus.
+    /// The long axis moves in the minus direction.
     pub(super) backward: bool,
-    /// M04: the spindle's angle falls.
+    /// The spindle turns by M04: its angle falls.
     pub(super) reverse: bool,
     pub(super) travel: HelixTravel,
     pub(super) start_angle: Turns,
-    /// L.
+    /// L, the whole way on the long axis.
     pub(super) length: Fine,
     pub(super) join: Ease,
     pub(super) brake: Ease,
-    /// As the brake, for a stop anywhere outside the short axis' corners.
+    /// Like the brake, but for a stop anywhere outside the short axis' corners.
     pub(super) stop: Ease,
-    /// The join's `H` and the end of the brake, as angles from where the helix is at the start point.
+    /// The join's `H` and the end of the brake, as angles since the helix was at the start point.
     pub(super) join_angle: Turns,
     pub(super) done_angle: Turns,
     pub(super) taper: Slope,
     pub(super) run_in: Ramp,
-    /// How far beside the line's extension the start point lies.
+    /// Distance of the start point from the line's extension.
     pub(super) run_in_rise: Fine,
     pub(super) run_out: Ramp,
-    /// The ramp of a retract in mid-thread: `at` is unused; and the inverse of its slope.
+    /// The ramp of a retract in mid-thread (its `at` is unused), and the inverse of its slope.
     pub(super) retract: Ramp,
     pub(super) retract_inverse: Slope,
     /// Planned speed of the long axis in 2⁻¹⁶ nm per tick.
@@ -52,14 +53,16 @@ pub struct ThreadPlan {
 }
 
 impl ThreadPlan {
-    /// Plans the pass whose synchronous moves are `moves` (one to three, the first of them starting at `from`) for the
-    /// faster of commanded and `measured` speed, with the margin of parameter 9010. Pass [`TurnRate::ZERO`] where
-    /// nothing is measured yet.
+    /// Plans the pass for the faster of commanded and `measured` speed, with the margin of parameter 9010. `moves` are
+    /// the pass's synchronous moves, one to three; the first of them starts at `from`. Pass [`TurnRate::ZERO`] if there
+    /// is no measurement yet.
     ///
     /// # Errors
-    /// Spindle standing ([`Code::SpindleStopped`]); lead times speed above what the long axis (or, along a taper, the
-    /// short one) may do ([`Code::LeadTooFast`]); the stroke too short for joining and braking at this speed
-    /// ([`Code::StrokeTooShortForSpeed`]); the run-in too short for the short axis at this speed ([`Code::RunInTooFast`]).
+    /// - The spindle stands: [`Code::SpindleStopped`].
+    /// - Lead times speed exceeds the limit of the long axis or, along a taper, of the short axis:
+    ///   [`Code::LeadTooFast`].
+    /// - The stroke is too short for joining and braking at this speed: [`Code::StrokeTooShortForSpeed`].
+    /// - The run-in is too short for the short axis at this speed: [`Code::RunInTooFast`].
     pub fn new(
         from: Position,
         moves: &[Move],
@@ -69,7 +72,7 @@ impl ThreadPlan {
         Self::at_speed(from, moves, params, None, measured)
     }
 
-    /// As [`ThreadPlan::new`], for another commanded speed than the moves'.
+    /// Like [`ThreadPlan::new`], but for the given commanded speed instead of that of the moves.
     pub(crate) fn for_rpm(
         from: Position,
         moves: &[Move],
@@ -79,7 +82,7 @@ impl ThreadPlan {
         Self::at_speed(from, moves, params, Some(commanded), TurnRate::ZERO)
     }
 
-    /// A plan is large, and so are its parts: each is made where it stays.
+    /// Plans at a given speed. The plan and its parts are large, so each part is made in its final place.
     fn at_speed(
         from: Position,
         moves: &[Move],
@@ -112,7 +115,7 @@ impl ThreadPlan {
         pace.run_in(shape, &machine, &mut self.join, &mut self.run_in)?;
         let lag_way = pace.run_out(shape, &machine, params, &mut self.brake, &mut self.run_out);
 
-        // Everything has its place: join and run-in before, brake and run-out behind the locked part.
+        // Everything must fit: join and run-in before the locked part, brake and run-out after it.
         let length = shape.fine_length();
         let before = self.join.half().max(shape.run_in);
         let behind = self.brake.half().max(shape.run_out);
@@ -151,7 +154,7 @@ impl ThreadPlan {
         self.of_speed = Fraction::of(self.speed);
         self.speed_limit = pace.limit;
         if let Some(way) = lag_way {
-            // By the tick's own arithmetic, so that the last setpoint is this one to the nanometre.
+            // Uses the tick's own arithmetic, so that the last setpoint equals this position to the nanometre.
             self.end = self.position(length, None);
             self.short_lag = if long_x {
                 shape.end.z - self.end.z
@@ -163,13 +166,13 @@ impl ThreadPlan {
         Ok(())
     }
 
-    /// True where X is the long axis.
+    /// True if X is the long axis.
     #[must_use]
     pub const fn long_x(&self) -> bool {
         self.long_x
     }
 
-    /// True where the spindle is to turn by M04: its angle falls.
+    /// True if the spindle must turn by M04: its angle falls.
     #[must_use]
     pub const fn is_reverse(&self) -> bool {
         self.reverse
@@ -181,14 +184,14 @@ impl ThreadPlan {
         self.start
     }
 
-    /// Where the tool stands after it: D's plane on the long axis; the short axis stands short of the run-out's end by
-    /// [`ThreadPlan::run_out_lag`] where its limits do not let it keep up.
+    /// Where the tool stands after the pass: D's plane on the long axis. If the short axis' limits do not let it keep
+    /// up, it stands short of the run-out's end by [`ThreadPlan::run_out_lag`].
     #[must_use]
     pub const fn end(&self) -> Position {
         self.end
     }
 
-    /// Of the two ends of the pass's line on the short axis, without its run-out, the one nearer to `home`.
+    /// The end of the pass's line that is nearer to `home` on the short axis. The run-out does not count.
     #[must_use]
     pub fn level_towards(&self, home: Length) -> Length {
         let start = self.short_start();
@@ -200,19 +203,19 @@ impl ThreadPlan {
         }
     }
 
-    /// Lead-in: from the start point to where the axis stands on the exact helix.
+    /// Lead-in: the way from the start point to the point from which the axis stands on the exact helix.
     #[must_use]
     pub const fn lead_in(&self) -> Length {
         Length::from_nm(self.join.half_nm())
     }
 
-    /// The way on which the axis has left the lead to come to rest in D's plane.
+    /// The way over which the axis leaves the lead and comes to rest in D's plane.
     #[must_use]
     pub const fn braking(&self) -> Length {
         Length::from_nm(self.brake.half_nm())
     }
 
-    /// How much of the braking lies before the run-out: thread with a falling lead.
+    /// The part of the braking that lies before the run-out: thread with a falling lead.
     #[must_use]
     pub fn falling_lead(&self) -> Length {
         let run_out = if self.run_out.slope == 0 {
@@ -223,13 +226,14 @@ impl ThreadPlan {
         whole(self.brake.half().wrapping_sub(run_out).max(0))
     }
 
-    /// What the short axis still lacks at the end of the run-out (signed); a time-driven move has to follow.
+    /// The distance that the short axis still lacks at the end of the run-out (signed). A time-driven move has to
+    /// follow.
     #[must_use]
     pub const fn run_out_lag(&self) -> Length {
         self.short_lag
     }
 
-    /// Where the short axis lags: the K that would do at this speed. Zero where it does not.
+    /// The K that would suffice at this speed. Zero if the short axis does not lag.
     #[must_use]
     pub const fn run_out_needed(&self) -> Length {
         self.way_needed
@@ -241,14 +245,14 @@ impl ThreadPlan {
         self.speed_limit
     }
 
-    /// Spindle angle at which the long axis leaves rest, counted in the turning direction from the index; whole turns mean
-    /// nothing.
+    /// Spindle angle at which the long axis leaves rest, counted in the turning direction from the index. Whole turns
+    /// of this angle have no meaning.
     #[must_use]
     pub fn leaves_at(&self) -> Turns {
         self.start_angle - self.join_angle
     }
 
-    /// The alarm for a spindle that turns at `speed`, faster than that.
+    /// The alarm for a spindle whose `speed` exceeds [`ThreadPlan::speed_limit`].
     #[must_use]
     pub fn too_fast(&self, speed: TurnRate) -> Alarm {
         Alarm::new(Code::SpindleTooFast, self.span).with([
@@ -257,7 +261,7 @@ impl ThreadPlan {
         ])
     }
 
-    /// Turns of the spindle from where the long axis leaves rest to where it is at rest again.
+    /// Turns of the spindle from the instant the long axis leaves rest until it is at rest again.
     #[must_use]
     pub fn turns(&self) -> Turns {
         self.join_angle + self.done_angle

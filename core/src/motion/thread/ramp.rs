@@ -1,8 +1,9 @@
-//! How the short axis leaves the pass's line and comes back to it: ramps over the long axis' way.
+//! Ramps of the short axis over the long axis' way: how the short axis leaves the pass's line and comes back to it.
 //!
-//! A ramp over the length K turns the slope from nothing to m over the first part ℓ (as fast as the axis' limits allow
-//! at the planned speed) and keeps m for the rest, so that the whole displacement `J = m·(K − ℓ/2)` is reached exactly
-//! at its end: what the axis lags behind in the corner it makes up inside K. The run-in is the same ramp backwards.
+//! A ramp has the length K. Over its first part ℓ, the corner, the slope grows from zero to m, as fast as the axis'
+//! limits allow at the planned speed. Over the rest the slope stays m. So the ramp reaches the whole displacement
+//! `J = m·(K − ℓ/2)` exactly at its end: the axis lags in the corner and makes up for this inside K. The run-in is the
+//! same ramp backwards.
 
 use crate::motion::ease::{Bounds, Ease, Fine};
 use crate::motion::wide::{mul_div_up, ratio, root_mul_div_up};
@@ -16,18 +17,18 @@ const SLOPE_BITS: u32 = 40;
 /// A slope of one: 45°.
 pub(crate) const DIAGONAL: u64 = 1 << SLOPE_BITS;
 
-/// A ramp of the short axis away from (or back to) the pass's line; by itself none.
+/// A ramp of the short axis away from (or back to) the pass's line. The default is no ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Ramp {
-    /// Signed slope behind the corner; 0 for no ramp.
+    /// Signed slope after the corner; 0 for no ramp.
     pub slope: Slope,
     pub ease: Ease,
-    /// Run-in: where it ends; run-out: where it begins, along the long axis from the start.
+    /// Position along the long axis, from the start: a run-in ends here, a run-out begins here.
     pub at: Fine,
 }
 
 impl Ramp {
-    /// How far beside the line a run-in begins.
+    /// Distance from the line at which a run-in begins.
     pub(super) fn beside_at_start(&self) -> Fine {
         along(
             self.ease.at(self.at.wrapping_sub(self.ease.half())),
@@ -42,17 +43,17 @@ pub(crate) fn along(way: Fine, slope: Slope) -> Fine {
     (wide.wrapping_add(1 << (SLOPE_BITS - 1)) >> SLOPE_BITS) as i64
 }
 
-/// The slope that makes `rise` over `way`.
+/// The slope that rises by `rise` over `way`.
 pub(crate) fn slope(rise: Fine, way: u64) -> Slope {
     directed(mean(rise.unsigned_abs(), way), rise)
 }
 
-/// Its magnitude.
+/// The magnitude of this slope.
 fn mean(rise: u64, way: u64) -> u64 {
     ratio(rise, way, SLOPE_BITS)
 }
 
-/// A slope of this magnitude towards the side of `rise`.
+/// A slope of this magnitude, with the sign of `rise`.
 pub(crate) fn directed(magnitude: u64, rise: Fine) -> Slope {
     let magnitude = signed(magnitude);
     if rise < 0 {
@@ -67,13 +68,13 @@ pub(crate) fn inverse(slope: u64) -> Slope {
     signed(mul_div(DIAGONAL, DIAGONAL, slope.max(1)))
 }
 
-/// A speed of the long axis (nm/s) seen on the short one.
+/// The speed (nm/s) of the short axis that follows from a speed of the long axis.
 pub(crate) fn seen(speed: u64, slope: u64) -> u64 {
-    // Up, so that no limit is missed by the rounding.
+    // Rounded up, so that the rounding hides no exceeded limit.
     mul_div_up(speed, slope, DIAGONAL)
 }
 
-/// What the long axis may do so that an axis which follows it with `slope` stays within `bounds`.
+/// Limits of the long axis that keep an axis following it with `slope` within `bounds`.
 #[inline(never)]
 fn through(bounds: &Bounds, slope: u64) -> Bounds {
     Bounds {
@@ -82,7 +83,7 @@ fn through(bounds: &Bounds, slope: u64) -> Bounds {
     }
 }
 
-/// What a pass asks of its axes.
+/// Speeds and limits of the axes in a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Machine {
     /// The long axis' greatest speed in the pass, nm/s.
@@ -97,36 +98,36 @@ pub(crate) struct Machine {
     pub taper: u64,
 }
 
-/// A corner of the short axis together with the long axis' ease beside it (join or brake).
+/// A corner of the short axis together with the long axis' ease next to it (join or brake).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corner {
-    /// Magnitude of the slope behind the corner, 2⁻⁴⁰.
+    /// Magnitude of the slope after the corner, 2⁻⁴⁰.
     pub slope: u64,
     /// Rounds the corner; its `half` is ℓ/2.
     pub ease: Ease,
     /// The long axis' join or brake.
     pub long: Ease,
-    /// True if the whole displacement is reached.
+    /// True if the ramp reaches its whole displacement.
     pub whole: bool,
 }
 
 impl Machine {
-    /// The steepest slope that the short axis' speed allows beside the taper.
+    /// The steepest slope that the short axis' speed allows in addition to the taper.
     pub fn steepest(&self) -> u64 {
         mul_div(self.short_speed, DIAGONAL, self.speed.max(1)).saturating_sub(self.taper)
     }
 
-    /// The long axis' ease where the short one follows nothing but the taper.
+    /// The long axis' ease while the short axis follows only the taper.
     pub fn plain(&self) -> Ease {
         self.straight(0)
     }
 
-    /// The long axis' ease where the short one follows a slope beside the taper, away from its corners.
+    /// The long axis' ease while the short axis follows a slope in addition to the taper, away from its corners.
     pub fn straight(&self, slope: u64) -> Ease {
         self.following(slope, &self.short)
     }
 
-    /// The long axis' ease where the short one follows a slope beside the taper within `bounds`.
+    /// The long axis' ease while the short axis follows a slope in addition to the taper within `bounds`.
     #[inline(never)]
     fn following(&self, slope: u64, bounds: &Bounds) -> Ease {
         let bounds = self
@@ -137,9 +138,9 @@ impl Machine {
 
     /// The ramp that displaces the short axis by `rise` over `way`, next to a join or a brake.
     ///
-    /// While only one of both works each has the short axis' limits to itself. Where the ramp's corner reaches into
-    /// the join or the brake, they share: half of the acceleration each, a third of the jerk each, and the last third
-    /// for the product of both.
+    /// While only one of corner and ease is active, it has the short axis' limits to itself. If the ramp's corner
+    /// reaches into the join or the brake, both share the limits: half of the acceleration each and a third of the jerk
+    /// each. The last third of the jerk is for the product of both.
     #[inline(never)]
     pub fn corner(&self, rise: u64, way: u64) -> Corner {
         let alone = self.fit(rise, way, false);
@@ -152,11 +153,11 @@ impl Machine {
         }
     }
 
-    /// The least way over which `rise` could be made, rounded up to a hundredth of a millimetre.
+    /// The shortest way over which `rise` is possible, rounded up to a hundredth of a millimetre.
     pub fn way_needed(&self, rise: u64) -> u64 {
         let mut way = 0;
         for shared in [false, true] {
-            // The shortest way is all corner (rise = m·ℓ/2), or as steep as the speed allows.
+            // The shortest way is either all corner (rise = m·ℓ/2) or as steep as the speed allows.
             let (mut low, mut high) = (0_u64, self.steepest());
             if !self.is_corner(high, rise, shared) {
                 for _ in 0..STEPS {
@@ -174,7 +175,7 @@ impl Machine {
                 straight = 1 << 59;
             }
             way = straight.saturating_add(self.half(high, shared));
-            // A little more than the bisection found, to whole hundredths.
+            // Add a little to the result of the bisection, then round up to whole hundredths.
             way = way.saturating_add(way >> 10);
             way = mul_div_up(way, 1, HUNDREDTH)
                 .saturating_mul(HUNDREDTH)
@@ -186,7 +187,7 @@ impl Machine {
         way
     }
 
-    /// True while a corner into `slope` alone displaces less than `rise`.
+    /// True while a corner into `slope` alone displaces the short axis by no more than `rise`.
     fn is_corner(&self, slope: u64, rise: u64, shared: bool) -> bool {
         seen(self.half(slope, shared), slope) <= rise
     }
@@ -195,7 +196,7 @@ impl Machine {
     fn fit(&self, rise: u64, way: u64, shared: bool) -> Corner {
         let way = way.max(1);
         let mut low = 0_u64;
-        // A corner as long as the way needs twice the mean slope; nothing steeper can be of use.
+        // A corner as long as the way needs twice the mean slope. A steeper slope is of no use.
         let mut high = mean(rise, way).saturating_mul(2).min(self.steepest());
         let (mut found, mut whole) = (0, false);
         let mut middle = high;
@@ -205,7 +206,7 @@ impl Machine {
             if fits && seen(way.wrapping_sub(half), middle) < rise {
                 low = middle;
                 if middle == high {
-                    // As steep as the speed allows, and still not enough.
+                    // The slope is as steep as the speed allows, and still not enough.
                     break;
                 }
             } else {
@@ -219,7 +220,7 @@ impl Machine {
         let chosen = if whole { found } else { low };
         let ease = self.round(chosen, shared);
         let slope = if whole {
-            // Not steeper than what the corner was made for, and exactly at its target.
+            // The slope that reaches its target exactly, but not steeper than the slope for which the corner was made.
             mean(rise, way.wrapping_sub(ease.half() as u64)).min(chosen)
         } else {
             chosen
@@ -250,13 +251,13 @@ impl Machine {
         )
     }
 
-    /// The short axis' limits: for turning into a slope, and for following the long axis' acceleration along it.
+    /// The short axis' limits for turning into a slope, and for following the long axis' acceleration along this slope.
     #[inline(never)]
     fn share(&self, slope: u64, shared: bool) -> Bounds {
         if !shared {
             return self.short;
         }
-        // x‴ has the term 3·x″(turn)·x″(follow)/(slope·speed): kept below the last third.
+        // x‴ has the term 3·x″(turn)·x″(follow)/(slope·speed). It must stay below the last third.
         let steep = slope.saturating_add(self.taper);
         let product = root_mul_div_up(seen(self.speed, steep), self.short.jerk, 9);
         Bounds {
@@ -266,7 +267,7 @@ impl Machine {
     }
 }
 
-/// Halvings of a slope's interval.
+/// Number of bisection steps for a slope.
 const STEPS: u32 = 16;
 
 /// 0.01 mm in 2⁻¹⁶ nm.

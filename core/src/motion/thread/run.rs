@@ -1,4 +1,4 @@
-//! A pass running: the spindle's angle in, a setpoint out, once a tick. No division, no loop.
+//! A threading pass under way: the spindle's angle in, one setpoint out per tick. No division, no loop.
 
 use super::helix::Helix;
 use super::path::Out;
@@ -9,12 +9,12 @@ use crate::motion::ease::{Ease, Fine};
 use crate::program::Position;
 use crate::units::{Length, TurnRate, Turns, signed_product};
 
-/// Where in its pass the tool is.
+/// The phase of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// At rest at the start point, until the spindle comes round.
+    /// At rest at the start point, until the spindle reaches the angle at which the tool leaves.
     Waiting,
-    /// Getting onto the helix.
+    /// Accelerating onto the helix.
     Joining,
     /// On the helix.
     Locked,
@@ -29,51 +29,52 @@ pub enum Phase {
 pub struct ThreadPoint {
     /// The setpoint.
     pub position: Position,
-    /// Where in the pass it lies.
+    /// Phase of the pass at this setpoint.
     pub phase: Phase,
-    /// Which move of the pass it belongs to, from 0 (run-in, stroke, run-out in order, as far as there are).
+    /// The move of the pass to which the setpoint belongs, from 0 (run-in, stroke, run-out, in this order, as far as
+    /// they exist).
     pub move_index: u8,
 }
 
-/// What became of the wish to retract.
+/// The outcome of a request to retract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Retract {
-    /// The pass had not begun or was over: the tool stands.
+    /// The pass had not begun or was already over: the tool stands.
     Standing,
-    /// The short axis is on its way out, the long one in lead meanwhile; then both are at rest.
+    /// The short axis is on its way out while the long axis stays in lead; then both come to rest.
     Leaving,
-    /// Too close to the end: the pass ends as it was planned, which is sooner.
+    /// Too close to the end: the pass ends as planned, which is sooner.
     Finishing,
 }
 
-/// What leads the long axis.
+/// The master of the long axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Master {
     /// The measured spindle.
     Spindle,
-    /// Nothing any more: the angle goes on by this much a tick until the axis is at rest (stop).
+    /// No measurement any more: the angle advances by this much each tick until the axis is at rest (stop).
     Coasting(i64),
-    /// Stopping from the locked part: `left` of the stop's ease, run through at the planned speed and scaled by
-    /// `share` (2⁻³¹) to the speed there was.
+    /// Stopping from the locked part. `left` is the rest of the stop's ease, which runs at the planned speed; `share`
+    /// (2⁻³¹) scales the ease down to the speed at the beginning of the stop.
     Stopping { left: Fine, share: i64, rest: Fine },
-    /// At rest there for good.
+    /// At rest at this point for good.
     Rest(Fine),
 }
 
-/// A pass under way.
+/// The changing state of a pass under way.
 ///
-/// Only what changes: its plan stays where it is and is handed in, the same one every time.
+/// The plan stays where it is. The caller passes the same plan to every call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadRun {
-    /// The whole turn plus start angle at which the exact helix is at the start point, in the turning direction.
+    /// The whole turn plus start angle, in the turning direction, at which the exact helix is at the start point.
     base: Turns,
     master: Master,
-    /// Where the long axis comes to rest; less than the plan's after a retract.
+    /// Where the long axis comes to rest; after a retract this is less than the plan's length.
     length: Fine,
-    /// It does so as a stop does, not as the plan brakes.
+    /// True if the long axis comes to rest with the ease of a stop, false for the planned braking.
     stops: bool,
     out: Option<Out>,
-    /// The last tick: angle since `base`, how far it had come, the long axis.
+    /// State of the last tick: angle since `base`, the angle's change in that tick, and the long axis' way.
     angle: Turns,
     step: i64,
     way: Fine,
@@ -81,8 +82,9 @@ pub struct ThreadRun {
 }
 
 impl ThreadRun {
-    /// Begins to wait for the spindle, which is at `angle` and turns at `speed`, both as the next
-    /// [`tick`](Self::tick) will see them: the first whole turn is chosen for which the axis need not have left yet.
+    /// Begins to wait for the spindle. The spindle is at `angle` and turns at `speed`, both as the next
+    /// [`tick`](Self::tick) will see them. The pass takes the first whole turn for which the axis need not have left
+    /// yet.
     ///
     /// # Errors
     /// The spindle stands or turns the wrong way ([`Code::SpindleStopped`]), or faster than the pass is planned for
@@ -95,7 +97,7 @@ impl ThreadRun {
             return Err(plan.too_fast(speed));
         }
         let angle = plan.turned(angle);
-        // The whole turn after the point where the axis would have to leave now.
+        // The next whole turn after the position at which the axis would have to leave now.
         let leaving = angle + plan.join_angle - plan.start_angle;
         let base = leaving.next_whole() + plan.start_angle;
         Ok(Self {
@@ -117,7 +119,7 @@ impl ThreadRun {
         self.master == Master::Spindle
     }
 
-    /// Where in the pass the last setpoint was.
+    /// The phase of the last setpoint.
     #[must_use]
     pub const fn phase(&self) -> Phase {
         self.phase
@@ -153,9 +155,9 @@ impl ThreadRun {
         }
     }
 
-    /// The next setpoint where the drive of the short axis is slower or faster than that of the long one: each coordinate
-    /// is that of its own instant. `angle` and `short`: predicted spindle angle at the instant of the long and of the
-    /// short axis. The pass is done when both have arrived.
+    /// The next setpoint if the drives of the short and the long axis differ in delay: each coordinate belongs to its
+    /// own instant. `angle` and `short` are the predicted spindle angles at the instants of the long and of the short
+    /// axis. The pass is done when both axes have arrived.
     pub fn tick_apart(&mut self, plan: &ThreadPlan, angle: Turns, short: Turns) -> ThreadPoint {
         let master = self.master;
         let mut beside = *self;
@@ -174,10 +176,10 @@ impl ThreadRun {
         point
     }
 
-    /// Takes the tool out of the thread now: the short axis ramps out with the run-out's slope (45° where there is
-    /// none) to `target`, an absolute coordinate of the short axis away from the work, with a taper's slope added; the
-    /// long axis stays in lead meanwhile and then comes to rest, never beyond the end plane. Where the way left is too
-    /// short for all of it, the short axis goes as far as there is room.
+    /// Takes the tool out of the thread now. The short axis ramps out with the run-out's slope (45° if there is no
+    /// run-out) to `target`, plus the slope of a taper. `target` is an absolute coordinate of the short axis, away from
+    /// the work. The long axis stays in lead during this ramp and then comes to rest, never beyond the end plane. If
+    /// the remaining way is too short for the whole ramp, the short axis goes as far as there is room.
     pub fn retract(&mut self, plan: &ThreadPlan, target: Length) -> Retract {
         if self.out.is_some() {
             return Retract::Leaving;
@@ -195,7 +197,8 @@ impl ThreadRun {
             Phase::Braking => return Retract::Finishing,
             Phase::Joining | Phase::Locked => {}
         }
-        // Behind join and run-in, so that only one corner at a time asks for the short axis' limits.
+        // The retract begins after the join and the run-in, so that only one corner at a time uses the short axis'
+        // limits.
         let from = self.way.max(plan.join.half()).max(plan.run_in.at);
         if plan.run_out.slope != 0 && from >= plan.run_out.at {
             return Retract::Finishing;
@@ -215,9 +218,9 @@ impl ThreadRun {
         if room < corner {
             return Retract::Finishing;
         }
-        // Ramp up and ramp down must not overlap; a short way out is a flatter one.
+        // The ramp's start corner and end corner must not overlap; a short way out gets a flatter slope.
         let apart = along(wanted.unsigned_abs() as Fine, plan.retract_inverse).min(room);
-        // A corner is two halves.
+        // A corner consists of two halves.
         let slope = scaled(plan.retract.slope, plan.retract.ease.share(apart >> 1));
         let apart = apart.max(corner);
         let slope = if wanted < 0 {
@@ -233,10 +236,10 @@ impl ThreadRun {
         Retract::Leaving
     }
 
-    /// Brings both axes to rest together, by time and no longer by the spindle: for an emergency stop or a drive
-    /// fault. The short axis stays on the path of the long one, and no limit is exceeded: a corner of the short axis that
-    /// has begun is finished first, and where the rest of the pass is no longer than a stop the pass ends as planned, at
-    /// the pace it has.
+    /// Brings both axes to rest together, driven by time and no longer by the spindle. This is for an emergency stop or
+    /// a drive fault. The short axis stays on the path of the long axis, and no limit is exceeded. A corner of the
+    /// short axis that has begun is finished first. If the rest of the pass is no longer than a stop, the pass ends as
+    /// planned, at its present pace.
     pub fn stop(&mut self, plan: &ThreadPlan) {
         if self.master != Master::Spindle {
             return;
@@ -252,7 +255,8 @@ impl ThreadRun {
         };
         match from {
             Some(from) if self.phase == Phase::Locked && from == self.way => {
-                // At once, from the speed there is (a share of the planned one), with the ease scaled down to it.
+                // Stop at once from the present speed (a share of the planned speed), with the ease scaled down to that
+                // speed.
                 let pace = plan.travel.at(Turns::from_raw(self.step));
                 let share = plan.of_speed.share(pace, plan.speed);
                 self.master = Master::Stopping {
@@ -270,8 +274,8 @@ impl ThreadRun {
         }
     }
 
-    /// Where a stop that may begin at `from` does begin, so that it meets no corner of the short axis and ends before
-    /// the end plane; `None` where the pass had better end as planned.
+    /// Delays a stop that may begin at `from` until it meets no corner of the short axis and ends before the end plane.
+    /// `None` if the pass should rather end as planned.
     fn stop_from(&self, plan: &ThreadPlan, from: Fine) -> Option<Fine> {
         if self.out.is_some() {
             return None;
@@ -288,7 +292,7 @@ impl ThreadRun {
         (end <= self.length && (before || behind)).then_some(from)
     }
 
-    /// Lets the angle run on at its present pace; a spindle that hardly moves leaves the axis where it is.
+    /// Lets the angle run on at its present pace. If the spindle hardly moves, the axis rests where it is.
     fn coast(&mut self, plan: &ThreadPlan) {
         let pace = plan.travel.at(Turns::from_raw(self.step));
         self.master = if pace < plan.speed >> 6 {
@@ -298,7 +302,7 @@ impl ThreadRun {
         };
     }
 
-    /// The long axis' way from the start point, and the phase.
+    /// The long axis' distance from the start point, and the phase.
     fn law(&mut self, plan: &ThreadPlan, relative: Turns) -> (Fine, Phase) {
         match &mut self.master {
             Master::Rest(way) => return (*way, Phase::Done),

@@ -1,4 +1,4 @@
-//! The shape of a pass: its one to three moves as ways along the long axis and steps of the short one.
+//! The shape of a pass: its one to three moves as ways along the long axis and steps of the short axis.
 
 use super::ramp::{Slope, along, slope};
 use crate::alarm::{Alarm, Code, Span};
@@ -7,23 +7,23 @@ use crate::motion::ease::Fine;
 use crate::program::Position;
 use crate::units::Length;
 
-/// A pass without speed. Ways are magnitudes; steps of the short axis carry their sign.
+/// A pass without a speed. Ways are magnitudes; steps of the short axis carry their sign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     /// The block.
     pub span: Span,
-    /// Its first move's figures.
+    /// The thread figures of the first move.
     pub thread: ThreadMove,
     pub from: Position,
     pub end: Position,
-    /// The long axis runs towards minus.
+    /// The long axis moves in the minus direction.
     pub backward: bool,
     /// The whole way on the long axis.
     pub length: Length,
-    /// Way of the run-in, and how far beside the line's extension it begins; 0 without one.
+    /// Way of the run-in, and the distance from the line's extension at which it begins; 0 without a run-in.
     pub run_in: Fine,
     pub run_in_rise: Fine,
-    /// Way of the run-out, and how far beside the line's extension it ends; 0 without one.
+    /// Way of the run-out, and the distance from the line's extension at which it ends; 0 without a run-out.
     pub run_out: Fine,
     pub run_out_rise: Fine,
     /// Slope of the line.
@@ -31,8 +31,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// The shape of `moves`, the first of which begins at `from`; `None` unless
-    /// they are a stroke with at most one run-in and one run-out.
+    /// The shape of `moves`; the first move begins at `from`. `None` unless the moves are a stroke with at most one
+    /// run-in and one run-out.
     #[inline(never)]
     pub fn of(from: Position, moves: &[Move]) -> Option<Self> {
         let (mut thread, mut run_in, mut stroke, mut run_out) = (None, None, None, None);
@@ -87,7 +87,7 @@ impl Shape {
     }
 }
 
-/// From one point to the next along the long axis and along the short one.
+/// The step from one point to the next, as its part along the long axis and its part along the short axis.
 #[inline(never)]
 fn step(from: &Position, to: &Position, long_x: bool) -> (Length, Length) {
     let (x, z) = (to.x - from.x, to.z - from.z);

@@ -1,4 +1,5 @@
-//! The legs of a hole in their order, one at a time: the same strokes as the cycle's moves, from the same few lengths.
+//! The legs of a hole, in order and one at a time. They are the same strokes as the cycle's moves, computed from the
+//! same few lengths.
 
 use crate::program::TapForm;
 use crate::units::Length;
@@ -6,11 +7,11 @@ use crate::units::Length;
 /// One leg: a stroke, or the dwell at the bottom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Leg {
-    /// In, q further or to the bottom.
+    /// In, by q or to the bottom.
     Infeed,
     /// Back by d, or to R between deep pecks.
     Back,
-    /// In again, to d above the depth reached.
+    /// In again, to d above the cut depth.
     Reenter,
     /// Standing at the bottom.
     Dwell,
@@ -18,7 +19,7 @@ pub(super) enum Leg {
     Extract,
 }
 
-/// What the legs of a hole are made of. Lengths are depths below R.
+/// The figures from which the legs of a hole follow. Lengths are depths below R.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Course {
     total: Length,
@@ -28,14 +29,14 @@ pub(super) struct Course {
     dwell: u32,
 }
 
-/// Where in its course a tap is.
+/// The position of a tap in its course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
-    /// The leg under way, or the one that begins.
+    /// The leg under way, or the leg that begins.
     pub(super) leg: Leg,
-    /// How far the hole is cut when it ends.
+    /// Depth to which the hole is cut when the leg ends.
     cut: Length,
-    /// Where it ends.
+    /// Depth at which the leg ends.
     pub(super) depth: Length,
 }
 
@@ -60,7 +61,7 @@ impl Course {
         self.dwell
     }
 
-    /// True where a leg ends in the bottom.
+    /// True if the leg ends at the bottom.
     pub(super) fn is_bottom(&self, place: &Place) -> bool {
         place.depth == self.total
     }
@@ -70,7 +71,7 @@ impl Course {
         self.infeed(Length::ZERO)
     }
 
-    /// The leg after `place`; none after the extraction. A leg of no length is none.
+    /// The leg after `place`; `None` after the extraction. Legs of length zero are left out.
     pub(super) fn after(&self, place: &Place) -> Option<Place> {
         let cut = place.cut;
         match place.leg {
@@ -105,7 +106,7 @@ impl Course {
         }
     }
 
-    /// q deeper than `cut`, the bottom at most.
+    /// The infeed q deeper than `cut`, but at most to the bottom.
     fn infeed(&self, cut: Length) -> Place {
         let depth = match self.peck {
             Some((q, _)) => (cut + q).min(self.total),
@@ -126,7 +127,7 @@ impl Course {
         }
     }
 
-    /// d above what is cut, R at the most.
+    /// The depth d above the cut depth, but at most up to R.
     fn gap(&self, cut: Length) -> Length {
         let back = self.peck.map_or(Length::ZERO, |(_, d)| d);
         (cut - back).max(Length::ZERO)

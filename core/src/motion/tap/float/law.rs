@@ -1,4 +1,4 @@
-//! Where the tap axis stands at a spindle angle: a pure function of it, without any state.
+//! The tap axis' position at a spindle angle: a pure function of the angle, without any state.
 
 use crate::motion::ease::whole;
 use crate::motion::ease::{Ease, Fine};
@@ -8,12 +8,12 @@ use crate::motion::thread::HelixTravel;
 use crate::program::{Hand, Position};
 use crate::units::{Lead, Length, Turns};
 
-/// Which part of the law an angle belongs to.
+/// The part of the law to which an angle belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Region {
     /// At rest at R: the helix is above it.
     Out,
-    /// Getting onto the helix, or leaving it.
+    /// Moving onto the helix, or leaving it.
     Joining,
     /// On the helix.
     Locked,
@@ -25,7 +25,7 @@ pub(super) enum Region {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Law {
     gear: Gear,
-    /// A left-hand tap: the way in is a falling angle.
+    /// A left-hand tap: the angle falls on the way in.
     reverse: bool,
     travel: HelixTravel,
     /// From R to the bottom.
@@ -58,13 +58,14 @@ impl Law {
         }
     }
 
-    /// The angle, inwards, of the ease at R: from R's own angle to where the axis is on the helix. Rounded up.
+    /// The angle, inwards, of the ease at R: from R's own angle to the angle at which the axis is on the helix. Rounded
+    /// up.
     pub(super) fn join_turns(&self) -> i64 {
-        // One turn more counts.
+        // `low` is one turn further out.
         self.travel.low.raw().saturating_neg().wrapping_sub(1 << 32)
     }
 
-    /// H, and how far before and behind the bottom its rounding reaches.
+    /// H, and the distance before and after the bottom to which the rounding reaches.
     pub(super) const fn halves(&self) -> (Fine, Fine) {
         (self.join.half(), self.brake.half())
     }
@@ -94,7 +95,7 @@ impl Law {
         self.travel.at(angle)
     }
 
-    /// How far below R the axis stands where the helix has travelled `travel`.
+    /// The axis' depth below R when the helix has travelled `travel`.
     pub(super) fn at(&self, travel: Fine) -> (Fine, Region) {
         let join = self.join.half();
         if travel <= join.wrapping_neg() {

@@ -1,8 +1,8 @@
-//! Ordinary tapping: the spindle turns in speed mode, the axis follows its encoder through stop and reversal, and a
-//! floating holder takes what is left between them.
+//! Ordinary tapping: the spindle turns in speed mode, the axis follows the spindle's encoder through stop and reversal,
+//! and a floating holder takes up the remaining difference between them.
 //!
-//! The axis is a pure function of the measured spindle angle, as in a thread ([`Law`](law::Law)): with `h` the travel of
-//! the exact helix since R, inwards,
+//! The axis is a pure function of the measured spindle angle, as in a thread ([`Law`](law::Law)). With `h` the travel
+//! of the exact helix since R, inwards:
 //!
 //! ```text
 //!   w ▲
@@ -15,16 +15,17 @@
 //!       −H  H      L
 //! ```
 //!
-//! The spindle turns while the axis still stands at R, and nothing lies behind R to run in from. So the axis leaves R when
-//! the helix is still H above it and is on it H below: there the axis is ahead of the tap's own pitch by a part of H, which
-//! the holder takes, or nothing at all where R is H before the material [D93].
+//! The spindle turns while the axis still stands at R, and there is no room before R for a run-in. So the axis leaves R
+//! when the helix is still H above R, and the axis is on the helix from H below R on. Between these points the axis is
+//! ahead of the tap's own pitch by a part of H. The holder takes up this part; if R lies H before the material, there
+//! is nothing to take up [D93].
 //!
-//! Who turns the spindle is the tap as well: it goes from one turning point to the next (the bottom, R, and those of the
-//! pecks) with commands that never ask more than the spindle's ramp (9004) and that follow the measured angle, so that it
-//! comes to rest where it should and not after a time ([`Turner`](turner::Turner)) [D94]. The axis follows what the spindle
-//! really does.
+//! The tap also commands the spindle. It turns the spindle from one turning point to the next: the bottom, R, and those
+//! of the pecks. The commands never ask more than the spindle's ramp (9004). They follow the measured angle, so that
+//! the spindle comes to rest at the right angle and not after a fixed time ([`Turner`](turner::Turner)) [D94]. The axis
+//! follows the real movement of the spindle.
 //!
-//! Knows angles, limits and ticks; knows nothing of cycles' words, drives or operators.
+//! This module knows angles, limits and ticks; it knows nothing of cycles' words, drives or operators.
 
 mod course;
 mod law;

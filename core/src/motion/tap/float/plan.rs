@@ -1,5 +1,5 @@
-//! An ordinary tap planned: every figure the tick needs, from the call, the axis' limits and the spindle's ramp.
-//! Planner work.
+//! The plan of an ordinary tap: every figure the tick needs, from the call, the axis' limits and the spindle's ramp.
+//! Background work.
 
 use super::course::Course;
 use super::law::Law;
@@ -15,10 +15,10 @@ use crate::params::Params;
 use crate::program::{Hand, TapAxis, TapCall, TapCycle};
 use crate::units::{Axis, CentiRpm, Lead, Length, Ticks, TurnRate, mul_div, signed};
 
-/// The part of the axis' acceleration that the spindle's ramps may take: one in so many.
+/// The spindle's ramps may take one part in this many of the axis' acceleration.
 const RAMP_SHARE: u64 = 16;
 
-/// The rounding before the bottom, in nanometres: as short as the jerk allows, within these.
+/// Limits for the rounding before the bottom, in nanometres. Within them the rounding is as short as the jerk allows.
 const SHORTEST_BRAKE: u64 = 5_000;
 const LONGEST_BRAKE: u64 = 50_000;
 
@@ -29,35 +29,37 @@ pub struct FloatPlan {
     pub(super) law: Law,
     pub(super) course: Course,
     pub(super) turner: Turner,
-    /// The speed at which the spindle goes in, 2⁻³² turns per tick: S, or what it can be stopped from at the first depth.
+    /// The speed at which the spindle goes in, 2⁻³² turns per tick: S, or the highest speed from which it can stop at
+    /// the first depth.
     pub(super) entry: i64,
     pub(super) entry_rate: TurnRate,
-    /// So many ticks has the spindle to have had that speed, so that it is not still on its way down to it [D153].
+    /// The spindle must have had the entry speed for this many ticks, so that it is no longer slowing down to it
+    /// [D153].
     pub(super) settling: u32,
-    /// How far the spindle turns on behind a turning point at which the axis has to be at rest, 2⁻³² turns.
+    /// How far the spindle turns on after a turning point at which the axis must be at rest, 2⁻³² turns.
     pub(super) beyond: i64,
-    /// From R to where the axis is at rest there, outwards, 2⁻³² turns.
+    /// Angle from R, outwards, to where the axis is at rest at R, 2⁻³² turns.
     pub(super) out: i64,
-    /// The spindle may not turn faster (magnitude).
+    /// The spindle may not turn faster than this (magnitude).
     pub(super) speed_limit: TurnRate,
-    /// Slower than this it counts as standing.
+    /// A spindle slower than this counts as standing.
     pub(super) standing: TurnRate,
-    /// 5275.
+    /// Parameter 5275.
     pub(super) lag: Ticks,
-    /// What the axis may have left of its speed at the rounding before the bottom, squared, and twice its acceleration per
-    /// nanometre: both in (nm/16 per tick)².
+    /// `corner`: the square of the speed that the axis may still have at the rounding before the bottom. `room`: twice
+    /// the axis' acceleration, per nanometre. Both in (nm/16 per tick)².
     pub(super) corner: u64,
     pub(super) room: u32,
-    /// The axis brakes by so much a tick where the spindle does not, 2⁻¹⁶ nm per tick².
+    /// If the spindle does not brake, the axis brakes by this much each tick, 2⁻¹⁶ nm per tick².
     pub(super) brake: i64,
 }
 
 impl FloatPlan {
-    /// Plans the holes of an ordinary tapping call, which are alike, for a tap of this hand.
+    /// Plans the holes of an ordinary tapping call for a tap of this hand. All holes of a call are alike.
     ///
     /// # Errors
-    /// The spindle stands ([`Code::TapSpindleStands`]); a lead that cannot be ([`Code::TapFeed`]); a hole too shallow
-    /// to get onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
+    /// The spindle stands ([`Code::TapSpindleStands`]); the lead is impossible ([`Code::TapFeed`]); the hole is too
+    /// shallow to get onto the lead at this speed ([`Code::StrokeTooShortForSpeed`]).
     pub fn new(call: &TapCall, hand: Hand, span: Span, params: &Params) -> Result<Self, Alarm> {
         if call.speed.get() <= 0 {
             return Err(standing(call, span, params));
@@ -71,7 +73,7 @@ impl FloatPlan {
         let per_tick2 =
             |value: u64| mul_div(value, tick_us.saturating_mul(tick_us), 1_000_000_000_000);
 
-        // In a hole as shallow as this the spindle gets no faster, in or out.
+        // In a hole of this depth the spindle cannot get faster, in or out.
         let angle = turns_of(lead, fine(total)).raw();
         let fastest = turner.stopping(angle.wrapping_mul(2)).min(turner.top());
         let margin = u64::from(params.spindle_variation_percent()).saturating_add(100);
@@ -105,7 +107,8 @@ impl FloatPlan {
         };
         let law = Law::new(&gear, hand, lead, total, &join, &brake);
 
-        // A quarter more than the rounding, so that the axis is at rest at the bottom, and little more for the holder.
+        // The spindle turns on a quarter further than the rounding. So the axis is at rest at the bottom, and the
+        // holder takes up only little more.
         let round = Length::from_nm(brake.half_nm());
         let beyond = turns_of(lead, fine(round)).raw();
         let beyond = beyond.wrapping_add(beyond >> 2);
@@ -117,8 +120,9 @@ impl FloatPlan {
         }
         let stopping = turner.stopping(way);
         let entry = stopping.min(turner.top());
-        // What is taken for that speed may be a sixteenth too fast, and ripple beside: unless it can be stopped from there
-        // too, the ramp of an eighth has to be over when the hole begins.
+        // A measured speed up to a sixteenth too fast counts as the entry speed, and ripple adds to this. If the
+        // spindle cannot stop from an eighth above the entry speed, its ramp over this eighth must be over before the
+        // hole begins.
         let settling = if stopping < entry.wrapping_add(entry >> 3) {
             let eighths = tick_us.saturating_mul(800);
             let centi_rpm = u64::from(turner.centi_rpm(entry).get() as u32);
@@ -154,29 +158,29 @@ impl FloatPlan {
         self.law.gear().axis()
     }
 
-    /// From R to where the axis is on the lead: where the material may begin, for a thread without a fault and a holder
-    /// without work.
+    /// The way from R to where the axis is on the lead. The material may begin there, for a thread without a fault and
+    /// a holder without work.
     #[must_use]
     pub fn lead_in(&self) -> Length {
         let (join, _) = self.law.halves();
         Length::from_nm(join >> 16)
     }
 
-    /// How far the axis is ahead of the lead while it joins and leaves it, at most: at R.
+    /// How far the axis is ahead of the lead while it joins and leaves the lead: the largest value, at R.
     #[must_use]
     pub fn ahead(&self) -> Length {
         let (way, _) = self.law.at(0);
         Length::from_nm(way.wrapping_add(1 << 15) >> 16)
     }
 
-    /// How far the spindle turns on at the bottom while the axis stands there, as a length that the holder takes.
+    /// How far the spindle turns on at the bottom while the axis stands there, as a length that the holder takes up.
     #[must_use]
     pub fn past_bottom(&self) -> Length {
         let (_, round) = self.law.halves();
         Length::from_nm(round.wrapping_add(round >> 2) >> 16)
     }
 
-    /// The speed at which the spindle goes in: S, or less where it could not be stopped at the first depth from S.
+    /// The speed at which the spindle goes in: S, or less if the spindle could not stop from S at the first depth.
     #[must_use]
     pub fn entry_speed(&self) -> CentiRpm {
         self.turner.centi_rpm(self.entry)
@@ -190,7 +194,7 @@ impl FloatPlan {
     }
 }
 
-/// About how many ticks a stroke of an ordinary tap takes: at the ramps the spindle is planned with.
+/// About how many ticks a stroke of an ordinary tap takes, with the ramps for which the spindle is planned.
 #[must_use]
 pub fn float_ticks(tap: &TapMove, travel: Length, params: &Params) -> u64 {
     let speed = CentiRpm::new(tap.speed.get().saturating_abs());
@@ -222,7 +226,7 @@ fn standing(call: &TapCall, span: Span, params: &Params) -> Alarm {
         0 => 29,
         code => i64::from(code),
     };
-    // In tenths.
+    // The G code in tenths.
     let name = match call.cycle {
         TapCycle::G84 => 840,
         TapCycle::G88 => 880,
@@ -231,15 +235,16 @@ fn standing(call: &TapCall, span: Span, params: &Params) -> Alarm {
     Alarm::new(Code::TapSpindleStands, span).with(args)
 }
 
-/// 5276 in tenths of a turn a minute; 0 is a quarter of a turn a minute, below which nothing is told from standing.
+/// Parameter 5276, in tenths of a turn a minute. 0 stands for a quarter of a turn a minute; no lower speed can be told
+/// from standing.
 fn standing_rate(params: &Params) -> TurnRate {
     const SLOWEST: u64 = (1 << 32) / 240;
     let rate = mul_div(u64::from(params.tap_reversal_speed()), 1 << 32, 600).max(SLOWEST);
     TurnRate::from_raw(signed(rate))
 }
 
-/// Half of the rounding before the bottom in nanometres: the spindle's last way at its planned ramp, in which the axis
-/// rounds off within its jerk.
+/// Half of the rounding before the bottom, in nanometres. The rounding is the spindle's last way at its planned ramp;
+/// over this way the axis rounds off within its jerk.
 fn rounding(turner: &Turner, lead: Lead, jerk: u64, tick_us: u64) -> u64 {
     // β = ramp · lead, in nm/s²; (4β)³ / j².
     let square = tick_us.saturating_mul(tick_us);

@@ -1,5 +1,5 @@
 //! An ordinary tap in the tick: the spindle's angle in, a setpoint and the spindle's next command out. No division, no
-//! loop; one root of 64 bits.
+//! loop; one square root of 64 bits.
 
 use super::course::{Leg, Place};
 use super::law::Region;
@@ -12,89 +12,91 @@ use crate::program::Position;
 use crate::spindle::Observer;
 use crate::units::{Length, Ticks, TurnRate, Turns};
 
-/// Ticks for which the axis stands at R before the next segment begins [D52].
+/// The axis stands at R for this many ticks before the next segment begins [D52].
 const SETTLING: u8 = 2;
 
-/// So many ticks of the right speed count no more for each of another one: what a spindle collects on its way up to a
-/// speed beyond does not count on its way down [D153]. Not all of them, since ripple leaves the band in every turn of it.
+/// Each tick at a wrong speed takes back this many ticks at the right speed. So the ticks that a spindle collects on
+/// its way up to a higher speed do not count when it slows down again [D153]. A wrong tick does not take back all
+/// ticks, since ripple leaves the band in every turn.
 const UNSETTLING: u32 = 2;
 
-/// What one tick of an ordinary tap depends on.
+/// The inputs of one tick of an ordinary tap.
 #[derive(Clone, Copy, Debug)]
 pub struct FloatTick<'a> {
-    /// Where the spindle is.
+    /// The observer that tells the angle of the spindle.
     pub observer: &'a Observer,
-    /// How far ahead of the sample the axis' setpoint takes effect.
+    /// Time from the sample to the instant at which the axis' setpoint takes effect.
     pub ahead: Ticks,
-    /// Feed hold is asked for.
+    /// The operator asks for feed hold.
     pub hold: bool,
-    /// It acts at once, in the hole too (5200.6).
+    /// The feed hold acts at once, in the hole too (5200.6).
     pub inside: bool,
-    /// How the spindle must be before a hole begins.
+    /// The condition of the spindle before a hole begins.
     pub arrival: &'a Arrival,
 }
 
-/// What one tick of an ordinary tap says.
+/// The result of one tick of an ordinary tap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloatPoint {
     /// The setpoint.
     pub position: Position,
     /// What the axis is doing.
     pub motion: Motion,
-    /// The axis is held to the helix.
+    /// True when the axis is held to the helix.
     pub locked: bool,
-    /// Moves of the hole done before the one of this tick.
+    /// Number of moves of the hole done before the move of this tick.
     pub offset: u32,
-    /// Nothing is left to do.
+    /// True when nothing is left to do.
     pub done: bool,
-    /// What the spindle does not do as it must, for [`FloatRun::alarm`]. The axis is being brought to rest, or stands.
+    /// The fault of the spindle, for [`FloatRun::alarm`]. The axis is being brought to rest, or stands.
     pub alarm: Option<Code>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// At R, until the spindle turns as it must: ticks it has not had the speed, or the index, and those it has had both,
-    /// less what another speed has taken back of these.
+    /// At R, until the spindle turns as it must. `speed` counts ticks without the speed, `index` ticks without the
+    /// index. `settled` counts ticks with both, minus the ticks that wrong speeds have taken back.
     Arriving {
         speed: u32,
         index: u32,
         settled: u32,
     },
-    /// The axis follows, the spindle is on its way to the next turning point.
+    /// The axis follows, and the spindle is on its way to the next turning point.
     Turning,
-    /// At R between two pecks, in a feed hold.
+    /// At R between two pecks, held by a feed hold.
     Resting,
-    /// At the bottom, so many ticks to go.
+    /// At the bottom, with this many ticks left.
     Dwelling(u32),
-    /// The axis brakes by time: its speed in 2⁻¹⁶ nm per tick.
+    /// The axis brakes by time. The value is its speed in 2⁻¹⁶ nm per tick.
     Forced(Fine),
-    /// Over, for so many ticks.
+    /// Over, since this many ticks.
     Settling(u8),
 }
 
-/// An ordinary tap under way. Its plan is handed in, the same one every time.
+/// The state of an ordinary tap under way. The caller passes the same plan in every tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FloatRun {
     stage: Stage,
     place: Place,
-    /// The turning point ahead: angle from R, inwards, 2⁻³² turns.
+    /// The next turning point: angle from R, inwards, 2⁻³² turns.
     target: i64,
-    /// The spindle brakes for it.
+    /// True while the spindle brakes for the turning point.
     braking: bool,
     /// Commanded speed, inwards, 2⁻³² turns per tick.
     speed: i64,
     /// The spindle's angle, inwards, at which the helix is at R.
     base: Turns,
-    /// How far below R the axis is, and how far it went in the last tick.
+    /// The axis' depth below R, and its way in the last tick.
     way: Fine,
     step: Fine,
     /// Moves done.
     done: u32,
     position: Position,
-    /// At rest with the spindle in a feed hold or after a stop.
+    /// True when the axis is at rest together with the spindle, in a feed hold or after a stop.
     rested: bool,
     aborted: bool,
-    /// Ticks for which the spindle has not done as it must, and for which it has been stopping.
+    /// `astray`: ticks for which the spindle has not turned as it must. `stopping`: ticks for which it has been
+    /// stopping.
     astray: u32,
     stopping: u32,
 }
@@ -125,14 +127,14 @@ impl FloatRun {
         }
     }
 
-    /// The speed that the spindle is to be told, signed as M03 and M04.
+    /// The speed to command to the spindle, signed like M03 and M04.
     #[must_use]
     pub fn command(&self, plan: &FloatPlan) -> TurnRate {
         let inwards = Turns::from_raw(plan.turner.rate(self.speed).raw());
         TurnRate::from_raw(plan.law.inward(inwards).raw())
     }
 
-    /// The line on which axis and measured spindle are in the locked part; `None` while the tap has not begun.
+    /// The line on which the axis and the measured spindle are in the locked part; `None` while the tap has not begun.
     #[must_use]
     pub fn line(&self, plan: &FloatPlan) -> Option<TapLine> {
         if let Stage::Arriving { .. } = self.stage {
@@ -144,15 +146,15 @@ impl FloatRun {
         })
     }
 
-    /// Gives up what is left: the spindle is stopped, and the axis goes with it
-    /// until it stands. True where nothing moves and it is over at once.
+    /// Gives up the rest of the tap: the spindle is stopped, and the axis follows it until it stands. True if nothing
+    /// moves, so that the tap is over at once.
     #[must_use]
     pub fn stop(&mut self) -> bool {
         self.aborted = true;
         matches!(self.stage, Stage::Arriving { .. } | Stage::Settling(_))
     }
 
-    /// The alarm `code` of a [`FloatPoint`], with what the spindle does and what it should.
+    /// The alarm `code` of a [`FloatPoint`], with the spindle's measured and wanted speed.
     #[must_use]
     #[inline(never)]
     pub fn alarm(&self, code: Code, plan: &FloatPlan, observer: &Observer) -> Alarm {
@@ -228,7 +230,7 @@ impl FloatRun {
         TurnRate::from_raw(plan.law.inward(speed).raw())
     }
 
-    /// Waits for speed and index; then the tap begins with the axis leaving R.
+    /// Waits for speed and index. Then the tap begins: the axis leaves R.
     fn arrive(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
         let measured = Self::measured(plan, now).raw();
         let Stage::Arriving {
@@ -266,7 +268,7 @@ impl FloatRun {
         None
     }
 
-    /// Sets the turning point of the leg that begins.
+    /// Sets the turning point for the leg that begins.
     fn aim(&mut self, plan: &FloatPlan) {
         self.braking = false;
         self.astray = 0;
@@ -291,7 +293,7 @@ impl FloatRun {
         };
     }
 
-    /// Turns the spindle, from leg to leg.
+    /// Commands the spindle from leg to leg.
     fn turn(
         &mut self,
         plan: &FloatPlan,
@@ -304,7 +306,7 @@ impl FloatRun {
             self.speed = plan.turner.towards(self.speed, 0);
             self.braking = false;
             self.astray = 0;
-            // Once it has come to rest, the sample noise of a standing spindle does not count.
+            // Once the spindle has come to rest, the sample noise of the standing spindle does not count.
             self.rested |= self.speed == 0 && standing;
             if !self.rested {
                 return (Motion::Run, self.overdue(plan, now));
@@ -353,7 +355,7 @@ impl FloatRun {
     fn lead(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) {
         let turner = &plan.turner;
         let outwards = matches!(self.place.leg, Leg::Back | Leg::Extract);
-        // Where the spindle is when the command reaches it.
+        // The angle of the spindle when the command reaches it.
         let angle = (plan.law.inward(now.observer.predict(Ticks::ONE)) - self.base).raw();
         let left = self.target.wrapping_sub(angle);
         let left = if outwards { left.wrapping_neg() } else { left };
@@ -361,7 +363,7 @@ impl FloatRun {
             turner.top()
         } else {
             let near = (self.speed.unsigned_abs() as i64).wrapping_add(turner.gentle());
-            // Only a spindle that brakes already is known to want the root.
+            // The exact speed, a square root, is certainly needed only while the spindle already brakes.
             let enough = if self.braking {
                 i64::MAX
             } else {
@@ -375,7 +377,7 @@ impl FloatRun {
         self.speed = turner.towards(self.speed, wanted);
     }
 
-    /// The leg is over: the next one begins, or rests at R in a feed hold.
+    /// Ends the leg. The next leg begins, or waits at R in a feed hold.
     fn next(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) {
         self.done = self.done.saturating_add(1);
         let Some(place) = plan.course.after(&self.place) else {
@@ -392,7 +394,7 @@ impl FloatRun {
         self.aim(plan);
     }
 
-    /// A spindle that takes longer to stop than it may.
+    /// The alarm for a spindle that takes longer to stop than it may.
     fn overdue(&mut self, plan: &FloatPlan, now: &FloatTick<'_>) -> Option<Code> {
         self.stopping = self.stopping.saturating_add(1);
         if self.stopping <= now.arrival.speed_ticks {
@@ -403,7 +405,7 @@ impl FloatRun {
         Some(Code::FloatSpindleRuns)
     }
 
-    /// A spindle that does not turn as it is told [D67].
+    /// The alarm for a spindle that does not turn as commanded [D67].
     fn astray(&mut self, plan: &FloatPlan, now: &FloatTick<'_>, standing: bool) -> Option<Code> {
         let measured = Self::measured(plan, now);
         let told = plan.turner.rate(self.speed).abs() > plan.standing;
@@ -412,7 +414,7 @@ impl FloatRun {
         let trouble = if !told || !(standing || backwards || too_fast) {
             None
         } else if too_fast {
-            // Longer than the observer overshoots behind a quick ramp.
+            // This time is longer than the observer overshoots after a quick ramp.
             Some((Code::SpindleTooFast, 20))
         } else {
             Some((Code::SpindleStopped, if backwards { 10 } else { 1 }))
@@ -420,33 +422,33 @@ impl FloatRun {
         now.arrival.count_astray(&mut self.astray, trouble)
     }
 
-    /// From here on the axis brakes by time.
+    /// From this tick on the axis brakes by time.
     fn force(&mut self, plan: &FloatPlan, step: Fine) {
         self.aborted = true;
         self.stage = Stage::Forced(step);
         self.brake(plan, step);
     }
 
-    /// One tick of it; true once the axis stands.
+    /// One tick of braking by time; true once the axis stands.
     fn brake(&mut self, plan: &FloatPlan, speed: Fine) -> bool {
         let slower = (speed.unsigned_abs() as Fine)
             .wrapping_sub(plan.brake)
             .max(0);
         let step = slower.wrapping_mul(speed.signum());
         self.step = step;
-        // R and the bottom hold whatever happens.
+        // The axis stays between R and the bottom, whatever happens.
         self.way = self.way.wrapping_add(step).max(0).min(plan.law.length());
         self.stage = Stage::Forced(step);
         step == 0
     }
 }
 
-/// True where the axis is too fast to come to rest at the bottom unless it brakes now, and the spindle has not braked.
+/// True if the axis must brake now to come to rest at the bottom, because the spindle has not braked.
 fn runs_on(plan: &FloatPlan, way: Fine, step: Fine, region: Region) -> bool {
     if step <= 0 || region == Region::Bottom {
         return false;
     }
-    // nm/16 per tick.
+    // Speed in nm/16 per tick.
     let speed = u64::from(u32::try_from(step >> 12).unwrap_or(u32::MAX));
     let square = speed.wrapping_mul(speed);
     if square <= plan.corner {
@@ -459,7 +461,7 @@ fn runs_on(plan: &FloatPlan, way: Fine, step: Fine, region: Region) -> bool {
         .wrapping_sub(round)
         .wrapping_sub(way)
         .wrapping_sub(step);
-    // Nobody stops from further than four metres.
+    // No stop needs more than four metres, so the way left is limited to 32 bits.
     let left = u32::try_from(left.max(0) >> 16).unwrap_or(u32::MAX);
     let room = u64::from(plan.room).wrapping_mul(u64::from(left));
     square > plan.corner.saturating_add(room)

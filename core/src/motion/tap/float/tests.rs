@@ -1,4 +1,4 @@
-//! The law, the legs and the spindle's ramps by themselves.
+//! Separate tests of the law, the legs and the spindle's ramps.
 
 extern crate std;
 
@@ -24,7 +24,7 @@ fn nm(nm: i64) -> Length {
     Length::from_nm(nm)
 }
 
-/// The tap of a program.
+/// The tap call of a program.
 fn tap(text: &str) -> TapCall {
     let params = Params::slant_bed();
     let call = |event| match event {
@@ -75,7 +75,7 @@ fn the_law_is_rest_helix_and_rest() {
         assert_eq!(region, Region::Locked, "{angle}");
         assert!((way - angle * 1_250_000.0).abs() < 0.001, "{angle}: {way}");
     }
-    // 15 mm: never beyond, and there from the rounding on.
+    // 15 mm: the axis never goes beyond, and stands there from the rounding on.
     for angle in [12.0_f64, 12.001, 12.005, 12.01, 13.0, 1e6] {
         let (way, region) = at(angle);
         assert_eq!(region, Region::Bottom, "{angle}");
@@ -103,7 +103,7 @@ fn the_way_grows_with_the_angle_and_its_slope_with_it() {
         let next = way - before;
         assert!((-1..=tallest + 1_000).contains(&next), "{angle:?}: {next}");
         if angle > turns(-1.9) && region != Region::Bottom {
-            // Smooth: a thousandth of a turn changes the slope by little.
+            // Smooth: a thousandth of a turn changes the slope only a little.
             assert!((next - slope).abs() < tallest / 50, "{angle:?}");
         }
         (before, slope) = (way, next);
@@ -212,7 +212,7 @@ fn a_spindle_that_follows_stops_at_its_turning_point() {
                 before = speed;
                 ticks += 1;
             }
-            // Within what the last tick's ramp is worth.
+            // Within the speed that the last tick's ramp adds.
             assert!((way - at).abs() <= turner.gentle(), "{rpm} {way}: {at}");
             let planned = turner.ticks(way, true, true);
             assert!(
@@ -258,7 +258,7 @@ fn what_cannot_be_planned_is_an_alarm() {
     assert_eq!(code(&shallow), Code::StrokeTooShortForSpeed);
 }
 
-/// 3000 rpm cannot be stopped within the first 2 mm: the spindle goes in slower.
+/// A spindle at 3000 rpm cannot stop within the first 2 mm, so it goes in slower.
 #[test]
 fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
     let fast = tap("M3 S3000\nG99 G84 Z-20 R-5 Q2 F1.25\n");
@@ -271,7 +271,7 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
         Ok(CentiRpm::new(50_000))
     );
     assert_eq!((fast.mode, fast.axis), (TapMode::Floating, TapAxis::Z));
-    // A standing spindle takes no time that could be told.
+    // A standing spindle gives no time estimate.
     let moves = TapMoves::new(&m8(), Signals::default(), Span::default()).unwrap();
     let stroke = moves
         .filter_map(|m| match m.kind {
@@ -286,8 +286,8 @@ fn the_spindle_goes_in_as_fast_as_it_can_be_stopped() {
     assert!((1_440..1_600).contains(&ticks), "{ticks}");
 }
 
-/// The speed at which the hole begins, of a spindle that comes up on its ramp to `peak`, and down again to 1: the speed
-/// of the hole.
+/// The speed at which the hole begins. The spindle comes up on its ramp to `peak` and then goes down again to 1, the
+/// speed of the hole.
 fn begins_at(plan: &FloatPlan, peak: f64) -> f64 {
     let params = Params::slant_bed();
     assert_eq!(params.tick_us(), 1_000);
@@ -321,7 +321,7 @@ fn begins_at(plan: &FloatPlan, peak: f64) -> f64 {
         if run.line(plan).is_some() {
             return speed;
         }
-        // It is known where it is before it comes up.
+        // The observer knows the angle before the spindle comes up to speed.
         if tick >= 400 {
             speed += (wanted - speed).clamp(-ramp, ramp);
         }

@@ -1,5 +1,5 @@
-//! How the spindle is commanded from one turning point to the next: speeds that it can follow, and from which it stops
-//! where it should. Speeds in 2⁻³² turns per tick, inwards positive; angles in 2⁻³² turns.
+//! Commands for the spindle from one turning point to the next: speeds that the spindle can follow, and from which it
+//! stops at the turning point. Speeds are in 2⁻³² turns per tick, inwards positive; angles are in 2⁻³² turns.
 
 use crate::motion::wide::mul_div_up;
 use crate::params::Params;
@@ -11,25 +11,27 @@ pub(super) struct Turner {
     /// S.
     top: i64,
     top_rate: TurnRate,
-    /// The ramp that is planned with, in 2⁻³² turns per tick².
+    /// The ramp for planning, in 2⁻³² turns per tick².
     gentle: u64,
     /// The quickest ramp.
     full: u64,
-    /// From so far ahead it stops from any speed, 2⁻³² turns: no square of a speed is larger than fits.
+    /// Angles to a turning point are limited to this, 2⁻³² turns, so that no square of a speed overflows. Within this
+    /// angle the spindle stops from any speed.
     furthest: u64,
-    /// 2⁻¹⁶.
+    /// In 2⁻¹⁶.
     ticks_per_second: i64,
 }
 
 impl Turner {
-    /// A spindle at `speed` that is never accelerated by more than 9004 allows, nor by more than makes `axis` (nm/s²)
-    /// of the axis at this lead. An eighth of that is kept for what the spindle does not do as commanded.
+    /// A spindle at `speed`. Two limits hold for its acceleration: parameter 9004, and at this lead the acceleration
+    /// `axis` (nm/s²) of the axis. The ramp for planning keeps an eighth in reserve, for a spindle that does not follow
+    /// its command exactly.
     #[inline(never)]
     pub(super) fn new(speed: CentiRpm, lead: Lead, axis: u64, params: &Params) -> Self {
         let tick_us = u64::from(params.tick_us());
         let ticks_per_second = mul_div(1_000_000, 1 << 16, tick_us);
         let top_rate = mul_div(u64::from(speed.get().unsigned_abs()), 1 << 32, 6_000);
-        // 1000/60 turns a second in so many milliseconds.
+        // 1000/60 turns a second within the milliseconds of the parameter.
         let ramp = mul_div(
             1 << 32,
             1_000_000,
@@ -47,10 +49,10 @@ impl Turner {
             tick_us.saturating_mul(tick_us),
             1_000_000_000_000,
         );
-        // More would be a tenth of a turn a tick in ten ticks.
+        // The upper limit, one turn per tick², keeps the squares within 64 bits.
         let full = per_tick.clamp(8, 1 << 32);
         let gentle = full.wrapping_sub(full >> 3);
-        // (g/2)² is a quarter of what fits at most.
+        // (g/2)² is at most a quarter of what fits.
         let furthest = mul_div(u64::MAX >> 2, 3, gentle << 1);
         Self {
             top: mul_div(top_rate, tick_us, 1_000_000) as i64,
@@ -72,7 +74,7 @@ impl Turner {
         self.gentle as i64
     }
 
-    /// The greatest speed from which the spindle stops within an angle; 0 behind it.
+    /// The greatest speed from which the spindle stops within the angle `left`; 0 if no angle is left.
     pub(super) fn stopping(&self, left: i64) -> i64 {
         if left <= 0 {
             return 0;
@@ -80,7 +82,8 @@ impl Turner {
         self.speed_of(self.square(left))
     }
 
-    /// As [`stopping`](Self::stopping), or `enough` where it is that much: no root needs to be taken to know.
+    /// Like [`stopping`](Self::stopping), but returns `enough` if the speed is at least that much. This saves the
+    /// square root.
     pub(super) fn stopping_or(&self, left: i64, enough: i64) -> i64 {
         if left <= 0 {
             return 0;
@@ -100,7 +103,7 @@ impl Turner {
             .max(0)
     }
 
-    /// v² / 2g, the last step of a tick counted as it is: (v + g/2)² = 2·g·left + (g/2)².
+    /// v² / 2g for whole ticks, with the last step of a tick included: (v + g/2)² = 2·g·left + (g/2)².
     fn square(&self, left: i64) -> u64 {
         let half = self.gentle >> 1;
         (self.gentle << 1)
@@ -113,7 +116,7 @@ impl Turner {
         self.stopping(way >> 1).min(self.top)
     }
 
-    /// The next command: from `speed` towards `wanted`, no faster than the ramps.
+    /// The next command: from `speed` towards `wanted`, within the ramps.
     pub(super) fn towards(&self, speed: i64, wanted: i64) -> i64 {
         let faster = wanted.unsigned_abs() > speed.unsigned_abs();
         let step = if faster { self.gentle } else { self.full } as i64;
@@ -125,7 +128,7 @@ impl Turner {
     pub(super) fn rate(&self, speed: i64) -> TurnRate {
         let size = speed.unsigned_abs() as i64;
         let magnitude = if size >= self.top {
-            // As it was written, not as it was rounded.
+            // Use the programmed speed itself, not its rounded value.
             self.top_rate.raw()
         } else {
             size.wrapping_mul(self.ticks_per_second) >> 16
@@ -133,14 +136,14 @@ impl Turner {
         TurnRate::from_raw(magnitude.wrapping_mul(speed.signum()))
     }
 
-    /// A speed that is `speed` in hundredths of a turn a minute, to the nearest.
+    /// A commanded speed in hundredths of a turn a minute, to the nearest.
     pub(super) fn centi_rpm(&self, speed: i64) -> CentiRpm {
         let rate = self.rate(speed).raw().unsigned_abs();
         let centi = mul_div(rate.saturating_add(1), 6_000, 1 << 32);
         CentiRpm::new(i32::try_from(centi).unwrap_or(i32::MAX))
     }
 
-    /// Ticks for an angle at most at `top`: `starts`/`stops`: from rest, to rest. Planner work.
+    /// Ticks for an angle, with `top` as the highest speed. `starts`: from rest; `stops`: to rest. Background work.
     pub(super) fn ticks(&self, way: i64, starts: bool, stops: bool) -> u64 {
         let way = way.max(0).unsigned_abs();
         let ends = u64::from(starts).wrapping_add(u64::from(stops));
