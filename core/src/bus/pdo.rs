@@ -6,8 +6,8 @@
 //! | RPDO2, spindles | 6060h mode of operation (8 bit), 60FFh target velocity (32 bit, 0.001 rpm) |
 //! | TPDO1 | 6041h statusword (16 bit), 6064h actual position (32 bit, drive increments) |
 //!
-//! All little-endian. The spindle's velocity unit is what object 60A9h = FDB44700h (milli-revolutions per minute) stands
-//! for; a drive with another unit scales it by its own factors.
+//! All values are little-endian. The spindle's velocity unit is that of object 60A9h = FDB44700h (milli-revolutions per
+//! minute). A drive with another unit scales the velocity by its own factors.
 
 use super::cia402::{Controlword, Statusword};
 use super::frame::{CobId, Frame, NodeId, Service};
@@ -15,7 +15,7 @@ use super::increments::Increments;
 use super::mapping::Mapped;
 use crate::units::{Rpm, TurnRate};
 
-/// RPDO1 of a drive: what it is to do and where it is to be.
+/// RPDO1 of a drive: controlword and target position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveCommand {
     /// 6040h.
@@ -51,7 +51,7 @@ impl DriveCommand {
     }
 }
 
-/// TPDO1 of a drive: how it is and where it is.
+/// TPDO1 of a drive: statusword and actual position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveStatus {
     /// 6041h.
@@ -115,7 +115,7 @@ impl SpindleCommand {
         )
     }
 
-    /// The node and its command, if `frame` is one with a mode that is known here.
+    /// The node and its command, if `frame` is an RPDO2 with a mode that [`Mode`] has.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Rpdo2, node) = frame.id().service()? else {
@@ -141,9 +141,9 @@ impl SpindleCommand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mode {
-    /// Cyclic synchronous position (CSP): axes, and a spindle that taps.
+    /// Cyclic synchronous position (CSP): for axes, and for a spindle that taps.
     Position = 8,
-    /// Cyclic synchronous velocity (CSV): a spindle that turns.
+    /// Cyclic synchronous velocity (CSV): for a spindle at a speed.
     Velocity = 9,
 }
 
@@ -167,10 +167,10 @@ impl MilliRpm {
         self.0
     }
 
-    /// The nearest to `rate`; saturates beyond 2.1 million rpm.
+    /// The speed nearest to `rate`; saturates beyond 2.1 million rpm.
     #[must_use]
     pub const fn of_rate(rate: TurnRate) -> Self {
-        // Thousandths of a turn per minute are 60 000 to a turn per second.
+        // One turn per second is 60 000 thousandths of a turn per minute.
         let scaled = (rate.raw() >> 8).saturating_mul(60_000);
         let rounded = scaled.saturating_add(1 << 23) >> 24;
         Self(if rounded > i32::MAX as i64 {
