@@ -205,7 +205,7 @@ mod tests {
         let mut producer = HeartbeatProducer::new(3, TICK_US);
         let due = [(); 7].map(|()| producer.elapse(Periods::new(1)));
         assert_eq!(due, [false, false, true, false, false, true, false]);
-        // After a long pause one, not as many as there was time for.
+        // A long pause makes only one heartbeat due.
         assert!(producer.elapse(Periods::new(100)));
         assert!(!producer.elapse(Periods::new(2)));
         assert!(!HeartbeatProducer::new(0, TICK_US).elapse(Periods::new(u32::MAX)));
@@ -241,7 +241,7 @@ mod tests {
             consumer.set(3, watch(NodeId::DRIVE_Z, 5), TICK_US),
             Err(Abort::NoSubIndex)
         );
-        // Who was never there is not missed.
+        // A node that never sent a heartbeat is not lost.
         assert!(consumer.elapse(Periods::new(1000)).is_empty());
         for node in [x, gateway] {
             assert_eq!(

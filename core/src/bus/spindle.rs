@@ -183,7 +183,7 @@ mod tests {
         Some((command.mode, command.velocity.get() / 1000))
     }
 
-    /// Speeds told while it is enabled with 300 rpm wanted all the time.
+    /// The speeds sent during enabling, with 300 rpm wanted all the time.
     fn start(master: &mut SpindleMaster) -> Vec<Option<(Mode, i32)>> {
         master.drive_mut().enable().unwrap();
         let mut speeds = std::vec![told(master, 300)];
@@ -242,7 +242,7 @@ mod tests {
         let mut m = master();
         start(&mut m);
         told(&mut m, 0);
-        // It turns: two different frames, the second doubled on its way.
+        // The spindle turns: two different frames, of which the second comes twice.
         answer_at(&mut m, 5_000);
         told(&mut m, 0);
         answer_at(&mut m, 7_000);
@@ -261,7 +261,7 @@ mod tests {
         master.drive_mut().receive(&status.frame(NodeId::SPINDLE_1));
     }
 
-    /// In position mode, where a quarter of a turn is 2 500 and 5 periods are tolerated.
+    /// A spindle in position mode: the limit is a quarter of a turn (2 500), tolerated for 5 periods.
     fn positioned(at: i32) -> SpindleMaster {
         let mut m = SpindleMaster::new(DriveConfig {
             following: Some(FollowingLimit {
@@ -286,7 +286,7 @@ mod tests {
         let target = Increments::new(9_501);
         let go = SpindleDemand::Position(target);
         let mut m = positioned(7_000);
-        // As far as it may be, for ever.
+        // At the limit: no alarm, for any time.
         tick(&mut m, SpindleDemand::Position(Increments::new(9_500)));
         for _ in 0..50 {
             answer_at(&mut m, 7_000);
@@ -315,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_spindle_that_lags_turns_round_or_is_not_in_position_mode_is_none() {
-        // By three turns, all the time.
+        // A lag of three turns, all the time.
         let mut m = positioned(7_000);
         for step in 1..200 {
             let target = Increments::new(7_000 + 300 * step);
@@ -346,7 +346,7 @@ mod tests {
     fn position_mode_begins_where_it_stands_with_mode_and_target_in_one_period() {
         let mut m = master();
         start(&mut m);
-        // It has turned; it counts as standing once it tells the same twice.
+        // The spindle has turned; it counts as standing after two statuses with the same position.
         told(&mut m, 0);
         for actual in [5_000, 7_000] {
             answer_at(&mut m, actual);
@@ -357,7 +357,7 @@ mod tests {
         let base = m.engage().unwrap();
         assert_eq!(base, Increments::new(7_000));
         let frames = tick(&mut m, SpindleDemand::Position(base));
-        // The mode goes before the target.
+        // The frame with the mode comes before the target.
         let [mode, target] = frames.as_slice() else {
             panic!("a mode and a target, and not {frames:?}");
         };
@@ -368,7 +368,7 @@ mod tests {
         let frames = tick(&mut m, SpindleDemand::Position(Increments::new(7_300)));
         assert_eq!(frames.len(), 1);
         assert_eq!(frames.first().and_then(position), Some(7_300));
-        // Back to speed: told on change, and once.
+        // Back to speed mode: sent on change, and only once.
         assert_eq!(told(&mut m, 0), Some((Mode::Velocity, 0)));
         assert_eq!(told(&mut m, 0), None);
     }
