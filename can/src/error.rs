@@ -80,14 +80,14 @@ pub enum CanError {
     AdapterSilent {
         /// Its path or address.
         name: String,
-        /// What it was told.
+        /// The command.
         command: &'static str,
     },
     /// The adapter refuses a command.
     AdapterRefused {
         /// Its path or address.
         name: String,
-        /// What it was told.
+        /// The command.
         command: &'static str,
     },
     /// The other end of the line or connection is gone.

@@ -12,7 +12,7 @@ const ERRORS_WITHOUT_A_FRAME: u32 = 16;
 pub struct Health {
     /// Packets other than error frames.
     pub frames: u64,
-    /// FD frames among them; nothing here sends or reads them.
+    /// FD frames among them.
     pub fd_frames: u64,
     /// Error frames.
     pub errors: u64,

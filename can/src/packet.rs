@@ -91,7 +91,7 @@ impl<const N: usize> Data<N> {
     }
 }
 
-/// A frame of CAN FD.
+/// A CAN FD frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FdFrame {
     /// Its identifier.
@@ -136,7 +136,7 @@ pub enum Packet {
     Extended(u32, Data<8>),
     /// A remote request for a frame, with the requested length.
     Remote(Id, u8),
-    /// A frame of CAN FD.
+    /// A CAN FD frame.
     Fd(FdFrame),
     /// A report of the controller or its driver.
     Error(ErrorFrame),

@@ -75,7 +75,7 @@ impl Adapter {
         self.flags = self.flags.with(flags);
     }
 
-    /// Handles bytes from the host. Some hosts send an empty line to clear the line: the adapter answers it like any
+    /// Handles a line from the host. Some hosts send an empty line to clear the line: the adapter answers it like any
     /// other and changes nothing.
     pub fn handle(&mut self, heard: Heard<'_>) -> Handled {
         if heard == Heard::Line(&[]) {
@@ -89,7 +89,7 @@ impl Adapter {
         Handled { reply, send }
     }
 
-    /// `None` where the request is refused.
+    /// Answers a request; `None` refuses it.
     fn answer(&mut self, request: Request) -> Option<(Reply, Option<SlcanFrame>)> {
         let closed = self.channel == Channel::Closed;
         let reply = match request {

@@ -98,7 +98,7 @@ impl<const ROOM: usize> Default for Lines<ROOM> {
 }
 
 impl Lines {
-    /// Nothing heard so far.
+    /// An empty line.
     #[must_use]
     pub const fn new() -> Self {
         Self::with_room()
@@ -106,7 +106,7 @@ impl Lines {
 }
 
 impl<const ROOM: usize> Lines<ROOM> {
-    /// Nothing heard so far.
+    /// An empty line.
     #[must_use]
     pub const fn with_room() -> Self {
         Self {

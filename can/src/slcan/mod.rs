@@ -123,7 +123,7 @@ impl Slcan {
                     command: name,
                 });
             }
-            // However late it is: what has come is there.
+            // After the deadline, bytes that have already arrived still count.
             over = left.is_zero();
             self.take(&mut early, |reply| {
                 if answered.is_none() && matches!(reply, Reply::Done | Reply::Refused) {
@@ -224,7 +224,7 @@ impl Slcan {
         while self.under_way > most && result.is_ok() {
             let left = deadline.saturating_duration_since(Instant::now());
             result = match self.wait(left) {
-                // However late it is: what has come is there.
+                // After the deadline, bytes that have already arrived still count.
                 Ok(true) if !over => self.hear(&mut early),
                 Ok(false) if !left.is_zero() => Ok(()),
                 Ok(_) => Err(CanError::Stuck {

@@ -322,7 +322,7 @@ fn each_mistake_has_its_own_words() {
         let server = std::thread::spawn(move || {
             let (mut line, _) = listener.accept().unwrap();
             let mut bytes = [0; 64];
-            // Received only if the line sends its answers.
+            // The bytes received so far. The answer comes only after an `S`.
             let mut heard = Vec::new();
             while let Ok(count @ 1..) = line.read(&mut bytes) {
                 heard.extend_from_slice(&bytes[..count]);

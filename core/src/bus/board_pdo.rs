@@ -14,8 +14,8 @@
 //! | | 4 | 5001h:05 | count of the last order that was taken |
 //! | | 5 | 5001h:06 | setpoints that were late for their SYNC; 255: that many or more |
 //! | | 6–7 | 5001h:07 | program credit |
-//! | TPDO2 | 0–3 | 5001h:08 | line of what is carried out; 0: nothing |
-//! | | 4–7 | 5001h:09 | its move; 0: nothing |
+//! | TPDO2 | 0–3 | 5001h:08 | source line of the current move; 0: none |
+//! | | 4–7 | 5001h:09 | number of the current move; 0: none |
 //! | TPDO3 | 0–1 | 5001h:0A | spindle angle in 1/65536 turn |
 //! | | 2–5 | 5001h:0B | spindle speed in 0.001 rpm, positive M03 |
 //! | | 6–7 | 5001h:0C | synchronism error in 10 nm; −32768: nothing is synchronised |
@@ -207,7 +207,7 @@ impl OrderGate {
     }
 }
 
-/// What the machine is doing.
+/// State of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 #[repr(u8)]
 pub enum BoardState {
@@ -301,7 +301,7 @@ impl BoardFlags {
 /// TPDO1 of the board: its status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardStatus {
-    /// What the machine is doing.
+    /// State of the machine.
     pub state: BoardState,
     /// The flags.
     pub flags: BoardFlags,
@@ -327,7 +327,7 @@ impl BoardStatus {
         Mapped::new(0x5001, 7, 16),
     ];
 
-    /// The frame from the board `node`.
+    /// The frame of the board `node`.
     #[must_use]
     pub fn frame(self, node: NodeId) -> Frame {
         let [alarm, alarm_high] = self.alarm.unwrap_or(0).to_le_bytes();
@@ -383,7 +383,7 @@ impl BoardPlace {
     /// The objects in its bytes.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x5001, 8, 32), Mapped::new(0x5001, 9, 32)];
 
-    /// The frame from the board `node`.
+    /// The frame of the board `node`.
     #[must_use]
     pub const fn frame(self, node: NodeId) -> Frame {
         let [a, b, c, d] = self.line.to_le_bytes();
@@ -432,7 +432,7 @@ impl BoardSpindle {
     /// Shift from 2⁻³² turn to 1/65536 turn.
     const ANGLE_SHIFT: u32 = 16;
 
-    /// The frame from the board `node`.
+    /// The frame of the board `node`.
     #[must_use]
     pub fn frame(self, node: NodeId) -> Frame {
         let [a, b] = ((self.angle.raw() >> Self::ANGLE_SHIFT) as u16).to_le_bytes();

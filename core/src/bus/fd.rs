@@ -1,10 +1,10 @@
 //! A CAN FD frame with an 11-bit identifier, and its length in bits.
 //!
-//! | part of the frame (ISO 11898-1, FD base frame format) | bits | at the rate |
+//! | part of the frame (ISO 11898-1, FD base frame format) | bits | bit rate |
 //! |---|---|---|
 //! | start, identifier, RRS, IDE, FDF, reserved, BRS | 17 | nominal |
-//! | ESI, length code, data of n bytes | 5 + 8 n | of the data |
-//! | count of the stuff bits, CRC, and a fixed stuff bit before every four of these | 27 up to 16 bytes, 32 above | of the data |
+//! | ESI, length code, data of n bytes | 5 + 8 n | data |
+//! | stuff bit count, CRC, and a fixed stuff bit before every four of their bits | 27 up to 16 bytes, 32 above | data |
 //! | CRC delimiter, acknowledgement, end, intermission | 13 | nominal |
 //!
 //! Before the CRC a stuff bit follows every five equal bits. FDF and BRS are 1. The bits between IDE and FDF and
@@ -229,7 +229,7 @@ mod tests {
                 assert_eq!(room, 3 + 1 + 2 * length);
                 let mut worst = 0;
                 for _ in 0..2000 {
-                    // Rows of four, and what is near to them.
+                    // Rows of four equal bits, and similar patterns.
                     let pattern = [0x00, 0xFF, 0x0F, 0xF0, 0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E]
                         [random() as usize % 10];
                     let flip = random() as usize % 64;

@@ -202,7 +202,7 @@ fn step(step: Step, status: u16) -> DriveFailure {
 
 #[test]
 fn a_drive_found_in_any_state_is_brought_to_enabled() {
-    // Statusword found at contact, then what the drive answers, and the low bytes of the controlwords.
+    // Statusword at contact, then the answers of the drive, and the low bytes of the controlwords.
     let cases: [(u16, &[u16], &[u8]); 4] = [
         (0x0231, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),
         (0x0233, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),

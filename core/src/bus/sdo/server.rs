@@ -97,8 +97,8 @@ struct Transfer {
     sums: bool,
     /// Bytes in the checksum: repeated segments must not be summed again.
     summed: u32,
-    /// The last segment of a write in blocks. The server holds it back, because only the end of the transfer tells how
-    /// many of its bytes are used.
+    /// The last segment of a write in blocks. The server holds it back, because only the end of the transfer gives the
+    /// number of its used bytes.
     held: Option<Bytes>,
 }
 

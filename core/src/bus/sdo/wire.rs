@@ -132,7 +132,7 @@ pub struct BlockSegment {
     pub number: u8,
     /// The value ends in it.
     pub last: bool,
-    /// Seven bytes; how many of the last are used is told at the end of the transfer.
+    /// Seven bytes. For the last segment, only the end of the transfer gives the number of used bytes.
     pub bytes: [u8; 7],
 }
 
@@ -211,7 +211,7 @@ pub enum Request {
         object: Object,
         /// The client makes a CRC.
         crc: bool,
-        /// Length in bytes, if told.
+        /// Length in bytes, if announced.
         size: Option<u32>,
     },
     /// The value is complete.
@@ -311,7 +311,7 @@ pub enum Response {
         object: Object,
         /// The server makes a CRC.
         crc: bool,
-        /// Length in bytes, if told.
+        /// Length in bytes, if announced.
         size: Option<u32>,
     },
     /// The value is complete.

@@ -86,7 +86,7 @@ enum Phase {
 struct Block {
     /// Number of the last segment in sequence; 0 before the first.
     number: u8,
-    /// The last segment: only the end of the transfer tells how many of its bytes are used.
+    /// The last segment: only the end of the transfer gives the number of its used bytes.
     held: Option<BlockSegment>,
     /// The server makes a CRC.
     crc: bool,

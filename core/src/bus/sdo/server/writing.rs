@@ -2,8 +2,8 @@
 //! Then the server answers with the number of segments that it has received.
 //!
 //! The server takes only the next segment in sequence. After a lost segment it ignores the rest of the block, and its
-//! answer asks for that rest again. It ignores repeated segments, too. Only the end of the transfer tells how many
-//! bytes of the last segment are used, so the server holds the last segment back until then.
+//! answer asks for that rest again. It ignores repeated segments, too. Only the end of the transfer gives the number of
+//! used bytes in the last segment, so the server holds the last segment back until then.
 
 use super::{LAST, SdoServer, State, TOGGLE, Transfer, long, reply};
 use crate::bus::object::{Abort, Object, Objects};

@@ -139,7 +139,7 @@ fn a_length_that_is_not_the_one_told() {
     let blocks = |last: [u8; 8], end: [u8; 8], code| {
         refused(
             &[
-                // Without a CRC, so that the length is what is wrong.
+                // Without a CRC, so that only the length is wrong.
                 [0xC2, 0x20, 0x50, 0x00, 10, 0, 0, 0],
                 [1, 1, 2, 3, 4, 5, 6, 7],
                 last,
