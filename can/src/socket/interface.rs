@@ -20,8 +20,8 @@ pub fn check(name: &str) -> Result<(), CanError> {
     look(Path::new(INTERFACES), name)
 }
 
-/// True for an interface without a controller of its own (vcan). If it is taken down, only its user would start it
-/// again.
+/// True for an interface without a controller of its own (vcan). If it is taken down, nobody except its user would
+/// start it again.
 #[must_use]
 pub fn is_virtual(name: &str) -> bool {
     lies_with_virtual_ones(Path::new(INTERFACES), name)

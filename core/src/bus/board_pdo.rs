@@ -2,12 +2,12 @@
 //!
 //! | PDO | bytes | object | content |
 //! |---|---|---|---|
-//! | RPDO1 | 0 | 5000h:01 | count: another value for another order |
+//! | RPDO1 | 0 | 5000h:01 | count: a new value for every new order |
 //! | | 1 | 5000h:02 | order: 0 none, 1 run, 2 hold, 3 resume, 4 reset, 5 stop |
-//! | | 2 | 5000h:03 | switches: bit 0 single block, bit 1 dry run; bits 4 and 5: that switch is to be set |
-//! | | 3 | 5000h:04 | feed override in percent; 255: as it is |
-//! | | 4 | 5000h:05 | rapid override in percent; 255: as it is |
-//! | | 5 | 5000h:06 | spindle override in percent; 255: as it is |
+//! | | 2 | 5000h:03 | switches: bit 0 single block, bit 1 dry run; bits 4 and 5: change that switch |
+//! | | 3 | 5000h:04 | feed override in percent; 255: no change |
+//! | | 4 | 5000h:05 | rapid override in percent; 255: no change |
+//! | | 5 | 5000h:06 | spindle override in percent; 255: no change |
 //! | TPDO1 | 0 | 5001h:02 | state, see [`BoardState`] |
 //! | | 1 | 5001h:03 | flags, see [`BoardFlags`] |
 //! | | 2–3 | 5001h:04 | number of the alarm; 0: none |
@@ -274,7 +274,7 @@ pub struct BoardFlags {
     pub dry_run: bool,
     /// Bit 3: a program is under way.
     pub program: bool,
-    /// Bit 4: an axis is held to the spindle.
+    /// Bit 4: an axis is synchronised with the spindle.
     pub locked: bool,
 }
 
@@ -391,7 +391,7 @@ impl BoardPlace {
         Frame::of(CobId::of(Service::Tpdo2, node), [a, b, c, d, e, f, g, h])
     }
 
-    /// The board and its place, if `frame` is one.
+    /// The board and its place, if `frame` is a TPDO2.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Tpdo2, node) = frame.id().service()? else {
@@ -445,7 +445,7 @@ impl BoardSpindle {
         Frame::of(CobId::of(Service::Tpdo3, node), [a, b, c, d, e, f, g, h])
     }
 
-    /// The board and its spindle, if `frame` is one.
+    /// The board and its spindle, if `frame` is a TPDO3.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Tpdo3, node) = frame.id().service()? else {

@@ -51,7 +51,7 @@ pub struct DriveMaster {
     failure: Option<DriveFailure>,
     /// Periods since the step began; while enabled, ticks for which demands have been refused.
     waited: Periods,
-    /// A demand has taken the enabled drive up where it stands.
+    /// A demand was equal to the target of the enabled drive, so the drive follows demands.
     follows: bool,
     /// Periods since the last status.
     quiet: Periods,
@@ -183,8 +183,9 @@ impl DriveMaster {
     }
 
     /// For drives that share one setpoint frame: a drive gets no command until it is its turn to be enabled. `goes` is
-    /// true where another drive is already past that point. False, and a failure, where this drive gets ready without a
-    /// command meanwhile: it takes the other drive's command for its own.
+    /// true while the drive whose turn it is takes the step "enable operation". False, and a failure, where this drive
+    /// is ready to switch on, or further, at that time: it has got no command, so it takes the other drive's command
+    /// for its own.
     pub(crate) fn wait(&mut self, goes: bool) -> bool {
         match self.phase {
             Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted => {

@@ -54,7 +54,7 @@ impl Emcy {
         )
     }
 
-    /// The node and its message, if `frame` is one.
+    /// The node and its message, if `frame` is an emergency message.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Emcy, node) = frame.id().service()? else {

@@ -26,7 +26,8 @@ pub enum DriveFailure {
     Overhears(Statusword),
     /// The drive restarted.
     Restarted,
-    /// An enabled drive got demands for the time of a step, and none of them was equal to its position.
+    /// An enabled drive got demands for the time of a step, and none of them was equal to the position where it is
+    /// held.
     Jump {
         /// The position where the drive is held.
         target: Increments,

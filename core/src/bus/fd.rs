@@ -268,7 +268,7 @@ mod tests {
         // 12 bytes at 1 and 5 Mbit/s: 33 µs and 30.6 µs.
         assert_eq!(FdBits::of(12).at(1000, 5000), 64);
         assert_eq!(FdBits::of(12).at(500, 2000), 33 + 39);
-        // At one rate, or where the data's is none.
+        // At one rate, or with a data rate of 0.
         assert_eq!(FdBits::of(12).at(1000, 1000), 186);
         assert_eq!(FdBits::of(12).at(1000, 0), 186);
     }

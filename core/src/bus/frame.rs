@@ -111,32 +111,32 @@ impl CobId {
     }
 }
 
-/// The services a node has in the CiA 301 default set, with their function codes. The names of the PDOs take the node's
+/// The services of a node in the CiA 301 default set, with their function codes. The names of the PDOs take the node's
 /// view: the node sends a TPDO and receives an RPDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum Service {
     /// Emergency.
     Emcy = 0x080,
-    /// First process data it sends.
+    /// First process data that the node sends.
     Tpdo1 = 0x180,
-    /// First process data it receives.
+    /// First process data that the node receives.
     Rpdo1 = 0x200,
-    /// Second process data it sends.
+    /// Second process data that the node sends.
     Tpdo2 = 0x280,
-    /// Second process data it receives.
+    /// Second process data that the node receives.
     Rpdo2 = 0x300,
-    /// Third process data it sends.
+    /// Third process data that the node sends.
     Tpdo3 = 0x380,
-    /// Third process data it receives.
+    /// Third process data that the node receives.
     Rpdo3 = 0x400,
-    /// Fourth process data it sends.
+    /// Fourth process data that the node sends.
     Tpdo4 = 0x480,
-    /// Fourth process data it receives.
+    /// Fourth process data that the node receives.
     Rpdo4 = 0x500,
-    /// Answers of its SDO server.
+    /// Answers of the node's SDO server.
     SdoReply = 0x580,
-    /// Requests to its SDO server.
+    /// Requests to the node's SDO server.
     SdoRequest = 0x600,
     /// Heartbeat and boot-up.
     Heartbeat = 0x700,

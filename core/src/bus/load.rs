@@ -2,8 +2,8 @@
 //!
 //! | sent | frame |
 //! |---|---|
-//! | every tick | SYNC with its counter, RPDO1 of each drive, or one frame of CAN FD with all of them |
-//! | every fourth tick | RPDO1 of each spindle that only taps and does not tap now |
+//! | every tick | SYNC with its counter; RPDO1 of each drive, or one CAN FD frame with all setpoints |
+//! | every fourth tick | RPDO1 of each spindle that only taps, while it does not tap |
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
 

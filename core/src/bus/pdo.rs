@@ -25,7 +25,7 @@ pub struct DriveCommand {
 }
 
 impl DriveCommand {
-    /// What the drive has to map into it.
+    /// The objects that the drive must map into this PDO.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6040, 0, 16), Mapped::new(0x607A, 0, 32)];
 
     /// The frame to `node`.
@@ -37,7 +37,7 @@ impl DriveCommand {
         )
     }
 
-    /// The node and its command, if `frame` is one.
+    /// The node and its command, if `frame` is an RPDO1.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (node, word, long) = decode_word_and_long(frame, Service::Rpdo1)?;
@@ -61,7 +61,7 @@ pub struct DriveStatus {
 }
 
 impl DriveStatus {
-    /// What the drive has to map into it.
+    /// The objects that the drive must map into this PDO.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6041, 0, 16), Mapped::new(0x6064, 0, 32)];
 
     /// The frame from `node`.
@@ -73,7 +73,7 @@ impl DriveStatus {
         )
     }
 
-    /// The node and its status, if `frame` is one.
+    /// The node and its status, if `frame` is a TPDO1.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         match frame.id().service()? {
@@ -102,7 +102,7 @@ pub struct SpindleCommand {
 }
 
 impl SpindleCommand {
-    /// What the drive has to map into it.
+    /// The objects that the drive must map into this PDO.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6060, 0, 8), Mapped::new(0x60FF, 0, 32)];
 
     /// The frame to `node`.
@@ -137,7 +137,7 @@ impl SpindleCommand {
     }
 }
 
-/// Mode of operation, 6060h: the cyclic synchronous ones.
+/// Mode of operation, 6060h: the cyclic synchronous modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mode {

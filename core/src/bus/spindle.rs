@@ -16,7 +16,7 @@ use super::pdo::{MilliRpm, Mode, SpindleCommand};
 /// Periods after which mode and speed are sent again.
 const REPEAT: u8 = 16;
 
-/// What a spindle is to do.
+/// The demand on a spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpindleDemand {
     /// Turn at a speed.

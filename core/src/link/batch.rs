@@ -104,7 +104,7 @@ pub fn decode_call(bytes: &[u8]) -> Result<(Call, usize), LinkError> {
 pub struct Batch<'a> {
     /// Number of the program.
     pub program: u32,
-    /// Number of its first call in the program.
+    /// Number of the batch's first call in the program.
     pub first: u32,
     rest: &'a [u8],
     at: u32,

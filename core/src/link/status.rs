@@ -17,7 +17,7 @@ pub struct Status {
     pub version: Version,
     /// Ticks since power-up.
     pub tick: u64,
-    /// What the machine is doing.
+    /// State of the machine.
     pub state: BoardState,
     /// The present alarm.
     pub alarm: Option<Alarm>,

@@ -40,7 +40,7 @@ impl Checksum {
         Self(digest.finalize())
     }
 
-    /// As it is sent.
+    /// The CRC to send.
     #[must_use]
     pub const fn get(self) -> u16 {
         self.0
@@ -137,7 +137,7 @@ pub struct BlockSegment {
 }
 
 impl BlockSegment {
-    /// As it is sent.
+    /// The bytes to send.
     pub fn encode(self) -> Bytes {
         with_seven((self.last as u8) << 7 | self.number & 0x7F, self.bytes)
     }
@@ -207,7 +207,7 @@ pub enum Request {
     Abort(Object, u32),
     /// Writes in blocks.
     BlockDownload {
-        /// What is written.
+        /// The object to write.
         object: Object,
         /// The client makes a CRC.
         crc: bool,
@@ -216,25 +216,25 @@ pub enum Request {
     },
     /// The value is complete.
     BlockDownloadEnd {
-        /// Bytes of the last segment that mean nothing.
+        /// Number of unused bytes in the last segment.
         unused: u8,
-        /// Over the whole value.
+        /// CRC over the whole value.
         crc: u16,
     },
     /// Reads in blocks.
     BlockUpload {
-        /// What is read.
+        /// The object to read.
         object: Object,
         /// The client checks a CRC.
         crc: bool,
         /// Segments in a block.
         block: u8,
-        /// Up to this length the server may take the normal transfer instead; 0: never.
+        /// Up to this length the server may use an expedited or segmented transfer instead; 0: never.
         threshold: u8,
     },
     /// The client is ready for the first block.
     BlockUploadStart,
-    /// Takes a block over up to this segment; the next has so many.
+    /// Acknowledges a block up to this segment, and gives the size of the next block.
     BlockUploadAnswer {
         /// The last segment in sequence; 0: none.
         number: u8,
@@ -246,7 +246,7 @@ pub enum Request {
 }
 
 impl Request {
-    /// As it is sent.
+    /// The bytes to send.
     pub fn encode(self) -> Bytes {
         match self {
             Self::Download(object, begin) => begin.encode(0x20, object),
@@ -289,25 +289,25 @@ pub enum Response {
     Abort(Object, u32),
     /// A write in blocks has begun.
     BlockDownload {
-        /// What is written.
+        /// The object to write.
         object: Object,
         /// The server checks a CRC.
         crc: bool,
         /// Segments in the first block.
         block: u8,
     },
-    /// Takes a block over up to this segment; the next has so many.
+    /// Acknowledges a block up to this segment, and gives the size of the next block.
     BlockDownloadAnswer {
         /// The last segment in sequence; 0: none.
         number: u8,
         /// Segments in the next block.
         block: u8,
     },
-    /// The value is taken over.
+    /// The server has taken the whole value.
     BlockDownloadEnd,
     /// A read in blocks has begun.
     BlockUpload {
-        /// What is read.
+        /// The object to read.
         object: Object,
         /// The server makes a CRC.
         crc: bool,
@@ -316,9 +316,9 @@ pub enum Response {
     },
     /// The value is complete.
     BlockUploadEnd {
-        /// Bytes of the last segment that mean nothing.
+        /// Number of unused bytes in the last segment.
         unused: u8,
-        /// Over the whole value.
+        /// CRC over the whole value.
         crc: u16,
     },
 }

@@ -369,8 +369,8 @@ fn the_rest_of_a_broken_block_is_no_command() {
     }
 }
 
-/// After the end of a block the server answers every request. It always answers a request to write in blocks, because
-/// that alone changes nothing.
+/// When no segment of a block can follow any more, the server answers the next request of any kind. It always answers a
+/// request to write in blocks, because that alone changes nothing.
 #[test]
 fn who_begins_anew_behind_a_refusal_is_answered() {
     let begin = [0xC6, 0x10, 0x50, 0x00, 9, 0, 0, 0];
