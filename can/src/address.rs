@@ -1,10 +1,10 @@
-//! How a user names a bus.
+//! The address of a bus, as a user writes it.
 
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Baud rate of a serial adapter where none is given. Adapters on USB ignore it.
+/// Default baud rate of a serial adapter. Adapters on USB ignore the baud rate.
 pub const DEFAULT_BAUD: u32 = 115_200;
 
 /// A bus by its name: `sim`, `can0`, `socketcan:can0`, `slcan:/dev/ttyACM0@115200`, `slcan:tcp:HOST:PORT`,
@@ -22,14 +22,14 @@ pub enum Address {
         /// The line's baud rate.
         baud: u32,
     },
-    /// A Lawicel adapter behind a TCP connection.
+    /// A Lawicel adapter that is reached over TCP.
     Tcp {
         /// Host name or address; an IPv6 address in brackets.
         host: String,
         /// Port.
         port: u16,
     },
-    /// A Lawicel adapter behind a Unix socket.
+    /// A Lawicel adapter that is reached over a Unix socket.
     Unix(PathBuf),
 }
 
@@ -48,7 +48,7 @@ impl WrongAddress {
         }
     }
 
-    /// The same in Chinese.
+    /// The message in Chinese.
     #[must_use]
     pub fn chinese(&self) -> &str {
         &self.chinese

@@ -1,4 +1,4 @@
-//! The same words in Chinese: what keeps a bus from being used, and what it looks like.
+//! The messages of this crate in Chinese: errors of a bus, and its probable faults.
 
 use crate::{CanError, Suspicion};
 
@@ -93,7 +93,7 @@ impl Suspicion {
 mod tests {
     use super::*;
 
-    /// What a user types or must recognise stands in both texts.
+    /// Both texts contain the words that a user types or must recognise.
     #[test]
     fn names_and_commands_are_the_same_in_both_languages() {
         let name = || String::from("can7");

@@ -1,20 +1,20 @@
-//! What keeps a bus from being used, and what to do about it.
+//! The errors of a bus, with a remedy in each message.
 
 use std::fmt;
 use std::io;
 
-/// Why a bus cannot be opened or used any longer.
+/// Why a bus cannot be opened, or cannot be used any longer.
 #[derive(Debug)]
 pub enum CanError {
-    /// `sim` is inside the process that simulates it.
+    /// `sim` names no bus: it is inside the process that simulates it.
     NotABus,
-    /// The kernel knows no CAN.
+    /// The kernel has no CAN support.
     NoCan,
     /// No interface has this name.
     NoInterface {
         /// The name asked for.
         name: String,
-        /// The CAN interfaces there are.
+        /// The existing CAN interfaces.
         known: Vec<String>,
     },
     /// The interface is no CAN interface.
@@ -41,30 +41,30 @@ pub enum CanError {
     AdapterNoFd {
         /// Its path or address.
         name: String,
-        /// The rate of the data, kbit/s.
+        /// The data rate in kbit/s.
         kbit: u32,
     },
-    /// Not allowed.
+    /// The user has no permission.
     NoPermission {
         /// The interface, device or socket.
         name: String,
     },
-    /// Nothing went out for too long: a second at an interface of the kernel, five behind an adapter [D178].
+    /// No frame was sent for too long: one second at a kernel interface, five seconds at an adapter [D178].
     Stuck {
         /// The interface or adapter.
         name: String,
     },
-    /// There is no such device or socket.
+    /// The device or socket does not exist.
     NoDevice {
         /// Its path or address.
         name: String,
     },
-    /// It is a file or a device, and no serial line.
+    /// The path is a file or a device, but no serial line.
     NotSerial {
         /// Its path.
         name: String,
     },
-    /// Something else uses the device, or refuses the connection.
+    /// Another program uses the device, or the connection was refused.
     Busy {
         /// Its path or address.
         name: String,
@@ -80,14 +80,14 @@ pub enum CanError {
     AdapterSilent {
         /// Its path or address.
         name: String,
-        /// What it was told.
+        /// The command.
         command: &'static str,
     },
     /// The adapter refuses a command.
     AdapterRefused {
         /// Its path or address.
         name: String,
-        /// What it was told.
+        /// The command.
         command: &'static str,
     },
     /// The other end of the line or connection is gone.
@@ -95,13 +95,13 @@ pub enum CanError {
         /// The adapter or address.
         name: String,
     },
-    /// Anything else, in the system's words.
+    /// Any other error of the system.
     System {
         /// The interface, device or socket.
         name: String,
-        /// What was being done, as in "cannot … can0".
+        /// The failed action, as in "cannot … can0".
         doing: &'static str,
-        /// What the system said.
+        /// The error of the system.
         error: io::Error,
     },
 }

@@ -1,6 +1,6 @@
-//! Error frames: what the kernel's drivers say about controller and line, as data.
+//! Error frames: reports of the kernel's drivers about controller and bus, as data.
 //!
-//! Bits as in the kernel's `linux/can/error.h`.
+//! The bits are those of the kernel's `linux/can/error.h`.
 
 use std::fmt;
 
@@ -13,30 +13,30 @@ pub struct ErrorFrame {
     pub data: [u8; 8],
 }
 
-/// One thing an error frame says.
+/// One fault in an error frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fault {
     /// A frame was not sent in time.
     TransmitTimeout,
-    /// Lost against a frame of higher priority in a controller that does not try again.
+    /// A frame lost arbitration, and the controller does not send it again.
     LostArbitration,
-    /// The controller's buffer for what it receives ran over: a frame was lost before the kernel saw it.
+    /// The controller's receive buffer overflowed: a frame was lost before the kernel could read it.
     ControllerOverflow,
     /// Nearly error passive: 96 errors counted.
     Warning,
-    /// Error passive: 128 errors counted. It goes on with less right to speak.
+    /// Error passive: 128 errors counted. The controller still sends, with restrictions.
     Passive,
     /// Error active again.
     Active,
-    /// A frame on the line broke the rules: a bit, its stuffing, its form or its check sum.
+    /// A frame on the bus violated the protocol: a bit, its stuffing, its form or its checksum.
     Protocol,
     /// The transceiver reports a fault of the wires.
     Transceiver,
-    /// Nobody acknowledged a frame.
+    /// No node acknowledged a frame.
     NoAcknowledge,
-    /// Bus-off: 256 errors counted. It neither sends nor receives until it is started again.
+    /// Bus-off: 256 errors counted. The controller neither sends nor receives until it is started again.
     BusOff,
-    /// An error on the line.
+    /// An error on the bus.
     BusError,
     /// Started again after bus-off.
     Restarted,
@@ -54,7 +54,7 @@ impl ErrorFrame {
     const RESTARTED: u32 = 0x100;
     const COUNTERS: u32 = 0x200;
 
-    /// What it says, the worst first.
+    /// The faults in the error frame, the worst first.
     pub fn faults(&self) -> impl Iterator<Item = Fault> {
         let controller = if self.class & Self::CONTROLLER == 0 {
             0
@@ -82,10 +82,10 @@ impl ErrorFrame {
         .filter_map(|(said, fault)| said.then_some(fault))
     }
 
-    /// The controller's error counters (sending, receiving), where the driver tells them.
+    /// The controller's error counters (sending, receiving), where the driver reports them.
     #[must_use]
     pub const fn counters(&self) -> Option<(u8, u8)> {
-        // Old drivers fill the counters in without the bit that says so, but never as zeros.
+        // Old drivers report the counters without this bit, but never two zeros.
         let [.., sending, receiving] = self.data;
         if self.class & Self::COUNTERS != 0 || sending != 0 || receiving != 0 {
             Some((sending, receiving))
@@ -96,7 +96,7 @@ impl ErrorFrame {
 }
 
 impl Fault {
-    /// In words.
+    /// The fault in English words.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,18 +1,18 @@
-//! What the error frames of a bus add up to.
+//! Finds probable faults of a bus from its error frames.
 
 use std::fmt;
 
 use crate::{Fault, Packet};
 
-/// Errors on the line with no frame between them after which the bit rate is suspected.
+/// This many errors in a row, without a good frame between them, raise a suspicion.
 const ERRORS_WITHOUT_A_FRAME: u32 = 16;
 
-/// How a bus is doing, by what arrived from it.
+/// The health of a bus, judged by its received packets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Health {
     /// Packets other than error frames.
     pub frames: u64,
-    /// FD frames among them; nothing here sends or reads them.
+    /// FD frames among them.
     pub fd_frames: u64,
     /// Error frames.
     pub errors: u64,
@@ -20,29 +20,29 @@ pub struct Health {
     bus_off: bool,
     /// Error passive, until it is active again.
     passive: bool,
-    /// Error counters of the controller, as told last.
+    /// Last reported error counters of the controller.
     counters: Option<(u8, u8)>,
     /// Errors on the line since the last frame.
     line_errors: u32,
-    /// Frames that nobody acknowledged since the last frame.
+    /// Error frames about a missing acknowledgement since the last frame.
     unacknowledged: u32,
 }
 
-/// What is probably wrong, the worst first.
+/// A probable fault; the worst comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Suspicion {
     /// The controller has left the bus.
     BusOff,
-    /// Errors and no frame at all: another bit rate than the others'.
+    /// Errors and not one frame: the other nodes probably have another bit rate.
     BitRate,
-    /// Nobody acknowledges: alone on the wire.
+    /// No node acknowledges: this node is probably alone on the bus.
     Alone,
     /// Error passive, with error counters.
     Passive(Option<(u8, u8)>),
 }
 
 impl Health {
-    /// Takes what arrived.
+    /// Takes a received packet into account.
     pub fn note(&mut self, packet: &Packet) {
         let Packet::Error(error) = packet else {
             self.frames += 1;
@@ -70,7 +70,7 @@ impl Health {
         self.line_errors = self.line_errors.saturating_add(u32::from(on_the_line));
     }
 
-    /// What is probably wrong with the bus now.
+    /// The present probable fault of the bus.
     #[must_use]
     pub const fn suspicion(&self) -> Option<Suspicion> {
         if self.bus_off {

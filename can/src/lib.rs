@@ -1,12 +1,13 @@
 #![deny(unsafe_code)]
-//! A CAN bus as a program on Linux sees it: the kernel's interfaces, serial-line adapters, a pair of ends inside one
-//! process, all behind [`Can`]; and the log format of `candump`.
+//! CAN buses for a program on Linux. One trait, [`Can`], covers the kernel's interfaces, serial-line adapters, and a
+//! pair of ends inside one process. The crate also has the log format of `candump`.
 //!
-//! It moves frames and says what became of them. What a frame means is the business of `leadscrew_core::bus`.
+//! The crate moves frames and reports errors. It must not know the meaning of a frame: that belongs to
+//! `leadscrew_core::bus`.
 //!
-//! Terms. A *packet* is whatever a bus can show: classical frames, remote requests, extended identifiers, FD frames and
-//! error frames. CANopen is the data frames with an 11-bit identifier, classical and FD; these alone are sent. *Dropped*
-//! frames reached this machine and found the receive buffer full.
+//! Terms. A *packet* is anything that a bus can deliver: classical frames, remote requests, extended identifiers, FD
+//! frames and error frames. CANopen uses data frames with an 11-bit identifier, classical and FD; the crate sends only
+//! these. *Dropped* frames reached this machine but were lost, because the receive buffer was full.
 //!
 //! ```text
 //! Address ("can0", "slcan:tcp:HOST:PORT", …) ─ open ─► Can: send many, receive many with time stamps
@@ -45,55 +46,56 @@ pub use socket::{SocketCan, is_virtual};
 
 /// One end of a bus.
 pub trait Can: Send {
-    /// What the user called it: the name of the interface or of the adapter.
+    /// The user's name for the bus: the name of the interface or of the adapter.
     fn name(&self) -> &str;
 
-    /// Sends all of them, in order; waits where the way out is full. Frames that this end sends are not received by it.
+    /// Sends all frames, in order; waits while the send queue is full. This end does not receive its own frames.
     ///
     /// # Errors
-    /// The bus is gone or down, or nothing went out for too long: see [`CanError::Stuck`].
+    /// The bus is gone or down, or the bus sent nothing for too long: see [`CanError::Stuck`].
     fn send(&mut self, frames: &[Frame]) -> Result<(), CanError>;
 
-    /// From now on FD frames are sent and understood, with their data at `data_kbit` kbit/s. An interface of the kernel has
-    /// its rates from outside and is only asked whether it carries them; where none are sent, it needs not be asked.
+    /// Enables FD frames in both directions, with their data at `data_kbit` kbit/s. The administrator sets the rates of
+    /// a kernel interface, so this call only checks that such an interface carries FD frames. The call is not needed
+    /// where no FD frames are sent.
     ///
     /// # Errors
-    /// The interface or the adapter knows classical frames only, or not this rate.
+    /// The interface or the adapter supports only classical frames, or not this rate.
     fn use_fd(&mut self, data_kbit: u32) -> Result<(), CanError>;
 
-    /// Sends FD frames as [`send`](Self::send) does classical ones, behind what was sent before; [`use_fd`](Self::use_fd)
-    /// has said so.
+    /// Sends FD frames in the same way as [`send`](Self::send), after all earlier frames. Call [`use_fd`](Self::use_fd)
+    /// first.
     ///
     /// # Errors
-    /// As there, or the bus carries classical frames only.
+    /// As for [`send`](Self::send), or the bus carries only classical frames.
     fn send_fd(&mut self, frames: &[bus::FdFrame]) -> Result<(), CanError>;
 
-    /// Appends what has arrived to `into` and says how many these are. Where nothing has arrived yet, waits for the first
-    /// until `patience` is over; returns earlier, with nothing, where a signal came to this thread.
+    /// Appends the received packets to `into` and gives their number. If no packet has arrived yet, waits up to
+    /// `patience` for the first. A signal to this thread ends the wait early, without a packet.
     ///
     /// # Errors
     /// The bus is gone or down.
     fn receive(&mut self, into: &mut Vec<Received>, patience: Duration) -> Result<usize, CanError>;
 
-    /// Receives from now on only what at least one of the filters lets through; none lets everything through. Error frames
-    /// always come.
+    /// From now on receives only packets that pass at least one of the filters. An empty list passes every packet.
+    /// Error frames always pass.
     ///
     /// # Errors
-    /// The bus does not take them.
+    /// The bus refuses the filters.
     fn listen_for(&mut self, filters: &[Filter]) -> Result<(), CanError>;
 
-    /// Packets for this end that were lost so far because nobody took them out of the buffer in time.
+    /// Number of packets for this end that were lost so far, because the program did not read the buffer in time.
     ///
     /// # Errors
-    /// The bus cannot tell.
+    /// The bus cannot give the number.
     fn dropped(&self) -> Result<u64, CanError>;
 }
 
-/// Opens a bus other than `sim`. `bit_rate` is for adapters on a line; an interface of the kernel has its own, set from
-/// outside.
+/// Opens a bus other than `sim`. `bit_rate` is for adapters on a line. The administrator sets the bit rate of a kernel
+/// interface.
 ///
 /// # Errors
-/// [`CanError`] says what is missing and how to get it.
+/// [`CanError`] says what is missing and how to correct it.
 pub fn open(address: &Address, bit_rate: BitRate) -> Result<Box<dyn Can>, CanError> {
     match address {
         Address::Sim => Err(CanError::NotABus),

@@ -1,5 +1,5 @@
-//! Recordings in the format of `candump -l`, which `canplayer`, Wireshark and python-can read:
-//! `(1700000000.123456) can0 190#2706AB`.
+//! Recordings in the format of `candump -l`: `(1700000000.123456) can0 190#2706AB`. `canplayer`, Wireshark and
+//! python-can read this format.
 
 use std::fmt;
 use std::io::{self, BufRead, Write};
@@ -14,11 +14,11 @@ const ERROR: u32 = 1 << 29;
 /// A line of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// When.
+    /// Time of the packet.
     pub time: Stamp,
-    /// On which interface.
+    /// Interface of the packet.
     pub bus: String,
-    /// What.
+    /// The packet.
     pub packet: Packet,
 }
 
@@ -43,7 +43,7 @@ impl<W: Write> LogWriter<W> {
     /// Appends a packet.
     ///
     /// # Errors
-    /// What it is written to does not take it.
+    /// The output refuses the bytes.
     pub fn push(&mut self, time: Stamp, packet: &Packet) -> io::Result<()> {
         self.line.clear();
         let us = time.nanos() / 1000;
@@ -90,18 +90,18 @@ impl<W: Write> LogWriter<W> {
         self.to.write_all(&self.line)
     }
 
-    /// Brings what there is so far to where it is written.
+    /// Writes all packets so far to the output.
     ///
     /// # Errors
-    /// What it is written to does not take it.
+    /// The output refuses the bytes.
     pub fn flush(&mut self) -> io::Result<()> {
         self.to.flush()
     }
 
-    /// Writes what is left.
+    /// Writes the remaining packets and gives the output back.
     ///
     /// # Errors
-    /// What it is written to does not take it.
+    /// The output refuses the bytes.
     pub fn finish(mut self) -> io::Result<W> {
         self.to.flush()?;
         Ok(self.to)
@@ -149,12 +149,12 @@ fn decimal(line: &mut Vec<u8>, mut value: u64, digits: usize) {
     line.extend_from_slice(text.get(text.len() - used..).unwrap_or(&text));
 }
 
-/// A line that is none of a recording.
+/// A line that does not belong in a recording.
 #[derive(Debug)]
 pub struct WrongLine {
-    /// From 1.
+    /// Number of the line, from 1.
     pub number: u64,
-    /// What is wrong with it.
+    /// The error in the line.
     pub reason: String,
 }
 
@@ -179,7 +179,7 @@ pub struct LogReader<R: BufRead> {
 }
 
 impl<R: BufRead> LogReader<R> {
-    /// Reads from here.
+    /// Reads from `from`.
     pub fn new(from: R) -> Self {
         Self {
             from,
@@ -214,7 +214,7 @@ impl<R: BufRead> Iterator for LogReader<R> {
 }
 
 fn entry(text: &str) -> Result<Entry, &'static str> {
-    // A later version of candump puts a direction behind the frame.
+    // Newer versions of candump write a direction after the frame.
     let mut words = text.split_ascii_whitespace();
     let (Some(time), Some(bus), Some(frame)) = (words.next(), words.next(), words.next()) else {
         return Err("it has less than three words");

@@ -1,4 +1,4 @@
-//! What can be on a bus.
+//! The packets of a bus, and filters for them.
 
 use std::time::Duration;
 
@@ -36,7 +36,7 @@ impl Stamp {
         self.0
     }
 
-    /// Time since an earlier stamp; nothing where that is the later one.
+    /// Time since an earlier stamp; zero where `earlier` is later.
     #[must_use]
     pub const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
@@ -52,7 +52,7 @@ pub enum Id {
     Extended(u32),
 }
 
-/// Up to `N` bytes; those from the length on are zero, so that equal contents compare equal.
+/// Up to `N` bytes. Unused bytes are zero, so that equal contents compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Data<const N: usize> {
     len: u8,
@@ -71,7 +71,7 @@ impl<const N: usize> Data<N> {
         })
     }
 
-    /// The first `N` of these bytes.
+    /// At most the first `N` of these bytes.
     pub(crate) fn truncated(content: &[u8]) -> Self {
         let mut bytes = [0; N];
         let mut len = 0;
@@ -91,21 +91,21 @@ impl<const N: usize> Data<N> {
     }
 }
 
-/// A frame of CAN FD.
+/// A CAN FD frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FdFrame {
     /// Its identifier.
     pub id: Id,
     /// Up to 64 bytes.
     pub data: Data<64>,
-    /// The bytes went at the higher bit rate.
+    /// The data had the higher bit rate.
     pub rate_switched: bool,
     /// The sender was error passive.
     pub sender_passive: bool,
 }
 
 impl FdFrame {
-    /// The frame of core that it is; `None` with an extended identifier, or with a length that there is not.
+    /// The frame as the core's type; `None` for an extended identifier or an impossible length.
     #[must_use]
     pub fn frame(&self) -> Option<bus::FdFrame> {
         match self.id {
@@ -127,23 +127,23 @@ impl From<&bus::FdFrame> for FdFrame {
     }
 }
 
-/// Whatever a bus can show.
+/// Anything that a bus can deliver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Packet {
     /// A classical data frame with an 11-bit identifier: all of CANopen.
     Frame(Frame),
     /// A classical data frame with a 29-bit identifier.
     Extended(u32, Data<8>),
-    /// A request for a frame, with the length asked for.
+    /// A remote request for a frame, with the requested length.
     Remote(Id, u8),
-    /// A frame of CAN FD.
+    /// A CAN FD frame.
     Fd(FdFrame),
-    /// The controller or its driver has something to say.
+    /// A report of the controller or its driver.
     Error(ErrorFrame),
 }
 
 impl Packet {
-    /// The CANopen frame it is, if it is one.
+    /// The classical data frame with an 11-bit identifier, if this packet is one.
     #[must_use]
     pub const fn frame(&self) -> Option<&Frame> {
         match self {
@@ -165,16 +165,16 @@ impl Packet {
     }
 }
 
-/// A packet and when it arrived.
+/// A packet and its time of arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Received {
-    /// When the kernel got it; for an adapter on a line, when it was read.
+    /// Time when the kernel got the packet; for an adapter on a line, when this program read it.
     pub time: Stamp,
-    /// What it is.
+    /// The packet.
     pub packet: Packet,
 }
 
-/// Lets frames with 11-bit identifiers through that agree with `id` in the bits of `mask`.
+/// Passes frames whose 11-bit identifiers agree with `id` in the bits of `mask`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Filter {
     id: u16,
@@ -182,7 +182,7 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// One identifier.
+    /// Passes one identifier.
     #[must_use]
     pub const fn exactly(id: CobId) -> Self {
         Self {
@@ -191,7 +191,7 @@ impl Filter {
         }
     }
 
-    /// One service of every node.
+    /// Passes one service of every node.
     #[must_use]
     pub const fn service(service: Service) -> Self {
         Self {
@@ -200,7 +200,7 @@ impl Filter {
         }
     }
 
-    /// Every service of one node.
+    /// Passes every service of one node.
     #[must_use]
     pub const fn node(node: NodeId) -> Self {
         Self {
@@ -209,13 +209,13 @@ impl Filter {
         }
     }
 
-    /// The bits that count, and what they have to be: identifier, mask.
+    /// Identifier and mask: the mask has the bits that count, the identifier their values.
     #[must_use]
     pub const fn bits(self) -> (u16, u16) {
         (self.id, self.mask)
     }
 
-    /// True where it lets this packet through.
+    /// True where the filter passes this packet.
     #[must_use]
     pub const fn passes(self, packet: &Packet) -> bool {
         match packet.id() {
@@ -225,7 +225,7 @@ impl Filter {
         }
     }
 
-    /// True where one of them, or none at all, lets this packet through.
+    /// True where one of the filters passes this packet, or `filters` is empty.
     #[must_use]
     pub fn any_passes(filters: &[Self], packet: &Packet) -> bool {
         filters.is_empty() || filters.iter().any(|filter| filter.passes(packet))

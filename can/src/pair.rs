@@ -1,5 +1,5 @@
-//! Two ends of a bus inside one process: what one sends, the other receives. For tests, and for joining parts that
-//! otherwise meet on a wire.
+//! A bus with two ends inside one process: each end receives the frames of the other. It is for tests, and for parts
+//! that a real bus would connect.
 
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
@@ -16,7 +16,7 @@ pub struct End {
     filters: Vec<Filter>,
 }
 
-/// Two ends that hear each other. Nothing is ever dropped between them.
+/// Two ends that receive each other's frames. No frame between them is ever dropped.
 #[must_use]
 pub fn pair() -> (End, End) {
     let (to_b, from_a) = mpsc::channel();
@@ -30,7 +30,7 @@ pub fn pair() -> (End, End) {
 }
 
 impl End {
-    /// Puts a packet of any kind on the bus: an error frame, say.
+    /// Puts a packet of any kind on the bus, for example an error frame.
     ///
     /// # Errors
     /// [`CanError::Closed`] where the other end is gone.

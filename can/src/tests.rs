@@ -1,4 +1,4 @@
-//! What holds for every kind of bus, and for recordings.
+//! Tests for every kind of bus, and for recordings.
 
 use std::os::unix::net::UnixDatagram;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ fn standard(id: u16) -> Id {
     Id::Standard(CobId::new(id).unwrap())
 }
 
-/// One of each kind, with the line that `candump -l` writes for it.
+/// One packet of each kind, with the line that `candump -l` writes for it.
 fn samples() -> Vec<(Packet, &'static str)> {
     vec![
         (
@@ -253,7 +253,7 @@ fn errors_add_up_to_a_suspicion() {
     assert_eq!(health.suspicion(), None);
     health.note(&error(0x88, 0, 0));
     assert_eq!(health.suspicion(), Some(Suspicion::BitRate));
-    // A good frame takes it back.
+    // A good frame clears the suspicion.
     health.note(&Packet::Frame(frame(1, &[])));
     assert_eq!(health.suspicion(), None);
 
@@ -272,7 +272,7 @@ fn errors_add_up_to_a_suspicion() {
     assert_eq!((health.frames, health.errors), (2, 35));
 }
 
-/// The kernel's receive path over a pair of sockets that any kernel has.
+/// Tests the kernel's receive path over a pair of sockets that any kernel supports.
 #[test]
 fn bursts_over_a_socket_arrive_whole_in_order_and_with_times() {
     let (here, there) = UnixDatagram::pair().unwrap();

@@ -1,18 +1,18 @@
-//! Which frames an adapter hands on: acceptance code and mask as the SJA1000 reads them with two filters, which is how
-//! adapters start.
+//! The acceptance filter of an adapter: code and mask of the SJA1000 in its mode with two filters, which adapters have
+//! at the start.
 //!
-//! Each half of the 32 bits is a filter of its own; a frame passes if it agrees with one of them wherever the mask has a
-//! zero. A half holds the upper 16 bits of an extended identifier, or a standard identifier, its remote bit and four
-//! bits of data; those four are not looked at.
+//! Each half of the 32 bits is a separate filter. A frame passes if it agrees with one filter in all bits where the
+//! mask has a zero. A half holds the upper 16 bits of an extended identifier, or a standard identifier, its remote bit
+//! and four bits of data. The filter ignores these four bits.
 
 use super::frame::SlcanFrame;
 
-/// Code and mask.
+/// Acceptance code and mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Acceptance {
-    /// What the bits have to be.
+    /// The required bits.
     pub code: u32,
-    /// Ones do not count.
+    /// Bits that are one do not count.
     pub mask: u32,
 }
 
@@ -23,7 +23,7 @@ impl Acceptance {
         mask: u32::MAX,
     };
 
-    /// The bits of a half that are looked at in a frame with a standard identifier.
+    /// The bits of a half that count for a frame with a standard identifier.
     const STANDARD: u16 = 0xFFF0;
 
     /// True where the frame passes.

@@ -1,4 +1,4 @@
-//! The adapter's side: what it does with a request depends on whether it is open.
+//! The adapter's side of the protocol. The effect of a request depends on whether the adapter is open.
 
 use super::acceptance::Acceptance;
 use super::frame::SlcanFrame;
@@ -6,7 +6,7 @@ use super::line::Heard;
 use super::reply::{Flags, Reply, Stamp};
 use super::request::{BitRate, Request};
 
-/// Where the channel is.
+/// State of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Channel {
     Closed,
@@ -14,12 +14,12 @@ enum Channel {
     Open,
 }
 
-/// What to do about a request.
+/// The result of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Handled {
-    /// To be sent to the host.
+    /// Reply to send to the host.
     pub reply: Reply,
-    /// To be put on the bus.
+    /// Frame to put on the bus.
     pub send: Option<SlcanFrame>,
 }
 
@@ -52,31 +52,31 @@ impl Adapter {
         }
     }
 
-    /// True while it takes part in the bus or listens.
+    /// True while the adapter takes part in the bus or listens.
     #[must_use]
     pub const fn is_open(&self) -> bool {
         !matches!(self.channel, Channel::Closed)
     }
 
-    /// The bit rate asked for last; `None` before, and after a request for timing registers.
+    /// The last requested bit rate; `None` before the first request, and after a request for timing registers.
     #[must_use]
     pub const fn bit_rate(&self) -> Option<BitRate> {
         self.rate
     }
 
-    /// The timing registers asked for last, if they were asked for instead of a bit rate.
+    /// The last requested timing registers; `None` where the last request was for a bit rate.
     #[must_use]
     pub const fn timing(&self) -> Option<(u8, u8)> {
         self.timing
     }
 
-    /// Something went wrong; the host is told when it asks.
+    /// Records errors; the host gets them when it asks.
     pub const fn flag(&mut self, flags: Flags) {
         self.flags = self.flags.with(flags);
     }
 
-    /// Takes what the host sent. An empty line is what some hosts clear the line with: it is answered like any other and
-    /// changes nothing.
+    /// Handles a line from the host. Some hosts send an empty line to clear the line: the adapter answers it like any
+    /// other and changes nothing.
     pub fn handle(&mut self, heard: Heard<'_>) -> Handled {
         if heard == Heard::Line(&[]) {
             return Handled {
@@ -89,7 +89,7 @@ impl Adapter {
         Handled { reply, send }
     }
 
-    /// `None` where the request is refused.
+    /// Answers a request; `None` refuses it.
     fn answer(&mut self, request: Request) -> Option<(Reply, Option<SlcanFrame>)> {
         let closed = self.channel == Channel::Closed;
         let reply = match request {
@@ -151,8 +151,8 @@ impl Adapter {
         Some((reply, None))
     }
 
-    /// The line for a frame from the bus, at this many milliseconds by the adapter's clock; `None` while it is closed, or
-    /// where the acceptance mask keeps it back.
+    /// The line for a frame from the bus; `ms` is the time of the adapter's clock. `None` while the adapter is closed,
+    /// or where the acceptance filter does not pass the frame.
     #[must_use]
     pub fn received(&self, frame: &SlcanFrame, ms: u64) -> Option<Reply> {
         let wanted = self.is_open() && self.acceptance.passes(frame);

@@ -1,4 +1,4 @@
-//! Frames as text.
+//! Frames as text on the line.
 
 use super::line::{Line, number};
 use leadscrew_core::bus::{CobId, Frame};
@@ -24,7 +24,7 @@ impl ExtendedId {
     }
 }
 
-/// A data frame with a 29-bit identifier. Bytes from the length on are zero, so that equal frames compare equal.
+/// A data frame with a 29-bit identifier. Unused bytes are zero, so that equal frames compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExtendedFrame {
     id: ExtendedId,
@@ -63,16 +63,16 @@ impl ExtendedFrame {
 pub enum SlcanFrame {
     /// `t`: a data frame with an 11-bit identifier.
     Data(Frame),
-    /// `T`: one with a 29-bit identifier.
+    /// `T`: a data frame with a 29-bit identifier.
     Extended(ExtendedFrame),
-    /// `r`: a request for a frame, with the length asked for, 0–8.
+    /// `r`: a remote request with an 11-bit identifier and the requested length, 0–8.
     Remote(CobId, u8),
-    /// `R`: one with a 29-bit identifier.
+    /// `R`: a remote request with a 29-bit identifier.
     RemoteExtended(ExtendedId, u8),
 }
 
 impl SlcanFrame {
-    /// The line so far and the frame.
+    /// Adds the frame to the line.
     pub(super) fn write(&self, line: Line) -> Line {
         match self {
             Self::Data(frame) => bytes(
@@ -92,7 +92,7 @@ impl SlcanFrame {
         }
     }
 
-    /// The frame at the front of a line, and what is left of the line behind it.
+    /// The frame at the front of a line, and the rest of the line after it.
     pub(super) fn read(line: &[u8]) -> Option<(Self, &[u8])> {
         let (kind, rest) = line.split_first()?;
         let digits = match kind {
@@ -126,7 +126,7 @@ impl SlcanFrame {
     }
 }
 
-/// The line so far, a length and that many bytes.
+/// Adds a length and that many bytes to the line.
 fn bytes(line: Line, payload: &[u8]) -> Line {
     let line = line.hex(payload.len() as u32, 1);
     payload

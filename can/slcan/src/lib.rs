@@ -1,8 +1,9 @@
 #![no_std]
 //! The serial-line protocol of Lawicel's CAN adapters (SLCAN): classical frames as lines of text.
 //!
-//! Terms. The *host* gives requests, the *adapter* replies to each and, while it is open, sends a line for every frame it
-//! receives. A line ends with CR; an adapter refuses with a single BEL. A *time stamp* counts the milliseconds of a minute.
+//! Terms. The *host* sends requests. The *adapter* replies to each request. While the adapter is open, it also sends a
+//! line for every frame that it receives. A line ends with CR; an adapter refuses with a single BEL. A *time stamp*
+//! counts the milliseconds of a minute.
 //!
 //! ```text
 //! t1232AABB␍          a data frame, identifier 123h, two bytes      T, with eight digits: an extended identifier
@@ -12,9 +13,9 @@
 //! M…␍ m…␍             acceptance code and mask, eight digits each
 //! ```
 //!
-//! [`Lines`] cuts bytes into lines, [`Request`] and [`Reply`] are what the lines mean, both ways. [`Adapter`] is the
-//! behaviour of the adapter's side, for a board that is reached over a serial line.
-//! Sans-IO: it must not know what the bytes travel on.
+//! [`Lines`] cuts bytes into lines. [`Request`] and [`Reply`] are the meaning of the lines in the two directions.
+//! [`Adapter`] is the behaviour of the adapter's side, for a board that is reached over a serial line. Sans-IO: this
+//! crate must not know the connection that carries the bytes.
 
 #[cfg(test)]
 extern crate std;

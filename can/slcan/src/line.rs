@@ -3,13 +3,13 @@
 /// The end of a line.
 const CR: u8 = b'\r';
 
-/// Refusal; it stands alone.
+/// Refusal; it needs no CR.
 const BEL: u8 = 0x07;
 
 /// The longest line: an extended frame with eight bytes and a time stamp.
 const LONGEST: usize = 1 + 8 + 1 + 16 + 4 + 1;
 
-/// A line with its end, ready to be sent.
+/// A line with its end, ready to send.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Line {
     bytes: [u8; LONGEST],
@@ -28,9 +28,9 @@ impl Line {
         Self::default().with(BEL)
     }
 
-    /// The line so far and `byte`.
+    /// Adds `byte` to the line.
     pub(super) fn with(mut self, byte: u8) -> Self {
-        // The longest line has room for all that is ever written into one.
+        // The longest line has room for every byte that is written.
         if let Some(place) = self.bytes.get_mut(self.len) {
             *place = byte;
             self.len = self.len.saturating_add(1);
@@ -38,7 +38,7 @@ impl Line {
         self
     }
 
-    /// The line so far and a number of `digits` hexadecimal digits.
+    /// Adds a number of `digits` hexadecimal digits to the line.
     pub(super) fn hex(self, value: u32, digits: u32) -> Self {
         (0..digits).rev().fold(self, |line, place| {
             let shift = place.saturating_mul(4);
@@ -46,7 +46,7 @@ impl Line {
         })
     }
 
-    /// The line and its end.
+    /// Adds the end of the line.
     pub(super) fn end(self) -> Self {
         self.with(CR)
     }
@@ -58,7 +58,7 @@ fn digit(value: u32) -> u8 {
     digit.to_ascii_uppercase() as u8
 }
 
-/// The number that all of `digits` are, hexadecimal; `None` where one of them is no digit, or there are none or more than
+/// The value of the hexadecimal `digits`; `None` where one of them is no digit, or there are no digits or more than
 /// eight.
 pub(super) fn number(digits: &[u8]) -> Option<u32> {
     if digits.is_empty() || digits.len() > 8 {
@@ -69,25 +69,25 @@ pub(super) fn number(digits: &[u8]) -> Option<u32> {
     })
 }
 
-/// What a byte has completed.
+/// A complete message from the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard<'a> {
-    /// A line, without its end; an empty one is an adapter's consent.
+    /// A line, without its end. An empty line is an adapter's confirmation.
     Line(&'a [u8]),
     /// A BEL: an adapter's refusal.
     Bell,
-    /// A line longer than any there is.
+    /// A line that is too long.
     TooLong,
 }
 
-/// Cuts bytes into lines of at most `ROOM` bytes: as many as the longest one has,
-/// unless an adapter knows more than classical frames.
+/// Cuts bytes into lines of at most `ROOM` bytes. The default is the longest line with a classical frame; an adapter
+/// with other frames needs more.
 #[derive(Clone, Copy, Debug)]
 pub struct Lines<const ROOM: usize = LONGEST> {
     bytes: [u8; ROOM],
-    /// Bytes of the line so far; more than there is room for means that it is too long.
+    /// Bytes of the line so far; more than the room means that the line is too long.
     len: usize,
-    /// The line before was handed out.
+    /// The line so far was already given out.
     complete: bool,
 }
 
@@ -98,7 +98,7 @@ impl<const ROOM: usize> Default for Lines<ROOM> {
 }
 
 impl Lines {
-    /// Nothing heard so far.
+    /// An empty line.
     #[must_use]
     pub const fn new() -> Self {
         Self::with_room()
@@ -106,7 +106,7 @@ impl Lines {
 }
 
 impl<const ROOM: usize> Lines<ROOM> {
-    /// Nothing heard so far.
+    /// An empty line.
     #[must_use]
     pub const fn with_room() -> Self {
         Self {
@@ -116,7 +116,7 @@ impl<const ROOM: usize> Lines<ROOM> {
         }
     }
 
-    /// Takes a byte. A BEL drops what came of the line before it; a line feed counts as nothing.
+    /// Takes a byte. A BEL drops the unfinished line before it; a line feed is ignored.
     pub fn push(&mut self, byte: u8) -> Option<Heard<'_>> {
         if self.complete {
             self.complete = false;

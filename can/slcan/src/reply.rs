@@ -1,9 +1,9 @@
-//! What an adapter says.
+//! The replies of an adapter.
 
 use super::frame::SlcanFrame;
 use super::line::{Heard, Line, number};
 
-/// When a frame came, by the adapter's clock: milliseconds, 0–59 999, and around.
+/// Time of arrival by the adapter's clock: milliseconds, 0–59 999, then again from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Stamp(u16);
 
@@ -21,14 +21,14 @@ impl Stamp {
     }
 }
 
-/// What has gone wrong in an adapter since it was last asked.
+/// The errors of an adapter since the host last asked for them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags(pub(super) u8);
 
 impl Flags {
-    /// The way in is full.
+    /// The receive queue is full.
     pub const RECEIVE_FULL: Self = Self(0x01);
-    /// The way out is full.
+    /// The send queue is full.
     pub const SEND_FULL: Self = Self(0x02);
     /// Near to error passive.
     pub const WARNING: Self = Self(0x04);
@@ -36,7 +36,7 @@ impl Flags {
     pub const OVERRUN: Self = Self(0x08);
     /// Error passive.
     pub const PASSIVE: Self = Self(0x20);
-    /// Lost against a frame of higher priority.
+    /// Arbitration lost against a frame of higher priority.
     pub const ARBITRATION: Self = Self(0x40);
     /// An error on the line.
     pub const BUS_ERROR: Self = Self(0x80);
@@ -53,7 +53,7 @@ impl Flags {
         self.0 & flags.0 == flags.0
     }
 
-    /// These and `flags`.
+    /// These flags and `flags`.
     #[must_use]
     pub const fn with(self, flags: Self) -> Self {
         Self(self.0 | flags.0)
@@ -67,9 +67,9 @@ pub enum Reply {
     Done,
     /// Refused.
     Refused,
-    /// `z`: on its way to the bus.
+    /// `z`: the frame is on its way to the bus.
     Sent,
-    /// `Z`: likewise, with an extended identifier.
+    /// `Z`: the frame with an extended identifier is on its way to the bus.
     SentExtended,
     /// `Vhhss`: hardware and software versions, two digits each.
     Version(u8, u8),
@@ -77,12 +77,12 @@ pub enum Reply {
     Serial([u8; 4]),
     /// `Fxx`.
     Flags(Flags),
-    /// A frame came.
+    /// A received frame.
     Frame(SlcanFrame, Option<Stamp>),
 }
 
 impl Reply {
-    /// As a line.
+    /// The reply as a line.
     #[must_use]
     pub fn line(&self) -> Line {
         let line = Line::default();
@@ -110,7 +110,7 @@ impl Reply {
         .end()
     }
 
-    /// What a host has heard; `None` where it is no reply.
+    /// The reply in a received line; `None` where it is no reply.
     #[must_use]
     pub fn of(heard: Heard<'_>) -> Option<Self> {
         let line = match heard {

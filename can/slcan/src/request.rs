@@ -1,9 +1,9 @@
-//! What a host asks of an adapter.
+//! The requests of a host to an adapter.
 
 use super::frame::SlcanFrame;
 use super::line::{Heard, Line, number};
 
-/// The bit rates that have a number.
+/// The bit rates with a number in the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum BitRate {
@@ -41,7 +41,7 @@ impl BitRate {
         Self::M1,
     ];
 
-    /// The rate of so many kbit/s; `None` where an adapter has no such rate.
+    /// The rate of `kbit` kbit/s; `None` where an adapter does not have it.
     #[must_use]
     pub fn of_kbit(kbit: u32) -> Option<Self> {
         let bits = kbit.saturating_mul(1000);
@@ -79,15 +79,15 @@ pub enum Request {
     Listen,
     /// `C`: leave the bus.
     Close,
-    /// `t T r R`: send this.
+    /// `t T r R`: send this frame.
     Send(SlcanFrame),
     /// `V`: the versions.
     Version,
     /// `N`: the serial number.
     Serial,
-    /// `F`: what has gone wrong, and forget it.
+    /// `F`: give the error flags and clear them.
     Flags,
-    /// `Zn`: received frames carry a time stamp, or do not.
+    /// `Zn`: received frames have a time stamp, or not.
     Stamps(bool),
     /// `Mxxxxxxxx`: the acceptance code, while closed.
     Code(u32),
@@ -96,7 +96,7 @@ pub enum Request {
 }
 
 impl Request {
-    /// As a line.
+    /// The request as a line.
     #[must_use]
     pub fn line(&self) -> Line {
         let line = Line::default();
@@ -120,7 +120,7 @@ impl Request {
         .end()
     }
 
-    /// What an adapter has heard; `None` where it is no request.
+    /// The request in a received line; `None` where it is no request.
     #[must_use]
     pub fn of(heard: Heard<'_>) -> Option<Self> {
         let Heard::Line(line) = heard else {

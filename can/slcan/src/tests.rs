@@ -187,7 +187,7 @@ fn any_bytes_at_all_are_survived_and_whole_frames_found() {
                 heard += 1;
                 if let Some(frame) = adapter.handle(line).send {
                     sent += 1;
-                    // What it understood is written as a line that means the same.
+                    // A request that was read is written as a line with the same meaning.
                     let line = Request::Send(frame).line();
                     assert_eq!(cut(line.bytes()), [Some(Request::Send(frame))]);
                 }
@@ -238,7 +238,7 @@ fn an_adapter_opens_once_it_has_a_bit_rate_and_refuses_what_does_not_fit() {
     adapter.flag(Flags::BUS_ERROR);
     adapter.flag(Flags::WARNING);
     assert_eq!(talk(&mut adapter, "F\rF\rC\r"), "F84\rF00\r\r");
-    // Listening: it hears, and sends nothing.
+    // Listening: the adapter receives, and sends nothing.
     assert_eq!(talk(&mut adapter, "s031C\rL\rt1000\r"), "\r\r\x07");
     assert_eq!(adapter.timing(), Some((0x03, 0x1C)));
     assert_eq!(adapter.bit_rate(), None);
@@ -256,7 +256,7 @@ fn an_adapter_hands_on_what_its_mask_lets_through() {
         Some(Reply::Frame(frame, Some(Stamp::at(5))))
     );
 
-    // First filter: identifier 190h exactly, data frames; second: 7xxh, whatever else.
+    // First filter: exactly identifier 190h, data frames. Second filter: 7xxh, any frame.
     let mut adapter = Adapter::new(1, 1, *b"0000");
     let code = 0x190_u32 << 21 | 0x700 << 5;
     let mask = 0x000F << 16 | (0x0FF << 5 | 0x1F);
@@ -275,7 +275,7 @@ fn an_adapter_hands_on_what_its_mask_lets_through() {
     ] {
         assert_eq!(adapter.received(&frame, 0).is_some(), passes, "{frame:?}");
     }
-    // The upper 16 bits of an extended identifier are what a half holds.
+    // A half holds the upper 16 bits of an extended identifier.
     let mut adapter = Adapter::new(1, 1, *b"0000");
     talk(&mut adapter, "S8\rMABCD0000\rm0000FFFF\rO\r");
     talk(&mut adapter, "C\rMABCDABCD\rm00000000\rO\r");

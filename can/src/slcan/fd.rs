@@ -1,5 +1,5 @@
-//! FD frames on the line of an adapter. They are not Lawicel's: this is what the firmware of CANable 2.0 adapters, and of
-//! others behind it, adds to the protocol.
+//! FD frames on the line of an adapter. They are not part of Lawicel's protocol: the firmware of CANable 2.0 adapters
+//! adds them, and other adapters follow it.
 //!
 //! ```text
 //! Y5␍                 while closed: the data of FD frames go at 5 Mbit/s (1, 2, 4, 5, 8)
@@ -11,10 +11,10 @@ use leadscrew_core::bus::{self, CobId};
 
 use crate::{Data, FdFrame, Id};
 
-/// The longest line: 64 bytes for an extended identifier, and a time stamp.
+/// The longest line: 64 bytes of data, an extended identifier and a time stamp.
 pub const LONGEST: usize = 1 + 8 + 1 + 128 + 4 + 1;
 
-/// The command for a rate of the data; `None` where there is no such command.
+/// The command for a data rate; `None` where no command exists for it.
 pub fn rate(data_kbit: u32) -> Option<String> {
     match data_kbit {
         1000 | 2000 | 4000 | 5000 | 8000 => Some(format!("Y{}\r", data_kbit / 1000)),
@@ -22,7 +22,7 @@ pub fn rate(data_kbit: u32) -> Option<String> {
     }
 }
 
-/// A frame as a line with its end.
+/// A frame as a line, with the end of the line.
 pub fn line(frame: &bus::FdFrame) -> Vec<u8> {
     let kind = if frame.is_rate_switched() { 'b' } else { 'd' };
     let mut line = format!("{kind}{:03X}{:X}", frame.id().get(), frame.length_code());
@@ -33,7 +33,7 @@ pub fn line(frame: &bus::FdFrame) -> Vec<u8> {
     line.into_bytes()
 }
 
-/// The frame that a line is, with or without a time stamp behind it.
+/// The frame in a line, with or without a time stamp after it.
 pub fn frame(line: &[u8]) -> Option<FdFrame> {
     let (kind, rest) = line.split_first()?;
     let (digits, rate_switched) = match kind {
@@ -70,7 +70,7 @@ pub fn frame(line: &[u8]) -> Option<FdFrame> {
     })
 }
 
-/// The number that hexadecimal digits are.
+/// The value of hexadecimal digits.
 fn number(digits: &[u8]) -> Option<u32> {
     digits.iter().try_fold(0_u32, |value, digit| {
         Some(value << 4 | char::from(*digit).to_digit(16)?)

@@ -1,4 +1,4 @@
-//! Opening what an adapter is reached over.
+//! Opens the connection to an adapter.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, IsTerminal as _};
@@ -15,10 +15,10 @@ use nix::sys::termios::{self, BaudRate, SetArg, SpecialCharacterIndices};
 use super::{ANSWER, Stream};
 use crate::{Address, CanError};
 
-/// Time for a connection to come about.
+/// Time limit for a connection.
 const CONNECT: Duration = Duration::from_secs(3);
 
-/// The name to call it by, and the line.
+/// The name of the adapter for messages, and the connection.
 pub fn open(address: &Address) -> Result<(String, Box<dyn Stream>), CanError> {
     match address {
         Address::Sim | Address::SocketCan(_) => Err(CanError::NotABus),
@@ -66,14 +66,15 @@ fn serial(path: &Path, name: &str, baud: u32) -> Result<File, CanError> {
         name: name.into(),
         baud,
     })?;
-    // Without the flag a line without carrier would not even open. It stays: what blocks afterwards is the poll.
+    // Without this flag the open call would block on a line without carrier. The flag stays set: later only the poll
+    // blocks.
     let line = OpenOptions::new()
         .read(true)
         .write(true)
         .custom_flags((OFlag::O_NOCTTY | OFlag::O_NONBLOCK).bits())
         .open(path)
         .map_err(|error| match error.raw_os_error().map(Errno::from_raw) {
-            // A folder; a socket.
+            // The path is a folder or a socket.
             Some(Errno::EISDIR | Errno::ENXIO) => CanError::NotSerial { name: name.into() },
             _ => failed(name, error),
         })?;
@@ -126,7 +127,7 @@ fn failed(name: &str, error: io::Error) -> CanError {
     }
 }
 
-/// The rates that a terminal knows by name.
+/// The baud rates of a terminal.
 fn rate(baud: u32) -> Option<BaudRate> {
     Some(match baud {
         9_600 => BaudRate::B9600,

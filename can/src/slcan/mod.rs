@@ -1,8 +1,8 @@
-//! Lawicel (SLCAN) adapters, and boards that behave like one: on a serial line, behind TCP or behind a Unix socket.
+//! Lawicel (SLCAN) adapters, and boards that behave like one: on a serial line, over TCP or over a Unix socket.
 //!
-//! The protocol itself is `leadscrew_slcan`, what some adapters add to it for FD frames is [`fd`]. Such adapters
-//! tell no error frames. Every frame sent is acknowledged by a line of the adapter, and no more than [`WINDOW`] are under
-//! way at a time, so that its buffer is not overrun.
+//! The protocol itself is in `leadscrew_slcan`; [`fd`] has an extension of some adapters for FD frames. Such adapters
+//! report no error frames. The adapter acknowledges every frame with a line. No more than [`WINDOW`] frames wait for
+//! their acknowledgement at a time, so that the adapter's buffer does not overflow.
 
 mod fd;
 mod line;
@@ -21,25 +21,25 @@ use nix::sys::time::TimeSpec;
 
 use crate::{Address, Can, CanError, Data, Filter, Id, Packet, Received, Stamp};
 
-/// Frames sent and not yet acknowledged, at most.
+/// Largest number of frames sent and not yet acknowledged.
 const WINDOW: usize = 32;
 
-/// Time for an adapter to answer a command, and to take what is sent. What is behind a socket is perhaps a program, and
-/// a computer may stand still for seconds [D178].
+/// Time for an adapter to answer a command, and to acknowledge frames. The other end of a socket may be a program, and
+/// a computer may stall for seconds [D178].
 const ANSWER: Duration = Duration::from_secs(5);
 
-/// Time for the version of one that has said something already.
+/// Time for the version of an adapter that has already sent something.
 const NO_VERSION: Duration = Duration::from_secs(2);
 
-/// Time in which an adapter that was in the middle of something becomes quiet.
+/// Time without a byte after which an adapter that was busy counts as quiet.
 const QUIET: Duration = Duration::from_millis(100);
 
-/// What an adapter is reached over.
+/// The connection to an adapter.
 pub(crate) trait Stream: Read + Write + AsFd + Send {}
 
 impl<T: Read + Write + AsFd + Send> Stream for T {}
 
-/// An open adapter. It is closed when this is dropped.
+/// An open adapter. Dropping this value closes the adapter.
 pub struct Slcan {
     name: String,
     stream: Box<dyn Stream>,
@@ -47,11 +47,11 @@ pub struct Slcan {
     filters: Vec<Filter>,
     /// Frames sent and not yet acknowledged.
     under_way: usize,
-    /// Acknowledgements that were refusals, since the last time that was told.
+    /// The adapter has refused a frame since the last report of a refusal.
     refused: bool,
-    /// Received while something else was waited for.
+    /// Packets received during another wait.
     early: Vec<Received>,
-    /// For it to take what is sent.
+    /// Time for the adapter to acknowledge frames.
     patience: Duration,
 }
 
@@ -59,7 +59,7 @@ impl Slcan {
     /// Opens the adapter at an address, at this bit rate.
     ///
     /// # Errors
-    /// There is nothing at the address, or it does not answer like an adapter.
+    /// The address does not exist, or it does not answer like an adapter.
     pub fn open(address: &Address, bit_rate: BitRate) -> Result<Self, CanError> {
         let (name, stream) = line::open(address)?;
         let mut adapter = Self {
@@ -76,13 +76,13 @@ impl Slcan {
         Ok(adapter)
     }
 
-    /// Whatever state the adapter is in, afterwards it is open.
+    /// Brings the adapter from any state to the open state.
     fn begin(&mut self, bit_rate: BitRate) -> Result<(), CanError> {
-        // Empty lines end what another program left unfinished; it may be open already or not.
+        // Empty lines end an unfinished line of another program. The adapter may be open already.
         self.write(b"\r\r\r")?;
         self.write(Request::Close.line().bytes())?;
-        // The version comes behind whatever else was still on its way, however long that takes. One that says it in words
-        // of its own, or not at all, is waited for until it is quiet.
+        // The version arrives after all older bytes on the line. If an adapter gives no version, or one in another
+        // format, this waits until the adapter is quiet.
         self.write(Request::Version.line().bytes())?;
         let deadline = Instant::now() + ANSWER;
         let mut patience = ANSWER;
@@ -123,7 +123,7 @@ impl Slcan {
                     command: name,
                 });
             }
-            // However late it is: what has come is there.
+            // After the deadline, bytes that have already arrived still count.
             over = left.is_zero();
             self.take(&mut early, |reply| {
                 if answered.is_none() && matches!(reply, Reply::Done | Reply::Refused) {
@@ -173,7 +173,7 @@ impl Slcan {
         Ok(())
     }
 
-    /// Reads once, and heeds acknowledgements.
+    /// Reads once, and counts acknowledgements.
     fn hear(&mut self, into: &mut Vec<Received>) -> Result<(), CanError> {
         let (mut done, mut refused) = (0, false);
         self.take(into, |reply| match reply {
@@ -199,7 +199,7 @@ impl Slcan {
         Ok(())
     }
 
-    /// Sends lines that are frames, no more at a time than the adapter takes.
+    /// Sends lines with frames, no more at a time than the adapter takes.
     fn post(&mut self, lines: &[Vec<u8>]) -> Result<(), CanError> {
         self.tell_refusal()?;
         let mut left = lines;
@@ -215,8 +215,8 @@ impl Slcan {
         Ok(())
     }
 
-    /// Waits until of what was sent no more than so many are not acknowledged yet. Before a command none may be: an
-    /// acknowledgement looks like the answer to one.
+    /// Waits until no more than `most` sent frames lack their acknowledgement. Before a command `most` must be 0,
+    /// because an acknowledgement looks like the answer to a command.
     fn settle(&mut self, most: usize) -> Result<(), CanError> {
         let deadline = Instant::now() + self.patience;
         let mut early = std::mem::take(&mut self.early);
@@ -224,7 +224,7 @@ impl Slcan {
         while self.under_way > most && result.is_ok() {
             let left = deadline.saturating_duration_since(Instant::now());
             result = match self.wait(left) {
-                // However late it is: what has come is there.
+                // After the deadline, bytes that have already arrived still count.
                 Ok(true) if !over => self.hear(&mut early),
                 Ok(false) if !left.is_zero() => Ok(()),
                 Ok(_) => Err(CanError::Stuck {
@@ -245,7 +245,7 @@ impl Slcan {
             .map_err(|error| self.failed("send to", error))
     }
 
-    /// Blocks where there is nothing; nothing is what a line that has ended gives, and that is an error here.
+    /// Reads, and blocks until a byte arrives. Zero bytes mean that the line has ended, which is an error here.
     fn read(&mut self, into: &mut [u8]) -> Result<usize, CanError> {
         loop {
             match self.stream.read(into) {
@@ -277,7 +277,7 @@ impl Slcan {
             ErrorKind::BrokenPipe | ErrorKind::ConnectionReset | ErrorKind::UnexpectedEof => {
                 CanError::Closed { name }
             }
-            // What a terminal says whose device was unplugged.
+            // The error of a terminal after its device was unplugged.
             _ if error.raw_os_error() == Some(Errno::EIO as i32) => CanError::Closed { name },
             ErrorKind::WouldBlock | ErrorKind::TimedOut => CanError::Stuck { name },
             _ => CanError::System { name, doing, error },
@@ -287,7 +287,7 @@ impl Slcan {
 
 impl Drop for Slcan {
     fn drop(&mut self) {
-        // The adapter may be gone: then there is nothing to close.
+        // If the adapter is gone, there is nothing to close.
         let _ = self.write(Request::Close.line().bytes());
     }
 }
@@ -336,7 +336,7 @@ impl Can for Slcan {
         if into.len() > before {
             return Ok(into.len() - before);
         }
-        // Acknowledgements come too, and are not what was waited for.
+        // Acknowledgements arrive, too; they do not end the wait.
         let started = Instant::now();
         let mut left = patience;
         while self.wait(left)? {
@@ -355,7 +355,7 @@ impl Can for Slcan {
     }
 
     fn dropped(&self) -> Result<u64, CanError> {
-        // A line waits; nothing on this side of the adapter drops.
+        // A line makes the adapter wait; no frame is lost on this side.
         Ok(0)
     }
 }

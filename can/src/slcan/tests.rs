@@ -1,4 +1,4 @@
-//! Against the adapter's side of the protocol, over each kind of line.
+//! Tests against the adapter's side of the protocol, over each kind of line.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
@@ -15,7 +15,7 @@ use crate::{Address, Can, CanError, Filter, Packet, Received, Slcan};
 
 static NUMBER: AtomicU32 = AtomicU32::new(0);
 
-/// A path that nobody else uses.
+/// A path that no other test uses.
 fn path(name: &str) -> std::path::PathBuf {
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
     std::env::temp_dir().join(format!("leadscrew-{name}-{}-{number}", std::process::id()))
@@ -25,7 +25,7 @@ fn frame(id: u16, payload: &[u8]) -> Frame {
     Frame::new(CobId::new(id).unwrap(), payload).unwrap()
 }
 
-/// An adapter whose bus sends every frame back with its first byte counted up; it ends with the line.
+/// An adapter whose bus sends every frame back with its first byte incremented. The adapter ends with the line.
 fn serve(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Adapter> {
     std::thread::spawn(move || {
         let mut adapter = Adapter::new(0x10, 0x10, *b"TEST");
@@ -36,7 +36,7 @@ fn serve(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Adapter> {
                 Ok(0) => return adapter,
                 Ok(count) => count,
                 Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-                // What the last end of a terminal says when the other is gone.
+                // The error of a terminal after its other end is gone.
                 Err(_) => return adapter,
             };
             let mut answer = Vec::new();
@@ -44,7 +44,7 @@ fn serve(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Adapter> {
                 let Some(heard) = lines.push(*byte) else {
                     continue;
                 };
-                // What a terminal echoes while it is not set up yet is no request.
+                // A terminal that is not set up yet echoes bytes; these are no requests.
                 if heard == Heard::Bell {
                     continue;
                 }
@@ -67,7 +67,7 @@ fn serve(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Adapter> {
     })
 }
 
-/// Sends many frames and gets as many back, in order.
+/// Sends many frames and receives the same number back, in order.
 fn exchange(address: &Address) {
     let mut can = Slcan::open(address, BitRate::M1).unwrap();
     let frames: Vec<Frame> = (0..1000_u16)
@@ -84,7 +84,7 @@ fn exchange(address: &Address) {
         assert_eq!(back.id(), sent.id());
         assert_eq!(back.payload()[0], sent.payload()[0].wrapping_add(1));
     }
-    // Nothing more, and the patience is kept.
+    // No further frame, and the wait takes its full time.
     let count = can.receive(&mut heard, Duration::from_millis(20)).unwrap();
     assert_eq!(count, 0);
 
@@ -143,7 +143,7 @@ fn an_adapter_that_was_left_open_is_closed_first() {
     let server = std::thread::spawn(move || {
         let (line, _) = listener.accept().unwrap();
         let mut both = line.try_clone().unwrap();
-        // A frame from before, and half of another.
+        // An old frame, and half of another.
         both.write_all(b"t1230\rt456").unwrap();
         serve(line).join().unwrap()
     });
@@ -159,8 +159,8 @@ fn an_adapter_that_was_left_open_is_closed_first() {
     std::fs::remove_file(path).unwrap();
 }
 
-/// An adapter like a CANable 2.0: it knows `Y` while it is closed, acknowledges with a line, and its bus sends back what it
-/// got. What it was told, in the end.
+/// An adapter like a CANable 2.0: it knows `Y` while it is closed, acknowledges with a line, and its bus sends every
+/// frame back. Gives the received commands at its end.
 fn serve_fd(mut line: impl Read + Write + Send + 'static) -> JoinHandle<Vec<String>> {
     std::thread::spawn(move || {
         let (mut told, mut heard, mut open) = (Vec::new(), Vec::new(), false);
@@ -241,8 +241,8 @@ fn an_adapter_that_knows_fd_frames_is_told_their_rate_and_carries_them_between_o
     std::fs::remove_file(path).unwrap();
 }
 
-/// A set with another rate comes into force while frames are under way: what acknowledges them is not taken for the
-/// answer to a command, nor lost to the count of what the adapter still has.
+/// A parameter set with another rate comes into force while frames are under way. Their acknowledgements must not pass
+/// for the answer to a command, and must be counted.
 #[test]
 fn the_rate_can_change_while_frames_are_under_way() {
     let path = path("rate");
@@ -300,7 +300,7 @@ fn each_mistake_has_its_own_words() {
     assert!(message(&serial(&nowhere, 115_200)).contains("is the adapter plugged in"));
     assert!(message(&serial(&nowhere, 12_345)).contains("does not run at 12345 baud"));
 
-    // A port that nobody listens at.
+    // A port without a listener.
     let port = TcpListener::bind("127.0.0.1:0")
         .unwrap()
         .local_addr()
@@ -312,7 +312,7 @@ fn each_mistake_has_its_own_words() {
     };
     assert!(message(&address).contains("refuses the connection"));
 
-    // One that says nothing, one that refuses, one that hangs up.
+    // An adapter that sends nothing, one that refuses, and one that closes the connection.
     for (said, expected) in [
         (None, "does not answer to `S`"),
         (Some(b"\x07"), "refuses `S`"),
@@ -322,7 +322,7 @@ fn each_mistake_has_its_own_words() {
         let server = std::thread::spawn(move || {
             let (mut line, _) = listener.accept().unwrap();
             let mut bytes = [0; 64];
-            // Heard only where there is a line to answer to.
+            // The bytes received so far. The answer comes only after an `S`.
             let mut heard = Vec::new();
             while let Ok(count @ 1..) = line.read(&mut bytes) {
                 heard.extend_from_slice(&bytes[..count]);
@@ -404,7 +404,7 @@ fn a_line_that_ends_in_mid_run_is_told() {
     std::fs::remove_file(path).unwrap();
 }
 
-/// It is this side that stood still: what came meanwhile is heard before the adapter is called late, and no longer.
+/// This side stalled: the bytes that arrived meanwhile are read before the adapter counts as late, but no later bytes.
 #[test]
 fn acknowledgements_that_lie_there_are_not_late() {
     for (acknowledged, is_taken) in [(5, true), (4, false), (0, false)] {

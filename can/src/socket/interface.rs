@@ -1,11 +1,12 @@
-//! What the kernel says about an interface, before a socket is bound to it: a socket on one that is down is silent.
+//! Checks an interface before a socket is bound to it. Without these checks a socket on an interface that is down would
+//! only be silent.
 
 use std::fs;
 use std::path::Path;
 
 use crate::CanError;
 
-/// Where the kernel lists its interfaces.
+/// The kernel's list of interfaces.
 const INTERFACES: &str = "/sys/class/net";
 
 /// `ARPHRD_CAN`.
@@ -14,19 +15,20 @@ const CAN: &str = "280";
 /// `IFF_UP`.
 const UP: u32 = 1;
 
-/// Refuses what is no CAN interface, or is down.
+/// Refuses an interface that is no CAN interface or is down.
 pub fn check(name: &str) -> Result<(), CanError> {
     look(Path::new(INTERFACES), name)
 }
 
-/// True for an interface without a controller of its own (vcan): nobody but who uses it would start one again.
+/// True for an interface without a controller of its own (vcan). If it is taken down, nobody except its user would
+/// start it again.
 #[must_use]
 pub fn is_virtual(name: &str) -> bool {
     lies_with_virtual_ones(Path::new(INTERFACES), name)
 }
 
 fn lies_with_virtual_ones(all: &Path, name: &str) -> bool {
-    // The list is one of links to the devices themselves.
+    // The entries of the list are links to the devices.
     fs::canonicalize(all.join(name)).is_ok_and(|device| {
         device
             .components()
@@ -34,7 +36,7 @@ fn lies_with_virtual_ones(all: &Path, name: &str) -> bool {
     })
 }
 
-/// What the kernel takes of an interface at a time where that is classical frames only.
+/// MTU of an interface that carries only classical frames.
 const CLASSICAL_ONLY: &str = "16";
 
 /// Refuses an interface without FD frames.
@@ -45,14 +47,14 @@ pub fn check_fd(name: &str) -> Result<(), CanError> {
 fn look_for_fd(all: &Path, name: &str) -> Result<(), CanError> {
     match fs::read_to_string(all.join(name).join("mtu")) {
         Ok(mtu) if mtu.trim() == CLASSICAL_ONLY => Err(CanError::NoFd { name: name.into() }),
-        // Without a list the socket itself has to tell.
+        // Without a list the socket itself reports the error.
         _ => Ok(()),
     }
 }
 
 fn look(all: &Path, name: &str) -> Result<(), CanError> {
     if !all.is_dir() {
-        // Without the list the socket itself has to tell.
+        // Without the list the socket itself reports the error.
         return Ok(());
     }
     let of = |name: &str, what: &str| {

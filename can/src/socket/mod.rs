@@ -1,8 +1,8 @@
 //! The kernel's CAN interfaces.
 //!
-//! A burst of frames costs one system call, received or sent. Waiting costs none beyond the call that waits: the socket
-//! itself gives up after [`SLICE`], and only what is left of a shorter patience is waited for with a poll, which is exact.
-//! The receive buffer is made as large as the kernel allows, since the usual one holds 278 frames.
+//! One system call receives or sends a whole burst of frames. Waiting needs no further call: the receive call itself
+//! waits, up to [`SLICE`]. Only a remaining time shorter than that needs a poll, which is exact. The receive buffer is
+//! as large as the kernel allows, because the default buffer holds only 278 frames.
 
 mod interface;
 mod raw;
@@ -25,22 +25,22 @@ use socketcan::{CanAddr, CanFdSocket, CanSocket, Socket as _, SocketOptions as _
 
 use crate::{Can, CanError, Filter, Received, Stamp};
 
-/// The longest the socket itself waits.
+/// The longest wait of one receive call.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// Bytes of the receive buffer: frames of some 80 seconds at full load, as the kernel counts them.
+/// Size of the receive buffer in bytes: frames of some 80 seconds at full load, as the kernel counts them.
 const BUFFER: usize = 256 << 20;
 
-/// The least and the most frames that one system call takes over.
+/// The smallest and the largest room for frames in one system call.
 const BATCH: (usize, usize) = (8, 256);
 
-/// How long the way out may be blocked.
+/// How long sending may be blocked.
 const STUCK: Duration = Duration::from_secs(1);
 
-/// How long to wait before a full queue of the interface is tried again; nothing tells when there is room.
+/// Wait before the next attempt on a full queue of the interface; the kernel does not report free room.
 const RETRY: Duration = Duration::from_millis(1);
 
-/// `SOL_SOCKET` and `SO_MEMINFO` of Linux, and the place of the drops in what it gives.
+/// `SOL_SOCKET` and `SO_MEMINFO` of Linux, and the index of the drop counter in the result.
 const SOL_SOCKET: i32 = 1;
 const SO_MEMINFO: i32 = 55;
 const MEMINFO_DROPS: usize = 8;
@@ -59,7 +59,7 @@ impl SocketCan {
     /// Opens an interface: classical and FD frames, error frames of every kind.
     ///
     /// # Errors
-    /// There is no such interface, it is none of CAN, or it is down.
+    /// The interface does not exist, is no CAN interface, or is down.
     pub fn open(name: &str) -> Result<Self, CanError> {
         interface::check(name)?;
         let unbound = socket(
@@ -75,7 +75,7 @@ impl SocketCan {
         can.socket
             .set_error_filter_accept_all()
             .map_err(|error| can.failed("ask for the error frames of", error))?;
-        // Last of all: frames come from here on, and a burst needs the whole of the buffer.
+        // The bind comes last: from here on frames arrive, and a burst needs the whole buffer.
         let address = CanAddr::from_iface(name).map_err(unopened)?;
         can.socket
             .as_raw_socket()
@@ -84,10 +84,11 @@ impl SocketCan {
         Ok(can)
     }
 
-    /// Any datagram socket that carries frames as the kernel's CAN sockets do: for measurements without an interface.
+    /// Takes any datagram socket that carries frames in the form of the kernel's CAN sockets: for measurements without
+    /// an interface.
     ///
     /// # Errors
-    /// The socket does not take its options.
+    /// The socket refuses an option.
     pub fn over(socket: OwnedFd, name: &str) -> Result<Self, CanError> {
         Self::new(name, CanFdSocket::from(socket))
     }
@@ -106,7 +107,7 @@ impl SocketCan {
         };
         let failed = |doing| move |error: Errno| failure(name, doing, error);
         let descriptor = &can.socket;
-        // Above the system's limit only the administrator gets; others get as much as they may.
+        // Only the administrator may go above the system's limit; others get the size that they are allowed.
         if setsockopt(descriptor, sockopt::RcvBufForce, &BUFFER).is_err() {
             setsockopt(descriptor, sockopt::RcvBuf, &BUFFER)
                 .map_err(failed("enlarge the buffer of"))?;
@@ -124,14 +125,14 @@ impl SocketCan {
         failed(&self.name, doing, error)
     }
 
-    /// One system call; nothing where nothing is there, in the time its flags allow.
+    /// Receives with one system call; gives 0 where no frame arrives in the time that the flags allow.
     fn take(&mut self, into: &mut Vec<Received>, flags: MsgFlags) -> Result<usize, CanError> {
         let before = into.len();
-        // How many bytes each has, and when it came.
+        // Length and time of arrival of each frame.
         let mut facts = [(0, Stamp::default()); BATCH.1];
         let mut arrived = 0;
         {
-            // Made anew every time: what was used once has only room for the control data that came the last time.
+            // New headers for every call: used headers only have room for the control data of the last call.
             let mut headers =
                 MultiHeaders::<()>::preallocate(self.room.len(), Some(nix::cmsg_space!(TimeSpec)));
             let mut slices: Vec<[IoSliceMut; 1]> = self
@@ -172,7 +173,7 @@ impl SocketCan {
         Ok(into.len() - before)
     }
 
-    /// Everything, in order, with as few system calls as can be.
+    /// Sends all frames, in order, with as few system calls as possible.
     fn put<const N: usize>(&self, bytes: &[[u8; N]]) -> Result<(), Errno> {
         let mut blocked = Duration::ZERO;
         let mut left = bytes;
@@ -206,7 +207,7 @@ impl SocketCan {
         Ok(())
     }
 
-    /// Waits exactly; true where something can be received.
+    /// Waits for the exact time; true where a frame can be received.
     fn wait(&self, patience: Duration) -> Result<bool, CanError> {
         let mut wanted = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
         match ppoll(&mut wanted, Some(TimeSpec::from_duration(patience)), None) {
@@ -235,7 +236,7 @@ impl Can for SocketCan {
     fn send_fd(&mut self, frames: &[bus::FdFrame]) -> Result<(), CanError> {
         let bytes: Vec<[u8; raw::FD]> = frames.iter().map(raw::fd_bytes).collect();
         self.put(&bytes).map_err(|error| match error {
-            // What the kernel says of a frame that is longer than the interface takes.
+            // The kernel's error for a frame that is too long for the interface.
             Errno::EINVAL => CanError::NoFd {
                 name: self.name.clone(),
             },
@@ -294,7 +295,7 @@ fn stamp(time: TimeSpec) -> Stamp {
     Stamp::from_nanos(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX))
 }
 
-/// A complaint of the library as one of ours.
+/// Converts an error of the socket library.
 fn failed(name: &str, doing: &'static str, error: std::io::Error) -> CanError {
     match error.raw_os_error() {
         Some(code) => failure(name, doing, Errno::from_raw(code)),
@@ -306,7 +307,7 @@ fn failed(name: &str, doing: &'static str, error: std::io::Error) -> CanError {
     }
 }
 
-/// The system's complaint as one of ours.
+/// Converts an error of the system.
 fn failure(name: &str, doing: &'static str, error: Errno) -> CanError {
     let name = name.to_owned();
     match error {

@@ -1,4 +1,4 @@
-//! Frames as the kernel's sockets carry them: `struct can_frame` and `struct canfd_frame` of `linux/can.h`, in the
+//! Frames in the form of the kernel's sockets: `struct can_frame` and `struct canfd_frame` of `linux/can.h`, in the
 //! machine's byte order.
 
 use leadscrew_core::bus::{self, CobId, Frame};
@@ -17,7 +17,7 @@ const EXTENDED_BITS: u32 = 0x1FFF_FFFF;
 const RATE_SWITCHED: u8 = 0x01;
 const SENDER_PASSIVE: u8 = 0x02;
 
-/// The packet in these bytes; `None` where they are none.
+/// The packet in these bytes; `None` where the bytes are no packet.
 pub fn packet(bytes: &[u8]) -> Option<Packet> {
     let (id, rest) = bytes.split_first_chunk::<4>()?;
     let word = u32::from_ne_bytes(*id);

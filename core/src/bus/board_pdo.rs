@@ -1,29 +1,29 @@
-//! The process data of the board itself, byte by byte: how it is operated, and what it tells all the time.
+//! The process data of the board itself, byte by byte: the commands of the operator, and the board's periodic status.
 //!
 //! | PDO | bytes | object | content |
 //! |---|---|---|---|
-//! | RPDO1 | 0 | 5000h:01 | count: another value for another order |
+//! | RPDO1 | 0 | 5000h:01 | count: a new value for every new order |
 //! | | 1 | 5000h:02 | order: 0 none, 1 run, 2 hold, 3 resume, 4 reset, 5 stop |
-//! | | 2 | 5000h:03 | switches: bit 0 single block, bit 1 dry run; bits 4 and 5: that switch is to be set |
-//! | | 3 | 5000h:04 | feed override in percent; 255: as it is |
-//! | | 4 | 5000h:05 | rapid override in percent; 255: as it is |
-//! | | 5 | 5000h:06 | spindle override in percent; 255: as it is |
+//! | | 2 | 5000h:03 | switches: bit 0 single block, bit 1 dry run; bits 4 and 5: change that switch |
+//! | | 3 | 5000h:04 | feed override in percent; 255: no change |
+//! | | 4 | 5000h:05 | rapid override in percent; 255: no change |
+//! | | 5 | 5000h:06 | spindle override in percent; 255: no change |
 //! | TPDO1 | 0 | 5001h:02 | state, see [`BoardState`] |
 //! | | 1 | 5001h:03 | flags, see [`BoardFlags`] |
 //! | | 2–3 | 5001h:04 | number of the alarm; 0: none |
 //! | | 4 | 5001h:05 | count of the last order that was taken |
 //! | | 5 | 5001h:06 | setpoints that were late for their SYNC; 255: that many or more |
 //! | | 6–7 | 5001h:07 | program credit |
-//! | TPDO2 | 0–3 | 5001h:08 | line of what is carried out; 0: nothing |
-//! | | 4–7 | 5001h:09 | its move; 0: nothing |
+//! | TPDO2 | 0–3 | 5001h:08 | source line of the current move; 0: none |
+//! | | 4–7 | 5001h:09 | number of the current move; 0: none |
 //! | TPDO3 | 0–1 | 5001h:0A | spindle angle in 1/65536 turn |
 //! | | 2–5 | 5001h:0B | spindle speed in 0.001 rpm, positive M03 |
 //! | | 6–7 | 5001h:0C | synchronism error in 10 nm; −32768: nothing is synchronised |
 //!
-//! All little-endian. **A frame that is lost or comes twice does no harm** [D96]. Overrides and switches are levels: twice
-//! the same is the same. An order is one only together with its count: the board takes it once, tells the count in TPDO1,
-//! and the sender repeats the frame until it reads its own count there. Two senders that count alike do not take
-//! each other's orders for repetitions, as long as they want different things; and wanting the same is no conflict.
+//! All values are little-endian. **A frame that is lost or comes twice does no harm** [D96]. Overrides and switches are
+//! levels: a repetition changes nothing. An order needs a count: the board takes the order once and sends its count in
+//! TPDO1. The sender repeats the frame until TPDO1 has that count. Two senders may use the same count. The board still
+//! takes both orders if they differ; two equal orders are no conflict.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -33,7 +33,7 @@ use super::mapping::Mapped;
 use super::pdo::MilliRpm;
 use crate::units::{Length, Turns};
 
-/// What an operator wants done once.
+/// An order of an operator; the board does it once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Order {
@@ -41,9 +41,9 @@ pub enum Order {
     Run = 1,
     /// Feed hold.
     Hold = 2,
-    /// Go on after feed hold or single block.
+    /// Continue after feed hold or single block.
     Resume = 3,
-    /// Stop, forget what is queued, clear an alarm.
+    /// Stop, empty the queue, clear an alarm.
     Reset = 4,
     /// Emergency stop.
     Stop = 5,
@@ -65,12 +65,12 @@ impl Order {
     }
 }
 
-/// RPDO1 of the board. What is `None` stays as it is.
+/// RPDO1 of the board. `None` means no change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardCommand {
-    /// Makes an order another one than the last.
+    /// Distinguishes an order from the last one.
     pub count: u8,
-    /// To be done once.
+    /// The order, which the board does once.
     pub order: Option<Order>,
     /// Single block on or off.
     pub single_block: Option<bool>,
@@ -85,7 +85,7 @@ pub struct BoardCommand {
 }
 
 impl BoardCommand {
-    /// Which objects its bytes are.
+    /// The objects in its bytes.
     pub const MAPPING: [Mapped; 6] = [
         Mapped::new(0x5000, 1, 8),
         Mapped::new(0x5000, 2, 8),
@@ -96,7 +96,7 @@ impl BoardCommand {
     ];
     const AS_IT_IS: u8 = 255;
 
-    /// `order` as the one after the order with count `last`.
+    /// A command with `order`; its count is the next after `last`.
     #[must_use]
     pub fn order(order: Order, last: u8) -> Self {
         Self {
@@ -138,7 +138,7 @@ impl BoardCommand {
         )
     }
 
-    /// Count and order of a frame that is known to carry a command, and the bytes of its settings: those of 5000h:03 to 06.
+    /// Count and order of a frame that is known to carry a command, and the bytes of its settings (5000h:03 to 06).
     pub(crate) fn raw(frame: &Frame) -> Option<(u8, Option<Order>, &[u8; 4])> {
         let (&[count, order], settings) = frame.payload().split_first_chunk::<2>()?;
         let order = match order {
@@ -148,8 +148,8 @@ impl BoardCommand {
         Some((count, order, settings.first_chunk()?))
     }
 
-    /// The board and its command, if `frame` is one. Bytes behind the sixth mean nothing; a frame with an order that does
-    /// not exist is none.
+    /// The board and its command, if `frame` is a board command. Bytes after the sixth have no meaning. A frame with an
+    /// unknown order is no command.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Rpdo1, node) = frame.id().service()? else {
@@ -173,20 +173,20 @@ impl BoardCommand {
     }
 }
 
-/// Lets an order through once, however often its frame comes.
+/// Passes an order on once, however often its frame comes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OrderGate {
     last: Option<(u8, Order)>,
 }
 
 impl OrderGate {
-    /// No order has come yet: the first is taken, whatever its count.
+    /// A gate before the first order: the gate takes the first order with any count.
     #[must_use]
     pub const fn new() -> Self {
         Self { last: None }
     }
 
-    /// The order of a command, unless it is the last one repeated.
+    /// The order of a command, unless it repeats the last order.
     pub fn take(&mut self, count: u8, order: Option<Order>) -> Option<Order> {
         let order = order?;
         let this = Some((count, order));
@@ -207,14 +207,14 @@ impl OrderGate {
     }
 }
 
-/// What the machine is doing.
+/// State of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 #[repr(u8)]
 pub enum BoardState {
     /// The drives are being enabled.
     #[default]
     Starting = 0,
-    /// Nothing.
+    /// The machine does nothing.
     Idle = 1,
     /// Moving, or changing from one move to the next.
     Run = 2,
@@ -226,12 +226,12 @@ pub enum BoardState {
     Wait = 5,
     /// Coming to rest after a reset.
     Stopping = 6,
-    /// Stopping or stopped on an alarm.
+    /// Stopping or stopped because of an alarm.
     Alarm = 7,
 }
 
 impl BoardState {
-    /// All of them; each at the place of its number.
+    /// All states; each at the index of its number.
     pub const ALL: [Self; 8] = [
         Self::Starting,
         Self::Idle,
@@ -243,7 +243,7 @@ impl BoardState {
         Self::Alarm,
     ];
 
-    /// The word for it.
+    /// The English name of the state.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -263,7 +263,7 @@ impl BoardState {
     }
 }
 
-/// What is on or off.
+/// The board's flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct BoardFlags {
     /// Bit 0: feed hold.
@@ -274,7 +274,7 @@ pub struct BoardFlags {
     pub dry_run: bool,
     /// Bit 3: a program is under way.
     pub program: bool,
-    /// Bit 4: an axis is held to the spindle.
+    /// Bit 4: an axis is synchronised with the spindle.
     pub locked: bool,
 }
 
@@ -298,25 +298,26 @@ impl BoardFlags {
     }
 }
 
-/// TPDO1 of the board: how it is.
+/// TPDO1 of the board: its status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardStatus {
-    /// What the machine is doing.
+    /// State of the machine.
     pub state: BoardState,
-    /// What is on.
+    /// The flags.
     pub flags: BoardFlags,
-    /// Number of the alarm it stands on; an alarm 0 does not exist.
+    /// Number of the present alarm; an alarm 0 does not exist.
     pub alarm: Option<u16>,
     /// Count of the last order that was taken.
     pub count: u8,
-    /// Setpoints that were late for their SYNC. The frame has at most 255.
+    /// Setpoints that were late for their SYNC. The frame holds at most 255.
     pub late: u32,
-    /// Program credit: how much may be sent, in the unit of the program object. The frame has at most 65535.
+    /// Program credit: how much the sender may still send, in the unit of the program object. The frame holds at most
+    /// 65535.
     pub credit: u32,
 }
 
 impl BoardStatus {
-    /// Which objects its bytes are.
+    /// The objects in its bytes.
     pub const MAPPING: [Mapped; 6] = [
         Mapped::new(0x5001, 2, 8),
         Mapped::new(0x5001, 3, 8),
@@ -326,7 +327,7 @@ impl BoardStatus {
         Mapped::new(0x5001, 7, 16),
     ];
 
-    /// The frame from the board `node`.
+    /// The frame of the board `node`.
     #[must_use]
     pub fn frame(self, node: NodeId) -> Frame {
         let [alarm, alarm_high] = self.alarm.unwrap_or(0).to_le_bytes();
@@ -347,7 +348,7 @@ impl BoardStatus {
         )
     }
 
-    /// The board and its status, if `frame` is one with a state that is known here.
+    /// The board and its status, if `frame` is a TPDO1 with a state that [`BoardState`] has.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Tpdo1, node) = frame.id().service()? else {
@@ -369,20 +370,20 @@ impl BoardStatus {
     }
 }
 
-/// TPDO2 of the board: where it is in the program.
+/// TPDO2 of the board: its position in the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardPlace {
-    /// Source line of what is carried out, from 1; 0: nothing.
+    /// Source line of the current move, from 1; 0: none.
     pub line: u32,
-    /// Its move, from 1; 0: nothing.
+    /// Number of the current move, from 1; 0: none.
     pub number: u32,
 }
 
 impl BoardPlace {
-    /// Which objects its bytes are.
+    /// The objects in its bytes.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x5001, 8, 32), Mapped::new(0x5001, 9, 32)];
 
-    /// The frame from the board `node`.
+    /// The frame of the board `node`.
     #[must_use]
     pub const fn frame(self, node: NodeId) -> Frame {
         let [a, b, c, d] = self.line.to_le_bytes();
@@ -390,7 +391,7 @@ impl BoardPlace {
         Frame::of(CobId::of(Service::Tpdo2, node), [a, b, c, d, e, f, g, h])
     }
 
-    /// The board and its place, if `frame` is one.
+    /// The board and its place, if `frame` is a TPDO2.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Tpdo2, node) = frame.id().service()? else {
@@ -407,20 +408,20 @@ impl BoardPlace {
     }
 }
 
-/// TPDO3 of the board: the spindle, and how well an axis follows it.
+/// TPDO3 of the board: the spindle, and the synchronism error of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardSpindle {
-    /// Angle at the last SYNC. The frame has what is beyond whole turns, in steps of 1/65536 turn, rounded down.
+    /// Angle at the last SYNC. The frame holds the fraction of a turn, in steps of 1/65536 turn, rounded down.
     pub angle: Turns,
     /// Measured speed.
     pub speed: MilliRpm,
-    /// Setpoint minus where the axis should be at the measured angle; `None` while nothing is synchronised. The frame has
-    /// ±327.67 µm, in steps of 10 nm, rounded towards zero.
+    /// Setpoint minus the ideal axis position at the measured angle; `None` while nothing is synchronised. The frame
+    /// holds ±327.67 µm, in steps of 10 nm, rounded towards zero.
     pub sync_error: Option<Length>,
 }
 
 impl BoardSpindle {
-    /// Which objects its bytes are.
+    /// The objects in its bytes.
     pub const MAPPING: [Mapped; 3] = [
         Mapped::new(0x5001, 0x0A, 16),
         Mapped::new(0x5001, 0x0B, 32),
@@ -428,10 +429,10 @@ impl BoardSpindle {
     ];
     const NOT_SYNCHRONISED: i16 = i16::MIN;
     const ERROR_STEP_NM: i64 = 10;
-    /// Of 2⁻³² turns in 1/65536 turn.
+    /// Shift from 2⁻³² turn to 1/65536 turn.
     const ANGLE_SHIFT: u32 = 16;
 
-    /// The frame from the board `node`.
+    /// The frame of the board `node`.
     #[must_use]
     pub fn frame(self, node: NodeId) -> Frame {
         let [a, b] = ((self.angle.raw() >> Self::ANGLE_SHIFT) as u16).to_le_bytes();
@@ -444,7 +445,7 @@ impl BoardSpindle {
         Frame::of(CobId::of(Service::Tpdo3, node), [a, b, c, d, e, f, g, h])
     }
 
-    /// The board and its spindle, if `frame` is one.
+    /// The board and its spindle, if `frame` is a TPDO3.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Tpdo3, node) = frame.id().service()? else {

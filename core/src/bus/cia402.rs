@@ -1,17 +1,17 @@
-//! The power state machine of CiA 402 as its master sees it: what a statusword says and what a controlword asks.
+//! The power state machine of CiA 402 from the master's view: the meaning of statuswords and controlwords.
 
 /// 6041h.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Statusword(u16);
 
 impl Statusword {
-    /// The word as it came.
+    /// The word with the value `raw`.
     #[must_use]
     pub const fn from_raw(raw: u16) -> Self {
         Self(raw)
     }
 
-    /// The word.
+    /// The value of the word.
     #[must_use]
     pub const fn raw(self) -> u16 {
         self.0
@@ -23,10 +23,10 @@ impl Statusword {
         self.0 & 0x6F == 0x27
     }
 
-    /// The state it stands for; `None` for a pattern that CiA 402 does not have.
+    /// The state in the statusword; `None` for a pattern that CiA 402 does not define.
     #[must_use]
     pub const fn state(self) -> Option<State> {
-        // Bits 3–0 and 6 name the state; bit 5 (quick stop, active low) only where the drive may be switched on.
+        // Bits 3–0 and 6 give the state. Bit 5 (quick stop, active low) counts only where the drive may be switched on.
         match self.0 & 0x4F {
             0x00 => return Some(State::NotReadyToSwitchOn),
             0x40 => return Some(State::SwitchOnDisabled),
@@ -49,15 +49,15 @@ impl Statusword {
 pub enum State {
     /// Initialising.
     NotReadyToSwitchOn,
-    /// Waiting to be allowed.
+    /// Waiting for permission to switch on.
     SwitchOnDisabled,
     /// High voltage may be applied.
     ReadyToSwitchOn,
     /// High voltage is applied.
     SwitchedOn,
-    /// Torque is on; the target is followed.
+    /// Torque is on; the drive follows its target.
     OperationEnabled,
-    /// Braking, or standing after it.
+    /// Braking, or standing after braking.
     QuickStopActive,
     /// Reacting to a fault.
     FaultReactionActive,
@@ -99,7 +99,7 @@ impl State {
 pub struct Controlword(u16);
 
 impl Controlword {
-    /// Voltage off, from any state: to switch on disabled.
+    /// Voltage off: from any state to switch on disabled.
     pub const DISABLE_VOLTAGE: Self = Self(0x0000);
     /// To quick stop active: the drive brakes by itself.
     pub const QUICK_STOP: Self = Self(0x0002);
@@ -109,16 +109,16 @@ impl Controlword {
     pub const SWITCH_ON: Self = Self(0x0007);
     /// To operation enabled.
     pub const ENABLE_OPERATION: Self = Self(0x000F);
-    /// Out of fault, where bit 7 rises.
+    /// Out of fault, on the rising edge of bit 7.
     pub const FAULT_RESET: Self = Self(0x0080);
 
-    /// The word as it came.
+    /// The word with the value `raw`.
     #[must_use]
     pub const fn from_raw(raw: u16) -> Self {
         Self(raw)
     }
 
-    /// The word.
+    /// The value of the word.
     #[must_use]
     pub const fn raw(self) -> u16 {
         self.0

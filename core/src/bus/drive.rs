@@ -1,10 +1,11 @@
-//! The master of one drive: brings it to operation enabled and watches it while it is there.
+//! The master of one drive. The master brings its drive to operation enabled and supervises it there.
 //!
 //! Terms. *Enabled* means operation enabled: the drive has torque and follows its target. *Contact* is the first status
-//! of a drive that has just been started. *Demand* is the position the board wants; it reaches the drive only while it is
-//! enabled. In every other phase the target is the drive's own actual position, so that there is nothing to jump to at
-//! the moment torque comes. An enabled drive is held there until a demand takes it up at that very place (to the
-//! nanometre), and follows from then on; demands left over from before it was enabled never move it.
+//! of a drive that has just been started. *Demand* is the position that the board wants. The demand reaches the drive
+//! only while the drive is enabled. In every other phase the target is the drive's own actual position: the drive has
+//! no distance to jump when torque comes. The master holds an enabled drive at that position until a demand equals it
+//! (to the nanometre). From then on the drive follows. A demand left over from before the enabling never moves the
+//! drive.
 //!
 //! ```text
 //! offline ─enable─► contact ─► (release) ─► shutdown 0006h ─► switch on 0007h ─► enable operation 000Fh ─► enabled
@@ -12,12 +13,12 @@
 //!                               only                      standby 0006h ◄── disable, fault, loss ───────────┘
 //! ```
 //!
-//! Each step has the same time; what does not answer within it is a [`DriveFailure`] that names the step and the
-//! statusword. A failure is latched until [`DriveMaster::reset`]; nothing is enabled again by itself. A fault or a loss of
-//! operation enabled ends the command at once, since there is nobody left to command. A following error or silence
-//! does not: the drive may still follow, and the board brakes all axes together before it disables them. A silent one,
-//! whatever failed before, only as far as its reach from where it was last heard; beyond that it is told to stop by itself
-//! (0002h).
+//! Each step has the same time limit. A step that takes longer is a [`DriveFailure`] with the step and the statusword.
+//! A failure is latched until [`DriveMaster::reset`]; no drive is enabled again by itself. A fault or a loss of
+//! operation enabled ends the commands at once, because such a drive follows no target. A following error or silence
+//! does not end them: the drive may still follow, and the board brakes all axes together before it disables them. A
+//! silent drive, whatever failed before, is braked only within its reach: a distance from its last known position.
+//! Beyond its reach the master sends quick stop (0002h), and the drive brakes by itself.
 
 pub(super) mod config;
 mod hear;
@@ -41,40 +42,41 @@ use crate::alarm::Alarm;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveMaster {
     config: DriveConfig,
-    /// The identifier of its statuses.
+    /// The identifier of the drive's TPDO1.
     status_id: CobId,
-    /// Increments to a nanometre: the same nanometre may be another increment. Known beforehand, for it is a division.
+    /// Increments in a nanometre: two positions that differ by no more count as equal. Kept here, because computing it
+    /// takes a division.
     nanometre: u32,
     phase: Phase,
     failure: Option<DriveFailure>,
     /// Periods since the step began; while enabled, ticks for which demands have been refused.
     waited: Periods,
-    /// A demand has taken the enabled drive up where it stands.
+    /// A demand was equal to the target of the enabled drive, so the drive follows demands.
     follows: bool,
     /// Periods since the last status.
     quiet: Periods,
-    /// It was told where to be while it was silent.
+    /// The drive was given a target while it was silent.
     missed: bool,
-    /// Periods for which the following error has been too great.
+    /// Periods for which the following error has been too large.
     astray: Periods,
     /// The last status.
     status: Option<DriveStatus>,
-    /// Statuses in a row that tell the same position.
+    /// Statuses in a row with the same position.
     same: u8,
     /// A status came after the step began.
     answered: bool,
     /// Error code of the last emergency message.
     error_code: u16,
-    /// What the next RPDO1 says unless a demand replaces it; while enabled, what the last one said.
+    /// The target of the next RPDO1 unless a demand replaces it; while enabled, the target of the last RPDO1.
     target: Increments,
-    /// What the RPDO1 before said.
+    /// The target of the RPDO1 before that.
     last_target: Increments,
     /// The NMT start is still to be sent.
     start: bool,
 }
 
 impl DriveMaster {
-    /// A master that has not spoken to its drive yet.
+    /// A master that has sent nothing to its drive yet.
     #[must_use]
     pub const fn new(config: DriveConfig) -> Self {
         Self {
@@ -98,30 +100,30 @@ impl DriveMaster {
         }
     }
 
-    /// The same for a drive of another node; before anything is said to it.
+    /// Gives the drive another node number. Call this before the first frame to the drive.
     pub(crate) const fn set_node(&mut self, node: NodeId) {
         self.config.node = node;
         self.status_id = CobId::of(Service::Tpdo1, node);
     }
 
-    /// What the drive's emergency messages have told; 0 where nothing is wrong.
+    /// Error code of the drive's emergency messages; 0 without an error.
     #[must_use]
     pub(crate) const fn error_code(&self) -> u16 {
         self.error_code
     }
 
-    /// The same, where another master has heard it: no drive tells it twice.
+    /// Takes over the error code from another master that has heard it. A drive sends an emergency message only once.
     pub(crate) const fn set_error_code(&mut self, code: u16) {
         self.error_code = code;
     }
 
-    /// What it was made with.
+    /// The configuration of this master.
     #[must_use]
     pub const fn config(&self) -> &DriveConfig {
         &self.config
     }
 
-    /// Where it is with its drive.
+    /// The phase of the drive.
     #[must_use]
     pub const fn phase(&self) -> Phase {
         self.phase
@@ -133,13 +135,13 @@ impl DriveMaster {
         matches!(self.phase, Phase::Enabled)
     }
 
-    /// True where no RPDO goes to it: before it has answered for the first time.
+    /// True while the drive gets no RPDO: until its first status.
     #[must_use]
     pub const fn is_told_nothing(&self) -> bool {
         matches!(self.phase, Phase::Offline | Phase::Step(Step::Contact))
     }
 
-    /// What went wrong, until [`DriveMaster::reset`].
+    /// The latched failure, until [`DriveMaster::reset`].
     #[must_use]
     pub const fn failure(&self) -> Option<DriveFailure> {
         self.failure
@@ -151,15 +153,15 @@ impl DriveMaster {
         self.status
     }
 
-    /// Where the drive is told to be: its actual position until it is enabled, then the last demand. A path starts from
-    /// here, and its first demand is this position.
+    /// The target of the drive: its actual position until it is enabled, then the last demand. A path starts here: its
+    /// first demand is this position.
     #[must_use]
     pub const fn target(&self) -> Increments {
         self.target
     }
 
-    /// Asks for operation enabled. Refused, with the failure, while one is latched; already enabled or on the way,
-    /// nothing changes.
+    /// Asks for operation enabled. A latched failure refuses it. Nothing changes for a drive that is enabled or on the
+    /// way there.
     pub const fn enable(&mut self) -> Result<(), DriveFailure> {
         if let Some(failure) = self.failure {
             return Err(failure);
@@ -171,7 +173,7 @@ impl DriveMaster {
         Ok(())
     }
 
-    /// Takes the torque away (0006h), also in the middle of enabling. The axis must stand: this does not brake.
+    /// Takes the torque away (0006h), also in the middle of enabling. The axis must stand, because this does not brake.
     pub const fn disable(&mut self) {
         match self.phase {
             Phase::Offline | Phase::Standby => {}
@@ -180,9 +182,10 @@ impl DriveMaster {
         }
     }
 
-    /// For drives that are told in one frame: until its turn to be enabled comes it is told
-    /// nothing. False, and a failure, where one that is told nothing has got ready although
-    /// another `goes`, that is, has got as far: it takes what that one is told for its own.
+    /// For drives that share one setpoint frame: a drive gets no command until it is its turn to be enabled. `goes` is
+    /// true while the drive whose turn it is takes the step "enable operation". False, and a failure, where this drive
+    /// is ready to switch on, or further, at that time: it has got no command, so it takes the other drive's command
+    /// for its own.
     pub(crate) fn wait(&mut self, goes: bool) -> bool {
         match self.phase {
             Phase::Step(Step::FaultReset) | Phase::Enabled | Phase::Halted => {
@@ -206,8 +209,8 @@ impl DriveMaster {
         }
     }
 
-    /// Forgets a latched failure and, where the drive is in fault, resets that. Without a failure nothing happens. The
-    /// drive is not enabled by it; one that still was is disabled.
+    /// Clears a latched failure and, where the drive is in fault, resets the fault. Without a failure nothing happens.
+    /// A reset never enables the drive; it disables a drive that was still enabled.
     pub const fn reset(&mut self) {
         let Some(failure) = self.failure else {
             return;
@@ -224,14 +227,14 @@ impl DriveMaster {
         }
     }
 
-    /// True where the drive has told the same position `times` times in a row.
+    /// True where the last `times` statuses have the same position.
     #[must_use]
     pub const fn has_told_the_same(&self, times: u8) -> bool {
         self.same >= times
     }
 
-    /// For a drive that has moved without a demand (a spindle that turned): its target is now where it was when it last
-    /// told, and the next demand takes it up there.
+    /// For a drive that has moved without a demand (a spindle that turned): its target is now its last reported
+    /// position. The next demand must start there.
     pub const fn hold_here(&mut self) {
         if let Some(status) = self.status {
             self.target = status.actual;
@@ -241,13 +244,13 @@ impl DriveMaster {
         self.waited = Periods::new(0);
     }
 
-    /// For a spindle in speed mode: where it was told to be does not count any more.
+    /// For a spindle in speed mode: its position target does not count any more.
     pub(crate) const fn leave_position(&mut self) {
         self.follows = false;
         self.astray = Periods::new(0);
     }
 
-    /// True while no status comes, whatever has failed before.
+    /// True while the drive sends no status, whatever has failed before.
     #[must_use]
     pub(crate) const fn is_silent(&self) -> bool {
         self.quiet.get() > self.config.silence.get()
@@ -266,7 +269,7 @@ impl DriveMaster {
         self.phase = phase;
     }
 
-    /// The first failure is the cause; what follows from it does not replace it.
+    /// The first failure is the cause; its consequences do not replace it.
     #[cold]
     #[inline(never)]
     fn latch(&mut self, failure: DriveFailure) {
@@ -279,7 +282,7 @@ impl DriveMaster {
         self.failure.is_some()
     }
 
-    /// The latched failure as an alarm that names drive, node and figures.
+    /// The latched failure as an alarm with drive, node and figures.
     #[must_use]
     pub fn alarm(&self) -> Option<Alarm> {
         self.failure.map(|failure| failure.alarm(&self.config))

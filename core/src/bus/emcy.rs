@@ -1,4 +1,4 @@
-//! Emergency messages: what a node says once when an error appears, and once when the last is gone.
+//! Emergency messages: a node sends one when an error appears, and one when the last error is gone.
 
 use super::frame::{CobId, Frame, NodeId, Service};
 
@@ -9,30 +9,30 @@ pub struct Emcy {
     pub code: u16,
     /// Error register, object 1001h.
     pub register: u8,
-    /// What the maker adds.
+    /// Manufacturer-specific detail.
     pub detail: [u8; 5],
 }
 
 impl Emcy {
-    /// Error code "device specific" of CiA 301: the board's own alarms, whose number is in the detail.
+    /// Error code "device specific" of CiA 301, for the board's own alarms. The detail has the number of the alarm.
     pub const DEVICE_SPECIFIC: u16 = 0xFF00;
-    /// Error code of CiA 301: a PDO was too short to be taken.
+    /// Error code of CiA 301: a PDO was too short and was not processed.
     pub const PDO_TOO_SHORT: u16 = 0x8210;
-    /// Error code of CiA 301: a PDO is longer than what is mapped.
+    /// Error code of CiA 301: a PDO is longer than its mapping.
     pub const PDO_TOO_LONG: u16 = 0x8220;
     /// Error register: bit 0 is set with every error.
     pub const GENERIC: u8 = 0x01;
-    /// Error register bit 7: maker's own.
+    /// Error register bit 7: manufacturer-specific error.
     pub const MAKER: u8 = 0x80;
 
-    /// No error any more.
+    /// The message that no error is left.
     pub const GONE: Self = Self {
         code: 0,
         register: 0,
         detail: [0; 5],
     };
 
-    /// An alarm of the board: its number, little-endian, is in the first two detail bytes.
+    /// The message for an alarm of the board: the first two detail bytes are the alarm's number, little-endian.
     #[must_use]
     pub const fn of_alarm(number: u16) -> Self {
         let [low, high] = number.to_le_bytes();
@@ -54,7 +54,7 @@ impl Emcy {
         )
     }
 
-    /// The node and its message, if `frame` is one.
+    /// The node and its message, if `frame` is an emergency message.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Emcy, node) = frame.id().service()? else {

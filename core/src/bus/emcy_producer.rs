@@ -1,5 +1,5 @@
-//! Tells errors to the network once, and keeps what they were: error register (1001h), history (1003h), inhibit
-//! time (1015h).
+//! Reports each error to the network once and keeps a record: error register (1001h), history (1003h), inhibit time
+//! (1015h).
 
 use heapless::Deque;
 
@@ -8,7 +8,7 @@ use super::frame::{Frame, NodeId};
 use super::object::Abort;
 use super::periods::Periods;
 
-/// Messages that may wait for the inhibit time.
+/// Largest number of messages that wait for the inhibit time.
 const WAITING: usize = 4;
 
 /// The emergency producer of a node, with a history of `N` errors.
@@ -18,16 +18,16 @@ pub struct EmcyProducer<const N: usize> {
     register: u8,
     /// Newest first.
     history: [u32; N],
-    /// How many there are.
+    /// Number of errors in the history.
     errors: u8,
     waiting: Deque<Emcy, WAITING>,
     inhibit: Periods,
-    /// Until the next may be sent.
+    /// Time until the next message may be sent.
     rest: Periods,
 }
 
 impl<const N: usize> EmcyProducer<N> {
-    /// A node without errors that may send messages one right after the other.
+    /// A producer without errors and with an inhibit time of 0.
     #[must_use]
     pub const fn new(node: NodeId) -> Self {
         Self {
@@ -41,7 +41,7 @@ impl<const N: usize> EmcyProducer<N> {
         }
     }
 
-    /// The least time between two messages (1015h, there in 0.1 ms).
+    /// Sets the shortest time between two messages (object 1015h has it in 0.1 ms).
     pub const fn set_inhibit(&mut self, inhibit: Periods) {
         self.inhibit = inhibit;
     }
@@ -52,8 +52,8 @@ impl<const N: usize> EmcyProducer<N> {
         self.register
     }
 
-    /// An error has appeared. It goes into the history even where too many messages wait; then the oldest that waits is
-    /// not sent.
+    /// Records a new error and queues its message. If too many messages wait, the oldest of them is never sent; the
+    /// history still has its error.
     pub fn raise(&mut self, error: Emcy) {
         self.register |= error.register | Emcy::GENERIC;
         let [low, high] = error.code.to_le_bytes();
@@ -71,7 +71,7 @@ impl<const N: usize> EmcyProducer<N> {
         });
     }
 
-    /// The last error is gone. Says so once.
+    /// The last error is gone. Queues one message about it.
     pub fn clear(&mut self) {
         if self.register != 0 {
             self.register = 0;
@@ -86,7 +86,7 @@ impl<const N: usize> EmcyProducer<N> {
         let _ = self.waiting.push_back(message);
     }
 
-    /// Time has passed; the next [`EmcyProducer::poll`] may have a message.
+    /// Counts the time `by`; the next [`EmcyProducer::poll`] may have a message.
     pub const fn elapse(&mut self, by: Periods) {
         self.rest = self.rest.minus(by);
     }
@@ -101,11 +101,11 @@ impl<const N: usize> EmcyProducer<N> {
         Some(message.frame(self.node))
     }
 
-    /// Sub-index `sub` of 1003h: 0 is how many there are, 1 the newest error: its code, and above that the first two
-    /// bytes of its detail.
+    /// Sub-index `sub` of 1003h. Sub-index 0 is the number of errors, 1 is the newest error. An entry holds the error
+    /// code in its lower half and the first two detail bytes in its upper half.
     ///
     /// # Errors
-    /// [`Abort::NoData`] where the history is shorter, [`Abort::NoSubIndex`] where it can never be that long.
+    /// [`Abort::NoData`] where the history is shorter, [`Abort::NoSubIndex`] above its capacity.
     pub fn history(&self, sub: u8) -> Result<u32, Abort> {
         let Some(place) = usize::from(sub).checked_sub(1) else {
             return Ok(self.errors.into());
@@ -117,7 +117,7 @@ impl<const N: usize> EmcyProducer<N> {
         }
     }
 
-    /// Forgets the history: what writing 0 to sub-index 0 of 1003h does.
+    /// Writes sub-index `sub` of 1003h: the value 0 in sub-index 0 clears the history.
     ///
     /// # Errors
     /// [`Abort::Value`] for another value, [`Abort::ReadOnly`] for another sub-index.
@@ -181,7 +181,7 @@ mod tests {
         for alarm in 1..=6 {
             producer.raise(Emcy::of_alarm(alarm));
         }
-        // The first two had no place to wait.
+        // The first two messages were dropped from the full queue.
         for alarm in 3..=6 {
             assert_eq!(producer.poll().unwrap().payload()[3], alarm);
             producer.elapse(Periods::new(9));

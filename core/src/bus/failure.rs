@@ -1,4 +1,4 @@
-//! What can go wrong with a drive, and how it is told.
+//! The failures of a drive, and their alarms.
 
 use super::cia402::Statusword;
 use super::drive::config::{DriveConfig, Step};
@@ -6,47 +6,48 @@ use super::increments::Increments;
 use crate::alarm::{Alarm, Arg, Code};
 use crate::units::{Angle, Length};
 
-/// What went wrong with a drive. Latched until [`DriveMaster::reset`](super::DriveMaster::reset).
+/// A failure of a drive. Latched until [`DriveMaster::reset`](super::DriveMaster::reset).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveFailure {
     /// No status at all after NMT start.
     NoAnswer,
-    /// A step took too long; the last statusword tells where the drive stays.
+    /// A step took too long; the last statusword shows the state in which the drive remains.
     Step(Step, Statusword),
     /// The drive reports a fault.
     Fault {
-        /// The statusword that says so.
+        /// The statusword with the fault.
         status: Statusword,
         /// Error code of the drive's last emergency message; 0 where there was none.
         code: u16,
     },
-    /// The drive left operation enabled without being told.
+    /// The drive left operation enabled without a command.
     Lost(Statusword),
-    /// It has got ready, and was told nothing: it takes its setpoints from another drive's place in the frame for all.
+    /// The drive got ready without a command: it reads another drive's place in the shared setpoint frame.
     Overhears(Statusword),
     /// The drive restarted.
     Restarted,
-    /// An enabled drive has been given demands, for as long as a step may take, and none where it stands.
+    /// An enabled drive got demands for the time of a step, and none of them was equal to the position where it is
+    /// held.
     Jump {
-        /// Where it is held.
+        /// The position where the drive is held.
         target: Increments,
-        /// Where it was to be at once.
+        /// The last demand.
         demand: Increments,
     },
-    /// No status for too long while enabled.
+    /// The enabled drive sent no status for too long.
     Silent,
     /// The drive is too far from its target.
     Following {
-        /// Where it was to be.
+        /// Its target.
         target: Increments,
-        /// Where it is.
+        /// Its actual position.
         actual: Increments,
     },
-    /// A spindle in position mode stands, and is told to be elsewhere.
+    /// A spindle in position mode stands, although its target is elsewhere.
     Stands {
-        /// Where it was to be.
+        /// Its target.
         target: Increments,
-        /// Where it is.
+        /// Its actual position.
         actual: Increments,
     },
 }

@@ -1,19 +1,19 @@
-//! A frame of CAN FD with an 11-bit identifier, and what it takes of the bus.
+//! A CAN FD frame with an 11-bit identifier, and its length in bits.
 //!
-//! | part of the frame (ISO 11898-1, FD base frame format) | bits | at the rate |
+//! | part of the frame (ISO 11898-1, FD base frame format) | bits | bit rate |
 //! |---|---|---|
 //! | start, identifier, RRS, IDE, FDF, reserved, BRS | 17 | nominal |
-//! | ESI, length code, data of n bytes | 5 + 8 n | of the data |
-//! | count of the stuff bits, CRC, and a fixed stuff bit before every four of these | 27 up to 16 bytes, 32 above | of the data |
+//! | ESI, length code, data of n bytes | 5 + 8 n | data |
+//! | stuff bit count, CRC, and a fixed stuff bit before every four of their bits | 27 up to 16 bytes, 32 above | data |
 //! | CRC delimiter, acknowledgement, end, intermission | 13 | nominal |
 //!
-//! Before the CRC a bit is stuffed behind five equal ones. FDF and BRS are 1 and what
-//! stands between IDE and FDF, FDF and BRS is 0, so that no row of equal bits reaches
-//! over them: at worst 3 bits are stuffed before FDF, and 1 + 2 n behind BRS.
+//! Before the CRC a stuff bit follows every five equal bits. FDF and BRS are 1. The bits between IDE and FDF and
+//! between FDF and BRS are 0. Therefore no row of equal bits reaches over them: at worst there are 3 stuff bits before
+//! FDF, and 1 + 2 n after BRS.
 
 use super::frame::{CobId, Frame};
 
-/// A data frame of CAN FD. The bytes from its length on are zero, so that equal frames compare equal.
+/// A CAN FD data frame. Unused bytes are zero, so that equal frames compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(align(4))]
 pub struct FdFrame {
@@ -24,11 +24,11 @@ pub struct FdFrame {
 }
 
 impl FdFrame {
-    /// The lengths there are, in bytes, by their code.
+    /// The possible lengths in bytes, by their code.
     pub const LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
 
-    /// A frame with the bytes of `payload`, and zeros behind them up to the next length there is; `None` for more than 64.
-    /// `rate_switched`: its data go at the higher rate.
+    /// A frame with the bytes of `payload`, filled with zeros up to the next possible length; `None` for more than 64
+    /// bytes. `rate_switched`: the data have the higher bit rate.
     #[must_use]
     pub fn new(id: CobId, payload: &[u8], rate_switched: bool) -> Option<Self> {
         let len = Self::length_for(payload.len())?;
@@ -44,7 +44,7 @@ impl FdFrame {
         })
     }
 
-    /// The length of the frame that has room for so many bytes; `None` for more than 64.
+    /// The length of the smallest frame with room for `bytes` bytes; `None` for more than 64.
     #[must_use]
     pub fn length_for(bytes: usize) -> Option<u8> {
         let mut all = Self::LENGTHS.into_iter();
@@ -57,28 +57,28 @@ impl FdFrame {
         self.id
     }
 
-    /// The payload, with the zeros that fill it up.
+    /// The payload, with the zeros at its end.
     #[must_use]
     pub fn payload(&self) -> &[u8] {
         self.data.get(..usize::from(self.len)).unwrap_or(&self.data)
     }
 
-    /// The code of its length, 0–15.
+    /// The code of the frame's length, 0–15.
     #[must_use]
     pub fn length_code(&self) -> u8 {
         let mut all = (0..).zip(Self::LENGTHS);
-        // Only lengths from the table are ever taken.
+        // Every frame has a length from the table.
         all.find(|(_, length)| *length == self.len)
             .map_or(15, |(code, _)| code)
     }
 
-    /// True where the data go at the higher rate.
+    /// True where the data have the higher bit rate.
     #[must_use]
     pub const fn is_rate_switched(&self) -> bool {
         self.rate_switched
     }
 
-    /// The classical frame that says the same; `None` for more than eight bytes.
+    /// The classical frame with the same content; `None` for more than eight bytes.
     #[must_use]
     pub fn classical(&self) -> Option<Frame> {
         Frame::new(self.id, self.payload())
@@ -86,7 +86,7 @@ impl FdFrame {
 }
 
 impl From<&Frame> for FdFrame {
-    /// The same, at one rate.
+    /// The same content, all at the nominal rate.
     fn from(frame: &Frame) -> Self {
         let mut data = [0; 64];
         for (place, byte) in data.iter_mut().zip(frame.payload()) {
@@ -101,17 +101,17 @@ impl From<&Frame> for FdFrame {
     }
 }
 
-/// Bits of a frame of CAN FD by the rate they go at.
+/// Number of bits of a CAN FD frame, by their bit rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FdBits {
-    /// At the nominal rate, or all of them where the rate is not switched.
+    /// Bits at the nominal rate.
     pub nominal: u32,
-    /// At the rate of the data.
+    /// Bits at the data rate; without rate switching these have the nominal rate, too.
     pub data: u32,
 }
 
 impl FdBits {
-    /// Those of a frame with room for `bytes` bytes (0–64), intermission included, stuffed as badly as can be.
+    /// The bits of a frame with room for `bytes` bytes (0–64), with intermission and the most stuff bits possible.
     #[must_use]
     pub fn of(bytes: u32) -> Self {
         let room = usize::try_from(bytes).ok().and_then(FdFrame::length_for);
@@ -119,18 +119,18 @@ impl FdBits {
         let check = if bytes > 16 { 32 } else { 27 };
         Self {
             nominal: const { 17 + 3 + 13 },
-            // ESI and length code, data, what is stuffed of them.
+            // ESI, length code and data with their stuff bits, then the checksum.
             data: bytes.wrapping_mul(10).wrapping_add(6).wrapping_add(check),
         }
     }
 
-    /// How many bits of `kbit` kbit/s take as long, rounded up, where the data go
-    /// at `data_kbit`. All at one rate where that is none.
+    /// The number of bits at `kbit` kbit/s that take the same time, rounded up. The data have `data_kbit` kbit/s; 0:
+    /// all bits have one rate.
     #[must_use]
     pub const fn at(self, kbit: u32, data_kbit: u32) -> u32 {
-        // Frames have some hundred bits, rates below ten thousand kbit/s.
+        // No overflow: frames have some hundred bits, and rates are below ten thousand kbit/s.
         let data = match self.data.saturating_mul(kbit).checked_div(data_kbit) {
-            // One more for what is left of the division.
+            // Rounds the quotient up.
             Some(whole) if whole < self.data => whole.saturating_add(1),
             _ => self.data,
         };
@@ -183,7 +183,7 @@ mod tests {
         assert_eq!((more.id(), more.classical()), (id(), None));
     }
 
-    /// How many bits are stuffed into these.
+    /// Counts the stuff bits for `bits`.
     fn stuffed(bits: &[bool]) -> usize {
         let (mut run, mut last, mut stuffed) = (0, None, 0);
         for bit in bits {
@@ -229,7 +229,7 @@ mod tests {
                 assert_eq!(room, 3 + 1 + 2 * length);
                 let mut worst = 0;
                 for _ in 0..2000 {
-                    // Rows of four, and what is near to them.
+                    // Rows of four equal bits, and similar patterns.
                     let pattern = [0x00, 0xFF, 0x0F, 0xF0, 0x87, 0x78, 0xC3, 0x3C, 0xE1, 0x1E]
                         [random() as usize % 10];
                     let flip = random() as usize % 64;
@@ -268,7 +268,7 @@ mod tests {
         // 12 bytes at 1 and 5 Mbit/s: 33 µs and 30.6 µs.
         assert_eq!(FdBits::of(12).at(1000, 5000), 64);
         assert_eq!(FdBits::of(12).at(500, 2000), 33 + 39);
-        // At one rate, or where the data's is none.
+        // At one rate, or with a data rate of 0.
         assert_eq!(FdBits::of(12).at(1000, 1000), 186);
         assert_eq!(FdBits::of(12).at(1000, 0), 186);
     }

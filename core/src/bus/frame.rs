@@ -1,4 +1,4 @@
-//! A classical CAN frame with an 11-bit identifier, and who it is from or for.
+//! A classical CAN frame with an 11-bit identifier, and the service and node in that identifier.
 //!
 //! Node numbers and COB-IDs are the defaults of CiA 301.
 
@@ -7,9 +7,10 @@
 pub struct NodeId(u8);
 
 impl NodeId {
-    /// The board, unless it is given another number.
+    /// The board, unless it has another number.
     pub const BOARD: Self = Self(1);
-    /// The X drive of the built-in machine; where another's are is said by its parameters, here as below.
+    /// The X drive of the built-in machine. For this node and the drives below, another machine's parameters give other
+    /// numbers.
     pub const DRIVE_X: Self = Self(16);
     /// The Z drive.
     pub const DRIVE_Z: Self = Self(17);
@@ -52,7 +53,7 @@ impl NodeId {
     }
 }
 
-/// An 11-bit identifier; a smaller one wins the bus.
+/// An 11-bit identifier; a smaller identifier has the higher priority.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CobId(u16);
 
@@ -80,12 +81,12 @@ impl CobId {
     /// A service of one node: the function code's base plus the node number.
     #[must_use]
     pub const fn of(service: Service, node: NodeId) -> Self {
-        // Bases end at 700h and nodes at 7Fh: at most 77Fh.
+        // At most 77Fh: the highest base is 700h and the highest node 7Fh.
         Self(service as u16 | node.0 as u16)
     }
 
     /// The service and the node of this identifier in the CiA 301 default set; `None` for NMT, SYNC, the time stamp and
-    /// the identifiers nobody owns.
+    /// unused identifiers.
     #[must_use]
     pub const fn service(self) -> Option<(Service, NodeId)> {
         let service = match self.0 & 0x780 {
@@ -110,39 +111,39 @@ impl CobId {
     }
 }
 
-/// The services a node has in the CiA 301 default set, with their function codes. PDOs are named as the node sees them:
-/// it sends a TPDO and receives an RPDO.
+/// The services of a node in the CiA 301 default set, with their function codes. The names of the PDOs take the node's
+/// view: the node sends a TPDO and receives an RPDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum Service {
     /// Emergency.
     Emcy = 0x080,
-    /// First process data it sends.
+    /// First process data that the node sends.
     Tpdo1 = 0x180,
-    /// First process data it receives.
+    /// First process data that the node receives.
     Rpdo1 = 0x200,
-    /// Second process data it sends.
+    /// Second process data that the node sends.
     Tpdo2 = 0x280,
-    /// Second process data it receives.
+    /// Second process data that the node receives.
     Rpdo2 = 0x300,
-    /// Third process data it sends.
+    /// Third process data that the node sends.
     Tpdo3 = 0x380,
-    /// Third process data it receives.
+    /// Third process data that the node receives.
     Rpdo3 = 0x400,
-    /// Fourth process data it sends.
+    /// Fourth process data that the node sends.
     Tpdo4 = 0x480,
-    /// Fourth process data it receives.
+    /// Fourth process data that the node receives.
     Rpdo4 = 0x500,
-    /// Answers of its SDO server.
+    /// Answers of the node's SDO server.
     SdoReply = 0x580,
-    /// Requests to its SDO server.
+    /// Requests to the node's SDO server.
     SdoRequest = 0x600,
     /// Heartbeat and boot-up.
     Heartbeat = 0x700,
 }
 
-/// A data frame of classical CAN. Bytes from `len` on are zero, so that equal frames compare equal.
-// On words: it is copied by the word then, and in line.
+/// A classical CAN data frame. Bytes from `len` on are zero, so that equal frames compare equal.
+// Word alignment: the compiler then copies the frame by words, inline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(align(4))]
 pub struct Frame {
@@ -166,7 +167,7 @@ impl Frame {
         })
     }
 
-    /// A frame with a payload whose size is known at compile time: at most eight bytes, or the program does not build.
+    /// A frame with a payload of a fixed size. More than eight bytes fail at compile time.
     pub(crate) const fn of<const N: usize>(id: CobId, payload: [u8; N]) -> Self {
         const { assert!(N <= 8, "a classical CAN frame has at most eight bytes") };
         let mut data = [0; 8];
@@ -195,7 +196,7 @@ impl Frame {
     /// The payload if it has exactly `N` bytes.
     #[must_use]
     pub fn exactly<const N: usize>(&self) -> Option<[u8; N]> {
-        // Not by way of the slice: a board reads every frame it hears so.
+        // Reads the array without a slice, because a board reads every received frame this way.
         if usize::from(self.len) == N {
             self.data.first_chunk().copied()
         } else {

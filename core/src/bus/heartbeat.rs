@@ -1,4 +1,4 @@
-//! Heartbeats: telling that one lives (1017h), and noticing who does not any more (1016h).
+//! Heartbeats: produces those of this node (1017h), and watches those of other nodes (1016h).
 
 use heapless::Vec;
 
@@ -32,7 +32,7 @@ impl HeartbeatProducer {
         self.ms
     }
 
-    /// Time has passed. True where a heartbeat is due; one, however much time it was.
+    /// Counts the time `by`. True where a heartbeat is due. A long time makes only one heartbeat due.
     pub fn elapse(&mut self, by: Periods) -> bool {
         if self.period == Periods::new(0) {
             return false;
@@ -46,17 +46,17 @@ impl HeartbeatProducer {
     }
 }
 
-/// An entry of object 1016h: whose heartbeats must come, and how often.
+/// An entry of object 1016h: a watched node and its heartbeat time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct HeartbeatWatch {
-    /// The node.
+    /// The watched node.
     pub node: NodeId,
     /// The longest time from one heartbeat to the next, in milliseconds.
     pub ms: u16,
 }
 
 impl HeartbeatWatch {
-    /// The entry with this value; `None` for one that watches nobody: a node outside 1–127, or no time.
+    /// The entry with this value; `None` for an entry that watches no node: a node number outside 1–127, or time 0.
     #[must_use]
     pub fn from_raw(raw: u32) -> Option<Self> {
         let [low, high, node, _] = raw.to_le_bytes();
@@ -73,14 +73,14 @@ impl HeartbeatWatch {
     }
 }
 
-/// What a heartbeat tells beyond "I am alive".
+/// News in a heartbeat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum HeartbeatEvent {
-    /// The first, or the first since it was lost.
+    /// The node's first heartbeat, or its first since the node was lost.
     Found(NmtState),
-    /// It is in another state.
+    /// The node has entered another state.
     Entered(NmtState),
-    /// It has restarted.
+    /// The node has restarted.
     Restarted,
 }
 
@@ -89,7 +89,7 @@ struct Watched {
     watch: HeartbeatWatch,
     limit: Periods,
     quiet: Periods,
-    /// `None`: not heard yet, or lost. Nobody is missed before he was there.
+    /// `None`: not heard yet, or lost. A node cannot be lost before its first heartbeat.
     state: Option<NmtState>,
 }
 
@@ -106,16 +106,18 @@ impl<const N: usize> Default for HeartbeatConsumer<N> {
 }
 
 impl<const N: usize> HeartbeatConsumer<N> {
-    /// One that watches nobody.
+    /// A consumer that watches no node.
     #[must_use]
     pub const fn new() -> Self {
         Self { entries: [None; N] }
     }
 
-    /// Sets entry `entry`, from 0 (sub-index − 1 of 1016h), at a SYNC period of `tick_us` microseconds. `None` clears it.
+    /// Sets entry `entry`, from 0 (sub-index − 1 of 1016h), at a SYNC period of `tick_us` microseconds. `None` clears
+    /// the entry.
     ///
     /// # Errors
-    /// [`Abort::NoSubIndex`] where there is no such entry, [`Abort::Incompatible`] where another entry has the node.
+    /// [`Abort::NoSubIndex`] where the entry does not exist, [`Abort::Incompatible`] where another entry has the same
+    /// node.
     pub fn set(
         &mut self,
         entry: usize,
@@ -139,13 +141,13 @@ impl<const N: usize> HeartbeatConsumer<N> {
         Ok(())
     }
 
-    /// Entry `entry`, from 0; `None` where it watches nobody or does not exist.
+    /// Entry `entry`, from 0; `None` where it watches no node or does not exist.
     #[must_use]
     pub fn get(&self, entry: usize) -> Option<HeartbeatWatch> {
         Some(self.entries.get(entry)?.as_ref()?.watch)
     }
 
-    /// The state of a watched node; `None` while it is not heard.
+    /// The state of a watched node; `None` while its heartbeats do not come.
     #[must_use]
     pub fn state(&self, node: NodeId) -> Option<NmtState> {
         self.entries
@@ -155,7 +157,7 @@ impl<const N: usize> HeartbeatConsumer<N> {
             .state
     }
 
-    /// Takes a frame; gives the watched node it is from and what is new about it.
+    /// Takes a frame; gives the watched node that sent it, and the news about that node.
     pub fn receive(&mut self, frame: &Frame) -> Option<(NodeId, HeartbeatEvent)> {
         let (node, state) = NmtState::decode(frame)?;
         let watched = self
@@ -174,7 +176,7 @@ impl<const N: usize> HeartbeatConsumer<N> {
         Some((node, event))
     }
 
-    /// Time has passed; gives the nodes that are lost from now on, each once.
+    /// Counts the time `by`; gives the nodes that are lost from now on, each once.
     pub fn elapse(&mut self, by: Periods) -> Vec<NodeId, N> {
         let mut lost = Vec::new();
         for watched in self.entries.iter_mut().flatten() {
@@ -184,7 +186,7 @@ impl<const N: usize> HeartbeatConsumer<N> {
             watched.quiet = watched.quiet.plus(by);
             if watched.quiet > watched.limit {
                 watched.state = None;
-                // There are as many places as entries.
+                // Cannot fail: the list has a place for every entry.
                 let _ = lost.push(watched.watch.node);
             }
         }
@@ -203,7 +205,7 @@ mod tests {
         let mut producer = HeartbeatProducer::new(3, TICK_US);
         let due = [(); 7].map(|()| producer.elapse(Periods::new(1)));
         assert_eq!(due, [false, false, true, false, false, true, false]);
-        // After a long pause one, not as many as there was time for.
+        // A long pause makes only one heartbeat due.
         assert!(producer.elapse(Periods::new(100)));
         assert!(!producer.elapse(Periods::new(2)));
         assert!(!HeartbeatProducer::new(0, TICK_US).elapse(Periods::new(u32::MAX)));
@@ -239,7 +241,7 @@ mod tests {
             consumer.set(3, watch(NodeId::DRIVE_Z, 5), TICK_US),
             Err(Abort::NoSubIndex)
         );
-        // Who was never there is not missed.
+        // A node that never sent a heartbeat is not lost.
         assert!(consumer.elapse(Periods::new(1000)).is_empty());
         for node in [x, gateway] {
             assert_eq!(

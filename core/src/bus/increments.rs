@@ -1,9 +1,9 @@
-//! Positions on the wire: drive increments, and the exact way there from nanometres.
+//! Positions on the bus: drive increments, and their exact conversion from nanometres.
 //!
-//! A drive counts in increments of its own. [`Scale`] is the ratio between both as CiA 402 has it (6091h, 6092h): so many
-//! increments for so many nanometres. An increment value is made from the absolute position, or from the one before
-//! with its exact rest ([`Told`]), which is the same: nothing is lost from tick to tick, and after any path the drive
-//! stands within half an increment of the exact position.
+//! A drive counts in increments of its own. [`Scale`] is the ratio between increments and nanometres, as CiA 402
+//! defines it (6091h, 6092h). [`Scale`] computes an increment value from the absolute position, or from the previous
+//! value and its exact remainder ([`Told`]). Both ways give the same result: no rounding error adds up from tick to
+//! tick, and after any path the drive stands within half an increment of the exact position.
 
 use crate::units::{narrow_div, signed_product};
 use core::num::NonZeroU32;
@@ -25,27 +25,27 @@ impl Increments {
         self.0
     }
 
-    /// How far apart two positions are, in increments.
+    /// The distance between two positions, in increments.
     #[must_use]
     pub const fn distance(self, other: Self) -> u32 {
         self.0.abs_diff(other.0)
     }
 
-    /// The same, of a drive whose count wraps: the shorter way round.
+    /// The distance for a drive whose count wraps: the shorter way round.
     #[must_use]
     pub(crate) const fn turned(self, other: Self) -> u32 {
         self.0.wrapping_sub(other.0).unsigned_abs()
     }
 }
 
-/// Where an axis was told to be.
+/// The last target of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Told {
     /// In nanometres (µ°).
     position: i64,
-    /// In increments; `None` beyond what its drive can count.
+    /// In increments; `None` beyond the range of its drive.
     increments: Option<Increments>,
-    /// What the increments leave of the position, and a half: below the denominator, so that they are the nearest.
+    /// Remainder of the division that gave the increments, with the rounding half included: 0 ≤ rest < denominator.
     rest: u32,
 }
 
@@ -90,10 +90,10 @@ impl Scale {
         self.find(position).increments
     }
 
-    /// The same, from where the axis was told to be last, made for the tick: what a tick moves is little, and two
-    /// multiplications and a division of 32 bits are enough. An axis that stands costs a comparison, one that moves farther
-    /// than these hold what [`Scale::increments`] costs. `last` must come from this very scale ([`Scale::find`], or this
-    /// function): the rest in it counts in its denominator.
+    /// The same value, computed from the last target of the axis. This function is for the tick: an axis moves little
+    /// in a tick, so two multiplications and a division of 32 bits are enough. A standing axis costs one comparison. A
+    /// move that is too large for 32 bits costs as much as [`Scale::increments`]. `last` must come from the same scale
+    /// ([`Scale::find`], or this function), because its remainder counts in units of the scale's denominator.
     pub fn follow(&self, last: &mut Told, position: i64) -> Option<Increments> {
         if last.position != position {
             *last = match self.step(last, position) {
@@ -104,7 +104,7 @@ impl Scale {
         last.increments
     }
 
-    /// `None` where the step is too large for 32 bits, or nothing is known of the last place.
+    /// `None` where the step is too large for 32 bits, or the last position has no increment value.
     fn step(&self, last: &Told, position: i64) -> Option<Told> {
         if is_beyond(position) {
             return None;
@@ -118,7 +118,7 @@ impl Scale {
         let rest = moved
             .checked_mul(numerator)?
             .checked_add(i32::try_from(last.rest).ok()?)?;
-        // Downwards, also where it is negative.
+        // Rounds down, also below zero.
         let sign = (rest >> 31) as u32;
         let magnitude = rest as u32 ^ sign;
         let whole = magnitude / self.denominator;
@@ -136,7 +136,7 @@ impl Scale {
         })
     }
 
-    /// Where an axis is told to be for a position.
+    /// The target for a position, with its remainder.
     #[must_use]
     pub const fn find(&self, position: i64) -> Told {
         let nowhere = Told {
@@ -173,9 +173,9 @@ impl Scale {
         }
     }
 
-    /// The position in nanometres (µ°) nearest to an increment value, halves upwards. One division: for starting and for
-    /// messages, not for the tick. Where an increment is a nanometre or more, [`Scale::increments`] gives the same
-    /// increment value back.
+    /// The position in nanometres (µ°) nearest to an increment value, halves upwards. Takes one division: for starting
+    /// and for messages, not for the tick. Where an increment is a nanometre or more, [`Scale::increments`] of the
+    /// result is the same increment value.
     #[must_use]
     pub const fn position(&self, increments: Increments) -> i64 {
         let numerator = self.numerator.get() as i64;
@@ -221,7 +221,7 @@ impl Scale {
     }
 }
 
-/// Not within ±2⁴³: to be seen in the upper half alone.
+/// True for a position not within ±2⁴³. The upper 32 bits are enough to see that.
 const fn is_beyond(position: i64) -> bool {
     ((position >> 32) as i32).wrapping_add(1 << 11) as u32 >= 1 << 12
 }

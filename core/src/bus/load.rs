@@ -1,16 +1,16 @@
-//! How much of the bus the cycle takes, with every frame stuffed as badly as can be.
+//! The bus load of the cycle, with the most stuff bits possible in every frame.
 //!
 //! | sent | frame |
 //! |---|---|
-//! | every tick | SYNC with its counter, RPDO1 of each drive, or one frame of CAN FD with all of them |
-//! | every fourth tick | RPDO1 of each spindle that only taps and does not tap now |
+//! | every tick | SYNC with its counter; RPDO1 of each drive, or one CAN FD frame with all setpoints |
+//! | every fourth tick | RPDO1 of each spindle that only taps, while it does not tap |
 //! | every n-th SYNC | TPDO1 of each drive |
 //! | every status period | TPDO1–3 of the board |
 
 use super::fd::FdBits;
 use crate::alarm::{Alarm, Arg, Code};
 
-/// What the cycle consists of.
+/// The frames and times of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cycle {
     /// Time from SYNC to SYNC in microseconds, above zero.
@@ -19,21 +19,22 @@ pub struct Cycle {
     pub kbit: u32,
     /// Drives that get a setpoint in every tick.
     pub drives: u32,
-    /// Drives of spindles that only tap: told to stand in every fourth tick while they do not.
+    /// Drives of spindles that only tap: they get a setpoint in every fourth tick while they do not tap.
     pub further: u32,
-    /// Each drive answers at every so many SYNCs.
+    /// Each drive answers once in this number of SYNCs.
     pub drive_syncs: u32,
     /// Time from status to status of the board in milliseconds.
     pub status_ms: u32,
-    /// The drives get their setpoints in one frame of CAN FD, its data at so many kbit/s; 0: each by its own RPDO1.
+    /// Data rate in kbit/s of the one CAN FD frame with all setpoints; 0: each drive gets its own RPDO1.
     pub fd_kbit: u32,
 }
 
-/// Bits of a classical frame with `bytes` of data, intermission included, stuffed as badly as can be.
+/// Bits of a classical frame with `bytes` bytes of data, with intermission and the most stuff bits possible.
 #[must_use]
 pub const fn frame_bits(bytes: u32) -> u32 {
     let data = bytes.saturating_mul(8);
-    // 34 bits before the data are stuffed with them, one in four after the first; 13 are not.
+    // Bit stuffing covers the data and 34 other bits: at worst one stuff bit for every four bits after the first. 13
+    // bits are never stuffed.
     let stuffed = data.saturating_add(34);
     stuffed
         .saturating_add(13)
@@ -41,7 +42,7 @@ pub const fn frame_bits(bytes: u32) -> u32 {
 }
 
 impl Cycle {
-    /// What may be taken, in tenths of a percent: the rest is for transfers and commands.
+    /// The largest load of a cycle, in tenths of a percent: the rest is for transfers and commands.
     pub const MOST: u32 = 900;
 
     /// The load in tenths of a percent.
@@ -58,7 +59,7 @@ impl Cycle {
             ),
         };
         let [drives, further] = alone;
-        // Bits of a frame, the time from one to the next as so many times so many microseconds, how many of them.
+        // Each row: bits of a frame, two factors of its period in microseconds, number of such frames.
         let sent = [
             (sync, self.tick_us, 1, 1),
             (setpoint, self.tick_us, 1, drives),
@@ -69,10 +70,10 @@ impl Cycle {
         ];
         let mut thousandths = 0_u64;
         for (bits, times, us, frames) in &sent {
-            // Products of two numbers of 32 bits fit.
+            // The product of two 32-bit numbers fits.
             let every_us = u64::from(*times).wrapping_mul(u64::from(*us));
             let bits = u64::from(*bits).wrapping_mul(100_000_000);
-            // Thousandths of a percent would be kbit · µs / 10⁸; tenths of a percent are bits · 10⁶ / (kbit · µs).
+            // Load in thousandths of a percent: bits · 10⁸ / (kbit/s · µs). The sum is rounded to tenths of a percent.
             let share = bits
                 .checked_div(every_us.saturating_mul(self.kbit.into()))
                 .unwrap_or(u64::from(u32::MAX));
@@ -82,10 +83,10 @@ impl Cycle {
         u32::try_from(thousandths.saturating_add(50) / 100).unwrap_or(u32::MAX)
     }
 
-    /// Refuses a cycle that leaves no room.
+    /// Refuses a cycle with a load above [`Self::MOST`].
     ///
     /// # Errors
-    /// [`Code::BusOverload`] with the arithmetic.
+    /// [`Code::BusOverload`] with the figures.
     pub fn check(&self) -> Result<(), Alarm> {
         let load = self.load();
         if load <= Self::MOST {
@@ -166,7 +167,7 @@ mod tests {
             };
             assert_eq!(together.load(), load, "{further} {fd_kbit}");
         }
-        // With a status of every drive at every SYNC, which eight frames have no room for.
+        // Every drive sends a status at every SYNC: no room for eight such frames.
         let every = Cycle {
             fd_kbit: 5000,
             ..cycle(4, 1)

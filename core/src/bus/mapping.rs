@@ -1,13 +1,12 @@
-//! What a node tells about its PDOs: their communication (1400h–1403h, 1800h–1803h) and their mapping (1600h–1603h,
-//! 1A00h–1A03h).
+//! The PDO parameters of a node: communication (1400h–1403h, 1800h–1803h) and mapping (1600h–1603h, 1A00h–1A03h).
 //!
-//! The mapping is fixed, so 16xxh and 1Axxh can only be read, and of the communication only two things can be changed:
-//! whether a PDO is used at all, and how often a TPDO is sent by itself.
+//! The mapping is fixed, so 16xxh and 1Axxh are read-only. A client can change only two communication parameters:
+//! whether a PDO is used, and the event time of a TPDO.
 
 use super::frame::{CobId, NodeId, Service};
 use super::object::{Abort, Object};
 
-/// A piece of a PDO: which object, and how many bits of it.
+/// One entry of a PDO mapping: an object and its number of bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Mapped {
     /// The object.
@@ -33,7 +32,7 @@ impl Mapped {
         u32::from_le_bytes([self.bits, self.object.sub, low, high])
     }
 
-    /// Bytes of a PDO with this mapping.
+    /// Length in bytes of a PDO with this mapping.
     #[must_use]
     pub fn bytes(mapping: &[Self]) -> u16 {
         let bits = mapping.iter().fold(0_u16, |bits, mapped| {
@@ -48,14 +47,14 @@ impl Mapped {
 pub struct PdoCommunication {
     service: Service,
     node: NodeId,
-    /// It is sent or listened to.
+    /// The PDO is used.
     valid: bool,
-    /// A TPDO is sent again after so many milliseconds; 0: not by itself.
+    /// Event time of a TPDO in milliseconds: it is sent again after this time; 0: never by time.
     event_ms: u16,
 }
 
 impl PdoCommunication {
-    /// Transmission type "by the maker's events", the event timer among them.
+    /// Transmission type for manufacturer-specific events, which include the event timer.
     pub const EVENT: u8 = 254;
     /// Sub-index of the COB-ID.
     pub const COB_ID: u8 = 1;
@@ -65,10 +64,10 @@ impl PdoCommunication {
     pub const EVENT_TIMER: u8 = 5;
     /// COB-ID bit 31: the PDO is not used.
     const INVALID: u32 = 1 << 31;
-    /// COB-ID bit 30: the PDO cannot be asked for.
+    /// COB-ID bit 30: no remote request for the PDO.
     const NO_RTR: u32 = 1 << 30;
 
-    /// A PDO that `node` receives as `service` ([`Service::Rpdo1`] …); what it brings acts when it comes.
+    /// A PDO that `node` receives as `service` ([`Service::Rpdo1`] …); its content takes effect at once.
     #[must_use]
     pub const fn received(service: Service, node: NodeId) -> Self {
         Self::sent(service, node, 0)
@@ -91,7 +90,7 @@ impl PdoCommunication {
         self.valid
     }
 
-    /// Milliseconds from one TPDO to the next; 0: none is sent by itself.
+    /// Event time of a TPDO in milliseconds; 0: never sent by time.
     #[must_use]
     pub const fn event_ms(&self) -> u16 {
         self.event_ms
@@ -133,7 +132,8 @@ impl PdoCommunication {
         }
     }
 
-    /// Changes sub-index `sub`. Only bit 31 of the COB-ID may change; the transmission type may be written as it is.
+    /// Changes sub-index `sub`. In the COB-ID only bit 31 may change. A write of the transmission type must not change
+    /// it.
     pub const fn write(&mut self, sub: u8, value: u32) -> Result<(), Abort> {
         match sub {
             0 => Err(Abort::ReadOnly),

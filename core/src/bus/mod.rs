@@ -1,14 +1,16 @@
-//! CANopen, as much of it as a cyclic master of drives, itself a node, needs: CiA 301 frames and services, CiA 402 drives.
+//! The part of CANopen that a cyclic master of drives needs, which is a node itself: CiA 301 frames and services, CiA
+//! 402 drives.
 //!
-//! Terms: a *node* has a number; a *PDO* is process data in one frame, named as the drive sees it (RPDO in, TPDO out);
-//! *SYNC* is the beat on which drives latch the last RPDO and sample what they answer.
+//! Terms. A *node* is a device with a number. A *PDO* is process data in one frame. Its name takes the drive's view: a
+//! drive receives an RPDO and sends a TPDO. *SYNC* is the periodic frame on which drives latch the last RPDO and sample
+//! the values of their answer.
 //!
 //! ```text
 //! SYNC(k) ─► drives latch RPDO(k−1), sample, answer ─► the board computes and sends RPDO(k) ─► SYNC(k+1)
 //! ```
 //!
-//! Everything here is sans-IO: frames and ticks go in, frames and events come out. It must not know what the positions
-//! are for: no motion, no program text.
+//! Everything here is sans-IO: frames and ticks go in, frames and events come out. This module must not know the
+//! purpose of the positions: no motion, no program text.
 
 mod board_pdo;
 mod cia402;

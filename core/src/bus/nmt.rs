@@ -2,15 +2,15 @@
 
 use super::frame::{CobId, Frame, NodeId, Service};
 
-/// What the NMT master tells a node to do.
+/// A command of the NMT master to a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum NmtCommand {
-    /// To operational: process data flows.
+    /// To operational: PDOs are active.
     Start = 0x01,
-    /// To stopped: nothing but heartbeats.
+    /// To stopped: only heartbeats.
     Stop = 0x02,
-    /// To pre-operational: configuration only.
+    /// To pre-operational: only configuration.
     PreOperational = 0x80,
     /// Restart the application.
     ResetNode = 0x81,
@@ -29,7 +29,7 @@ impl NmtCommand {
         Frame::of(CobId::NMT, [self as u8, number])
     }
 
-    /// The command in `frame` and the node it is for (`None`: all); `None` if it is no NMT command.
+    /// The command in `frame` and its node (`None`: all nodes); `None` if `frame` is no NMT command.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(Self, Option<NodeId>)> {
         if frame.id() != CobId::NMT {
@@ -51,17 +51,17 @@ impl NmtCommand {
     }
 }
 
-/// The state a node reports in its heartbeat.
+/// The state that a node reports in its heartbeat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum NmtState {
-    /// The one message after a restart.
+    /// The single message after a restart.
     BootUp = 0x00,
-    /// Nothing but heartbeats.
+    /// Only heartbeats.
     Stopped = 0x04,
-    /// Process data flows.
+    /// PDOs are active.
     Operational = 0x05,
-    /// Configuration only.
+    /// Only configuration.
     PreOperational = 0x7F,
 }
 

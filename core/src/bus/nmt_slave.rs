@@ -1,4 +1,4 @@
-//! A node as the NMT master sees it: which state it is in, and what it may do there.
+//! The NMT state of this node, and the services that each state allows.
 //!
 //! ```text
 //!            boot()                 start
@@ -17,13 +17,13 @@ impl NmtState {
         matches!(self, Self::PreOperational | Self::Operational)
     }
 
-    /// Process data are sent, and what comes acts.
+    /// Process data are sent, and received process data take effect.
     #[must_use]
     pub const fn allows_pdo(self) -> bool {
         matches!(self, Self::Operational)
     }
 
-    /// SYNC is produced, or acts.
+    /// SYNC is produced, or a received SYNC takes effect.
     #[must_use]
     pub const fn allows_sync(self) -> bool {
         self.allows_sdo()
@@ -36,14 +36,14 @@ impl NmtState {
     }
 }
 
-/// What a command means for the node.
+/// The effect of an NMT command on the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NmtEvent {
-    /// The state is another one now.
+    /// The node has changed to this state.
     Entered(NmtState),
     /// Restart everything, then [`NmtSlave::boot`].
     ResetNode,
-    /// Take the communication objects (1000h–1FFFh) as they are after power-up, then [`NmtSlave::boot`].
+    /// Set the communication objects (1000h–1FFFh) to their power-up values, then [`NmtSlave::boot`].
     ResetCommunication,
 }
 
@@ -55,7 +55,7 @@ pub struct NmtSlave {
 }
 
 impl NmtSlave {
-    /// A node that has not booted yet: it does nothing and hears nothing.
+    /// A node that has not booted yet: it sends nothing and ignores all frames.
     #[must_use]
     pub const fn new(node: NodeId) -> Self {
         Self {
@@ -64,26 +64,26 @@ impl NmtSlave {
         }
     }
 
-    /// Its number.
+    /// The node number.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
     }
 
-    /// Its state; [`NmtState::BootUp`] until it has booted.
+    /// The state; [`NmtState::BootUp`] until the node has booted.
     #[must_use]
     pub const fn state(&self) -> NmtState {
         self.state
     }
 
-    /// The node is ready: it goes to pre-operational and says so with the frame.
+    /// Brings the ready node to pre-operational and gives its boot-up message.
     pub const fn boot(&mut self) -> Frame {
         self.state = NmtState::PreOperational;
         NmtState::BootUp.frame(self.node)
     }
 
-    /// Takes a frame; gives what an NMT command to this node, or to all, asks for. A command to go where it is already
-    /// asks for nothing.
+    /// Takes a frame; gives the effect of an NMT command to this node or to all nodes. A command for the present state
+    /// has no effect.
     pub fn receive(&mut self, frame: &Frame) -> Option<NmtEvent> {
         let (command, node) = NmtCommand::decode(frame)?;
         if self.state == NmtState::BootUp || node.is_some_and(|node| node != self.node) {
@@ -148,7 +148,7 @@ mod tests {
                     state: from,
                 };
                 assert_eq!(slave.receive(&command.frame(None)), Some(event));
-                // Nothing is heard until it has booted again.
+                // The node ignores commands until it has booted again.
                 assert_eq!(slave.receive(&NmtCommand::Start.frame(None)), None);
                 assert_eq!(slave.boot().payload(), [0x00]);
                 assert_eq!(slave.state(), PreOperational);

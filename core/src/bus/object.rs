@@ -1,7 +1,7 @@
-//! What an SDO server serves: objects by number, and the reasons why one is refused.
+//! The interface between an SDO server and the objects of its node, and the abort codes.
 //!
-//! The server moves bytes and knows no types; what an object means, how long it is and what it accepts stands behind
-//! [`Objects`]. A value travels little-endian, as in all of CANopen.
+//! The server moves bytes and must not know types. An implementation of [`Objects`] knows the meaning, the length and
+//! the allowed values of each object. Values are little-endian, as everywhere in CANopen.
 
 use crate::alarm::Lang;
 
@@ -10,7 +10,7 @@ use crate::alarm::Lang;
 pub struct Object {
     /// Index, 0000h–FFFFh.
     pub index: u16,
-    /// Sub-index, 0–FFh; 0 where an object is a single value.
+    /// Sub-index, 0–FFh; 0 for an object that is a single value.
     pub sub: u8,
 }
 
@@ -27,38 +27,39 @@ impl Object {
 /// A server calls in a fixed order, one transfer at a time:
 ///
 /// - **Read.** [`size`](Self::size) once, then [`read`](Self::read) with offsets that mostly grow. In a block transfer
-///   offsets go back where frames were lost, so the bytes at an offset must not change until the next `size` of the same
-///   object: what changes by itself is copied in `size`. The end of a read is not told.
-/// - **Write.** [`begin_write`](Self::begin_write), then [`write`](Self::write) with the whole value in pieces, in order,
-///   without gap or repetition, then [`end_write`](Self::end_write): only here the value takes effect. A write that
-///   was begun without refusal and does not come to its `end_write` is [abandoned](Self::abandon), for whatever reason,
-///   a refusal of `write` among them. A refusal of `end_write` ends the write too; nothing is abandoned after it.
+///   an offset goes back after lost frames. Therefore the bytes at an offset must not change until the next `size` of
+///   the same object: `size` copies a value that changes by itself. There is no call for the end of a read.
+/// - **Write.** [`begin_write`](Self::begin_write), then [`write`](Self::write) with the whole value in pieces, in
+///   order, without gap or repetition, then [`end_write`](Self::end_write): only here the value takes effect. If
+///   `begin_write` succeeds and `end_write` does not follow for any reason (a refusal of `write`, for example), the
+///   write is [abandoned](Self::abandon). A refusal of `end_write` ends the write too; `abandon` does not follow it.
 ///
-/// A refusal is the abort code the client sees.
+/// A refusal is the abort code that the client gets.
 pub trait Objects {
-    /// Begins a read and gives the length in bytes; 0 is a length.
+    /// Begins a read and gives the length in bytes; 0 is a valid length.
     fn size(&mut self, object: Object) -> Result<u32, Abort>;
 
-    /// Fills `into` with the bytes from `offset` on and returns how many there are; fewer than fit only where the value
-    /// ends.
+    /// Fills `into` with the bytes from `offset` on and returns their number; it is less than the length of `into` only
+    /// at the end of the value.
     fn read(&mut self, object: Object, offset: u32, into: &mut [u8]) -> Result<usize, Abort>;
 
-    /// Begins a write of `size` bytes, or of a length that the client did not tell.
+    /// Begins a write of `size` bytes; `None`: the client did not give the length.
     fn begin_write(&mut self, object: Object, size: Option<u32>) -> Result<(), Abort>;
 
-    /// Takes the bytes at `offset`: the next ones. Nothing takes effect yet.
+    /// Takes the next bytes, at `offset`. They take no effect yet.
     fn write(&mut self, object: Object, offset: u32, bytes: &[u8]) -> Result<(), Abort>;
 
-    /// All `length` bytes are there, and the client has told so: checks them and puts them into effect, all or nothing.
+    /// The client has sent all `length` bytes and has confirmed it: checks the value and puts it into effect, all or
+    /// nothing.
     fn end_write(&mut self, object: Object, length: u32) -> Result<(), Abort>;
 
-    /// Forgets a write that was begun.
+    /// Discards a write that was begun.
     fn abandon(&mut self, object: Object);
 }
 
 macro_rules! aborts {
     ($($code:literal $name:ident $en:literal $zh:literal;)*) => {
-        /// Why a transfer was refused or broken off: the abort codes of CiA 301.
+        /// The abort codes of CiA 301: the reasons to refuse or abort a transfer.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u32)]
         pub enum Abort {
@@ -69,7 +70,7 @@ macro_rules! aborts {
             /// All of them, by code.
             pub const ALL: &[Self] = &[$(Self::$name,)*];
 
-            /// The abort with this code; `None` for one that CiA 301 does not have.
+            /// The abort with this code; `None` for a code that CiA 301 does not define.
             #[must_use]
             pub const fn from_code(code: u32) -> Option<Self> {
                 match code {
@@ -78,7 +79,7 @@ macro_rules! aborts {
                 }
             }
 
-            /// What it means, in English, as a part of a sentence.
+            /// The meaning in English, as a part of a sentence.
             #[must_use]
             pub const fn text(self) -> &'static str {
                 match self {
@@ -86,7 +87,7 @@ macro_rules! aborts {
                 }
             }
 
-            /// What it means, in the reader's language.
+            /// The meaning in the language `lang`.
             #[must_use]
             pub const fn text_in(self, lang: Lang) -> &'static str {
                 match (lang, self) {

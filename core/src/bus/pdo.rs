@@ -6,8 +6,8 @@
 //! | RPDO2, spindles | 6060h mode of operation (8 bit), 60FFh target velocity (32 bit, 0.001 rpm) |
 //! | TPDO1 | 6041h statusword (16 bit), 6064h actual position (32 bit, drive increments) |
 //!
-//! All little-endian. The spindle's velocity unit is what object 60A9h = FDB44700h (milli-revolutions per minute) stands
-//! for; a drive with another unit scales it by its own factors.
+//! All values are little-endian. The spindle's velocity unit is that of object 60A9h = FDB44700h (milli-revolutions per
+//! minute). A drive with another unit scales the velocity by its own factors.
 
 use super::cia402::{Controlword, Statusword};
 use super::frame::{CobId, Frame, NodeId, Service};
@@ -15,7 +15,7 @@ use super::increments::Increments;
 use super::mapping::Mapped;
 use crate::units::{Rpm, TurnRate};
 
-/// RPDO1 of a drive: what it is to do and where it is to be.
+/// RPDO1 of a drive: controlword and target position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveCommand {
     /// 6040h.
@@ -25,7 +25,7 @@ pub struct DriveCommand {
 }
 
 impl DriveCommand {
-    /// What the drive has to map into it.
+    /// The objects that the drive must map into this PDO.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6040, 0, 16), Mapped::new(0x607A, 0, 32)];
 
     /// The frame to `node`.
@@ -37,7 +37,7 @@ impl DriveCommand {
         )
     }
 
-    /// The node and its command, if `frame` is one.
+    /// The node and its command, if `frame` is an RPDO1.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (node, word, long) = decode_word_and_long(frame, Service::Rpdo1)?;
@@ -51,7 +51,7 @@ impl DriveCommand {
     }
 }
 
-/// TPDO1 of a drive: how it is and where it is.
+/// TPDO1 of a drive: statusword and actual position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveStatus {
     /// 6041h.
@@ -61,7 +61,7 @@ pub struct DriveStatus {
 }
 
 impl DriveStatus {
-    /// What the drive has to map into it.
+    /// The objects that the drive must map into this PDO.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6041, 0, 16), Mapped::new(0x6064, 0, 32)];
 
     /// The frame from `node`.
@@ -73,7 +73,7 @@ impl DriveStatus {
         )
     }
 
-    /// The node and its status, if `frame` is one.
+    /// The node and its status, if `frame` is a TPDO1.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         match frame.id().service()? {
@@ -102,7 +102,7 @@ pub struct SpindleCommand {
 }
 
 impl SpindleCommand {
-    /// What the drive has to map into it.
+    /// The objects that the drive must map into this PDO.
     pub const MAPPING: [Mapped; 2] = [Mapped::new(0x6060, 0, 8), Mapped::new(0x60FF, 0, 32)];
 
     /// The frame to `node`.
@@ -115,7 +115,7 @@ impl SpindleCommand {
         )
     }
 
-    /// The node and its command, if `frame` is one with a mode that is known here.
+    /// The node and its command, if `frame` is an RPDO2 with a mode that [`Mode`] has.
     #[must_use]
     pub fn decode(frame: &Frame) -> Option<(NodeId, Self)> {
         let (Service::Rpdo2, node) = frame.id().service()? else {
@@ -137,13 +137,13 @@ impl SpindleCommand {
     }
 }
 
-/// Mode of operation, 6060h: the cyclic synchronous ones.
+/// Mode of operation, 6060h: the cyclic synchronous modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Mode {
-    /// Cyclic synchronous position (CSP): axes, and a spindle that taps.
+    /// Cyclic synchronous position (CSP): for axes, and for a spindle that taps.
     Position = 8,
-    /// Cyclic synchronous velocity (CSV): a spindle that turns.
+    /// Cyclic synchronous velocity (CSV): for a spindle at a speed.
     Velocity = 9,
 }
 
@@ -167,10 +167,10 @@ impl MilliRpm {
         self.0
     }
 
-    /// The nearest to `rate`; saturates beyond 2.1 million rpm.
+    /// The speed nearest to `rate`; saturates beyond 2.1 million rpm.
     #[must_use]
     pub const fn of_rate(rate: TurnRate) -> Self {
-        // Thousandths of a turn per minute are 60 000 to a turn per second.
+        // One turn per second is 60 000 thousandths of a turn per minute.
         let scaled = (rate.raw() >> 8).saturating_mul(60_000);
         let rounded = scaled.saturating_add(1 << 23) >> 24;
         Self(if rounded > i32::MAX as i64 {

@@ -1,4 +1,4 @@
-//! Time as the bus has it.
+//! Time on the bus, in SYNC periods.
 
 /// A time in SYNC periods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -30,18 +30,18 @@ impl Periods {
         self.0
     }
 
-    /// This and `more`; stays at the greatest.
+    /// The sum with `more`; saturates.
     #[must_use]
     pub const fn plus(self, more: Self) -> Self {
         Self(self.0.saturating_add(more.0))
     }
 
-    /// What is left of this after `less`; 0 where nothing is.
+    /// The difference to `less`, not below 0.
     pub(crate) const fn minus(self, less: Self) -> Self {
         Self(self.0.saturating_sub(less.0))
     }
 
-    /// One more than this; stays at the greatest.
+    /// One period more; saturates.
     pub(super) const fn one_more(self) -> Self {
         Self(self.0.saturating_add(1))
     }

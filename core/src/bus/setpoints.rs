@@ -1,12 +1,12 @@
-//! What all drives of a board are told, in one frame of CAN FD: controlword and target of each, six bytes a drive, in the
-//! order X, Z, C and the spindles that there are.
+//! The setpoints of all drives of a board in one CAN FD frame: controlword and target of each drive, six bytes a drive,
+//! in the order X, Z, C and the existing spindles.
 //!
 //! ```text
 //! 480h + board   X: 6040h/16 607Ah/32   Z: 6040h/16 607Ah/32   C …   spindle 1 …
 //! ```
 //!
-//! It is a TPDO of the board and the RPDO1 of every drive: a drive maps dummy entries (CiA 301) as long as what is
-//! before its own six bytes, and does not look at what is behind them.
+//! The frame is a TPDO of the board and the RPDO1 of every drive. A drive maps dummy entries (CiA 301) for all bytes
+//! before its own six bytes, and ignores the bytes after them.
 
 use super::fd::FdFrame;
 use super::frame::{CobId, NodeId, Service};
@@ -18,7 +18,7 @@ use super::{Controlword, Frame};
 /// Bytes of a drive.
 const BYTES: usize = 6;
 
-/// Controlwords and targets.
+/// Controlwords and targets of all drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Setpoints {
     told: [[u8; BYTES]; Self::MOST],
@@ -26,14 +26,14 @@ pub struct Setpoints {
 }
 
 impl Setpoints {
-    /// The most drives there can be: three axes and four spindles.
+    /// The largest number of drives: three axes and four spindles.
     pub const MOST: usize = 7;
 
     /// The dummy entries of CiA 301 for 16 and 32 bits: UNSIGNED16 and UNSIGNED32.
     const DUMMY_16: Mapped = Mapped::new(0x0006, 0, 16);
     const DUMMY_32: Mapped = Mapped::new(0x0007, 0, 32);
 
-    /// For so many drives, none of which is told anything: controlword 0000h, no voltage.
+    /// Setpoints for `drives` drives without a command: controlword 0000h, no voltage.
     #[must_use]
     pub(crate) const fn of(drives: u8) -> Self {
         Self {
@@ -42,27 +42,27 @@ impl Setpoints {
         }
     }
 
-    /// The identifier they come with: the board's TPDO4.
+    /// The identifier of the frame: the board's TPDO4.
     #[must_use]
     pub const fn cob_id(board: NodeId) -> CobId {
         CobId::of(Service::Tpdo4, board)
     }
 
-    /// Takes what the drive of this place is told: the content of its RPDO1.
+    /// Takes the content of the RPDO1 for the drive at this place.
     pub(crate) fn tell(&mut self, place: usize, command: &Frame) {
         if let (Some(told), Some(content)) = (self.told.get_mut(place), command.exactly()) {
             *told = content;
         }
     }
 
-    /// The drive of this place is told nothing: no voltage, so that nothing of what it was told before enables it.
+    /// Sets the drive at this place to controlword 0000h, no voltage, so that no earlier command can enable it.
     pub(crate) fn withdraw(&mut self, place: usize) {
         if let Some(told) = self.told.get_mut(place) {
             *told = [0; BYTES];
         }
     }
 
-    /// The frame of `board`, its data at the higher rate.
+    /// The frame of `board`; its data have the higher bit rate.
     #[must_use]
     pub fn frame(&self, board: NodeId) -> Option<FdFrame> {
         let bytes = usize::from(self.drives).saturating_mul(BYTES);
@@ -70,7 +70,7 @@ impl Setpoints {
         FdFrame::new(Self::cob_id(board), payload, true)
     }
 
-    /// What the drive of this place is told in the payload of such a frame; `None` where that ends before.
+    /// The command for the drive at this place in the payload of such a frame; `None` where the payload is too short.
     #[must_use]
     pub fn command(payload: &[u8], place: usize) -> Option<DriveCommand> {
         let (drives, _) = payload.as_chunks::<BYTES>();
@@ -81,7 +81,7 @@ impl Setpoints {
         })
     }
 
-    /// What the drive of this place maps into its RPDO1: as few dummies as do, then its own.
+    /// The RPDO1 mapping of the drive at this place: as few dummy entries as possible, then its own objects.
     pub fn mapping(place: usize) -> impl Iterator<Item = Mapped> {
         let before = place.saturating_mul(BYTES);
         let long = core::iter::repeat_n(Self::DUMMY_32, before / 4);
@@ -155,7 +155,7 @@ mod tests {
         let told = Setpoints::command(frame.payload(), 2).unwrap();
         assert_eq!(told.control, Controlword::DISABLE_VOLTAGE);
         assert_eq!(Setpoints::command(frame.payload(), 4), None);
-        // What is no RPDO1 says nothing.
+        // A frame that is no RPDO1 changes nothing.
         setpoints.tell(2, &Frame::of(CobId::SYNC, [1]));
         assert_eq!(setpoints, Setpoints::of(4));
     }

@@ -1,31 +1,32 @@
-//! The master of a spindle drive: that of any drive, and the speed.
+//! The master of a spindle drive: the master of any drive, and in addition the speed.
 //!
-//! Mode and speed go out on change (RPDO2), and once in [`REPEAT`] periods in case that
-//! frame was lost [D125]. A drive keeps the last speed it was told, so it is told 0
-//! before it gets torque and as soon as it has lost it: enabling never starts a spindle.
+//! The master sends mode and speed (RPDO2) on change, and once in [`REPEAT`] periods in case that frame was lost
+//! [D125]. A drive keeps the last speed that it received. Therefore the master sends speed 0 before the drive gets
+//! torque and as soon as the drive has lost torque: enabling never starts a spindle.
 //!
-//! For tapping it is in position mode. That mode begins where the spindle stands: [`SpindleMaster::engage`] makes the
-//! drive's own position its target, and only then is the mode told, in one period with that target.
+//! For tapping the drive is in position mode. That mode begins at the position of the standing spindle:
+//! [`SpindleMaster::engage`] makes the drive's own position its target. Only then does the master send the mode, in the
+//! same period as that target.
 
 use super::drive::{DriveConfig, DriveMaster, Phase, Step};
 use super::frame::Frame;
 use super::increments::Increments;
 use super::pdo::{MilliRpm, Mode, SpindleCommand};
 
-/// Periods after which mode and speed are told again.
+/// Periods after which mode and speed are sent again.
 const REPEAT: u8 = 16;
 
-/// What a spindle is to do.
+/// The demand on a spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpindleDemand {
     /// Turn at a speed.
     Speed(MilliRpm),
-    /// Be at a position at the next SYNC, in increments that wrap.
+    /// Be at this position at the next SYNC, in increments that wrap.
     Position(Increments),
 }
 
 impl SpindleDemand {
-    /// What RPDO2 says, and RPDO1.
+    /// The content of RPDO2, and the target of RPDO1.
     const fn parts(self) -> (SpindleCommand, Option<Increments>) {
         let (mode, velocity, position) = match self {
             Self::Speed(velocity) => (Mode::Velocity, velocity, None),
@@ -39,14 +40,14 @@ impl SpindleDemand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpindleMaster {
     drive: DriveMaster,
-    /// What the drive was last told since it was started.
+    /// The last RPDO2 since the drive was started.
     told: Option<SpindleCommand>,
-    /// Periods since it was told.
+    /// Periods since that RPDO2.
     since: u8,
 }
 
 impl SpindleMaster {
-    /// A master that has not spoken to its drive yet.
+    /// A master that has sent nothing to its drive yet.
     #[must_use]
     pub const fn new(config: DriveConfig) -> Self {
         Self {
@@ -56,19 +57,19 @@ impl SpindleMaster {
         }
     }
 
-    /// What it has in common with every drive.
+    /// The master of any drive in it.
     #[must_use]
     pub const fn drive(&self) -> &DriveMaster {
         &self.drive
     }
 
-    /// The same, to enable, disable, reset and to receive frames.
+    /// The same master, to enable, disable, reset and to receive frames.
     pub const fn drive_mut(&mut self) -> &mut DriveMaster {
         &mut self.drive
     }
 
-    /// Takes the spindle up where it stands, for position mode: its position, which is the first demand. `None` while the
-    /// drive is not enabled or has not told the same position twice in a row.
+    /// Prepares the standing spindle for position mode. Gives its position, which must be the first demand. `None`
+    /// while the drive is not enabled or its last two statuses have different positions.
     pub fn engage(&mut self) -> Option<Increments> {
         if !self.drive.is_enabled() || !self.drive.has_told_the_same(2) {
             return None;
@@ -77,8 +78,7 @@ impl SpindleMaster {
         Some(self.drive.target())
     }
 
-    /// One SYNC period: the frames to send go to `put`, in their order. While its drive is not enabled, it is told a speed
-    /// of 0.
+    /// One SYNC period: the frames to send go to `put`, in their order. A drive that is not enabled gets speed 0.
     pub fn tick(&mut self, demand: SpindleDemand, put: &mut impl FnMut(Frame)) {
         let (wish, position) = demand.parts();
         let Some(command) = self.drive.follow_on(position) else {
@@ -116,7 +116,7 @@ impl SpindleMaster {
     ) {
         let drive = self.drive.tick_slowly(position);
         let wanted = match self.drive.phase() {
-            // Who is being started knows nothing of what it was told before.
+            // A drive that is being started has forgotten its earlier commands.
             Phase::Offline | Phase::Step(Step::Contact) => None,
             Phase::Enabled => Some(wish),
             Phase::Standby | Phase::Halted | Phase::Step(_) => Some(SpindleCommand {
@@ -183,7 +183,7 @@ mod tests {
         Some((command.mode, command.velocity.get() / 1000))
     }
 
-    /// Speeds told while it is enabled with 300 rpm wanted all the time.
+    /// The speeds sent during enabling, with 300 rpm wanted all the time.
     fn start(master: &mut SpindleMaster) -> Vec<Option<(Mode, i32)>> {
         master.drive_mut().enable().unwrap();
         let mut speeds = std::vec![told(master, 300)];
@@ -242,7 +242,7 @@ mod tests {
         let mut m = master();
         start(&mut m);
         told(&mut m, 0);
-        // It turns: two different frames, the second doubled on its way.
+        // The spindle turns: two different frames, of which the second comes twice.
         answer_at(&mut m, 5_000);
         told(&mut m, 0);
         answer_at(&mut m, 7_000);
@@ -261,7 +261,7 @@ mod tests {
         master.drive_mut().receive(&status.frame(NodeId::SPINDLE_1));
     }
 
-    /// In position mode, where a quarter of a turn is 2 500 and 5 periods are tolerated.
+    /// A spindle in position mode: the limit is a quarter of a turn (2 500), tolerated for 5 periods.
     fn positioned(at: i32) -> SpindleMaster {
         let mut m = SpindleMaster::new(DriveConfig {
             following: Some(FollowingLimit {
@@ -286,7 +286,7 @@ mod tests {
         let target = Increments::new(9_501);
         let go = SpindleDemand::Position(target);
         let mut m = positioned(7_000);
-        // As far as it may be, for ever.
+        // At the limit: no alarm, for any time.
         tick(&mut m, SpindleDemand::Position(Increments::new(9_500)));
         for _ in 0..50 {
             answer_at(&mut m, 7_000);
@@ -315,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_spindle_that_lags_turns_round_or_is_not_in_position_mode_is_none() {
-        // By three turns, all the time.
+        // A lag of three turns, all the time.
         let mut m = positioned(7_000);
         for step in 1..200 {
             let target = Increments::new(7_000 + 300 * step);
@@ -346,7 +346,7 @@ mod tests {
     fn position_mode_begins_where_it_stands_with_mode_and_target_in_one_period() {
         let mut m = master();
         start(&mut m);
-        // It has turned; it counts as standing once it tells the same twice.
+        // The spindle has turned; it counts as standing after two statuses with the same position.
         told(&mut m, 0);
         for actual in [5_000, 7_000] {
             answer_at(&mut m, actual);
@@ -357,7 +357,7 @@ mod tests {
         let base = m.engage().unwrap();
         assert_eq!(base, Increments::new(7_000));
         let frames = tick(&mut m, SpindleDemand::Position(base));
-        // The mode goes before the target.
+        // The frame with the mode comes before the target.
         let [mode, target] = frames.as_slice() else {
             panic!("a mode and a target, and not {frames:?}");
         };
@@ -368,7 +368,7 @@ mod tests {
         let frames = tick(&mut m, SpindleDemand::Position(Increments::new(7_300)));
         assert_eq!(frames.len(), 1);
         assert_eq!(frames.first().and_then(position), Some(7_300));
-        // Back to speed: told on change, and once.
+        // Back to speed mode: sent on change, and only once.
         assert_eq!(told(&mut m, 0), Some((Mode::Velocity, 0)));
         assert_eq!(told(&mut m, 0), None);
     }

@@ -1,8 +1,8 @@
-//! SYNC: the beat on which every drive latches its setpoint and samples its position.
+//! SYNC: the periodic frame on which every drive latches its setpoint and samples its position.
 
 use super::frame::{CobId, Frame};
 
-/// Produces SYNC with a counter that runs from 1 to 240 and around (object 1019h = 240).
+/// Produces SYNC with a counter that runs from 1 to 240 and starts again at 1 (object 1019h = 240).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SyncProducer {
     /// Counter of the last SYNC; 0 before the first.
@@ -10,7 +10,7 @@ pub struct SyncProducer {
 }
 
 impl SyncProducer {
-    /// The highest counter value; 1 follows it.
+    /// The highest counter value; 1 comes after it.
     pub const LAST: u8 = 240;
 
     /// A producer whose first SYNC carries 1.
@@ -29,8 +29,8 @@ impl SyncProducer {
     }
 }
 
-/// True where `frame` is a SYNC, with or without a counter; also one that is longer
-/// than it should be, for a drive may latch by whatever has this identifier.
+/// True where `frame` is a SYNC, with or without a counter. A SYNC that is too long counts as well, because a drive may
+/// latch on any frame with this identifier.
 #[must_use]
 pub fn is_sync(frame: &Frame) -> bool {
     frame.id() == CobId::SYNC

@@ -1,6 +1,7 @@
-//! Fields in a fixed number of bytes, little end first.
+//! Fields in a fixed number of bytes, little-endian.
 
-/// Puts fields behind each other. What does not fit any more is left out: the sizes are constants, and a test counts.
+/// Writes fields one after the other. A field that does not fit is dropped; this cannot happen, because the sizes are
+/// constants and a test checks them.
 pub(super) struct Writer<'a> {
     rest: &'a mut [u8],
 }
@@ -10,7 +11,7 @@ impl<'a> Writer<'a> {
         Self { rest: bytes }
     }
 
-    /// Four bytes.
+    /// Writes four bytes.
     #[inline(never)]
     pub(super) fn word(&mut self, word: u32) {
         let rest = core::mem::take(&mut self.rest);
@@ -20,7 +21,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Eight bytes.
+    /// Writes eight bytes.
     #[inline(never)]
     pub(super) fn long(&mut self, long: i64) {
         self.word(long as u32);
@@ -28,7 +29,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Takes fields from the front.
+/// Reads fields from the front.
 pub(super) struct Reader<'a> {
     rest: &'a [u8],
 }
@@ -38,7 +39,7 @@ impl<'a> Reader<'a> {
         Self { rest: bytes }
     }
 
-    /// The next field; `None` where the bytes are over.
+    /// The next field; `None` at the end of the bytes.
     pub(super) fn take<const M: usize>(&mut self) -> Option<[u8; M]> {
         let (field, rest) = self.rest.split_first_chunk::<M>()?;
         self.rest = rest;

@@ -15,7 +15,7 @@
 //! | 60–67 | angle of the spindle: 2⁻³² turns |
 //! | 68–71 | CRC-32 (ISO-HDLC) of all before |
 //!
-//! Little end first, signed numbers in two's complement.
+//! Values are little-endian, signed numbers in two's complement.
 
 use super::bytes::{Reader, Writer};
 use crate::alarm::Arg;
@@ -28,29 +28,29 @@ const AXIS_Z: u8 = 1 << 1;
 const LEFT: u8 = 1 << 2;
 const INCH: u8 = 1 << 3;
 
-/// A hole as the way out of it needs it.
+/// The data of a hole that the way out needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapHole {
     /// The axis that carries the tap.
     pub axis: TapAxis,
-    /// Coordinate of the R plane on it, machine coordinates, X a radius.
+    /// Coordinate of the R plane on that axis, in machine coordinates; X is a radius.
     pub level: Length,
-    /// Coordinate of the programmed bottom; never that of the R plane.
+    /// Coordinate of the programmed bottom; never equal to the R plane.
     pub bottom: Length,
     /// Travel of the axis per turn.
     pub lead: Lead,
-    /// Which way the spindle turns on the way in.
+    /// The direction of the spindle on the way in.
     pub hand: Hand,
     /// The spindle that turns the tap.
     pub spindle: TapSpindle,
-    /// Its speed on the way in, above zero.
+    /// Speed of the spindle on the way in, above zero.
     pub speed: CentiRpm,
-    /// Plane and unit the hole was programmed in, and the extraction override.
+    /// Plane and unit of the hole in the program, and the extraction override.
     pub notes: TapNotes,
 }
 
 impl TapHole {
-    /// −1 or +1: the way into the hole along its axis.
+    /// −1 or +1: the direction into the hole along its axis.
     #[must_use]
     pub const fn inward(&self) -> i64 {
         if self.bottom.nm() < self.level.nm() {
@@ -69,7 +69,7 @@ impl TapHole {
         }
     }
 
-    /// A coordinate of its axis as a figure of a message: a diameter on X.
+    /// A coordinate of its axis as an argument of a message: a diameter on X.
     #[must_use]
     pub const fn figure(&self, coordinate: Length) -> Arg {
         match self.axis {
@@ -78,45 +78,45 @@ impl TapHole {
         }
     }
 
-    /// How far below R a coordinate of the axis is; negative above it.
+    /// The depth of a coordinate below the R plane; negative above the R plane.
     #[must_use]
     pub fn depth(&self, coordinate: Length) -> Length {
         (coordinate - self.level).times(self.inward())
     }
 }
 
-/// The entry of the tap journal: a hole, and where axis and spindle were when it was written.
+/// The entry of the tap journal: a hole, and the positions of axis and spindle at the time of writing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapRecord {
-    /// Grows by one from entry to entry, and wraps.
+    /// Sequence number: one more in each entry; it wraps.
     pub sequence: u32,
-    /// The tap is in the hole, or may be. Cleared when it has come out.
+    /// The tap is in the hole, or may be. Cleared after the tap has come out.
     pub in_hole: bool,
     /// The hole.
     pub hole: TapHole,
-    /// Where the tap axis was told to be.
+    /// Target position of the tap axis.
     pub position: Length,
-    /// Where the spindle was told to be.
+    /// Target angle of the spindle.
     pub angle: Turns,
 }
 
-/// Bytes that are no entry.
+/// Why bytes are no entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RecordError {
-    /// An entry of another version of this software: the version found, and the one known.
+    /// An entry of another version: the version in the bytes, and the known version.
     Version(u8, u8),
-    /// Not as many bytes as an entry has.
+    /// The number of bytes is wrong.
     Length(usize),
-    /// The checksum does not fit.
+    /// The checksum is wrong.
     Damaged,
-    /// The checksum fits, and a field has a value that no hole can give.
+    /// The checksum is right, but a field has a value that no hole can have.
     Impossible,
 }
 
 impl TapRecord {
     /// Length of an entry.
     pub const BYTES: usize = 72;
-    /// The version written.
+    /// The version of written entries.
     pub const VERSION: u8 = 1;
 
     /// The entry as bytes.
@@ -149,10 +149,10 @@ impl TapRecord {
         bytes
     }
 
-    /// The entry of `bytes`; `None` where nothing was ever written: no bytes, or erased flash.
+    /// The entry in `bytes`; `None` where no entry was ever written: no bytes, or erased flash.
     ///
     /// # Errors
-    /// Bytes that are no entry; what is wrong with them.
+    /// Why the bytes are no entry.
     pub fn decode(bytes: &[u8]) -> Result<Option<Self>, RecordError> {
         if bytes.iter().all(|byte| *byte == 0xFF) {
             return Ok(None);
@@ -174,7 +174,7 @@ impl TapRecord {
         Self::read(content).map(Some).ok_or(RecordError::Impossible)
     }
 
-    /// The fields, as bounded as those of a hole in a program.
+    /// Reads the fields, with the same bounds as for a hole in a program.
     fn read(content: &[u8]) -> Option<Self> {
         let mut from = Reader::new(content);
         let [_, flags, spindle, plane] = from.take()?;
@@ -226,7 +226,7 @@ impl TapRecord {
     }
 }
 
-/// A length within the machine's arithmetic.
+/// A length within the range of the machine's arithmetic.
 fn length(bytes: [u8; 8]) -> Option<Length> {
     let length = Length::from_nm(i64::from_le_bytes(bytes));
     length.is_in_range().then_some(length)

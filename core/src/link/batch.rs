@@ -1,7 +1,7 @@
-//! Calls on their way to the board: batches of whole calls, each small enough for one short transfer.
+//! Batches of calls for the board. A batch holds whole calls and is small enough for one short transfer.
 //!
-//! A batch names its program and the number of its first call, counted from 0. So a batch that comes twice is known, one
-//! that is missing is noticed, and a call is never split.
+//! A batch has the number of its program and of its first call, counted from 0. Therefore the receiver detects a
+//! repeated batch and a missing batch. A call is never split.
 //!
 //! ```text
 //! version · program · first · call · call · …        all postcard
@@ -13,27 +13,27 @@ use super::reader::{Reader, Take};
 use super::{LinkError, VERSION, Version, bounds};
 use crate::program::Call;
 
-/// The longest batch.
+/// Size of the longest batch.
 pub const BATCH_BYTES: usize = 512;
 
-/// The longest call in a batch. All that a call can say, with the largest figures everywhere, takes less.
+/// Room for the longest call in a batch. A call with all fields and the largest values takes less.
 pub const CALL_BYTES: usize = 480;
 
-/// A call as it travels.
+/// An encoded call.
 pub type CallBytes = Vec<u8, CALL_BYTES>;
 
-/// Why a batch is not taken; nothing of it is.
+/// Why a batch is refused; the board then takes none of its calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BatchError {
     /// Written by another version of the link.
     Version(Version),
     /// Not a batch.
     Malformed,
-    /// A call says what no program can say: its place in the batch, from 0, and what is beyond its bounds.
+    /// A call has a value that no program can have: the call's place in the batch, from 0, and the kind of that value.
     Bounds(u32, bounds::Beyond),
 }
 
-/// Puts a batch together.
+/// Builds a batch.
 #[derive(Debug)]
 pub struct BatchWriter {
     bytes: Vec<u8, BATCH_BYTES>,
@@ -45,7 +45,7 @@ impl BatchWriter {
     #[must_use]
     pub fn new(program: u32, first: u32) -> Self {
         let mut bytes = Vec::new();
-        // Both are far shorter than a batch.
+        // The head is far shorter than a batch.
         let mut head = [0; 32];
         if let Ok(head) = postcard::to_slice(&(VERSION, program, first), &mut head) {
             let _ = bytes.extend_from_slice(head);
@@ -56,7 +56,7 @@ impl BatchWriter {
     /// Adds a call.
     ///
     /// # Errors
-    /// [`LinkError::TooLong`] where it does not fit behind the others; the batch is unchanged.
+    /// [`LinkError::TooLong`] where the call does not fit after the others; the batch is unchanged.
     pub fn push(&mut self, call: &[u8]) -> Result<(), LinkError> {
         self.bytes
             .extend_from_slice(call)
@@ -65,13 +65,13 @@ impl BatchWriter {
         Ok(())
     }
 
-    /// Calls in it.
+    /// Number of calls in the batch.
     #[must_use]
     pub const fn count(&self) -> u32 {
         self.count
     }
 
-    /// What is sent.
+    /// The bytes to send.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
@@ -81,17 +81,17 @@ impl BatchWriter {
 /// Encodes a call.
 ///
 /// # Errors
-/// [`LinkError::TooLong`] beyond [`CALL_BYTES`]: no call that keeps its [bounds] is.
+/// [`LinkError::TooLong`] beyond [`CALL_BYTES`]; no call within its [bounds] is that long.
 pub fn encode_call(call: &Call) -> Result<CallBytes, LinkError> {
     let mut bytes = [0; CALL_BYTES];
     let used = postcard::to_slice(call, &mut bytes).map_err(|_| LinkError::TooLong)?;
     CallBytes::from_slice(used).map_err(|_| LinkError::TooLong)
 }
 
-/// The call at the front of `bytes`, and how many of them it takes.
+/// The call at the front of `bytes`, and its number of bytes.
 ///
 /// # Errors
-/// [`LinkError::Malformed`]. The [bounds] are not looked at.
+/// [`LinkError::Malformed`]. This function does not check the [bounds].
 pub fn decode_call(bytes: &[u8]) -> Result<(Call, usize), LinkError> {
     let mut reader = Reader::new(bytes);
     let call = Call::take(&mut reader);
@@ -99,12 +99,12 @@ pub fn decode_call(bytes: &[u8]) -> Result<(Call, usize), LinkError> {
     Ok((call, bytes.len().saturating_sub(rest.len())))
 }
 
-/// A batch as it came.
+/// A received batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<'a> {
-    /// Which program.
+    /// Number of the program.
     pub program: u32,
-    /// Number of its first call in the program.
+    /// Number of the batch's first call in the program.
     pub first: u32,
     rest: &'a [u8],
     at: u32,

@@ -1,6 +1,6 @@
-//! Bounds of a decoded call: a call from a wire is let in only where the interpreter could have yielded it.
+//! Bounds of a decoded call: a received call is accepted only where the interpreter could have made it.
 //!
-//! What follows from geometry and physics is not asked here: the board does that with every call.
+//! This module does not check geometry and physics: the board checks them for every call.
 
 use crate::program::{
     ArcCall, Call, CallKind, FeedRate, GrooveCall, Position, TapCall, TapForm, TapMode, TapPeck,
@@ -8,12 +8,12 @@ use crate::program::{
 };
 use crate::units::{CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
 
-/// What of a call is beyond its bounds.
+/// The kind of value that is out of bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beyond {
     /// A coordinate, or a length along an axis.
     Position,
-    /// A length that has to be positive, or not negative, or less.
+    /// A length that must be positive, not negative, or smaller.
     Length,
     /// A speed along the path.
     Feed,
@@ -31,23 +31,23 @@ pub enum Beyond {
 const FEED: i64 = 1 << 42;
 /// The fastest spindle, in turns per minute.
 const SPEED: u32 = 1 << 20;
-/// The same in hundredths.
+/// The fastest spindle, in hundredths of a turn per minute.
 const SPEED_CENTI: i32 = 100 << 20;
-/// The longest dwell of a word, in milliseconds.
+/// The longest dwell of a program word, in milliseconds.
 const DWELL: u32 = 99_999_999;
 /// The longest lead times its denominator, in nanometres.
 const LEAD: i64 = 1 << 50;
-/// The finest I word: turns are millionths.
+/// Largest denominator of a thread's lead, from the finest I word: turns are millionths.
 const THREAD_TURNS: i64 = 1 << 28;
-/// A tap's lead is feed over speed.
+/// Largest denominator of a tap's lead, which is feed divided by speed.
 const TAP_TURNS: i64 = 1 << 20;
 /// Starts, passes and whole degrees have two digits.
 const TWO_DIGITS: u8 = 99;
 
-/// From where on a length is let in.
+/// The lower limit of a length.
 #[derive(Clone, Copy)]
 enum From {
-    /// The other end of the range.
+    /// The negative limit of the range.
     Anywhere,
     Zero,
     /// Above zero.
@@ -57,7 +57,7 @@ enum From {
 /// Checks a call.
 ///
 /// # Errors
-/// The first thing that no program can say.
+/// The kind of the first value that no program can have.
 pub fn call(call: &Call) -> Result<(), Beyond> {
     position(&call.origin)?;
     match &call.kind {
@@ -181,7 +181,7 @@ fn feed(rate: &FeedRate) -> Result<(), Beyond> {
 }
 
 fn lead(lead: &Lead, turns: i64) -> Result<(), Beyond> {
-    // Both are positive: there is no other lead.
+    // No lower limits needed: every [`Lead`] has a positive numerator and denominator.
     require(
         lead.numerator() <= LEAD && lead.denominator() <= turns,
         Beyond::Lead,

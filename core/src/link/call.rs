@@ -1,5 +1,5 @@
-//! A call, read from its bytes: what the derived `Deserialize` says, by hand and a quarter of the size [D142]. The tests
-//! hold it to the derived one, byte for byte.
+//! Decodes a call. The code gives the same result as the derived `Deserialize`, but is written by hand and takes a
+//! quarter of the space [D142]. The tests compare it with the derived one, byte by byte.
 
 use super::reader::{Reader, Take};
 use super::version::Version;
@@ -12,7 +12,7 @@ use crate::program::{
 };
 use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm};
 
-/// Quantities, by the number they are.
+/// Quantities, decoded from their number.
 macro_rules! quantities {
     ($($type:ident: $from:ident;)*) => {$(
         impl Take for $type {
@@ -34,7 +34,7 @@ quantities! {
     Rpm: new;
 }
 
-/// Records, field after field.
+/// Records, decoded field by field.
 macro_rules! records {
     ($($type:ident { $($field:ident),* })*) => {$(
         impl Take for $type {
@@ -67,7 +67,7 @@ records! {
     }
 }
 
-/// Variants without a value, the first one first.
+/// Variants without a value, in the order of their numbers from 0.
 macro_rules! variants {
     ($($type:ident { $first:ident $(, $other:ident)* })*) => {$(
         impl Take for $type {
@@ -92,7 +92,7 @@ variants! {
     Selection { Sws, Rgtsp }
 }
 
-/// Variants with values: each by its number, and what an unknown number reads as.
+/// Variants with values: each with its number, and the variant for an unknown number.
 macro_rules! choices {
     ($($type:ident { $($number:literal => $variant:ident $(($($value:tt),*))?,)* else $other:expr })*) => {$(
         impl Take for $type {
@@ -208,7 +208,7 @@ impl Take for Extraction {
     }
 }
 
-/// The number as a varint, the key as four bytes, the lowest first.
+/// The number as a varint; the key as four bytes, little-endian.
 impl Take for Version {
     fn take(reader: &mut Reader<'_>) -> Self {
         Self {

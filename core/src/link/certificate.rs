@@ -1,4 +1,4 @@
-//! What a run was like, and each thread that was cut, told by the board itself: object 5041h.
+//! The certificates of a program's run and of each thread cut in it, made by the board itself: object 5041h.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -8,8 +8,8 @@ use super::{LinkError, VERSION, Version};
 use crate::program::{Position, TapSpindle};
 use crate::units::{Length, Turns};
 
-/// CRC-64/XZ by half bytes: a table of 128 bytes, where one by bytes takes 2 KiB of a board's flash, and one step bit by
-/// bit four times the time.
+/// CRC-64/XZ by half bytes, with a table of 128 bytes. A table for whole bytes takes 2 KiB of a board's flash; a step
+/// bit by bit takes four times as long.
 #[derive(Clone, Copy)]
 struct Crc64(u64);
 
@@ -17,7 +17,7 @@ impl Crc64 {
     /// The polynomial, its bits in reverse.
     const POLYNOMIAL: u64 = 0xC96C_5795_D787_0F42;
 
-    /// What four bits at the end become.
+    /// The CRC of each value of four bits.
     const HALF_BYTES: [u64; 16] = {
         let mut table = [0; 16];
         let (mut places, mut number): (&mut [u64], u64) = (&mut table, 0);
@@ -58,13 +58,13 @@ impl Crc64 {
 /// The certificate of a program's run, so far or to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Certificate {
-    /// The link the board speaks.
+    /// The version of the board's link.
     pub version: Version,
-    /// Which program.
+    /// Number of the program.
     pub program: u32,
     /// Ticks from the first to the last in state run.
     pub ticks: u64,
-    /// CRC-64/XZ over the setpoints of these ticks; `None` where the board could not look at every one of them.
+    /// CRC-64/XZ over the setpoints of these ticks; `None` where the board could not include every tick.
     pub setpoint_hash: Option<u64>,
     /// Ticks in which the error of a synchronised axis was measured.
     pub measured: u64,
@@ -77,20 +77,20 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// The most bytes a certificate takes.
+    /// The largest size of a certificate in bytes.
     pub const BYTES: usize = 96;
 
-    /// Puts it at the front of `bytes`; how many it takes comes back.
+    /// Writes the certificate to the front of `bytes` and gives the number of bytes.
     ///
     /// # Errors
-    /// [`LinkError::TooLong`]; not with [`Certificate::BYTES`] of room.
+    /// [`LinkError::TooLong`]; never with [`Certificate::BYTES`] bytes of room.
     pub fn encode(&self, bytes: &mut [u8]) -> Result<usize, LinkError> {
         let mut writer = Writer::new(bytes);
         self.put(&mut writer);
         writer.finish()
     }
 
-    /// Reads one. Of one of another version of the link the version comes back.
+    /// Reads a certificate. For a certificate of another link version, gives only that version.
     ///
     /// # Errors
     /// [`LinkError::Malformed`].
@@ -106,39 +106,39 @@ impl Certificate {
     }
 }
 
-/// By what an axis was held to the spindle.
+/// The kind of synchronism between an axis and the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[repr(u8)]
 pub enum ThreadKind {
-    /// To the helix of a thread: a threading cycle.
+    /// Along the helix of a thread: a threading cycle.
     Thread,
-    /// To the line of a hole, the spindle in position mode.
+    /// Along the line of a hole, with the spindle in position mode.
     RigidTap,
-    /// To the same, by the measured spindle.
+    /// Along the line of a hole, following the measured spindle.
     FloatingTap,
 }
 
-/// What became of a thread.
+/// The state of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[repr(u8)]
 pub enum ThreadState {
-    /// It is being cut.
+    /// The thread is being cut.
     UnderWay,
-    /// All of it was cut.
+    /// The whole thread was cut.
     Finished,
     /// An alarm, a stop or a reset came before its end.
     CutShort,
 }
 
-/// How true something was that was cut in synchronism.
+/// The synchronism errors during a cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Tally {
-    /// Strokes begun along the helix of a thread, each start and each that was done again counted, and holes; 65 535 stands
-    /// for more.
+    /// Number of strokes begun along the helix of a thread, with the strokes of every start and repeated strokes, and
+    /// of holes; 65 535 also stands for more.
     pub passes: u16,
-    /// Setpoints that came late for their SYNC meanwhile; 65 535 stands for more.
+    /// Setpoints that came late for their SYNC meanwhile; 65 535 also stands for more.
     pub late: u16,
-    /// Ticks in which the error was measured; 4 294 967 295 stands for more.
+    /// Ticks in which the error was measured; 4 294 967 295 also stands for more.
     pub measured: u32,
     /// The largest of these errors.
     pub largest: Length,
@@ -147,7 +147,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of nothing.
+    /// A tally without a measurement.
     pub const NONE: Self = Self {
         passes: 0,
         late: 0,
@@ -156,11 +156,11 @@ impl Tally {
         squares: 0,
     };
 
-    /// Takes an error that was measured.
-    // For the run and for the thread.
+    /// Adds a measured error.
+    // Called for the run and for the thread, so it is not inlined twice.
     #[inline(never)]
     pub(crate) fn take(&mut self, error: Length) {
-        // Beyond four metres an error is no larger.
+        // An error of more than four metres counts as four metres.
         let nm = u32::try_from(error.abs().nm()).unwrap_or(u32::MAX);
         let square = u64::from(nm).wrapping_mul(nm.into());
         self.measured = self.measured.saturating_add(1);
@@ -169,38 +169,39 @@ impl Tally {
     }
 }
 
-/// What there is to tell of a thread, or of a tapped hole.
+/// The record of a thread or of a tapped hole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct ThreadRecord {
     /// Source line.
     pub line: u32,
-    /// What it was.
+    /// The kind of synchronism.
     pub kind: ThreadKind,
-    /// What became of it.
+    /// The state of the thread or hole.
     pub state: ThreadState,
-    /// How true it was.
+    /// Its synchronism errors.
     pub tally: Tally,
 }
 
 /// The certificate of a thread or a hole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct ThreadCertificate {
-    /// Counted from 1 since power-up, without gaps; a gap means that older ones had to go.
+    /// Counted from 1 since power-up; a gap means that older certificates were dropped.
     pub number: u32,
-    /// What there is to tell.
+    /// The record.
     pub record: ThreadRecord,
 }
 
 impl ThreadCertificate {
-    /// The most bytes one takes.
+    /// The largest size of a thread certificate in bytes.
     pub const BYTES: usize = 43;
 }
 
-/// Puts the certificate of a run, and behind it those of threads, to the front of `bytes`; how many they take comes back.
-/// `newest`: the number of the first of the `records`, those behind it have one less each.
+/// Writes the certificate of a run and after it those of its threads to the front of `bytes`. Gives the number of
+/// bytes. `newest` is the number of the first of the `records`; each following record has a number one less.
 ///
 /// # Errors
-/// [`LinkError::TooLong`]; not with [`Certificate::BYTES`] of room and [`ThreadCertificate::BYTES`] for each record.
+/// [`LinkError::TooLong`]; never with [`Certificate::BYTES`] bytes of room and [`ThreadCertificate::BYTES`] for each
+/// record.
 pub fn encode_certificates(
     run: &Certificate,
     newest: u32,
@@ -218,14 +219,14 @@ pub fn encode_certificates(
     writer.finish()
 }
 
-/// The certificates of threads behind that of a run, the newest first.
+/// Iterates over the certificates of threads after that of a run, the newest first.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadReader<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> ThreadReader<'a> {
-    /// Reads `bytes` of object 5041h, behind the certificate of the run, which is of this [`VERSION`].
+    /// Reads `bytes` of object 5041h after the certificate of the run, which must have this [`VERSION`].
     ///
     /// # Errors
     /// [`LinkError::Malformed`].
@@ -263,7 +264,7 @@ impl Iterator for ThreadReader<'_> {
 pub struct SetpointHash {
     running: Option<Crc64>,
     seen: u64,
-    /// Up to the last tick in state run: what follows counts only if another comes.
+    /// The hash up to the last tick in state run. Later ticks count only if another tick in state run follows.
     settled: u64,
     ticks: u64,
 }
@@ -281,7 +282,7 @@ impl Default for SetpointHash {
 }
 
 impl SetpointHash {
-    /// Before the first tick.
+    /// The hash before the first tick.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -292,7 +293,7 @@ impl SetpointHash {
         }
     }
 
-    /// Takes in the next tick. `spindle`: the spindle in position mode and its angle; `runs`: the machine is in state run.
+    /// Adds the next tick. `spindle`: the spindle in position mode and its angle; `runs`: the machine is in state run.
     pub fn push(&mut self, position: Position, spindle: Option<(TapSpindle, Turns)>, runs: bool) {
         if self.running.is_none() && runs {
             self.running = Some(Crc64::new());
@@ -310,7 +311,7 @@ impl SetpointHash {
             };
             running.update(&value.to_le_bytes());
         }
-        // Ticks do not come to the end of 64 bits.
+        // The number of ticks never reaches 2⁶⁴.
         self.seen = self.seen.wrapping_add(1);
         if runs {
             self.settled = running.finalize();
@@ -324,7 +325,7 @@ impl SetpointHash {
         self.settled
     }
 
-    /// Ticks in it.
+    /// Number of ticks in the hash.
     #[must_use]
     pub const fn ticks(&self) -> u64 {
         self.ticks
@@ -344,7 +345,7 @@ mod tests {
         }
     }
 
-    /// With every number as long as it can be.
+    /// A certificate with the longest encoding of every number.
     const LONGEST: Certificate = Certificate {
         version: VERSION,
         program: u32::MAX,
@@ -407,7 +408,7 @@ mod tests {
         let used = encode_certificates(&run, u32::MAX, &records, &mut bytes).unwrap();
         let alone = run.encode(&mut [0; Certificate::BYTES]).unwrap();
         assert_eq!(used, alone + 2 * ThreadCertificate::BYTES);
-        // Whoever reads no more than that of the run reads what it always was.
+        // A reader of the run's certificate alone ignores the bytes after it.
         assert_eq!(Certificate::decode(&bytes[..used]), Ok(Ok(run)));
         let mut read = ThreadReader::new(&bytes[..used]).unwrap();
         for number in [u32::MAX, u32::MAX - 1] {

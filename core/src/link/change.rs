@@ -1,20 +1,21 @@
-//! What a staged set would change: the values before it, as the board tells them in 5010h:0Ah.
+//! The changes in a staged parameter set: the old values of all parameters that it changes (object 5010h:0Ah of the
+//! board).
 //!
 //! ```text
 //! identity of the set before (u32, little-endian) · for each value that changes: its place (u16), what it was (i64)
 //! ```
 //!
-//! Places and values are `postcard`. Whoever knows the new set has the old one from this: he need not read it as a whole.
-//! Of a password it is told only whether there is one, as in every image.
+//! Places and values are encoded with `postcard`. A reader that knows the new set can restore the old set from these
+//! bytes, and need not read the whole old set. For a password they show only whether it exists, as in every image.
 
 use super::writer::{Put, Writer};
 use super::{LinkError, identity};
 use crate::params::{Params, SLOTS};
 
-/// The identity.
+/// Bytes of the identity.
 const HEAD: usize = 4;
 
-/// Writes what `before` has in the places where `after` differs; how many bytes that takes comes back.
+/// Writes the values of `before` in the places where `after` differs. Gives the number of bytes.
 ///
 /// # Errors
 /// [`LinkError::TooLong`]: too many values change for these bytes.
@@ -36,10 +37,10 @@ pub fn encode_changes(
     writer.finish()
 }
 
-/// The set before, of which `bytes` tell how it differs from `after`.
+/// The old set: `bytes` hold its differences from `after`.
 ///
 /// # Errors
-/// [`LinkError::Malformed`]: they are of another set than `after`, or damaged; the identity tells.
+/// [`LinkError::Malformed`]: the bytes belong to another set than `after`, or are damaged; the identity shows this.
 pub fn decode_changes(bytes: &[u8], after: &Params) -> Result<Params, LinkError> {
     let (head, mut rest) = bytes
         .split_first_chunk::<HEAD>()
@@ -78,11 +79,11 @@ mod tests {
         let after = set(&[("9007", 20), ("1320.X", 123_456_789), ("9028", 1)]);
         let mut bytes = [0; 64];
         let length = encode_changes(&before, &after, &mut bytes).unwrap();
-        // The identity, and the places of four values with what they were.
+        // The identity, and four places with their old values.
         assert_eq!(length, 4 + (1 + 1) + (1 + 5) + (1 + 6) + (1 + 1));
         let bytes = &bytes[..length];
         assert_eq!(decode_changes(bytes, &after), Ok(before.clone()));
-        // To another set they do not belong, and a part of them is not enough.
+        // The bytes do not fit another set, and a part of them is not enough.
         let other = set(&[("9007", 21)]);
         assert_eq!(decode_changes(bytes, &other), Err(LinkError::Malformed));
         for part in 0..length {

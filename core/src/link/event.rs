@@ -1,4 +1,4 @@
-//! The event log: what happened, numbered, object 5040h.
+//! The event log: numbered entries of the machine's events, object 5040h.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -11,15 +11,15 @@ use crate::board::Event;
 /// An entry of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Logged {
-    /// Counted from 1 since power-up; a gap means that older entries had to go.
+    /// Counted from 1 since power-up; a gap means that older entries were dropped.
     pub number: u32,
-    /// When it was read from the tick, in ticks since power-up.
+    /// Time when the event was read from the tick, in ticks since power-up.
     pub tick: u64,
-    /// What happened.
+    /// The event.
     pub event: Event,
 }
 
-/// Puts an entry, part by part as [`Logged`] has them, at the front of `bytes`; how many it takes comes back.
+/// Writes an entry to the front of `bytes`, in the field order of [`Logged`]. Gives the number of bytes.
 ///
 /// # Errors
 /// [`LinkError::TooLong`] where it does not fit.
@@ -36,7 +36,7 @@ pub fn encode_event(
     writer.finish()
 }
 
-/// Puts an alarm, or that there is none, at the front of `bytes`; how many it takes comes back. 5010h:08.
+/// Writes an alarm, or `None`, to the front of `bytes`. Gives the number of bytes. Object 5010h:08.
 ///
 /// # Errors
 /// [`LinkError::TooLong`] where it does not fit.
@@ -60,7 +60,7 @@ pub fn decode_alarm(bytes: &[u8]) -> Result<Option<Alarm>, LinkError> {
     }
 }
 
-/// The entries of a reading of the log, in order.
+/// Iterates over the entries of a log that was read, in order.
 #[derive(Clone, Copy, Debug)]
 pub struct EventReader<'a> {
     rest: &'a [u8],

@@ -4,11 +4,13 @@
 //! table key (u32) · number of values (u16) · values (i64 each) · CRC-32 of all before
 //! ```
 //!
-//! All little-endian and of fixed length (`postcard` with fixed integers), so that any part of an image can be made from
-//! the set alone. An image is of one parameter table; that of another table is refused, never reinterpreted.
+//! All values are little-endian and of fixed length (`postcard` with fixed integers), so any part of an image can be
+//! made from the set alone. An image belongs to one parameter table. The reader refuses an image of another table and
+//! never reinterprets it.
 //!
-//! The password of a set is not told: its place holds 1 where there is one. Whoever sends an image with that 1 keeps the
-//! password as it is; only an image that [`with_password`](ImageWriter::with_password) makes holds a new one.
+//! An image does not show the password: its place holds 1 where a password exists. An image with that 1 leaves the
+//! board's password unchanged. Only an image made by [`with_password`](ImageWriter::with_password) holds a new
+//! password.
 
 use crate::checksum::crc32;
 use crate::params::{Params, SLOTS, TABLE_KEY};
@@ -18,14 +20,14 @@ const VALUE: usize = 8;
 const TAIL: usize = 4;
 const END: usize = HEAD + SLOTS * VALUE;
 
-/// Why an image is refused; the set in force is unchanged.
+/// Why an image is refused. The set in force stays unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageError {
-    /// Of another parameter table: its key.
+    /// The image belongs to another parameter table, with this key.
     Table(u32),
     /// Too short or too long.
     Length,
-    /// Damaged on the way.
+    /// The checksum is wrong: the image is damaged.
     Checksum,
     /// A value is outside its range: the parameter's number.
     Range(u16),
@@ -35,18 +37,18 @@ pub enum ImageError {
 #[derive(Debug)]
 pub struct ImageWriter<'a> {
     params: &'a Params,
-    /// The password itself goes into it.
+    /// The image holds the password itself.
     password: bool,
 }
 
 impl<'a> ImageWriter<'a> {
-    /// Bytes of every image.
+    /// Length of every image in bytes.
     pub const BYTES: u32 = (END + TAIL) as u32;
 
-    /// Bytes of it before the checksum.
+    /// Length in bytes without the checksum.
     pub(crate) const BODY: usize = END;
 
-    /// The image of a set, as a board tells it.
+    /// The image of a set without its password, as a board sends it.
     #[must_use]
     pub const fn new(params: &'a Params) -> Self {
         Self {
@@ -55,7 +57,7 @@ impl<'a> ImageWriter<'a> {
         }
     }
 
-    /// The same with the password itself: to store it, or to give a board a new one.
+    /// The image with the password itself: to store the set, or to give a board a new password.
     #[must_use]
     pub const fn with_password(params: &'a Params) -> Self {
         Self {
@@ -73,7 +75,7 @@ impl<'a> ImageWriter<'a> {
         slot.unwrap_or(0)
     }
 
-    /// The CRC-32 at its end.
+    /// The CRC-32 at the end of the image.
     #[must_use]
     pub fn checksum(&self) -> u32 {
         let mut sum = crc32(0, &head());
@@ -83,7 +85,7 @@ impl<'a> ImageWriter<'a> {
         sum
     }
 
-    /// Fills `into` with the bytes from `offset` on; how many there are comes back.
+    /// Fills `into` with the bytes from `offset` on and gives their number.
     pub fn read(&self, offset: u32, into: &mut [u8]) -> usize {
         let start = offset as usize;
         let rest = (Self::BYTES as usize).saturating_sub(start);
@@ -119,33 +121,33 @@ const fn head() -> [u8; HEAD] {
     [a, b, c, d, e, f]
 }
 
-/// The CRC-32 of a set's image as it is told: who has the same number has the same set of the same table, but for the
-/// password.
+/// The CRC-32 of a set's image without the password. Two sets with the same number are equal and of the same table,
+/// except for the password.
 #[must_use]
 pub fn identity(params: &Params) -> u32 {
     ImageWriter::new(params).checksum()
 }
 
-/// Takes an image in pieces into a set that is not in force yet.
+/// Reads an image in pieces into a set that is not in force yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ImageReader {
-    /// Bytes taken.
+    /// Number of bytes taken.
     at: usize,
-    /// The head, the value or the checksum that is incomplete.
+    /// The incomplete head, value or checksum.
     word: u64,
 }
 
 impl ImageReader {
-    /// Nothing has come yet.
+    /// A reader at the beginning of an image.
     #[must_use]
     pub const fn new() -> Self {
         Self { at: 0, word: 0 }
     }
 
-    /// Takes the next bytes. `staged` holds no usable set until [`finish`](Self::finish) has said so.
+    /// Takes the next bytes. `staged` is not usable until [`finish`](Self::finish) has succeeded.
     ///
     /// # Errors
-    /// [`ImageError::Table`] as soon as the head is there, [`ImageError::Length`].
+    /// [`ImageError::Table`] as soon as the head is complete, [`ImageError::Length`].
     pub fn take(&mut self, bytes: &[u8], staged: &mut Params) -> Result<(), ImageError> {
         for &byte in bytes {
             let (start, length) = match self.at.checked_sub(HEAD) {
@@ -186,12 +188,12 @@ impl ImageReader {
         Ok(())
     }
 
-    /// All but the checksum has come, and nothing of that.
+    /// True at the end of the values: the next byte is the first of the checksum.
     pub(crate) const fn has_body(&self) -> bool {
         self.at == END
     }
 
-    /// Nothing more comes: is it a whole image, undamaged, with every value in its range?
+    /// Checks the image at its end: its length, its checksum, and the range of every value.
     ///
     /// # Errors
     /// [`ImageError`].
@@ -252,7 +254,7 @@ mod tests {
         for piece in [1, 4, 7, 8, 889, bytes.len()] {
             assert_eq!(read(&bytes, piece), Ok(params.clone()), "pieces of {piece}");
         }
-        // Any part of it is the same part of the whole.
+        // A read at any offset gives the same bytes as the whole.
         for offset in 0..bytes.len() {
             let mut part = [0; 7];
             let read = ImageWriter::new(&params).read(offset as u32, &mut part);

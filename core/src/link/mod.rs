@@ -1,5 +1,5 @@
-//! What gateway and board say to each other, beyond what CANopen says by itself: messages in `postcard`, carried as
-//! domains by SDO.
+//! The messages between gateway and board that CANopen does not define: encoded with `postcard`, transferred as domains
+//! by SDO.
 //!
 //! ```text
 //! gateway ── calls ──────────────► 5020  (batches; the board says how many bytes it has room for)
@@ -8,10 +8,10 @@
 //!         ◄─ parameter set ──────► 5010
 //! ```
 //!
-//! Every message that goes to a board begins with the [`Version`] of the link it was written by; a board takes its own
-//! only. What is decoded is as bounded as what the interpreter yields: see [`bounds`].
+//! Every message to a board begins with the [`Version`] of its sender's link; a board takes only its own version.
+//! Decoded values have the same bounds as the interpreter's output: see [`bounds`].
 //!
-//! This room knows messages and bytes. It must not know frames, transfers, sockets or when anything is sent.
+//! This module knows messages and bytes. It must not know frames, transfers or sockets, nor the time of sending.
 
 mod batch;
 pub mod bounds;
@@ -39,12 +39,12 @@ pub use image::{ImageError, ImageReader, ImageWriter, identity};
 pub use status::Status;
 pub use version::{VERSION, Version};
 
-/// A message that is none, or one that has no room in its bytes.
+/// Why a message cannot be decoded or encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkError {
-    /// The bytes are no such message.
+    /// The bytes are no message of the expected type.
     Malformed,
-    /// More bytes than there is room for.
+    /// The message needs more bytes than there is room for.
     TooLong,
 }
 

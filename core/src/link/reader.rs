@@ -1,21 +1,21 @@
-//! Bytes that are read from the front, as postcard wrote them.
+//! Reads postcard values from the front of a byte slice.
 //!
-//! A byte that is missing, and one that says nothing, reads as zero and is noted; whoever reads asks once, at the end,
-//! whether all was [sound](Reader::rest). So reading a value is one call and no decision: what came of a derive, with an
-//! error to look at behind each of the hundred values of a call, was four times as much code [D142].
+//! A missing or invalid byte reads as zero, and the reader records the error. The caller asks once, at the end, whether
+//! everything was [sound](Reader::rest). So reading a value is one call without a branch. The derived code, with an
+//! error to check after each of the hundred values of a call, was four times as large [D142].
 
 use core::num::NonZeroU8;
 
-/// What is left to read, and whether all before it was sound.
+/// The bytes left to read, and whether all bytes before them were valid.
 #[derive(Debug)]
 pub(super) struct Reader<'a> {
     rest: &'a [u8],
     sound: bool,
 }
 
-/// A value that can be read: field after field in the order they are written, a variant by its number.
+/// A value that can be read: its fields in the order of writing, a variant by its number.
 pub(super) trait Take {
-    /// The value at the front, of whatever bytes there are.
+    /// Reads the value at the front; any bytes give a value.
     fn take(reader: &mut Reader<'_>) -> Self;
 }
 
@@ -28,17 +28,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What has not been read; `None` where something before it was not sound.
+    /// The bytes not read yet; `None` where a byte before them was missing or invalid.
     pub(super) const fn rest(&self) -> Option<&'a [u8]> {
         if self.sound { Some(self.rest) } else { None }
     }
 
-    /// Notes that what has been read says nothing.
+    /// Records that an invalid value was read.
     pub(super) const fn spoil(&mut self) {
         self.sound = false;
     }
 
-    /// One of a type's variants, by its number.
+    /// Reads a variant without a value, by its number.
     pub(super) fn one_of<T: Copy>(&mut self, first: T, others: &[T]) -> T {
         match (self.varint(u32::BITS) as usize).checked_sub(1) {
             None => first,
@@ -52,7 +52,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A byte.
+    /// Reads a byte.
     #[inline(never)]
     fn byte(&mut self) -> u8 {
         match self.rest.split_first() {
@@ -67,7 +67,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A number of at most `bits` bits in groups of seven, the lowest first.
+    /// Reads a number of at most `bits` bits, in groups of seven bits, the lowest group first.
     #[inline(never)]
     pub(super) fn varint(&mut self, bits: u32) -> u64 {
         let mut value = 0_u64;
@@ -76,7 +76,7 @@ impl<'a> Reader<'a> {
             let byte = self.byte();
             value |= u64::from(byte & 0x7F).wrapping_shl(shift);
             if byte & 0x80 == 0 {
-                // In the last group there is room for less than seven bits.
+                // The last group has room for less than seven bits.
                 if u32::from(byte)
                     .checked_shr(bits.wrapping_sub(shift))
                     .unwrap_or(0)
@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
         0
     }
 
-    /// A signed number: its magnitude doubled, less one where it is negative.
+    /// Reads a signed number: its magnitude is doubled, and one less where it is negative.
     #[inline(never)]
     fn zigzag(&mut self, bits: u32) -> i64 {
         let raw = self.varint(bits);

@@ -1,4 +1,4 @@
-//! All that a look at the board shows: object 5001h.
+//! The status record of the board: object 5001h.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -13,27 +13,27 @@ use crate::units::{Length, Rpm, TurnRate, Turns};
 /// The status record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Status {
-    /// The link the board speaks. First, so that it is read before anything else.
+    /// The version of the board's link. It is the first field, so that a reader knows it before the others.
     pub version: Version,
     /// Ticks since power-up.
     pub tick: u64,
-    /// What the machine is doing.
+    /// State of the machine.
     pub state: BoardState,
-    /// The alarm it stands on.
+    /// The present alarm.
     pub alarm: Option<Alarm>,
     /// A program is under way.
     pub in_program: bool,
-    /// Source line of what executes; 0 for nothing.
+    /// Source line of the current move; 0: none.
     pub line: u32,
-    /// Its move; 0 for nothing.
+    /// Number of the current move; 0: none.
     pub number: u32,
     /// The last setpoint, machine coordinates.
     pub position: Position,
     /// Angle of the spindle at the last SYNC.
     pub spindle: Turns,
-    /// Its measured speed.
+    /// Measured speed of the spindle.
     pub speed: TurnRate,
-    /// Its commanded speed, override included.
+    /// Commanded speed of the spindle, with override.
     pub command: Rpm,
     /// Feed hold is on.
     pub hold: bool,
@@ -45,40 +45,40 @@ pub struct Status {
     pub rapid_percent: u8,
     /// Spindle override in percent.
     pub spindle_percent: u8,
-    /// Setpoint minus where the axis should be at the measured angle, while an axis is held to the spindle.
+    /// Setpoint minus the ideal axis position at the measured angle, while an axis follows the spindle.
     pub sync_error: Option<Length>,
     /// Setpoints that came late for their SYNC, since power-up.
     pub late: u32,
-    /// The program being fed or carried out.
+    /// The program that is being sent or executed.
     pub program: u32,
-    /// The number of the call of that program that the board expects next.
+    /// Number of the next call of that program that the board expects.
     pub next_call: u32,
-    /// Bytes of program that the board has room for.
+    /// The board's free room for program calls, in bytes.
     pub credit: u16,
-    /// Number of the newest entry of the event log; 0 for none.
+    /// Number of the newest entry of the event log; 0: none.
     pub newest_event: u32,
-    /// The inputs and what is mirrored behind them, as [`Snapshot::signals`](crate::board::Snapshot::signals) gives them:
-    /// object 5060h.
+    /// The inputs and the mirrored bits above them, as [`Snapshot::signals`](crate::board::Snapshot::signals) gives
+    /// them: object 5060h.
     pub signals: u16,
     /// CRC-32 of the parameter set in force.
     pub parameters: u32,
 }
 
 impl Status {
-    /// The most bytes a status takes.
+    /// The largest size of a status in bytes.
     pub const BYTES: usize = 256;
 
-    /// Puts the status at the front of `bytes`; how many it takes comes back.
+    /// Writes the status to the front of `bytes` and gives the number of bytes.
     ///
     /// # Errors
-    /// [`LinkError::TooLong`]; not with [`Status::BYTES`] of room.
+    /// [`LinkError::TooLong`]; never with [`Status::BYTES`] bytes of room.
     pub fn encode(&self, bytes: &mut [u8]) -> Result<usize, LinkError> {
         let mut writer = Writer::new(bytes);
         self.put(&mut writer);
         writer.finish()
     }
 
-    /// Reads a status. One of another version of the link is not looked at further: its version comes back.
+    /// Reads a status. For a status of another link version, gives only that version.
     ///
     /// # Errors
     /// [`LinkError::Malformed`].

@@ -19,7 +19,7 @@ use crate::units::{
     Angle, CentiRpm, Feed, FeedPerTurn, Lead, Length, Millis, Remainder, Rpm, TurnRate, Turns,
 };
 
-/// The longest span there can be.
+/// The span with the longest encoding.
 const SPAN: Span = Span {
     line: u32::MAX,
     column: u16::MAX,
@@ -44,7 +44,7 @@ fn call(kind: CallKind) -> Call {
     }
 }
 
-/// A thread with the largest figures everywhere.
+/// A thread with the largest values in every field.
 fn thread() -> ThreadCall {
     ThreadCall {
         cycle: ThreadCycle::G78,
@@ -148,7 +148,7 @@ fn calls_come_back_equal_and_the_longest_fits() {
             Err(LinkError::Malformed)
         );
     }
-    // The longest call of all, in a batch of its own.
+    // The longest possible call, alone in a batch.
     assert!(longest > 200, "{longest}");
     assert!(longest <= CALL_BYTES, "{longest}");
     let mut batch = BatchWriter::new(u32::MAX, u32::MAX);
@@ -189,7 +189,7 @@ fn a_batch_gives_its_calls_and_their_bytes() {
 #[test]
 fn a_batch_of_another_version_is_not_looked_at_further() {
     let mut bytes = Vec::from(BatchWriter::new(1, 0).bytes());
-    // The number is one byte, the key the four behind it.
+    // The number is one byte; the key is the four bytes after it.
     bytes[1] ^= 0xFF;
     let other = Version {
         key: VERSION.key ^ 0xFF,
@@ -312,7 +312,7 @@ fn a_lead_of_nothing_cannot_be_decoded() {
     assert_eq!(lead.ok(), Lead::new(3, 2));
 }
 
-/// What is on the wire is what serde says of the types: the reader by hand takes and refuses the same bytes.
+/// The encoding is that of serde for the types: the hand-written reader accepts and refuses the same bytes.
 #[test]
 fn a_call_is_read_as_serde_reads_it() {
     let kinds = [
@@ -358,7 +358,7 @@ fn a_call_is_read_as_serde_reads_it() {
         let encoded = encode_call(&call(kind)).unwrap();
         for _ in 0..20_000 {
             let mut bytes = Vec::from(&encoded[..]);
-            // One byte to four, each anything or a small number, and now and then an end that is missing.
+            // One to four bytes, each with any value or a small one, and sometimes a missing end.
             for _ in 0..=noise() % 4 {
                 let place = noise() as usize % bytes.len();
                 let byte = noise();

@@ -1,5 +1,5 @@
-//! What a board tells, written to its bytes: what the derived `Serialize` says, by hand and half the size [D161]. The tests
-//! hold it to the derived one, byte for byte.
+//! Encodes the messages of a board. The code gives the same bytes as the derived `Serialize`, but is written by hand
+//! and takes half the space [D161]. The tests compare it with the derived one, byte by byte.
 
 use super::writer::{Put, Writer};
 use super::{Certificate, Status, Tally, ThreadKind, ThreadRecord, ThreadState, Version};
@@ -9,7 +9,7 @@ use crate::bus::BoardState;
 use crate::program::{Aux, Position};
 use crate::units::{Angle, Length, Rpm, TurnRate, Turns};
 
-/// Quantities, by the number they are.
+/// Quantities, encoded as their number.
 macro_rules! quantities {
     ($($type:ident: $to:ident;)*) => {$(
         impl Put for $type {
@@ -29,7 +29,7 @@ quantities! {
     Turns: raw;
 }
 
-/// Records, field after field.
+/// Records, encoded field by field.
 macro_rules! records {
     ($($type:ident { $($field:ident),* })*) => {$(
         impl Put for $type {
@@ -55,7 +55,7 @@ records! {
     Tally { passes, late, measured, largest, squares }
 }
 
-/// By number; those up to 127 take a byte.
+/// Variants without a value, encoded as their number. Every number is at most 127 and takes one byte.
 macro_rules! by_number {
     ($($type:ident)*) => {$(
         impl Put for $type {
@@ -68,7 +68,7 @@ macro_rules! by_number {
 
 by_number! { BoardState ThreadKind ThreadState }
 
-/// The number as a varint, the key as four bytes, the lowest first.
+/// The number as a varint; the key as four bytes, little-endian.
 impl Put for Version {
     fn put(&self, writer: &mut Writer<'_>) {
         self.number.put(writer);
@@ -84,7 +84,7 @@ impl Put for [Arg; 4] {
     }
 }
 
-/// The number of a variant, and the one number in it.
+/// Writes the number of a variant, and the single value in it.
 fn one(writer: &mut Writer<'_>, variant: u8, value: &impl Put) {
     writer.byte(variant);
     value.put(writer);
@@ -159,7 +159,7 @@ mod tests {
     use crate::link::VERSION;
     use crate::units::{Diameter, Feed};
 
-    /// Every length of a number, with both signs.
+    /// Numbers of every encoded length, with both signs.
     fn numbers() -> impl Iterator<Item = i64> {
         let powers = (0..63).flat_map(|bits| {
             let power = 1_i64 << bits;
@@ -176,7 +176,7 @@ mod tests {
         let mut derived = [0; 400];
         let derived = postcard::to_slice(value, &mut derived).unwrap();
         assert_eq!(bytes[..used], *derived);
-        // One byte less of room is too little, and nothing is written behind it.
+        // One byte less is too little room, and nothing is written beyond the room.
         let mut short: Vec<u8> = std::vec![0x55; used];
         let mut writer = Writer::new(&mut short[..used - 1]);
         value.put(&mut writer);

@@ -1,4 +1,4 @@
-//! Which link this is: a number for people and a key over the message types.
+//! The version of the link: a number for people and a key over the message types.
 
 use core::fmt;
 
@@ -11,30 +11,30 @@ use crate::alarm::Code;
 use crate::program::Call;
 use crate::signals::Signals;
 
-/// The version of a link: both sides have to have the same.
+/// The version of a link. Both sides must have the same version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Version {
-    /// Counted up by hand with every release that changes what a message means.
+    /// Incremented by hand with every release that changes the meaning of a message.
     pub number: u16,
     /// Key over all message types, field by field, over the bits of the signals, and over the list of alarms.
     #[serde(with = "postcard::fixint::le")]
     pub key: u32,
 }
 
-/// The link of this build. 2: [`Status::signals`] has what the board mirrors behind its signals [D164].
+/// The version of this build. Since 2, [`Status::signals`] has the board's mirrored bits above its signals [D164].
 pub const VERSION: Version = Version {
     number: 2,
     key: key(),
 };
 
 impl Version {
-    /// The version as one number, key below: object 5020h sub 2.
+    /// The version as one number, with the key in the lower 32 bits: object 5020h sub 2.
     #[must_use]
     pub const fn raw(self) -> u64 {
         ((self.number as u64) << 32) | self.key as u64
     }
 
-    /// The version of a [`raw`](Self::raw) number; what is above 48 bits does not count.
+    /// The version of a [`raw`](Self::raw) number; bits from 48 on do not count.
     #[must_use]
     pub const fn from_raw(raw: u64) -> Self {
         Self {
@@ -54,10 +54,10 @@ impl fmt::Display for Version {
 const fn key() -> u32 {
     let key = Key::for_path::<(Call, Status, Logged, Certificate, ThreadCertificate)>("leadscrew");
     let mut hash = u64::from_le_bytes(key.to_bytes());
-    // Bits have a meaning that no type shows: a side that knows fewer of them would
-    // give the others back as it likes. FNV-1a, as above.
+    // The type does not show the meaning of the signal bits, so the key includes the known bits: a side that knows
+    // fewer bits would return the others with any value. FNV-1a, as above.
     hash = (hash ^ (Signals::BITS | Signals::MIRRORED) as u64).wrapping_mul(0x0000_0100_0000_01B3);
-    // An alarm travels as its number, so both sides need the same list.
+    // A message has only the number of an alarm, so both sides need the same list.
     let mut codes: &[Code] = Code::ALL;
     while let [first, rest @ ..] = codes {
         hash = (hash ^ first.number() as u64).wrapping_mul(0x0000_0100_0000_01B3);

@@ -1,21 +1,20 @@
-//! Bytes that are written one behind the other, as postcard writes them; the other side of the
-//! [reader](super::reader::Reader).
+//! Writes postcard values one after the other; the counterpart of the [reader](super::reader::Reader).
 //!
-//! What has no room any more is left out and noted; whoever writes asks once, at the end. So writing a value is one call
-//! and no decision [D161].
+//! The writer drops bytes that have no room, and records that. The caller asks once, at the end. So writing a value is
+//! one call without a branch [D161].
 
 use super::LinkError;
 
-/// What has been written, and whether all of it had room.
+/// The bytes written so far, and whether all of them had room.
 #[derive(Debug)]
 pub(super) struct Writer<'a> {
     bytes: &'a mut [u8],
     used: usize,
 }
 
-/// A value that can be written: field after field, a variant by its number.
+/// A value that can be written: its fields in order, a variant by its number.
 pub(super) trait Put {
-    /// Writes the value behind what is there.
+    /// Writes the value after the bytes written before.
     fn put(&self, writer: &mut Writer<'_>);
 }
 
@@ -25,10 +24,10 @@ impl<'a> Writer<'a> {
         Self { bytes, used: 0 }
     }
 
-    /// How many bytes have been written.
+    /// The number of bytes written.
     ///
     /// # Errors
-    /// [`LinkError::TooLong`]: they were more than there is room for.
+    /// [`LinkError::TooLong`]: not all bytes had room.
     pub(super) const fn finish(self) -> Result<usize, LinkError> {
         if self.used <= self.bytes.len() {
             Ok(self.used)
@@ -37,7 +36,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A byte.
+    /// Writes a byte.
     #[inline(never)]
     pub(super) fn byte(&mut self, byte: u8) {
         if let Some(place) = self.bytes.get_mut(self.used) {
@@ -46,14 +45,14 @@ impl<'a> Writer<'a> {
         self.used = self.used.saturating_add(1);
     }
 
-    /// Bytes as they are.
+    /// Writes bytes unchanged.
     pub(super) fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.byte(*byte);
         }
     }
 
-    /// A number in groups of seven bits, the lowest first.
+    /// Writes a number in groups of seven bits, the lowest group first.
     #[inline(never)]
     fn varint(&mut self, mut value: u64) {
         while value > 0x7F {
@@ -63,13 +62,13 @@ impl<'a> Writer<'a> {
         self.byte(value as u8);
     }
 
-    /// One of at most 32 bits.
+    /// Writes a number of at most 32 bits.
     #[inline(never)]
     fn word(&mut self, value: u32) {
         self.varint(value.into());
     }
 
-    /// A signed number: its magnitude doubled, less one where it is negative.
+    /// Writes a signed number: its magnitude doubled, and one less where it is negative.
     #[inline(never)]
     fn zigzag(&mut self, value: i64) {
         self.varint(((value << 1) ^ (value >> 63)) as u64);

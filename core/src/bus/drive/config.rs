@@ -1,27 +1,28 @@
-//! What there is to know about a drive beforehand, and the names of the steps and phases its master goes through.
+//! The configuration of a drive, and the names of the steps and phases of its master.
 //!
-//! Plain values, shared by the master and by what is said of its failures; this room knows neither of them, and no frame.
+//! Plain values for the master and for the failures. This module must not know either of them, nor any frame.
 
 use crate::bus::frame::NodeId;
 use crate::bus::increments::Scale;
 use crate::bus::periods::Periods;
 
-/// What there is to know about a drive beforehand.
+/// The configuration of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveConfig {
     /// Letter of the axis in messages: `b'X'`, `b'Z'`, `b'C'`, `b'S'` for a spindle.
     pub letter: u8,
-    /// Its node.
+    /// Node of the drive.
     pub node: NodeId,
-    /// Its increments; used here only to put positions into messages.
+    /// Increments of the drive; the master uses them only for positions in messages.
     pub scale: Scale,
     /// Time for each step of enabling, and for a fault reset.
     pub step: Periods,
     /// Time without a status after which an enabled drive counts as lost.
     pub silence: Periods,
-    /// Following error in position mode; `None` for a drive that has no such limit.
+    /// Limit of the following error in position mode; `None`: no limit.
     pub following: Option<FollowingLimit>,
-    /// How far from where it was last heard a silent drive may still be told to be, in increments. Counts in position mode.
+    /// Largest distance of a silent drive's target from its last known position, in increments. Counts in position
+    /// mode.
     pub reach: u32,
 }
 
@@ -30,9 +31,10 @@ pub struct DriveConfig {
 pub struct FollowingLimit {
     /// The largest distance, in increments.
     pub increments: u32,
-    /// How long a greater one is tolerated.
+    /// How long a larger distance is tolerated.
     pub time: Periods,
-    /// Of a spindle, which may lag by turns: only while it stands, and counted round.
+    /// For a spindle, which may lag by turns: the limit counts only while the spindle stands, and the distance wraps
+    /// around.
     pub standing: bool,
 }
 
@@ -53,17 +55,18 @@ pub enum Step {
     FaultReset,
 }
 
-/// Where the master is with its drive.
+/// The phase of a drive's master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Not started: nothing is sent.
     Offline,
     /// Started and without torque.
     Standby,
-    /// On the way.
+    /// In a step to operation enabled, or out of a fault.
     Step(Step),
     /// Operation enabled.
     Enabled,
-    /// It is silent, and far from where it was last heard: if it hears anything, it is to stop by itself.
+    /// The drive is silent, and its demand is too far from its last known position. It gets quick stop, in case it
+    /// still hears.
     Halted,
 }

@@ -1,6 +1,6 @@
-//! What the master hears: the frames of its drive, and where they lead.
+//! The frames that a drive sends, and what its master does with them.
 //!
-//! Nothing is sent from here and no time goes by: that is the tick's.
+//! This module sends nothing and knows no time; the tick does both.
 
 use super::{DriveFailure, DriveMaster, Phase, Step};
 use crate::bus::cia402::{State, Statusword};
@@ -14,7 +14,7 @@ use crate::bus::periods::Periods;
 impl DriveMaster {
     /// Takes a frame from the bus. True if it came from this drive.
     pub fn receive(&mut self, frame: &Frame) -> bool {
-        // What comes all the time comes first.
+        // The most frequent frame is tested first.
         if frame.id() == self.status_id {
             return DriveStatus::payload(frame)
                 .map(|status| self.hear(status))
@@ -34,8 +34,9 @@ impl DriveMaster {
         .is_some()
     }
 
-    /// What a drive finds wrong with the length of frames it may tell of each of them: that does not take the place of
-    /// another error, which would be its fault's. Other troubles with frames (8250h: none came in time) are causes.
+    /// Keeps the error code of an emergency message. A drive may report a wrong PDO length for each frame, so that code
+    /// does not replace another one, which may be the cause of a fault. Other errors with frames (8250h: none came in
+    /// time) are causes.
     const fn hear_error(&mut self, code: u16) {
         let of_length = matches!(code, Emcy::PDO_TOO_SHORT | Emcy::PDO_TOO_LONG);
         if self.error_code == 0 || !of_length {
@@ -48,7 +49,7 @@ impl DriveMaster {
         if !stands {
             self.same = 1;
         } else if self.quiet != Periods::new(0) {
-            // A frame that comes twice says nothing new.
+            // A repeated frame in the same period says nothing new.
             self.same = self.same.saturating_add(1);
         }
         self.status = Some(status);
@@ -61,7 +62,7 @@ impl DriveMaster {
         self.hear_on_the_way(status);
     }
 
-    /// The status of a drive that is not enabled, or not any more.
+    /// Takes the status of a drive that is not enabled, or not enabled any more.
     #[cold]
     #[inline(never)]
     fn hear_on_the_way(&mut self, status: DriveStatus) {
@@ -76,8 +77,8 @@ impl DriveMaster {
         if let Phase::Step(step) = self.phase {
             self.advance(step, status.status, state);
         }
-        // Until the drive is enabled its target is where it is. At the very moment it is, its target is what it was
-        // enabled with, and stays.
+        // Until the drive is enabled, its target is its actual position. When it becomes enabled, it keeps the target
+        // of that moment.
         if self.phase != Phase::Enabled {
             self.target = status.actual;
         }
@@ -105,14 +106,16 @@ impl DriveMaster {
         }
     }
 
-    /// A status may be heard before or after the RPDO of its period is sent: the nearer of the last two targets counts.
+    /// Checks the following error. A status may arrive before or after the RPDO of its period is sent, so the nearer of
+    /// the last two targets counts.
     fn measure(&mut self, actual: Increments) {
         if self.missed && !self.is_found(actual) {
             return;
         }
         let astray = self.config.following.is_some_and(|limit| {
             if limit.standing {
-                // It has been taken up, and has told this place twice: it is told to be elsewhere, and does not go there.
+                // The spindle follows demands and has sent this position twice: it has another target and does not go
+                // there.
                 let far = |target| actual.turned(target) > limit.increments;
                 self.follows
                     && self.has_told_the_same(2)
@@ -132,8 +135,8 @@ impl DriveMaster {
         }
     }
 
-    /// The first status behind a silence. False where the drive has not heard where it was to be, and would set out to be
-    /// there now.
+    /// Takes the first status after a silence. False, and the drive is disabled, where the drive has missed its
+    /// targets: it would now set out for a target that is too far away.
     #[cold]
     #[inline(never)]
     fn is_found(&mut self, actual: Increments) -> bool {
@@ -154,7 +157,7 @@ impl DriveMaster {
         }
         match self.phase {
             Phase::Offline => {}
-            // It came up only now: it has not heard the first start.
+            // The drive has booted only now, so it has not heard the first start.
             Phase::Step(Step::Contact) => self.start = true,
             Phase::Standby | Phase::Step(_) | Phase::Enabled | Phase::Halted => {
                 self.fail(DriveFailure::Restarted, Phase::Offline);

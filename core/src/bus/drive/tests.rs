@@ -97,10 +97,10 @@ fn start_up_frame_by_frame() {
         // Switched on, at 1236; then at 1230.
         "210#0F00D4040000",
         "210#0F00CE040000",
-        // Enabled: it was enabled with 1230 and stays there, whatever it reports.
+        // Enabled: its target stays 1230 from the enabling, whatever position it reports.
         "210#0F00CE040000",
         "210#0F00CE040000",
-        // A demand elsewhere is refused, one right there taken, and then the next.
+        // A demand elsewhere is refused. A demand at 1230 is taken, and then the next one.
         "210#0F00CE040000",
         "210#0F00CE040000",
         "210#0F00CF040000",
@@ -150,7 +150,7 @@ fn a_demand_elsewhere_never_moves_and_is_a_failure_in_the_end() {
 
 #[test]
 fn each_step_has_its_time_and_its_name() {
-    // How far the drive comes, and what is then the matter.
+    // Statuswords of the drive, the resulting failure, and the number of its alarm.
     let cases: [(&[u16], DriveFailure, u16); 6] = [
         (&[], DriveFailure::NoAnswer, 4350),
         (&[0x0200], step(Step::Contact, 0x0200), 4351),
@@ -171,7 +171,7 @@ fn each_step_has_its_time_and_its_name() {
             answer(&mut m, *status, 0);
             m.tick(None);
         }
-        // One of the step's twenty ticks is spent; two where the answer did not end contact.
+        // One of the step's twenty ticks has passed; two where the answer did not end contact.
         let spent = match failure {
             DriveFailure::Step(Step::Contact, _) => 2,
             _ => 1,
@@ -202,7 +202,7 @@ fn step(step: Step, status: u16) -> DriveFailure {
 
 #[test]
 fn a_drive_found_in_any_state_is_brought_to_enabled() {
-    // Statusword found at contact, then what the drive answers, and the low bytes of the controlwords.
+    // Statusword at contact, then the answers of the drive, and the low bytes of the controlwords.
     let cases: [(u16, &[u16], &[u8]); 4] = [
         (0x0231, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),
         (0x0233, &[0x0231, 0x0233, 0x0237], &[6, 7, 15, 15]),
@@ -279,7 +279,7 @@ fn a_fault_that_stays_is_named() {
     assert_eq!(m.alarm().unwrap().number(), 4356);
 }
 
-/// What is wrong with the length of a frame may be told in every period, and is not why a drive goes into fault.
+/// A drive may report a wrong frame length in every period; this is not the cause of a fault.
 #[test]
 fn what_a_drive_says_of_frames_does_not_hide_why_it_is_in_fault() {
     let told = |codes: &[u16]| {
@@ -304,7 +304,7 @@ fn what_a_drive_says_of_frames_does_not_hide_why_it_is_in_fault() {
         (&[0x8220, 0x7305, 0x8220, 0x8210], 0x7305),
         (&[0x7305, 0x8220], 0x7305),
         (&[0x7305, 0x2310], 0x2310),
-        // Its error is gone: the next one counts.
+        // The error is gone: the next one counts.
         (&[0x7305, 0, 0x8220], 0x8220),
         (&[0x8220, 0x8130], 0x8130),
         // No setpoint came in time: that is a cause.
@@ -336,7 +336,7 @@ fn silence_is_found_and_the_command_goes_on() {
     }
     m.tick(None);
     assert_eq!(m.failure(), Some(DriveFailure::Silent));
-    // The board brakes on: demands still reach the drive.
+    // The board continues to brake: demands still reach the drive.
     m.tick(Some(Increments::new(1234)));
     let output = m.tick(Some(Increments::new(1240)));
     assert_eq!(sent(output), "210#0F00D8040000");
@@ -344,7 +344,7 @@ fn silence_is_found_and_the_command_goes_on() {
     assert_eq!(m.tick(None).command.unwrap().payload()[0], 0x06);
 }
 
-/// Enabled, following at 1234, and just missed.
+/// A master whose drive was enabled, followed at 1234, and has just become silent.
 fn silent(config: DriveConfig) -> DriveMaster {
     let mut m = DriveMaster::new(config);
     m.enable().unwrap();
@@ -373,21 +373,21 @@ fn a_silent_drive_has_its_reach_whether_its_following_is_watched_or_not() {
         m.tick(Some(Increments::new(1934)));
         m.tick(Some(Increments::new(1934)));
         assert!(m.is_enabled());
-        // It followed, and tells so at last.
+        // The drive followed, and its next status shows that.
         let mut mute = m;
         answer(&mut mute, 0x0237, 1934);
         mute.tick(Some(Increments::new(1940)));
         assert!(mute.is_enabled());
-        // It stood, and has just heard where it was to be.
+        // The drive stood, within reach of its target.
         let mut near = m;
         answer(&mut near, 0x0237, 1234);
         near.tick(Some(Increments::new(1934)));
         assert!(near.is_enabled());
-        // It stands elsewhere.
+        // The drive stands too far away.
         let mut far = m;
         answer(&mut far, 0x0237, 1233);
         assert_eq!(far.phase(), Phase::Standby);
-        // A demand for where it would have to leap to.
+        // A demand that would make the drive leap.
         assert_eq!(
             sent(m.tick(Some(Increments::new(1935)))),
             "210#02008E070000"
@@ -421,7 +421,7 @@ fn a_drive_without_demands_has_no_reach() {
         m.tick(None);
     }
     assert_eq!(m.failure(), Some(DriveFailure::Silent));
-    // A spindle in speed mode has turned on.
+    // A spindle in speed mode has continued to turn.
     m.config.following = None;
     answer(&mut m, 0x0237, 90_000);
     m.tick(None);
@@ -454,7 +454,7 @@ fn following_error_has_a_limit_and_a_time() {
     m.tick(Some(Increments::new(1234)));
     m.tick(Some(Increments::new(3000)));
     m.tick(None);
-    // Just at the limit, for ever.
+    // At the limit: no failure, for any time.
     for _ in 0..50 {
         answer(&mut m, 0x0237, 2000);
         m.tick(None);
@@ -468,7 +468,7 @@ fn following_error_has_a_limit_and_a_time() {
     answer(&mut m, 0x0237, 2000);
     m.tick(None);
     assert_eq!(m.failure(), None);
-    // Six ticks, told once in four.
+    // Six ticks, with a status in every fourth.
     answer(&mut m, 0x0237, 4001);
     for _ in 0..5 {
         m.tick(None);
@@ -501,7 +501,7 @@ fn a_restart_is_not_taken_for_normal() {
     assert_eq!(m.failure(), Some(DriveFailure::Restarted));
     assert_eq!(m.tick(Some(Increments::new(0))), DriveOutput::default());
 
-    // At contact it only means that the start has to be said again.
+    // At contact a boot-up message only makes the master send the start again.
     let mut m = master();
     m.enable().unwrap();
     assert_eq!(sent(m.tick(None)), "000#0110");

@@ -1,6 +1,6 @@
-//! What the master does once in every SYNC period: its times go on, and the frames to send are made.
+//! What the master does once in every SYNC period: it counts its times and makes the frames to send.
 //!
-//! Frames that come are not read here; what they told is in the master already.
+//! This module reads no received frame; their content is already in the master.
 
 use super::{DriveFailure, DriveMaster, Phase, Step};
 use crate::bus::cia402::Controlword;
@@ -10,7 +10,7 @@ use crate::bus::nmt::NmtCommand;
 use crate::bus::pdo::DriveCommand;
 use crate::bus::periods::Periods;
 
-/// The frames a master wants sent, in this order.
+/// The frames that a master sends, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DriveOutput {
     /// An NMT command.
@@ -33,7 +33,7 @@ impl DriveOutput {
 }
 
 impl DriveMaster {
-    /// `more` further periods go by before the next [`tick`](Self::tick): its times count them, too.
+    /// Counts `more` periods that pass before the next [`tick`](Self::tick).
     pub fn skip(&mut self, more: Periods) {
         self.quiet = self.quiet.plus(more);
         if let Phase::Step(_) = self.phase {
@@ -41,8 +41,9 @@ impl DriveMaster {
         }
     }
 
-    /// One SYNC period: checks the times and gives the frames to send. `demand` is where the axis is to be at the next
-    /// SYNC; `None` holds it where it is, and so does every demand until the drive is enabled and taken up.
+    /// One SYNC period: checks the times and gives the frames to send. `demand` is the position of the axis at the next
+    /// SYNC; `None` holds the axis. Every demand holds it too, until the drive is enabled and a demand equals its
+    /// target.
     pub fn tick(&mut self, demand: Option<Increments>) -> DriveOutput {
         match self.follow_on(demand) {
             Some(command) => DriveOutput {
@@ -53,8 +54,9 @@ impl DriveMaster {
         }
     }
 
-    /// What nearly every tick is: enabled, heard lately, where it should be, on its way. The RPDO1 to send; `None`, and
-    /// nothing changes, where it is not so: [`tick_slowly`](Self::tick_slowly) does the rest then.
+    /// The usual tick: the drive is enabled, not silent, within its following limit, and follows its demand. Gives the
+    /// RPDO1 to send. For any other tick gives `None` and changes nothing; [`tick_slowly`](Self::tick_slowly) does that
+    /// tick.
     #[inline]
     pub(crate) fn follow_on(&mut self, demand: Option<Increments>) -> Option<Frame> {
         let usual = self.phase == Phase::Enabled
@@ -79,7 +81,7 @@ impl DriveMaster {
         .frame(self.config.node)
     }
 
-    /// The other ticks.
+    /// A tick of any other kind.
     #[inline(never)]
     pub(crate) fn tick_slowly(&mut self, demand: Option<Increments>) -> DriveOutput {
         self.check_times();
@@ -95,7 +97,7 @@ impl DriveMaster {
             }
         }
         let control = match self.phase {
-            // A drive that has not answered has no position to be held at.
+            // A drive without a status has no known position to hold.
             Phase::Offline | Phase::Step(Step::Contact) => None,
             Phase::Step(Step::Release) => Some(Controlword::DISABLE_VOLTAGE),
             Phase::Standby | Phase::Step(Step::Shutdown) => Some(Controlword::SHUTDOWN),
@@ -104,7 +106,7 @@ impl DriveMaster {
             Phase::Step(Step::EnableOperation) | Phase::Enabled => {
                 Some(Controlword::ENABLE_OPERATION)
             }
-            // The bit must rise: the first word of this step has it low.
+            // The fault-reset bit must rise, so the first controlword of this step has it low.
             Phase::Step(Step::FaultReset) if self.waited <= Periods::new(1) => {
                 Some(Controlword::DISABLE_VOLTAGE)
             }
@@ -150,9 +152,9 @@ impl DriveMaster {
         }
     }
 
-    /// One that is silent may hear, and is braked with the others; or it hears nothing and stands where it was. Then a
-    /// setpoint that reaches it again must not be a leap: farther from where it was
-    /// last heard than its reach, it gets none.
+    /// True where a silent drive may not get this setpoint. A silent drive may still hear, so the board brakes it with
+    /// the others. Or it hears nothing and stands at its last known position: a setpoint that reaches it again must not
+    /// make it leap. Therefore it gets no setpoint that is farther from that position than its reach.
     fn is_out_of_reach(&self, demand: Increments) -> bool {
         let Some(status) = self.status else {
             return false;

@@ -1,12 +1,12 @@
-//! The SDO client: one value for each transfer, which says what to send and is told what came.
+//! The SDO client: one value for each transfer. The owner sends the value's frames and gives it the received frames.
 //!
 //! ```text
 //! new ─► poll until None ─► wait for a frame or the deadline ─► receive ─► poll until None ─► … ─► outcome
 //! ```
 //!
-//! Nothing is repeated by itself: a transfer that is not answered in time ends with [`SdoError::TimedOut`]. Once there is
-//! an outcome, [`poll`](SdoDownload::poll) may have one more frame (the server is told), and then the value can go.
-//! Time is what the owner says it is: since any start, growing.
+//! The client repeats no request: a transfer without an answer in time ends with [`SdoError::TimedOut`]. After the
+//! outcome, [`poll`](SdoDownload::poll) may give one more frame for the server; then the owner can drop the value. The
+//! owner gives the time: it counts from any start and must not go back.
 
 mod download;
 mod upload;
@@ -20,30 +20,30 @@ use crate::bus::object::{Abort, Object};
 pub use download::SdoDownload;
 pub use upload::{SdoBuffer, SdoSink, SdoUpload};
 
-/// Which transfer a client asks for.
+/// The kind of transfer that a client asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SdoProtocol {
     /// Expedited for 1 to 4 bytes, segmented for other lengths.
     Short,
-    /// Segmented whatever the length. Reading, the server chooses: this is [`SdoProtocol::Short`].
+    /// Segmented for any length. For a read the server chooses, so this is the same as [`SdoProtocol::Short`].
     Segmented,
-    /// In blocks with a CRC. Reading, the server may choose the short one for up to 14 bytes.
+    /// In blocks with a CRC. For a read of up to 14 bytes the server may choose [`SdoProtocol::Short`].
     Block,
 }
 
 /// Why a transfer failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SdoError {
-    /// The server broke it off with this abort code; [`Abort::from_code`] knows those of CiA 301.
+    /// The server broke the transfer off with this abort code; [`Abort::from_code`] knows the codes of CiA 301.
     Refused(u32),
-    /// This side broke it off, and told the server so.
+    /// The client broke the transfer off with an abort to the server.
     Broken(Abort),
-    /// The server was silent for too long. Whether a write took effect is not known where the last answer was lost.
+    /// The server was silent for too long. A write may have taken effect, if only its last answer was lost.
     TimedOut,
 }
 
 impl SdoError {
-    /// The abort as CiA 301 has it; `None` for a code of the maker's own.
+    /// The abort of CiA 301; `None` for a manufacturer-specific code.
     #[must_use]
     pub const fn abort(self) -> Option<Abort> {
         match self {
@@ -54,13 +54,13 @@ impl SdoError {
     }
 }
 
-/// What both directions share: who, what, how long, what to send next, and how it ended.
+/// The common part of both directions: node, object, patience, next frame and outcome.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     node: NodeId,
     object: Object,
     patience: Duration,
-    /// When something was last heard or sent.
+    /// Time of the last frame, received or sent.
     last: Duration,
     out: Option<Bytes>,
     outcome: Option<Result<(), SdoError>>,
@@ -98,7 +98,7 @@ impl Line {
         self.out = Some(request.encode());
     }
 
-    /// What is to be sent now, or the abort where the time is over.
+    /// The frame to send now, or the abort where the time is over.
     fn next(&mut self, now: Duration) -> Option<Frame> {
         if self.outcome.is_none() && now > self.deadline() {
             self.tell(Abort::TimedOut);
@@ -130,7 +130,8 @@ impl Line {
         self.outcome = Some(Err(SdoError::Broken(abort)));
     }
 
-    /// The server broke off. Some do not say what; an abort of another object is left over from another transfer.
+    /// The server has sent an abort. Some servers do not name the object. An abort for another object belongs to an
+    /// earlier transfer.
     fn aborted(&mut self, object: Object, code: u32) {
         if object == self.object || object == Object::default() {
             self.outcome = Some(Err(SdoError::Refused(code)));

@@ -1,6 +1,6 @@
-//! Service data objects: one client reads and writes the objects of a node, whatever their length.
+//! Service data objects: one client reads and writes the objects of a node, of any length.
 //!
-//! Three transfers of CiA 301, and each knows the other side's mistakes by its abort code:
+//! The three transfers of CiA 301. Each answers a mistake of the other side with its abort code:
 //!
 //! | transfer | for | frames |
 //! |---|---|---|
@@ -8,16 +8,16 @@
 //! | segmented | any length | one each way for every 7 bytes |
 //! | block | long values | up to 127 segments of 7 bytes, then one answer; a CRC over all |
 //!
-//! Terms: *upload* is towards the client (it reads), *download* towards the server (it writes). A *block* is a run of
-//! segments that is acknowledged at once; where a segment of it is lost, the rest is sent again.
+//! Terms. *Upload*: the client reads. *Download*: the client writes. A *block* is a run of segments with one
+//! acknowledgement; if a segment is lost, its sender repeats the rest of the block.
 //!
-//! The [server](SdoServer) keeps a few dozen bytes whatever the length: values flow through [`Objects`](super::Objects)
-//! by offset. What it guarantees: [`Objects::end_write`](super::Objects::end_write) is called only for a transfer
-//! that the client finished, with the length it told and, in a block transfer, the right CRC. The client is one value
-//! for each transfer ([`SdoUpload`], [`SdoDownload`]). Neither repeats a request by itself: what does not answer in time
-//! ends the transfer.
+//! The [server](SdoServer) keeps a few dozen bytes for a value of any length: it moves values through
+//! [`Objects`](super::Objects) by offset. It guarantees: [`Objects::end_write`](super::Objects::end_write) is called
+//! only for a transfer that the client finished, with the announced length and, in a block transfer, the right CRC. The
+//! client is one value for each transfer ([`SdoUpload`], [`SdoDownload`]). Neither side repeats a request by itself: a
+//! missing answer ends the transfer.
 //!
-//! This room must not know what the objects mean.
+//! This module must not know the meaning of the objects.
 
 mod client;
 mod server;

@@ -6,13 +6,13 @@
 //! elapse(time)   ─► abort         a client that says nothing any more
 //! ```
 //!
-//! A new beginning in the middle of a transfer replaces it: the client has lost its memory, not the server. A mistake
-//! ends the transfer with its abort code. Only within a block are frames not taken for what they say: a segment may look
-//! like any command. So after a block is broken off, what still comes of it is swallowed: it could read like a
-//! write to another object.
+//! A new request during a transfer replaces the transfer, because the client has evidently forgotten the old one. A
+//! mistake ends the transfer with its abort code. Within a block the server does not read frames as commands, because a
+//! segment may look like any command. Therefore the server discards the rest of a block after an abort: a late segment
+//! could look like a write to another object.
 //!
-//! Answers are written where they are sent from, byte by byte as the request says: on a board, taking a request to a
-//! value and a value to an answer was twice the code of what it is about [D161].
+//! The server writes each answer byte by byte into the frame to send. Requests and answers as values would take twice
+//! as much code on a board [D161].
 
 mod reading;
 mod writing;
@@ -27,7 +27,7 @@ use crate::bus::periods::Periods;
 pub struct BlockSize(u8);
 
 impl BlockSize {
-    /// The largest.
+    /// The largest block.
     pub const MAX: Self = Self(127);
 
     /// `segments` in a block; `None` outside 1–127.
@@ -46,28 +46,28 @@ impl BlockSize {
     }
 }
 
-/// What is going on.
+/// The state of the server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// Nothing.
+    /// No transfer.
     Idle,
-    /// A block was broken off; its rest may still come.
+    /// A block was broken off; the rest of its segments may still come.
     Swallow,
     /// The client reads segment by segment.
     Upload,
     /// The client writes segment by segment.
     Download,
-    /// The client reads in blocks: it has the length and has not asked for the first block.
+    /// The client reads in blocks: it has got the length and has not started the first block.
     Offered,
-    /// Segments of a block go out.
+    /// The client reads in blocks: segments of a block still have to be sent.
     Sending,
-    /// The block is out.
+    /// The client reads in blocks: the whole block is sent.
     Sent,
-    /// The client has everything and looks at the checksum.
+    /// The client reads in blocks: it has the whole value and checks the CRC.
     Read,
-    /// The client writes in blocks: frames are segments.
+    /// The client writes in blocks: the next frames are segments.
     Taking,
-    /// All segments are there.
+    /// The client writes in blocks: all segments have arrived.
     Taken,
 }
 
@@ -77,26 +77,28 @@ impl State {
     }
 }
 
-/// How far a transfer has come; each kind uses what it needs.
+/// The progress of a transfer; each kind of transfer uses the fields that it needs.
 #[derive(Clone, Copy, Debug)]
 struct Transfer {
-    /// Bytes of the value; of a write, if that was told.
+    /// Length of the value in bytes; `None` for a write without an announced length.
     size: Option<u32>,
-    /// Bytes that are through; of a read in blocks, where the block begins.
+    /// Bytes transferred so far; for a read in blocks, the offset of the block.
     offset: u32,
-    /// Of the next segment.
+    /// Toggle bit of the next segment.
     toggle: bool,
     /// Segments in a block.
     block: BlockSize,
-    /// The last segment of the block that is through; 0 before the first.
+    /// Number of the last segment transferred in the block; 0 before the first.
     number: u8,
-    /// In blocks: of all bytes that are through. Made whether the client wants it or not: some check it all the same.
+    /// In blocks: checksum of all bytes transferred so far. The server computes it for every client, because some
+    /// clients check it without asking for it.
     checksum: Checksum,
     /// The client sends a checksum.
     sums: bool,
-    /// How far the checksum goes: segments that are sent again are not summed again.
+    /// Bytes in the checksum: repeated segments must not be summed again.
     summed: u32,
-    /// The last segment of a write in blocks, not handed on yet: how many bytes of it count is told only at the very end.
+    /// The last segment of a write in blocks. The server holds it back, because only the end of the transfer gives the
+    /// number of its used bytes.
     held: Option<Bytes>,
 }
 
@@ -134,11 +136,11 @@ mod reply {
 
 /// The first byte of the request that breaks a transfer off.
 const ABORT: u8 = 0x80;
-/// The first byte of a request to read, with nothing in the bits that mean nothing there.
+/// The first byte of a request to read, with 0 in all reserved bits.
 const BARE_UPLOAD: u8 = 0x40;
 /// The first byte of a request to write in blocks, without its flags.
 const BLOCK_DOWNLOAD: u8 = 0xC0;
-/// Its flags.
+/// Flags of that byte: length and checksum.
 const WITH_SIZE_AND_SUM: u8 = 0x06;
 /// The toggle bit of a segment.
 const TOGGLE: u8 = 0x10;
@@ -153,15 +155,15 @@ pub struct SdoServer {
     block: BlockSize,
     state: State,
     transfer: Transfer,
-    /// What the transfer is about; 0000h where there is none.
+    /// The object of the transfer; 0000h without a transfer.
     object: Object,
-    /// Since the last frame of the transfer.
+    /// Time since the last frame of the transfer.
     quiet: Periods,
 }
 
 impl SdoServer {
-    /// A server for `node` that breaks a transfer off where its client is silent for longer than `patience`, and takes
-    /// `block` segments at once.
+    /// A server for `node`. It breaks a transfer off when the client is silent for longer than `patience`. It takes
+    /// blocks of `block` segments.
     #[must_use]
     pub const fn new(node: NodeId, patience: Periods, block: BlockSize) -> Self {
         Self {
@@ -181,8 +183,8 @@ impl SdoServer {
         !matches!(self.state, State::Idle | State::Swallow)
     }
 
-    /// Takes a frame from the bus and gives the answer to send. Frames that are not for this server, and frames of
-    /// another length than eight, do nothing.
+    /// Takes a frame from the bus and gives the answer to send. The server ignores frames for other nodes and services,
+    /// and frames without exactly eight bytes.
     pub fn receive<O: Objects + ?Sized>(
         &mut self,
         frame: &Frame,
@@ -201,8 +203,8 @@ impl SdoServer {
         self.finish(answered, reply, objects)
     }
 
-    /// The next segment to send to a client that reads in blocks; `None` where there is nothing to send now. Call it as
-    /// often as there is room for frames.
+    /// The next segment to send to a client that reads in blocks; `None` where there is nothing to send now. Call this
+    /// function as often as the sender has room for frames.
     pub fn poll<O: Objects + ?Sized>(&mut self, objects: &mut O) -> Option<Frame> {
         if self.state != State::Sending {
             return None;
@@ -213,7 +215,7 @@ impl SdoServer {
         self.finish(sent.map(|()| true), reply, objects)
     }
 
-    /// Tells that time has passed; gives the abort to send where the client has been silent for too long.
+    /// Counts the time `by`; gives the abort to send where the client has been silent for too long.
     pub fn elapse<O: Objects + ?Sized>(&mut self, by: Periods, objects: &mut O) -> Option<Frame> {
         if self.state == State::Idle {
             return None;
@@ -230,12 +232,12 @@ impl SdoServer {
         self.finish(Err(Abort::TimedOut), [0; 8], objects)
     }
 
-    /// Forgets the transfer without a word: the communication was reset or stopped.
+    /// Ends the transfer without an abort frame: the communication was reset or stopped.
     pub fn reset<O: Objects + ?Sized>(&mut self, objects: &mut O) {
         self.close(objects);
     }
 
-    /// What is sent in the end: the answer, if there is one, or why the transfer is broken off.
+    /// The frame to send: the answer, or the abort with its code. `None` where there is no answer.
     #[inline(never)]
     fn finish<O: Objects + ?Sized>(
         &mut self,
@@ -260,7 +262,7 @@ impl SdoServer {
         Some(Frame::of(CobId::of(Service::SdoReply, self.node), reply))
     }
 
-    /// Takes a request; the answer is put into `reply`, which holds zeros. False where there is none.
+    /// Takes a request and writes the answer into `reply`, which holds zeros. False where there is no answer.
     fn answer<O: Objects + ?Sized>(
         &mut self,
         bytes: &Bytes,
@@ -269,9 +271,10 @@ impl SdoServer {
     ) -> Result<bool, Abort> {
         let [head, first, second, ..] = *bytes;
         match self.state {
-            // An abort is the one command that is no segment: those count from 1.
+            // During a block only an abort is a command: its first byte would be segment number 0, and segments count
+            // from 1.
             State::Taking if head != ABORT => return self.take_segment(bytes, reply, objects),
-            // The last segment, come twice, may look like the command that ends the transfer.
+            // A repetition of the last segment may look like the command that ends the transfer.
             State::Taken if self.transfer.held == Some(*bytes) => return Ok(false),
             _ => {}
         }
@@ -315,7 +318,7 @@ impl SdoServer {
         Ok(true)
     }
 
-    /// Begins anew, whatever was going on; the answer names the object.
+    /// Ends any transfer and begins a new one; the answer names the object.
     fn open<O: Objects + ?Sized>(&mut self, bytes: &Bytes, reply: &mut Bytes, objects: &mut O) {
         self.close(objects);
         let [_, low, high, sub, ..] = *bytes;
@@ -323,7 +326,7 @@ impl SdoServer {
         self.object = Object::new(u16::from_le_bytes([low, high]), sub);
     }
 
-    /// Ends what is going on; a write that was begun is abandoned.
+    /// Ends any transfer; abandons a write that was begun.
     fn close<O: Objects + ?Sized>(&mut self, objects: &mut O) {
         if self.state.is_write() {
             objects.abandon(self.object);
@@ -332,9 +335,10 @@ impl SdoServer {
         self.object = Object::new(0, 0);
     }
 
-    /// True for what may be the rest of a block that was broken off; its last segment ends that, and an abort. A request to
-    /// read is let through, and one to write in blocks, which changes nothing by itself: they do no harm, and a client that
-    /// begins anew has its answer. A last segment of number 64, 66, 68 or 70 cannot be told from the second.
+    /// True for a frame that may belong to the rest of an aborted block: the server must discard the frame. The block's
+    /// last segment, or an abort, ends this state. A request to read passes, and so does a request to write in blocks,
+    /// which alone changes nothing: neither does harm, and a client that begins a new transfer gets its answer. A last
+    /// segment with number 64, 66, 68 or 70 looks like a request to write in blocks and passes, too.
     fn swallows(&mut self, bytes: &Bytes) -> bool {
         let [head, _, _, _, rest @ ..] = *bytes;
         if head & LAST != 0 {

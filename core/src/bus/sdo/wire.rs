@@ -1,10 +1,11 @@
-//! The eight bytes of every SDO frame, both directions.
+//! The eight bytes of every SDO frame, in both directions.
 //!
-//! The first byte holds the command specifier (bits 7–5) and its flags; the object, where there is one, is in bytes 1–3.
-//! Segments of a block have a sequence number instead and can be told from commands only by what goes on.
+//! The first byte holds the command specifier (bits 7–5) and its flags. Bytes 1–3 hold the object in frames that name
+//! one. The first byte of a block segment is a sequence number instead: only the state of the transfer tells a segment
+//! from a command.
 //!
-//! Requests and responses are values for the client. The server reads the bytes of the one and writes those of the other
-//! where they are [D161]; the tests let the two speak with each other.
+//! The client uses requests and responses as values. The server reads the request's bytes and writes the response's
+//! bytes in place [D161]. Tests run client and server against each other.
 
 use crc::{CRC_16_XMODEM, Crc, NoTable};
 
@@ -16,21 +17,22 @@ pub type Bytes = [u8; 8];
 /// Bytes of a value in one segment.
 pub const SEGMENT: u8 = 7;
 
-/// Checksum of a block transfer so far; CiA 301 takes polynomial 1021h, begins with 0 and mirrors nothing.
+/// Checksum of a block transfer so far: polynomial 1021h, start value 0, no reflection [CiA 301].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Checksum(u16);
 
 impl Checksum {
-    /// Of nothing.
+    /// The checksum of no bytes.
     #[must_use]
     pub const fn new() -> Self {
         Self(0)
     }
 
-    /// Without a table: 512 bytes less in flash, and a few hundred instructions a segment are nothing beside its frame.
+    /// No table: it saves 512 bytes of flash. The few hundred instructions a segment take little time compared with the
+    /// segment's frame.
     const CRC: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_XMODEM);
 
-    /// With `bytes` behind what was summed before.
+    /// The checksum continued with `bytes`.
     #[must_use]
     pub const fn with(self, bytes: &[u8]) -> Self {
         let mut digest = Self::CRC.digest_with_initial(self.0);
@@ -38,14 +40,14 @@ impl Checksum {
         Self(digest.finalize())
     }
 
-    /// As it is sent.
+    /// The CRC to send.
     #[must_use]
     pub const fn get(self) -> u16 {
         self.0
     }
 }
 
-/// Up to seven bytes of a value; those behind them are 0.
+/// Up to seven bytes of a value; unused bytes are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Piece {
     bytes: [u8; 7],
@@ -53,7 +55,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The first `len` of `bytes`; all seven where `len` is greater.
+    /// The first `len` bytes; all seven where `len` is larger.
     #[must_use]
     pub fn new(mut bytes: [u8; 7], len: u8) -> Self {
         let len = len.min(SEGMENT);
@@ -83,13 +85,13 @@ impl Piece {
         self.bytes
     }
 
-    /// How many they are, 0–7.
+    /// The number of bytes, 0–7.
     #[must_use]
     pub const fn len(&self) -> u8 {
         self.len
     }
 
-    /// How many of the seven are not used.
+    /// The number of unused bytes, 0–7.
     #[must_use]
     pub const fn unused(&self) -> u8 {
         SEGMENT.saturating_sub(self.len)
@@ -130,17 +132,17 @@ pub struct BlockSegment {
     pub number: u8,
     /// The value ends in it.
     pub last: bool,
-    /// Seven bytes; how many of the last are used is told at the end of the transfer.
+    /// Seven bytes. For the last segment, only the end of the transfer gives the number of used bytes.
     pub bytes: [u8; 7],
 }
 
 impl BlockSegment {
-    /// As it is sent.
+    /// The bytes to send.
     pub fn encode(self) -> Bytes {
         with_seven((self.last as u8) << 7 | self.number & 0x7F, self.bytes)
     }
 
-    /// Any frame, taken as a segment.
+    /// Interprets any frame as a segment.
     pub fn decode(bytes: Bytes) -> Self {
         let (head, seven) = without_first(bytes);
         Self {
@@ -151,14 +153,14 @@ impl BlockSegment {
     }
 }
 
-/// How a normal transfer begins.
+/// The beginning of an expedited or segmented transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Begin {
-    /// It is already over: one to four bytes.
+    /// Expedited: one to four bytes. The transfer is already complete.
     Expedited(Piece),
-    /// It is already over: four bytes of which some may mean nothing.
+    /// Expedited without a length: four bytes, of which some may be unused.
     ExpeditedUnsized([u8; 4]),
-    /// Segments follow, with so many bytes if that was told.
+    /// Segmented, with the length in bytes if it was announced.
     Segments(Option<u32>),
 }
 
@@ -190,7 +192,7 @@ impl Begin {
     }
 }
 
-/// What a client sends, segments of blocks apart.
+/// A request of a client; block segments are separate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
     /// Writes.
@@ -205,34 +207,34 @@ pub enum Request {
     Abort(Object, u32),
     /// Writes in blocks.
     BlockDownload {
-        /// What is written.
+        /// The object to write.
         object: Object,
         /// The client makes a CRC.
         crc: bool,
-        /// Length in bytes, if told.
+        /// Length in bytes, if announced.
         size: Option<u32>,
     },
     /// The value is complete.
     BlockDownloadEnd {
-        /// Bytes of the last segment that mean nothing.
+        /// Number of unused bytes in the last segment.
         unused: u8,
-        /// Over the whole value.
+        /// CRC over the whole value.
         crc: u16,
     },
     /// Reads in blocks.
     BlockUpload {
-        /// What is read.
+        /// The object to read.
         object: Object,
         /// The client checks a CRC.
         crc: bool,
         /// Segments in a block.
         block: u8,
-        /// Up to this length the server may take the normal transfer instead; 0: never.
+        /// Up to this length the server may use an expedited or segmented transfer instead; 0: never.
         threshold: u8,
     },
     /// The client is ready for the first block.
     BlockUploadStart,
-    /// Takes a block over up to this segment; the next has so many.
+    /// Acknowledges a block up to this segment, and gives the size of the next block.
     BlockUploadAnswer {
         /// The last segment in sequence; 0: none.
         number: u8,
@@ -244,7 +246,7 @@ pub enum Request {
 }
 
 impl Request {
-    /// As it is sent.
+    /// The bytes to send.
     pub fn encode(self) -> Bytes {
         match self {
             Self::Download(object, begin) => begin.encode(0x20, object),
@@ -272,7 +274,7 @@ impl Request {
     }
 }
 
-/// What a server sends, segments of blocks apart.
+/// A response of a server; block segments are separate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
     /// A write has begun or, expedited, is done.
@@ -287,36 +289,36 @@ pub enum Response {
     Abort(Object, u32),
     /// A write in blocks has begun.
     BlockDownload {
-        /// What is written.
+        /// The object to write.
         object: Object,
         /// The server checks a CRC.
         crc: bool,
         /// Segments in the first block.
         block: u8,
     },
-    /// Takes a block over up to this segment; the next has so many.
+    /// Acknowledges a block up to this segment, and gives the size of the next block.
     BlockDownloadAnswer {
         /// The last segment in sequence; 0: none.
         number: u8,
         /// Segments in the next block.
         block: u8,
     },
-    /// The value is taken over.
+    /// The server has taken the whole value.
     BlockDownloadEnd,
     /// A read in blocks has begun.
     BlockUpload {
-        /// What is read.
+        /// The object to read.
         object: Object,
         /// The server makes a CRC.
         crc: bool,
-        /// Length in bytes, if told.
+        /// Length in bytes, if announced.
         size: Option<u32>,
     },
     /// The value is complete.
     BlockUploadEnd {
-        /// Bytes of the last segment that mean nothing.
+        /// Number of unused bytes in the last segment.
         unused: u8,
-        /// Over the whole value.
+        /// CRC over the whole value.
         crc: u16,
     },
 }

@@ -12,13 +12,13 @@ use crate::bus::sdo::wire::{
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// The server has been asked.
+    /// The request is sent.
     Asked,
-    /// A segment with this toggle bit is out, and ends here.
+    /// A segment with this toggle bit is sent; `end` is the offset of its end.
     Segment { toggle: bool, end: u32 },
-    /// Segments of a block go out, so many of them are.
+    /// Segments of a block are being sent; `sent` is their number so far.
     Block { sent: u8, block: u8, crc: bool },
-    /// The value is out.
+    /// The whole value is sent.
     Ended,
 }
 
@@ -29,12 +29,12 @@ pub struct SdoDownload<'a> {
     data: &'a [u8],
     protocol: SdoProtocol,
     phase: Phase,
-    /// Bytes the server has.
+    /// Bytes that the server has acknowledged.
     taken: u32,
 }
 
 impl<'a> SdoDownload<'a> {
-    /// Writes `data` to `object` of `node`; each answer may take `patience`. More than 4 GiB fail at once.
+    /// Writes `data` to `object` of `node`; each answer may take `patience`. Data of more than 4 GiB fail at once.
     #[must_use]
     pub fn new(
         node: NodeId,
@@ -71,13 +71,13 @@ impl<'a> SdoDownload<'a> {
         }
     }
 
-    /// How it ended; `None` while it goes on.
+    /// The outcome; `None` during the transfer.
     #[must_use]
     pub const fn outcome(&self) -> Option<Result<(), SdoError>> {
         self.line.outcome
     }
 
-    /// When the server has been silent for too long: call [`SdoDownload::poll`] after it.
+    /// The time limit of the next answer: call [`SdoDownload::poll`] after it.
     #[must_use]
     pub fn deadline(&self) -> Duration {
         self.line.deadline()
@@ -89,7 +89,7 @@ impl<'a> SdoDownload<'a> {
         self.taken
     }
 
-    /// The next frame to send; `None` where it is the server's turn.
+    /// The next frame to send; `None` while the client waits for the server.
     pub fn poll(&mut self, now: Duration) -> Option<Frame> {
         if let Some(frame) = self.line.next(now) {
             return Some(frame);
@@ -98,7 +98,7 @@ impl<'a> SdoDownload<'a> {
             return None;
         };
         let offset = self.taken.saturating_add(bytes_in(*sent));
-        // Behind the last segment the block is over, full or not; an empty value has one segment too.
+        // After the last segment the block is over, full or not. An empty value has one segment, too.
         let over = *sent > 0 && offset >= length(self.data);
         if self.line.outcome.is_some() || *sent >= *block || over {
             return None;
@@ -113,7 +113,7 @@ impl<'a> SdoDownload<'a> {
         Some(self.line.frame(segment.encode()))
     }
 
-    /// Takes a frame from the bus; frames of others do nothing.
+    /// Takes a frame from the bus; ignores frames of other nodes and services.
     pub fn receive(&mut self, frame: &Frame, now: Duration) {
         let Some(bytes) = self.line.heard(frame, now) else {
             return;
@@ -125,7 +125,7 @@ impl<'a> SdoDownload<'a> {
             if let (Phase::Block { .. }, Some(Err(SdoError::Refused(code)))) =
                 (phase, self.line.outcome)
             {
-                // The server may not know where the block ends: no more of it comes.
+                // The server may not know where the block ends. This abort tells the server that no segment follows.
                 self.line.send(Request::Abort(self.line.object, code));
             }
             return;
@@ -143,7 +143,7 @@ impl<'a> SdoDownload<'a> {
                     return Err(Abort::Toggle);
                 }
                 self.taken = end;
-                // The last segment is the one that reaches the end.
+                // A segment that reaches the end of the value is the last one.
                 if end >= length(self.data) {
                     self.line.done();
                 } else {
@@ -163,7 +163,7 @@ impl<'a> SdoDownload<'a> {
         }
     }
 
-    /// The answer to the first request. One about another object is left over from another transfer.
+    /// Takes the answer to the first request. An answer about another object belongs to an earlier transfer.
     fn begun(&mut self, response: Option<Response>) -> Result<(), Abort> {
         match response {
             Some(Response::Download(object)) if object == self.line.object => {
@@ -217,7 +217,7 @@ impl<'a> SdoDownload<'a> {
             };
             let end = self.taken.saturating_add(bytes_in(sent));
             let out = sent >= block || (sent > 0 && end >= length(self.data));
-            // In the middle of a block: the answer to the one before, twice.
+            // In the middle of a block: a repeated answer to the block before.
             return if out { Err(Abort::Sequence) } else { Ok(()) };
         }
         let end = self.taken.saturating_add(bytes_in(number));
@@ -244,12 +244,12 @@ impl<'a> SdoDownload<'a> {
     }
 }
 
-/// Bytes in so many full segments.
+/// Number of bytes in `segments` full segments.
 fn bytes_in(segments: u8) -> u32 {
     u32::from(segments).saturating_mul(u32::from(SEGMENT))
 }
 
-/// Longer values than can be told were refused in the beginning.
+/// The length fits 32 bits: [`SdoDownload::new`] has refused longer values.
 fn length(data: &[u8]) -> u32 {
     u32::try_from(data.len()).unwrap_or(u32::MAX)
 }

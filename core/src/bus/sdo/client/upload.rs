@@ -10,13 +10,14 @@ use crate::bus::sdo::wire::{
     Begin, BlockSegment, Bytes, Checksum, Piece, Request, Response, Segment,
 };
 
-/// Up to this length a server may answer a block upload with a short one: there, blocks are no quicker.
+/// Up to this length a server may answer a block upload with an expedited or segmented one: blocks are not faster
+/// there.
 const THRESHOLD: u8 = 14;
 
-/// Where the bytes that are read go, in order. What it holds counts only once the transfer ended well: a checksum comes
-/// last.
+/// Takes the bytes of a read, in order. The bytes are valid only after a successful transfer, because the checksum
+/// comes last.
 pub trait SdoSink {
-    /// Begins with `size` bytes, or a length that the server did not tell.
+    /// Begins a value of `size` bytes; `None`: the server did not give the length.
     fn begin(&mut self, size: Option<u32>) -> Result<(), Abort>;
     /// The next bytes.
     fn put(&mut self, bytes: &[u8]) -> Result<(), Abort>;
@@ -36,7 +37,7 @@ impl<'a> SdoBuffer<'a> {
         Self { into, len: 0 }
     }
 
-    /// What has been read.
+    /// The bytes read so far.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         self.into.get(..self.len).unwrap_or_default()
@@ -70,22 +71,22 @@ impl SdoSink for SdoBuffer<'_> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// The server has been asked.
+    /// The request is sent.
     Asked,
-    /// The segment with this toggle bit is wanted.
+    /// The segment with this toggle bit is requested.
     Segment(bool),
-    /// Segments of a block come in.
+    /// Segments of a block are being received.
     Block(Block),
-    /// All segments are there; the CRC is still to come.
+    /// All segments have arrived; the CRC has not.
     Ended(Block),
 }
 
-/// Segments of a block, so far.
+/// The received segments of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Block {
-    /// The last in sequence; 0 before the first.
+    /// Number of the last segment in sequence; 0 before the first.
     number: u8,
-    /// What the last one brought: how much of it counts is told at the end.
+    /// The last segment: only the end of the transfer gives the number of its used bytes.
     held: Option<BlockSegment>,
     /// The server makes a CRC.
     crc: bool,
@@ -133,13 +134,13 @@ impl<'a, S: SdoSink + ?Sized> SdoUpload<'a, S> {
         }
     }
 
-    /// How it ended; `None` while it goes on.
+    /// The outcome; `None` during the transfer.
     #[must_use]
     pub const fn outcome(&self) -> Option<Result<(), SdoError>> {
         self.line.outcome
     }
 
-    /// When the server has been silent for too long: call [`SdoUpload::poll`] after it.
+    /// The time limit of the next answer: call [`SdoUpload::poll`] after it.
     #[must_use]
     pub fn deadline(&self) -> Duration {
         self.line.deadline()
@@ -151,18 +152,18 @@ impl<'a, S: SdoSink + ?Sized> SdoUpload<'a, S> {
         self.taken
     }
 
-    /// The length in bytes, once the server has told it.
+    /// The length in bytes; `None` until the server has sent it.
     #[must_use]
     pub const fn size(&self) -> Option<u32> {
         self.size
     }
 
-    /// The next frame to send; `None` where it is the server's turn.
+    /// The next frame to send; `None` while the client waits for the server.
     pub fn poll(&mut self, now: Duration) -> Option<Frame> {
         self.line.next(now)
     }
 
-    /// Takes a frame from the bus; frames of others do nothing.
+    /// Takes a frame from the bus; ignores frames of other nodes and services.
     pub fn receive(&mut self, frame: &Frame, now: Duration) {
         let Some(bytes) = self.line.heard(frame, now) else {
             return;
@@ -176,12 +177,13 @@ impl<'a, S: SdoSink + ?Sized> SdoUpload<'a, S> {
         match self.phase {
             Phase::Block(block) => {
                 let segment = BlockSegment::decode(bytes);
-                // An abort is the one command that is no segment: those count from 1.
+                // During a block only an abort is a command: its first byte would be segment number 0, and segments
+                // count from 1.
                 if !(segment.number == 0 && segment.last) {
                     return self.block_segment(segment, block);
                 }
             }
-            // The last segment twice: it may look like the end.
+            // A repetition of the last segment may look like the end of the transfer.
             Phase::Ended(Block {
                 held: Some(held), ..
             }) if held.encode() == bytes => return Ok(()),
@@ -203,7 +205,7 @@ impl<'a, S: SdoSink + ?Sized> SdoUpload<'a, S> {
         }
     }
 
-    /// The answer to the first request. One about another object is left over from another transfer.
+    /// Takes the answer to the first request. An answer about another object belongs to an earlier transfer.
     fn begun(&mut self, response: Option<Response>) -> Result<(), Abort> {
         match response {
             Some(Response::Upload(object, begin)) if object == self.line.object => match begin {

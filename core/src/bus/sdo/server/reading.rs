@@ -1,12 +1,12 @@
-//! A client reads: at once, segment by segment, or in blocks, of which the segments go out until the block is full, and
-//! then the client says how many it has.
+//! A client reads: expedited, segment by segment, or in blocks. The server sends segments until the block is full. Then
+//! the client answers with the number of segments that it has received.
 
 use super::{BlockSize, SdoServer, State, TOGGLE, Transfer, reply};
 use crate::bus::object::{Abort, Object, Objects};
 use crate::bus::sdo::wire::{Bytes, SEGMENT};
 
 impl SdoServer {
-    /// A read begins.
+    /// Begins a read.
     pub(super) fn begin_read<O: Objects + ?Sized>(
         &mut self,
         bytes: &Bytes,
@@ -22,7 +22,7 @@ impl SdoServer {
         };
         let size = objects.size(self.object)?;
         self.transfer = Transfer::new(Some(size), block, true);
-        // Up to the threshold the client takes the normal transfer instead; 0: never.
+        // Up to the threshold the client accepts an expedited or segmented transfer instead; 0: never.
         if in_blocks && (threshold == 0 || size > u32::from(threshold)) {
             self.state = State::Offered;
             reply[0] = reply::BLOCK_UPLOAD;
@@ -40,7 +40,7 @@ impl SdoServer {
         Ok(())
     }
 
-    /// The next segment, of those that are asked for one by one.
+    /// Answers a request for the next segment of a segmented read.
     pub(super) fn give_piece<O: Objects + ?Sized>(
         &mut self,
         head: u8,
@@ -66,7 +66,7 @@ impl SdoServer {
         Ok(())
     }
 
-    /// The next segment of a block, which is not full.
+    /// Makes the next segment of a block that is not full yet.
     pub(super) fn next_segment<O: Objects + ?Sized>(
         &mut self,
         reply: &mut Bytes,
@@ -93,8 +93,8 @@ impl SdoServer {
         Ok(())
     }
 
-    /// The client has the segments of a block up to `number` and takes `block` in the next one. False where nothing is to
-    /// be said.
+    /// The client has received the segments of a block up to `number` and takes `block` segments in the next one. False
+    /// where there is no answer.
     pub(super) fn answered(
         &mut self,
         number: u8,
@@ -106,7 +106,7 @@ impl SdoServer {
             return Err(Abort::Specifier);
         }
         if number > self.transfer.number {
-            // In the middle of a block: the answer to the one before, twice.
+            // In the middle of a block: a repeated answer to the block before.
             return if early {
                 Ok(false)
             } else {
@@ -124,21 +124,21 @@ impl SdoServer {
             return Ok(false);
         }
         self.state = State::Read;
-        // What was taken beyond the size; 7 where the value is empty.
+        // Unused bytes in the last segment; 7 where the value is empty.
         let unused = offset.saturating_sub(size).min(7) as u8;
         reply[0] = reply::BLOCK_UPLOAD_END | unused << 2;
         [reply[1], reply[2]] = transfer.checksum.get().to_le_bytes();
         Ok(true)
     }
 
-    /// Where so many segments of the block end.
+    /// Offset of the end of the block's first `segments` segments.
     fn offset_behind(&self, segments: u8) -> u32 {
         let bytes = u32::from(segments).saturating_mul(SEGMENT.into());
         self.transfer.offset.saturating_add(bytes)
     }
 
-    /// Reads the bytes from `offset` on; how many they are comes back. A value that is shorter than it said is an error of
-    /// the device.
+    /// Reads the bytes from `offset` on and gives their number. A value that is shorter than its announced size is an
+    /// error of the device.
     #[inline(never)]
     fn read<O: Objects + ?Sized>(
         &self,

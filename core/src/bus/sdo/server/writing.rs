@@ -1,16 +1,16 @@
-//! A client writes: at once, segment by segment, or in blocks, of which the segments come in until the block is full, and
-//! then the server says how many it has.
+//! A client writes: expedited, segment by segment, or in blocks. The client sends segments until the block is full.
+//! Then the server answers with the number of segments that it has received.
 //!
-//! Of a block only the next segment in sequence is ever taken. What comes behind a lost one is ignored until the block
-//! ends, and the answer asks for it again; so are segments that come twice. How many bytes of the last segment count is
-//! told only at the very end, so the last one is held back until then.
+//! The server takes only the next segment in sequence. After a lost segment it ignores the rest of the block, and its
+//! answer asks for that rest again. It ignores repeated segments, too. Only the end of the transfer gives the number of
+//! used bytes in the last segment, so the server holds the last segment back until then.
 
 use super::{LAST, SdoServer, State, TOGGLE, Transfer, long, reply};
 use crate::bus::object::{Abort, Object, Objects};
 use crate::bus::sdo::wire::{Bytes, SEGMENT};
 
 impl SdoServer {
-    /// A write begins; a short one is done at once.
+    /// Begins a write; an expedited write is complete at once.
     pub(super) fn begin_write<O: Objects + ?Sized>(
         &mut self,
         bytes: &Bytes,
@@ -22,7 +22,7 @@ impl SdoServer {
         let at_once = !in_blocks && head & 2 != 0;
         let size = match (at_once, head & 3) {
             (true, 3) => Some(4_u32.saturating_sub((head >> 2 & 3).into())),
-            // As many as the object has now; where that cannot be told, all.
+            // No length given: the object's present length, or all four bytes where that is unknown.
             (true, _) => match objects.size(self.object) {
                 Ok(size @ 1..=4) => Some(size),
                 _ => Some(4),
@@ -31,7 +31,7 @@ impl SdoServer {
             (false, _) => Some(long(*bytes)),
         };
         objects.begin_write(self.object, size)?;
-        // From here on a refusal abandons.
+        // From here on a refusal must abandon the write.
         self.transfer = Transfer::new(size, self.block, head & 4 != 0);
         if in_blocks {
             self.state = State::Taking;
@@ -50,7 +50,7 @@ impl SdoServer {
         Ok(())
     }
 
-    /// The next segment, of those that are answered one by one.
+    /// Takes the next segment of a segmented write.
     pub(super) fn take_piece<O: Objects + ?Sized>(
         &mut self,
         bytes: &Bytes,
@@ -80,7 +80,7 @@ impl SdoServer {
         Ok(())
     }
 
-    /// Takes a segment of a block. False where nothing is to be said yet.
+    /// Takes a segment of a block. False where there is no answer yet.
     pub(super) fn take_segment<O: Objects + ?Sized>(
         &mut self,
         bytes: &Bytes,
@@ -98,7 +98,7 @@ impl SdoServer {
             if let Some(before) = self.transfer.held {
                 let handed_on = self.sum_and_hand_on(piece(&before, 0), objects);
                 if handed_on.is_err() && over {
-                    // Nothing more of it comes that would have to be swallowed.
+                    // No segment follows in this block, so there is nothing to discard.
                     self.state = State::Taken;
                 }
                 handed_on?;
@@ -118,7 +118,7 @@ impl SdoServer {
         Ok(true)
     }
 
-    /// The client says that these were all blocks; of the last segment so many bytes mean nothing.
+    /// The client has sent all blocks; `unused` bytes of the last segment are not used.
     pub(super) fn end_blocks<O: Objects + ?Sized>(
         &mut self,
         unused: u8,
@@ -149,7 +149,7 @@ impl SdoServer {
         self.hand_on(begin, piece, objects)
     }
 
-    /// Goes on by a piece, of which the place comes back.
+    /// Advances by a piece and gives the piece's offset.
     fn advance(&mut self, piece: &[u8]) -> Result<u32, Abort> {
         let begin = self.transfer.offset;
         match begin.checked_add(piece.len() as u32) {
@@ -177,7 +177,7 @@ impl SdoServer {
         objects.write(self.object, begin, piece)
     }
 
-    /// The one place where a write takes effect.
+    /// The only place where a write takes effect.
     fn commit<O: Objects + ?Sized>(&mut self, length: u32, objects: &mut O) -> Result<(), Abort> {
         // The write ends here either way: nothing is left to abandon.
         self.state = State::Idle;
@@ -187,7 +187,7 @@ impl SdoServer {
     }
 }
 
-/// What a segment brings, without so many of its last bytes.
+/// The bytes of a segment without its last `unused` bytes.
 fn piece([_, value @ ..]: &Bytes, unused: u8) -> &[u8] {
     let length = SEGMENT.saturating_sub(unused);
     value.get(..length.into()).unwrap_or_default()

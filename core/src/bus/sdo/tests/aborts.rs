@@ -1,11 +1,11 @@
-//! Every mistake has its abort code, and none of them writes anything.
+//! Every mistake has its abort code, and no mistake writes anything.
 
 use core::time::Duration;
 
 use super::*;
 use crate::bus::{SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload};
 
-/// Sends requests of which the last is refused, and looks at the answer to that and at what is left behind.
+/// Sends requests, of which the server refuses the last. Checks that answer and the state of the server after it.
 fn refused(requests: &[[u8; 8]], object: Object, code: Abort) -> Shelf {
     let mut server = server();
     let mut shelf = Shelf::new();
@@ -139,7 +139,7 @@ fn a_length_that_is_not_the_one_told() {
     let blocks = |last: [u8; 8], end: [u8; 8], code| {
         refused(
             &[
-                // Without a CRC, so that the length is what is wrong.
+                // Without a CRC, so that only the length is wrong.
                 [0xC2, 0x20, 0x50, 0x00, 10, 0, 0, 0],
                 [1, 1, 2, 3, 4, 5, 6, 7],
                 last,
@@ -222,12 +222,12 @@ fn commands_out_of_place() {
         [0xE0, 0, 0, 0, 0, 0, 0, 0],
     ] {
         refused(&[bytes], NOWHERE, Abort::Specifier);
-        // The one that belongs there.
+        // The specifier that is correct there.
         if bytes[0] != 0xA3 {
             refused(&[READ_NAME_IN_BLOCKS, bytes], FIXED, Abort::Specifier);
         }
     }
-    // In the other direction than the transfer's.
+    // A segment in the wrong direction.
     refused(
         &[WRITE_TEN, [0x60, 0, 0, 0, 0, 0, 0, 0]],
         DOMAIN,
@@ -338,7 +338,7 @@ fn an_abort_or_a_reset_ends_a_transfer_without_a_word() {
     }
 }
 
-/// Segment 35 begins with 23h: a write of four bytes, if it were a command.
+/// Segment 35 begins with 23h, which as a command is a write of four bytes.
 #[test]
 fn the_rest_of_a_broken_block_is_no_command() {
     let mut server = server();
@@ -349,7 +349,7 @@ fn the_rest_of_a_broken_block_is_no_command() {
     assert_eq!(broken, Some(abort(DOMAIN, Abort::Sequence)));
     assert_eq!(server.receive(&request(write_long), &mut shelf), None);
     assert_eq!(shelf.values[&LONG], [1, 2, 3, 4]);
-    // Reading is no danger.
+    // A read does no harm.
     assert_eq!(
         server.receive(&request([0x40, 0x10, 0x20, 1, 0, 0, 0, 0]), &mut shelf),
         Some(reply([0x43, 0x10, 0x20, 1, 1, 2, 3, 4]))
@@ -369,14 +369,14 @@ fn the_rest_of_a_broken_block_is_no_command() {
     }
 }
 
-/// Where nothing more of a block can come, the next request has its answer, whatever it is; and a write in blocks
-/// always has: by itself it changes nothing.
+/// When no segment of a block can follow any more, the server answers the next request of any kind. It always answers a
+/// request to write in blocks, because that alone changes nothing.
 #[test]
 fn who_begins_anew_behind_a_refusal_is_answered() {
     let begin = [0xC6, 0x10, 0x50, 0x00, 9, 0, 0, 0];
     let first = [1, 1, 2, 3, 4, 5, 6, 7];
     let write_long = [0x23, 0x10, 0x20, 0x01, 9, 9, 9, 9];
-    // Refused at the last segment of all, and at the last of a block of two.
+    // Refused at the last segment of the value, and at the last segment of a block of two.
     for (most, last) in [(127, 0x82), (2, 0x02)] {
         let block = BlockSize::new(most).unwrap();
         let mut server = SdoServer::new(NODE, Periods::new(1000), block);
@@ -389,7 +389,7 @@ fn who_begins_anew_behind_a_refusal_is_answered() {
         let done = server.receive(&request(write_long), &mut shelf);
         assert_eq!(done, Some(reply([0x60, 0x10, 0x20, 1, 0, 0, 0, 0])));
     }
-    // In the middle, where the rest may still come; and behind silence.
+    // Refused in the middle, where the rest may still come; and after a silence.
     for silent in [false, true] {
         let mut server = server();
         let mut shelf = Shelf::new();
@@ -406,10 +406,11 @@ fn who_begins_anew_behind_a_refusal_is_answered() {
     }
 }
 
-/// At even numbers from 72 to 94 the last segment of a block is a new write in blocks but for bits that are 0 there.
+/// With an even number from 72 to 94 the last segment of a block looks like a new write in blocks, except for bits that
+/// are 0 there.
 #[test]
 fn the_last_segment_of_a_broken_block_begins_nothing() {
-    // It names an object that can be written. 74 segments are 512 bytes.
+    // The segment names a writable object. 74 segments hold 512 bytes.
     let data = [0x20, 0x50, 0, 10, 0, 0, 0];
     for last in [72_u8, 74, 76, 78, 80, 86, 88, 94] {
         let mut server = server();
@@ -431,12 +432,12 @@ fn the_last_segment_of_a_broken_block_begins_nothing() {
         }
         segment(0x80 | last, data, &mut shelf);
         assert!(!server.is_busy() && !shelf.is_write_open());
-        // Who begins anew begins.
+        // A client that begins a new transfer gets its answer.
         assert_eq!(server.receive(&request(begin), &mut shelf), begun);
         let first = server.receive(&request([1, 7, 7, 7, 7, 7, 7, 7]), &mut shelf);
         assert_eq!(first, None);
         server.reset(&mut shelf);
-        // Behind that a refusal is told.
+        // After that the server answers a mistake again.
         let refused = server.receive(&request([0xC6, 0x99, 0x29, 3, 9, 0, 0, 0]), &mut shelf);
         let nowhere = Object::new(0x2999, 3);
         assert_eq!(refused, Some(abort(nowhere, Abort::NoObject)));
@@ -444,7 +445,7 @@ fn the_last_segment_of_a_broken_block_begins_nothing() {
     }
 }
 
-/// The last segment of a write, C1h, looks like the command that ends it.
+/// The last segment of a write, C1h, looks like the command that ends the write.
 #[test]
 fn the_last_segment_twice_is_not_the_end() {
     let mut server = server();
@@ -462,7 +463,7 @@ fn the_last_segment_twice_is_not_the_end() {
     assert_eq!(server.receive(&last, &mut shelf), Some(answer));
     assert_eq!(server.receive(&last, &mut shelf), None);
     assert_eq!(shelf.commits, []);
-    // The end itself differs in a byte that means nothing here, since this client makes no CRC.
+    // The real end differs in a byte that is not used here, because this client makes no CRC.
     let end = request([0xC1, 0, 0, 0, 0, 0, 0, 1]);
     assert_eq!(
         server.receive(&end, &mut shelf),
@@ -500,7 +501,7 @@ fn read_broken(protocol: SdoProtocol, replies: &[[u8; 8]], error: SdoError) {
     assert_eq!(client.poll(now), None);
 }
 
-/// A server learns from the client that it broke off.
+/// Checks that the last frame tells the server why the client broke the transfer off.
 fn told(error: SdoError, last: Option<Frame>) {
     if let SdoError::Broken(abort) = error {
         let [a, b, c, d] = abort.code().to_le_bytes();
@@ -622,7 +623,7 @@ fn a_client_waits_so_long_and_no_longer() {
     assert!(client.poll(Duration::from_secs(5)).is_some());
     assert_eq!(client.deadline(), Duration::from_secs(6));
     assert_eq!(client.poll(Duration::from_secs(6)), None);
-    // What is left over from other transfers is no answer.
+    // A late frame of another transfer is no answer.
     for bytes in [
         [0x60, 0x21, 0x50, 0, 0, 0, 0, 0],
         [0x20, 0, 0, 0, 0, 0, 0, 0],

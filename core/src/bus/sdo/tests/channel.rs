@@ -1,7 +1,7 @@
-//! Server and client over a wire that loses frames, doubles them and lets one overtake another.
+//! Server and client over a wire that loses, repeats and reorders frames.
 //!
-//! The wire does what a bus and its controllers can do: a frame is lost in a full receiver, comes twice where an
-//! acknowledgement was destroyed, and two that wait in mailboxes at the same time leave in the wrong order.
+//! A bus and its controllers can do all of this. A full receiver loses a frame. A destroyed acknowledgement repeats a
+//! frame. Two frames that wait in mailboxes at the same time leave in the wrong order.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -16,7 +16,7 @@ const PROTOCOLS: [SdoProtocol; 3] = [
     SdoProtocol::Block,
 ];
 
-/// One direction of the wire. Each trouble comes once in so many frames; 0: never.
+/// One direction of the wire. Each error comes once in `trouble` frames on average; 0: never.
 #[derive(Default)]
 struct Wire {
     waiting: VecDeque<Frame>,
@@ -53,7 +53,7 @@ impl SdoSink for Vec<u8> {
     }
 }
 
-/// One transfer to its end. Both sides run dry before time passes.
+/// Runs one transfer to its end. Time passes only when no side has a frame to send.
 fn transfer(
     server: &mut SdoServer,
     shelf: &mut Shelf,
@@ -197,7 +197,7 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
         let (mut written, mut read_well, mut repeated, mut mistaken) = (0_u32, 0_u32, 0_u32, 0_u32);
         for _ in 0..rounds {
             for protocol in PROTOCOLS {
-                // From a wire that is hardly usable to one that now and then spoils a long transfer.
+                // From a wire that is hardly usable to one that seldom disturbs a long transfer.
                 let trouble = [10, 100, 1000, 10_000][dice.below(4) as usize];
                 let len = if protocol == SdoProtocol::Block || trouble > 1000 {
                     length(&mut dice)
@@ -219,14 +219,15 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                     Ok(()) => {
                         written += 1;
                         if shelf.commits.is_empty() {
-                            // A confirmation that came twice, the second overtaken by that of the next segment: one bit
-                            // tells segments apart, so it is taken for that of the last [CiA 301]. Blocks have a CRC.
+                            // A confirmation came twice, and that of the next segment overtook the second copy. One
+                            // toggle bit distinguishes segments, so the client takes the copy for the confirmation of
+                            // the last segment [CiA 301]. Blocks have a CRC.
                             let segments = protocol != SdoProtocol::Block && len > 4;
                             assert!(segments, "nothing was written: {len} bytes, {protocol:?}");
                             mistaken += 1;
                         }
                     }
-                    // The value may be there all the same: the last answer was lost.
+                    // The server may have the value nevertheless: only the last answer was lost.
                     Err(_) if shelf.commits.is_empty() => {
                         assert!(shelf.values[&DOMAIN] == before);
                     }
@@ -247,7 +248,7 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                 }
             }
         }
-        // Not all fail, and blocks that lost something arrive all the same.
+        // Not all transfers fail, and blocks with lost segments arrive nevertheless.
         let all = rounds * 3;
         assert!(written > all / 4 && written < all, "{written} of {all}");
         assert!(
@@ -255,7 +256,7 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
             "{read_well} of {all}"
         );
         assert!(repeated > rounds / 100, "{repeated}");
-        // One in ten frames has to be lost, doubled and overtaken for it.
+        // This mistake needs a wire that loses, repeats and reorders one frame in ten.
         assert!(mistaken <= 1 + rounds / 1000, "{mistaken} of {all}");
     });
 }

@@ -1,4 +1,4 @@
-//! Both sides against frames written down by hand.
+//! Server and client against frames written by hand.
 
 use core::time::Duration;
 use std::vec::Vec;
@@ -8,7 +8,8 @@ use crate::bus::{SdoBuffer, SdoDownload, SdoProtocol, SdoUpload};
 
 const ZERO: Duration = Duration::ZERO;
 
-/// What the client sends, what the server answers; where one side sends several, the other has empty lists.
+/// Requests of the client and answers of the server. Where one side sends several frames in a row, the other side has
+/// empty lists.
 type Talk<'a> = &'a [(&'a [[u8; 8]], &'a [[u8; 8]])];
 
 fn serve(talk: Talk, shelf: &mut Shelf) {
@@ -122,7 +123,7 @@ fn expedited_without_a_length_has_that_of_the_object() {
         &mut shelf,
     );
     assert_eq!(shelf.values[&DOMAIN], [9, 8]);
-    // A client takes all four.
+    // The client takes all four bytes.
     read(
         &[(
             &[[0x40, 0x10, 0x20, 0x01, 0, 0, 0, 0]],
@@ -379,7 +380,7 @@ fn lost_segments_are_sent_again() {
     assert_eq!(acknowledged, [0, 2]);
     assert_eq!(shelf.commits, [(DOMAIN, data.to_vec())]);
 
-    // Reading, the client says what it lacks; and the server sums nothing twice.
+    // In a read the client reports the received segments, and the server adds no segment to the checksum twice.
     let mut server = super::server();
     let mut into = [0; 30];
     let mut buffer = SdoBuffer::new(&mut into);

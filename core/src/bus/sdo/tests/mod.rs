@@ -1,4 +1,4 @@
-//! Server against client, byte for byte and over bad wires.
+//! Server and client together, byte by byte and over disturbed wires.
 
 #![allow(clippy::arithmetic_side_effects)]
 
@@ -18,20 +18,20 @@ use crate::bus::{Abort, CobId, Frame, NodeId, Object, Objects, Periods, Service}
 
 const NODE: NodeId = NodeId::BOARD;
 const PATIENCE: Duration = Duration::from_millis(1000);
-/// What may be read and written, at any length up to a mebibyte.
+/// Readable and writable, with any length up to a mebibyte.
 const DOMAIN: Object = Object::new(0x5020, 0);
 /// Four bytes.
 const LONG: Object = Object::new(0x2010, 1);
 /// Can be read only.
 const FIXED: Object = Object::new(0x1008, 0);
-/// Refuses a write once it has seen seven bytes of it.
+/// Refuses a write after its first seven bytes.
 const PICKY: Object = Object::new(0x5010, 0);
 /// Refuses a write when it is complete.
 const UNWILLING: Object = Object::new(0x5011, 0);
-/// Says that it is longer than it is.
+/// Announces a size that is larger than its value.
 const LIAR: Object = Object::new(0x5012, 0);
 
-/// Objects that watch the order of calls.
+/// Objects that check the order of calls.
 #[derive(Default)]
 struct Shelf {
     values: BTreeMap<Object, Vec<u8>>,
@@ -136,7 +136,7 @@ fn reply(bytes: [u8; 8]) -> Frame {
     Frame::of(CobId::of(Service::SdoReply, NODE), bytes)
 }
 
-/// The reply that breaks off.
+/// The reply that aborts a transfer.
 fn abort(object: Object, abort: Abort) -> Frame {
     let [low, high] = object.index.to_le_bytes();
     let [a, b, c, d] = abort.code().to_le_bytes();

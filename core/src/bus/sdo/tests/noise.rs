@@ -1,11 +1,11 @@
-//! Frames that make no sense, in any order: the server keeps its promises to its objects, the client comes to an end.
+//! Senseless frames in any order: the server keeps the call order of `Objects`, and the client comes to an end.
 
 use core::time::Duration;
 
 use super::*;
 use crate::bus::{SdoBuffer, SdoDownload, SdoProtocol, SdoUpload};
 
-/// First bytes that exist, and a few that do not.
+/// Valid first bytes, and a few invalid ones.
 const HEADS: [u8; 24] = [
     0x00, 0x01, 0x0F, 0x10, 0x11, 0x20, 0x21, 0x22, 0x23, 0x2F, 0x30, 0x40, 0x43, 0x60, 0x70, 0x80,
     0x81, 0xA0, 0xA1, 0xA2, 0xA3, 0xC1, 0xC6, 0xE0,
@@ -34,7 +34,7 @@ fn bytes(dice: &mut Dice, number: &mut u8) -> [u8; 8] {
             bytes[0] = HEADS[dice.below(HEADS.len() as u64) as usize];
             bytes[1..3].copy_from_slice(&object.index.to_le_bytes());
             bytes[3] = object.sub;
-            // Short lengths and block sizes, so that something is ever finished.
+            // Short lengths and block sizes, so that some transfers finish.
             bytes[4] %= 40;
             bytes[5..].fill(0);
         }
@@ -53,7 +53,7 @@ fn a_server_keeps_its_promises_to_its_objects() {
         let (mut refused, mut answered) = (0_u32, 0_u32);
         for round in 0..rounds {
             let frame = request(bytes(&mut dice, &mut number));
-            // The shelf itself watches the order of the calls.
+            // The shelf itself checks the order of the calls.
             if let Some(answer) = server.receive(&frame, &mut shelf) {
                 assert_eq!(answer.id().get(), 0x581);
                 let bytes = answer.exactly::<8>().unwrap();
@@ -71,7 +71,7 @@ fn a_server_keeps_its_promises_to_its_objects() {
             }
             let _ = server.elapse(Periods::new(dice.below(300) as u32), &mut shelf);
             assert!(server.is_busy() || !shelf.is_write_open(), "{round}");
-            // So that the values do not grow for ever.
+            // Limits the memory of the test.
             shelf.commits.clear();
         }
         assert!(
@@ -98,7 +98,7 @@ fn a_client_comes_to_an_end() {
             let mut reads = SdoUpload::new(NODE, DOMAIN, &mut buffer, protocol, PATIENCE, start);
             let mut writes = SdoDownload::new(NODE, DOMAIN, &data, protocol, PATIENCE, start);
             for ms in 0_u64.. {
-                // A wire on which nothing comes any more is noticed.
+                // From 200 ms on no frame comes: the client must notice the silence.
                 let now = Duration::from_millis(if ms < 200 { ms } else { ms * 100 });
                 while reads.poll(now).is_some() {}
                 while writes.poll(now).is_some() {}
@@ -115,7 +115,7 @@ fn a_client_comes_to_an_end() {
             write_ends[usize::from(writes.outcome() == Some(Ok(())))] += 1;
             assert!(writes.progress() as usize <= data.len());
         }
-        // Some are taken for answered well, the most are not.
+        // Some reads and writes end with success, most do not.
         assert!(read_ends[0] > read_ends[1] && write_ends[0] > write_ends[1]);
         assert!(
             read_ends[1] + write_ends[1] > 0,
