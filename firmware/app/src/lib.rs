@@ -46,7 +46,7 @@
 //! | notices: begin anew, plan a way | tick | background | waits in the tick; only the newest counts |
 //! | frames that no drive has sent | tick | background | the newest is lost, as on a flooded bus |
 //! | reports: the tick side after each tick | tick | background | this report is lost; the next counts its periods too |
-//! | the [`Ticker`](leadscrew_core::board::Ticker), made anew with other parameters | either side | the other | never full |
+//! | the [`Ticker`](leadscrew_core::board::Ticker), made anew with other parameters | either | the other | never full |
 //!
 //! All of them are queues with one producer and one consumer ([`Queues`]). Neither side takes a lock, and the tick
 //! never waits. Nothing else is shared. The parameter set belongs to the background; the ticker keeps the values that

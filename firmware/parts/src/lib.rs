@@ -6,11 +6,11 @@
 //! |---|---|
 //! | [`BitTiming`] | segments of a CAN bit from the controller's clock |
 //! | [`to_send`], [`received`], [`controller`] | the words of a CAN controller: frames, its state |
-//! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, safe against interruption |
+//! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, in any order |
 //! | [`Gate`] | which frame may go into the CAN controller next |
 //! | [`EdgeClock`] | a sample from counter, capture and index of an encoder |
 //! | [`WordFlash`] | the traits of storage on a flash of words with error correction |
-//! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp and spindle enable, through the traits of pins |
+//! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp, spindle enable, through the traits of pins |
 //!
 //! This crate knows no chip and no register; constants of a chip are arguments. It does not wait and does not allocate.
 

@@ -1,7 +1,7 @@
 //! Frames between a CAN controller and the two sides of a board.
 //!
 //! ```text
-//! controller ──► interrupt ───heard──► tick (it passes frames that no drive has sent on to the background)
+//! controller ──► interrupt ───heard──► tick (passes frames of other nodes on to the background)
 //!                          ──requests─► background
 //! controller ◄── interrupt ◄─setpoints─ tick
 //!                          ◄──others─── background
