@@ -148,7 +148,7 @@ impl<O: OutputPin, C: InputPin> Clamp<O, C> {
         let _ = self.switch.set_state((self.told == Told::Hold).into());
     }
 
-    /// Reads the contact, once a period. Gives the alarm to raise if the clamp goes on not to follow its order.
+    /// Reads the contact, once a period. Gives the alarm for a clamp that has not followed its order.
     pub fn look(&mut self) -> Option<Code> {
         match (self.told, self.holds.is_closed()) {
             (Told::Hold, false) => Some(Code::ClampOpen),
