@@ -36,6 +36,7 @@ pub fn words(buffer: &mut [u8; LONGEST]) -> impl Iterator<Item = &str> {
     text.split_ascii_whitespace().skip(1)
 }
 
+/// Prints.
 pub fn print(text: Arguments) {
     // A host that takes no output cannot be told so.
     if let Ok(mut out) = hio::hstdout() {

@@ -14,7 +14,7 @@
 //! |---|---|---|
 //! | rings of frames ([`wire`]) | one side each | one side each |
 //! | the number of the tick, and when it began ([`wire`]) | tick | interrupt |
-//! | the controller's places that hold the tick's frames, and how many are put in ([`wire`]) | tick; interrupt, with the tick kept out | both |
+//! | places that hold the tick's frames, and their number ([`wire`]) | tick; interrupt, with the tick kept out | both |
 //! | the period of SYNC ([`beat`]) | background | timer, interrupt |
 //! | the queues of `leadscrew-app` | one side each | one side each |
 //!
