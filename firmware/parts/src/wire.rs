@@ -12,10 +12,10 @@
 //!
 //! The tick may come at any instruction of the interrupt. Then everything that the interrupt has read is out of date:
 //! the tick may have given up the frame that was to go, a place may be taken, a SYNC may be in the ring. So every tick
-//! has a number. The interrupt reads the number first, then the rings and the controller, and decides. Then it keeps the tick
-//! out for the few instructions in which it puts a frame in and marks its place, and does so only if the number is
-//! unchanged. Each frame carries the number of its tick. The interrupt compares it with the number of the last tick
-//! after each look at the ring: a frame with another number has been given up.
+//! has a number. The interrupt reads the number first, then the rings and the controller, and decides. Then it keeps
+//! the tick out for the few instructions in which it puts a frame in and marks its place, and does so only if the
+//! number is unchanged. Each frame carries the number of its tick. The interrupt compares it with the number of the
+//! last tick after each look at the ring: a frame with another number has been given up.
 //!
 //! This module knows no register: a chip provides them through [`Chip`].
 

@@ -97,8 +97,8 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     assert_eq!(alarm, Some(Code::NetworkStop));
 }
 
-/// Events arrive before the report of their tick: so the thread's record takes its last error before the reset that
-/// ends it.
+/// Events arrive before the report of their tick: so the last error of a thread arrives after the reset that has ended
+/// the thread.
 #[test]
 fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
     let params = Params::slant_bed();

@@ -1,9 +1,9 @@
 //! Virtual time: when a tick may run. The simulated board in lock-step has the same rules.
 //!
 //! - A tick waits for the program: while more of it is to come and there is room for it, time stands still.
-//! - A tick waits for the gateway's heartbeat where the machine would run ahead of it: a living gateway must not count as lost.
-//! - A machine with nothing to do runs whole turns of the SYNC counter, 240 ticks each, in real time. So every program begins
-//!   at the same count, and its frames are the same at any time of its start.
+//! - A tick waits for the gateway's heartbeat where the machine would run ahead of it: a living gateway is not lost.
+//! - A machine with nothing to do runs whole turns of the SYNC counter, 240 ticks each, in real time. So every program
+//!   begins at the same count, and its frames are the same at any time of its start.
 
 use leadscrew_app::BackgroundSide;
 use leadscrew_core::board::State;
