@@ -251,7 +251,8 @@ impl Settings {
 
     /// The drive's own six bytes of a frame with its command; `None` for other frames.
     ///
-    /// # Errors The frame ends before these bytes.
+    /// # Errors
+    /// The frame ends before these bytes.
     pub(super) fn command_in(
         &self,
         id: CobId,

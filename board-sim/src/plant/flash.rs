@@ -174,7 +174,8 @@ impl Flash {
 
     /// The flash of an [image](Self::image), with its power on.
     ///
-    /// # Errors The bytes are not an image.
+    /// # Errors
+    /// The bytes are not an image.
     pub fn from_image(image: &[u8]) -> Result<Self, ImageError> {
         if !image.starts_with(&Self::MARK) {
             return Err(ImageError::Foreign);

@@ -389,7 +389,8 @@ pub fn axis_drive(
 /// The drive of a spindle that turns in position mode only, and the spindle itself, just switched on. In a whole plant
 /// spindle 1 can do more; this function can stand in for it, for a board elsewhere.
 ///
-/// # Errors The parameters do not make a drive.
+/// # Errors
+/// The parameters do not make a drive.
 pub fn tapper(
     params: &Params,
     options: &PlantOptions,

@@ -29,7 +29,7 @@ pub trait Machine {
     fn has_room(&self) -> bool;
     /// Sends a frame. There is room.
     fn send(&mut self, frame: &Frame);
-    /// Begins to store: the board copies the bytes into a buffer of its own. The last request is done.
+    /// Begins to store: the board copies the bytes into a buffer of its own. The previous request is done.
     fn store(&mut self, request: &StoreRequest<'_>);
     /// Continues to store. Gives the result once the request is done.
     fn stored(&mut self) -> Option<Result<(), StoreError>>;

@@ -31,8 +31,8 @@ pub struct Failure {
     pub kind: FailureKind,
     /// Fault: address of the instruction. Panic: address within the call that panicked. Else 0.
     pub place: u32,
-    /// Fault: return address of the faulting function. Panic: address within the call of the panicking function. Else
-    /// 0.
+    /// Fault: return address of the faulting function. Panic: address within the call of the panicking function.
+    /// Else 0.
     pub within: u32,
     /// SYNC periods since power-up; 0 where that is not known.
     pub ticks: u32,
@@ -142,8 +142,7 @@ impl Failure {
         })
     }
 
-    /// The alarm on which the board stands: until it is reset, or for good where the failure [is
-    /// final](Self::is_final).
+    /// The alarm on which the board stands until it is reset. A [final](Self::is_final) failure keeps it for good.
     #[must_use]
     pub fn alarm(&self) -> Alarm {
         let (code, args) = self.told();

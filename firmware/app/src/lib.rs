@@ -44,7 +44,7 @@
 //! | events | tick | background | the newest is lost |
 //! | entries of the tap journal | tick | background | waits in the tick; only the newest counts |
 //! | notices: begin anew, plan a way | tick | background | waits in the tick; only the newest counts |
-//! | frames that no drive has sent | tick | background | the newest is lost, as on a flooded bus |
+//! | frames that are not a drive's | tick | background | the newest is lost, as on a flooded bus |
 //! | reports: the tick side after each tick | tick | background | this report is lost; the next counts its periods too |
 //! | the [`Ticker`](leadscrew_core::board::Ticker), made anew with other parameters | either | the other | never full |
 //!

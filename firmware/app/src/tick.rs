@@ -49,11 +49,11 @@ pub trait TickMachine {
     /// The oldest frame from the bus that is not yet read. All frames of the drives have to come this way. The tick
     /// passes all others to the background.
     fn receive(&mut self) -> Option<Frame>;
-    /// Sends the frames of a tick, in this order and before any other frame. False where some frames of the last tick
-    /// have not left: these are dropped, and their setpoints are late.
+    /// Sends the frames of a tick, in this order and before any other frame. False where some frames of the
+    /// previous tick have not left: these are dropped, and their setpoints are late.
     fn send(&mut self, frames: &[Frame]) -> bool;
-    /// Sends the frame with the setpoints of all drives, after the frames of [`send`](Self::send). False where this
-    /// frame of the last tick has not left. Without CAN FD the frame never leaves: no drive comes up.
+    /// Sends the frame with the setpoints of all drives, after the frames of [`send`](Self::send). False where the
+    /// previous tick's frame has not left. Without CAN FD the frame never leaves: no drive comes up.
     fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
         false
     }
@@ -97,7 +97,7 @@ pub struct TickSide {
     elapsed: u32,
     silence: u32,
     late: u32,
-    /// SYNC periods since the machine should have followed the last switching.
+    /// SYNC periods for which the machine has not followed the last switching.
     unanswered: u32,
     /// SYNC periods in a second.
     second: u32,
@@ -182,7 +182,7 @@ impl TickSide {
         &self.output
     }
 
-    /// Takes the frames since the last tick. Frames that no drive has sent go to the background.
+    /// Takes the frames since the last tick. Frames that are not a drive's go to the background.
     fn receive(&mut self, machine: &mut impl TickMachine) -> Vec<Frame, RECEIVED> {
         let mut received = Vec::new();
         while !received.is_full()
@@ -327,8 +327,8 @@ impl TickSide {
     }
 }
 
-/// True for frames that a drive sends. A frame from another node to a drive goes to the background, which knows the
-/// permitted senders.
+/// True for a drive's TPDOs, emergencies and heartbeats. A frame from another node to a drive goes to the background,
+/// which knows the permitted senders.
 fn is_of_drive(frame: &Frame, drives: &DriveNodes) -> bool {
     const SPOKEN: [Service; 6] = [
         Service::Tpdo1,

@@ -31,8 +31,8 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// The gate for a period of `tick_us` microseconds at `kbit` kilobits a second. Other frames may begin during half
-    /// of the period at any rate.
+    /// The gate for a period of `tick_us` microseconds at `kbit` kilobits a second. At any bit
+    /// rate half of the period stays open for other frames.
     #[must_use]
     pub const fn new(tick_us: u32, kbit: u32) -> Self {
         let frame = match (LONGEST_FRAME_US * 1000).checked_div(kbit) {

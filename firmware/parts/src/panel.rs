@@ -181,8 +181,8 @@ impl<S: OutputPin, L: OutputPin> Switches<S, L> {
     }
 
     /// Sets the outputs by the state of the machine. The spindle is enabled as soon as its drive is up. On an alarm it
-    /// stays enabled until the spindle stands, unless it holds a tap in its hole [D190]: so a spindle whose power comes
-    /// back when an emergency stop is released is off. The board does not enable it where it comes up with an alarm.
+    /// stays enabled until the spindle stands, or longer while a tap is in its hole [D190]. So the spindle is off when
+    /// the release of an emergency stop gives its power back. A board that comes up with an alarm does not enable it.
     /// The light is on while the machine is up and has no alarm.
     pub fn show(&mut self, snapshot: &Snapshot) {
         let well = matches!(snapshot.state, State::Idle | State::Running | State::Held);

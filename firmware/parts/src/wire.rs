@@ -113,7 +113,7 @@ pub struct Rings {
 pub struct TickEnd<'a> {
     shared: &'a Shared,
     heard: Out<'a, Frame>,
-    /// The number of frames of the last tick that the interrupt had to put in.
+    /// The number of frames of the previous tick that the interrupt had to put in.
     left: u32,
     setpoints: In<'a, Setpoint>,
 }
@@ -197,7 +197,7 @@ impl TickEnd<'_> {
     }
 
     /// Sends the frames of a tick, SYNC first. Called once in each tick, even without frames. False where some frames
-    /// of the last tick have not left: these are called back.
+    /// of the previous tick have not left: these are called back.
     pub fn send(&mut self, frames: &[Frame], chip: &impl Chip) -> bool {
         let left = Places(chip.pending().0 & self.shared.places.get());
         let in_time = left.is_empty() && self.shared.done.get() == self.left;

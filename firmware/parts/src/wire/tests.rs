@@ -116,7 +116,7 @@ struct Machine {
     now: Cell<u8>,
     put: Cell<(u8, u8)>,
     sent: Cell<(u8, u8)>,
-    /// All frames of the last tick had left when this tick looked.
+    /// All frames of the previous tick had left when this tick looked.
     all_left: Cell<bool>,
     /// Counts ticks within the interrupt, so that the test knows that there were some.
     preempted: Cell<u32>,
