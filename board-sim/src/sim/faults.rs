@@ -9,7 +9,7 @@ use super::{ANSWERS, Direction, OUT, Sim, SimError};
 use crate::line::{Faults, Harm, Line, Way};
 use crate::storage::{stored_params, stored_tap};
 
-/// The most frames that reach the drives in a period: all of them twice, and those of the last period.
+/// The most frames that reach the drives in a period: all of them twice, and those of the previous period.
 const ARRIVED: usize = 48;
 
 impl Sim {

@@ -66,7 +66,7 @@ impl Delay {
 
     /// The number of SYNCs from a tick to the first SYNC at which the truth of its row is known.
     const fn wait(self) -> usize {
-        // With a remainder the instant lies between two SYNCs: the last one and this one.
+        // With a remainder the instant lies between two SYNCs: the previous one and this one.
         let between = if self.rest_us == 0 { 0 } else { 1 };
         self.whole.saturating_add(1).saturating_add(between)
     }

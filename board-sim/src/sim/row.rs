@@ -62,8 +62,8 @@ pub struct Row {
     pub number: u32,
     /// What the machine is doing.
     pub doing: Doing,
-    /// The setpoint minus the place of the axis at the true angle, while the long axis follows the helix, or axis and
-    /// spindle follow the tap's master.
+    /// The setpoint minus the place where the axis should be at the true angle. Known while the long axis follows the
+    /// helix, or axis and spindle follow the tap's master.
     pub error: Option<Length>,
     /// The state of a tap, while axis and spindle follow its master.
     pub tap: Option<TapPoint>,
@@ -122,7 +122,7 @@ pub struct TapPoint {
     /// Turns of the spindle since R: commanded turns in position mode, otherwise true turns at the instant of the
     /// setpoint.
     pub turned: Turns,
-    /// Setpoint of the tap axis minus its place at that angle.
+    /// Setpoint of the tap axis minus the place where it should be at that angle.
     pub skew: Length,
 }
 

@@ -32,7 +32,7 @@ pub struct Report {
     pub snapshot: Snapshot,
     /// The oldest segment is under way.
     pub begun: bool,
-    /// How far the axis that follows the spindle was from its place; `None` where no axis follows.
+    /// How far the axis that follows the spindle was from its correct place; `None` where no axis follows.
     pub measured: Option<Measured>,
     /// Setpoints that came late for their SYNC, since power-up.
     pub late: u32,
