@@ -1,4 +1,4 @@
-//! Tests whether a board in real time keeps a period of 1 kHz on this host, measured at the other end of its bus.
+//! Tests whether a board in real time keeps a SYNC of 1 kHz on this host, measured at the other end of its bus.
 
 use std::fs;
 

@@ -15,8 +15,8 @@ const WITH_MESSAGES: &str = "LEADSCREW_IMAGE_DEFMT";
 /// The names of tests that need a kernel with CAN begin like this.
 const IN_KERNEL: &str = "kernel::";
 
-/// Builds the images (one with provoked failures, one with messages) and the tests, and runs the tests. Passes each
-/// printed line to `seen`. True where the tests passed.
+/// Builds the images (one in which failures can be provoked, one with messages) and the tests, and runs the tests.
+/// Passes each printed line to `seen`. True where the tests passed.
 pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
     let built = target::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;

@@ -194,8 +194,9 @@ impl Machine for BackgroundParts {
 
 #[entry]
 fn main() -> ! {
-    // The start takes the deepest stack of the thread. No interrupt adds its own stack then, so one room serves both
-    // (`cargo xtask sizes` counts on that). The start waits for no interrupt; those that come meanwhile run after it.
+    // The start takes the deepest stack of the thread. Interrupts are masked until its end, so that none adds its own
+    // stack. The same memory then serves the rest of the thread with the interrupts (`cargo xtask sizes` counts on
+    // that). The start waits for no interrupt; those that come meanwhile run after it.
     cortex_m::interrupt::disable();
     let (background, parts) = start();
     // SAFETY: no critical section is open, and everything that the handlers use is in place.

@@ -36,7 +36,7 @@ pub type Switches = leadscrew_parts::Switches<Output, Output>;
 const TIM2: u8 = 1;
 const FDCAN: u8 = 9;
 
-/// Makes the outputs outputs: all are off. The ports have their clocks already.
+/// Configures the pins of the outputs: all are off. The ports have their clocks already.
 pub fn start_outputs() {
     GPIOA.moder().modify(|w| {
         w.set_moder(5, Moder::OUTPUT);

@@ -95,8 +95,8 @@ impl Outside {
         came
     }
 
-    /// True where everything from before a tick was sent, and everything received was read. So an answer is never more
-    /// than one tick's statuses late, however slow the line is.
+    /// True where everything from before a tick was sent, and everything received was read. So an answer waits
+    /// for the frames of one tick at most, however slow the line is.
     pub fn takes_tick(&self) -> bool {
         const {
             assert!(OUT >= 2 * BURST * LINE, "a tick has room");

@@ -1,4 +1,4 @@
-//! Failures on purpose, to test how the board handles them. Only an image with the feature has them.
+//! Failures on purpose, to test how the board handles them. Only an image with the feature `provoke` has them.
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
