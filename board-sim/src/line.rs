@@ -9,8 +9,7 @@
 //! ```
 //!
 //! Every frame passes [`Line::pass`]. It comes out once, not at all, twice, or after the next frame. The owner keeps
-//! the time: it calls [`Line::tick`] before each tick of the board. The same faults, seed and frames give the same
-//! result.
+//! the time: it calls [`Line::tick`] before each tick of the board. The same faults, seed and frames give the same result.
 //!
 //! This module knows frames. Of their meaning it knows SYNC only.
 

@@ -343,8 +343,7 @@ impl Sim {
         self.board.ticker().spindle_command()
     }
 
-    /// Runs one tick. Gives a row as soon as the truth at its effect is known: one tick later, plus the drives'
-    /// latency.
+    /// Runs one tick. Gives a row as soon as the truth at its effect is known: one tick later, plus the drives' latency.
     pub fn step(&mut self) -> Option<Row> {
         self.step_on(&mut |_, _| {})
     }

@@ -7,8 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::{canopen, run, target};
 
-/// The number of tries for a package lock, and the time between them: five minutes in all, as long as an upgrade may
-/// take.
+/// The number of tries for a package lock, and the time between them: five minutes in all, as long as an upgrade may take.
 const TRIES: u32 = 60;
 const BETWEEN_TRIES: Duration = Duration::from_secs(5);
 

@@ -19,8 +19,8 @@ const END: &str = "-- inside: end";
 /// The time limit inside, in seconds: five times as long as the tests take.
 const LIMIT: &str = "3000";
 /// Frames that the kernel keeps between a sender on its virtual interface and the receivers. The usual limit is a
-/// thousand; frames above it are lost without a report. A sender may run for the ten milliseconds of a kernel tick
-/// before the kernel has its turn.
+/// thousand; frames above it are lost without a report. A sender may run for the ten milliseconds of a timer tick
+/// before the kernel processes its frames.
 const BACKLOG: &str = "1000000";
 
 /// The kernel with the bus.

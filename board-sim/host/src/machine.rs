@@ -492,8 +492,7 @@ impl Machine {
         });
     }
 
-    /// Carries out the writes that the board requests. A changed flash is saved to the file before anything else
-    /// happens.
+    /// Carries out the writes that the board requests. A changed flash is saved to the file before anything else happens.
     fn keep(&mut self) -> Outcome {
         let before = self.flash.written();
         keep(&mut self.board, &mut self.flash);

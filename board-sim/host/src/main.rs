@@ -7,8 +7,7 @@
 //! ```
 //!
 //! Every setpoint and every answer goes over the wire, even where board and drives live in one process.
-//! `leadscrew_core` has the board and `leadscrew_board_sim` its surroundings; this crate has clocks, sockets and
-//! options.
+//! `leadscrew_core` has the board and `leadscrew_board_sim` its surroundings; this crate has clocks, sockets and options.
 
 mod claim;
 mod cli;

@@ -115,8 +115,7 @@ impl Wire {
         self.can.send_fd(&[*frame]).map_err(Failure::bus)
     }
 
-    /// Waits at most `patience` for frames, and passes on each CANopen frame in the order of arrival. Gives their
-    /// number.
+    /// Waits at most `patience` for frames, and passes on each CANopen frame in the order of arrival. Gives their number.
     pub fn listen(&mut self, patience: Duration, mut to: impl FnMut(Heard<'_>)) -> Outcome<usize> {
         self.heard.clear();
         self.can

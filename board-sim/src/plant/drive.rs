@@ -252,8 +252,7 @@ impl Drive {
         }
     }
 
-    /// True for a frame with the drive's command. A frame that is too short changes nothing and is reported (8210h)
-    /// once.
+    /// True for a frame with the drive's command. A frame that is too short changes nothing and is reported (8210h) once.
     fn is_commanded(&mut self, id: CobId, payload: &[u8]) -> bool {
         match self.settings.command_in(id, payload) {
             None => return false,

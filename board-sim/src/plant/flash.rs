@@ -17,8 +17,7 @@ pub struct Tear {
     pub order: Order,
 }
 
-/// The words of a page that an erase reaches first. A real erase works on all cells at once, so its remains are
-/// scattered.
+/// The words of a page that an erase reaches first. A real erase works on all cells at once, so its remains are scattered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// The words at the beginning.

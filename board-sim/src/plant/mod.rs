@@ -204,8 +204,7 @@ impl Plant {
         if entered {
             self.position.stand_at(here);
         }
-        // The drive counts in 32 bits, but the spindle turns on. So this takes the nearest of all angles with this
-        // target.
+        // The drive counts in 32 bits, but the spindle turns on. So this takes the nearest of all angles with this target.
         let newest = self.position.newest();
         let way = target.get().wrapping_sub(newest as i32);
         self.position

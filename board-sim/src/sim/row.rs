@@ -119,8 +119,7 @@ pub struct SpindleAngle {
 pub struct TapPoint {
     /// Setpoint of the tap axis below R; negative above it.
     pub depth: Length,
-    /// Turns of the spindle since R: commanded turns in position mode, otherwise true turns at the instant of the
-    /// setpoint.
+    /// Turns of the spindle since R: commanded turns in position mode, otherwise true turns at the instant of the setpoint.
     pub turned: Turns,
     /// Setpoint of the tap axis minus the place where it should be at that angle.
     pub skew: Length,

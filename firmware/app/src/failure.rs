@@ -31,8 +31,7 @@ pub struct Failure {
     pub kind: FailureKind,
     /// Fault: address of the instruction. Panic: address within the call that panicked. Else 0.
     pub place: u32,
-    /// Fault: return address of the faulting function. Panic: address within the call of the panicking function.
-    /// Else 0.
+    /// Fault: return address of the faulting function. Panic: address within the call of the panicking function. Else 0.
     pub within: u32,
     /// SYNC periods since power-up; 0 where that is not known.
     pub ticks: u32,

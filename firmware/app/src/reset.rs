@@ -57,8 +57,7 @@ impl ResetCause {
         }
     }
 
-    /// The warning for a start that follows no failure: somebody has reset the processor, whatever the machine was
-    /// doing.
+    /// The warning for a start that follows no failure: somebody has reset the processor, whatever the machine was doing.
     #[must_use]
     pub fn warning(self) -> Option<Alarm> {
         match self {

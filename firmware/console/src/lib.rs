@@ -1,6 +1,5 @@
 #![no_std]
-//! The standard output of an emulated image, its command line and its exit. The emulator provides all three by
-//! semihosting.
+//! The standard output of an emulated image, its command line and its exit. The emulator provides all three by semihosting.
 
 use core::fmt::{Arguments, Write};
 use core::panic::PanicInfo;

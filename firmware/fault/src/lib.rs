@@ -4,8 +4,7 @@
 //! After such a failure no variable can be trusted. All interrupts stop, and with them SYNC and setpoints: the drives
 //! stop by their own supervision. The handler writes a [`Failure`] to memory that a reset leaves as it is, and resets
 //! the processor. The image reads this memory at the next start ([`left`]) and passes the failure to the board's
-//! power-up, which stands on an alarm until somebody has reset it. The memory also counts failures in a row
-//! ([`begin`]).
+//! power-up, which stands on an alarm until somebody has reset it. The memory also counts failures in a row ([`begin`]).
 //!
 //! An image that links this crate has no other handler of `HardFault`. The image's stack lies below its data, so that a
 //! stack that is too deep runs into missing memory, or into a [guard](guard_stack). The image's `memory.x` gives the

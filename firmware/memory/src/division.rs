@@ -1,7 +1,6 @@
 //! Division of 64-bit numbers on a processor that divides 32 bits, under the names that the compiler calls.
 //!
-//! This is long division in digits of 16 bits. The compiler's own library divides bit by bit, and takes a kilobyte
-//! [D159].
+//! This is long division in digits of 16 bits. The compiler's own library divides bit by bit, and takes a kilobyte [D159].
 
 // The caller saves r0 to r3 and r12. A divisor of zero gives an arbitrary number: no caller passes one.
 functions!(

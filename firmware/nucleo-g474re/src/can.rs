@@ -2,8 +2,7 @@
 //! bus-off.
 //!
 //! The driver of the support crate does not fit: it passes frames through channels that mask all interrupts, and the
-//! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC
-//! in.
+//! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
 //!
 //! A controller that has gone off the bus stays off. It was part of a fault that somebody has to look at, and drives
 //! that have missed setpoints must not get new ones by surprise. The board only reports the state. The same holds where

@@ -1,8 +1,7 @@
 //! Data that two contexts share: words and rings. At any access, the other side may interrupt one side of a ring or
 //! either side of a word.
 //!
-//! In the tests of this crate each access calls [`point`], where the other side may run. So the tests can try all
-//! orders.
+//! In the tests of this crate each access calls [`point`], where the other side may run. So the tests can try all orders.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 

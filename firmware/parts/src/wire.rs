@@ -304,8 +304,7 @@ impl BusEnd<'_> {
                 done = shared.put(&words, of_tick, chip);
             }
         });
-        // The tick is let in again here, because a removal takes its time. The frame in the controller is counted by
-        // then.
+        // The tick is let in again here, because a removal takes its time. The frame in the controller is counted by then.
         match (done, of_tick) {
             (true, true) => drop(self.setpoints.take()),
             (true, false) => drop(self.others.take()),

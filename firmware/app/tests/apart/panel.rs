@@ -403,8 +403,7 @@ fn the_spindle_is_enabled_on_an_alarm_until_it_stands() {
     }
 }
 
-/// A spindle that another hand keeps turning also loses its enable: after twice the permitted time to stop, and a
-/// second.
+/// A spindle that another hand keeps turning also loses its enable: after twice the permitted time to stop, and a second.
 #[test]
 fn a_spindle_that_does_not_stop_loses_its_enable_in_time() {
     let params = Params::slant_bed();

@@ -1,5 +1,4 @@
-//! The machine around the board. It outlives a reset of the board: drives and spindle keep their power and their
-//! positions.
+//! The machine around the board. It outlives a reset of the board: drives and spindle keep their power and their positions.
 
 use core::mem::MaybeUninit;
 use core::ptr::{addr_of, addr_of_mut, read_volatile, write_volatile};

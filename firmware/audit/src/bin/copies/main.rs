@@ -1,8 +1,7 @@
 #![no_std]
 #![no_main]
 //! Tests the functions of `leadscrew-memory`, which the images of boards use, on the emulated Cortex-M4F: copies,
-//! moves, fills and comparisons of every length and alignment, each against the same work done byte by byte; and
-//! divisions.
+//! moves, fills and comparisons of every length and alignment, each against the same work done byte by byte; and divisions.
 
 mod division;
 
