@@ -1,9 +1,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! A machine that is not there: the plant around a board, for tests, for `--bus sim` and for emulated firmware.
+//! A simulated machine: the plant around a board, for tests, for `--bus sim` and for emulated firmware.
 //!
-//! Integers only and no allocation, so that the same plant gives the same bits wherever it runs. It knows the board only
-//! by its frames.
+//! The plant uses integers only and no allocation, so that the same plant gives the same bits on every computer. It
+//! knows the board only by its frames.
 
 pub mod line;
 pub mod plant;

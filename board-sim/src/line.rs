@@ -1,5 +1,4 @@
-//! What goes wrong with frames between the board, its drives and everybody else: a
-//! seeded, deterministic injector of faults.
+//! A wire with faults, between the board, its drives and other nodes: a seeded, deterministic injector.
 //!
 //! ```text
 //!           Out                        Setpoints
@@ -9,10 +8,10 @@
 //!           In                         Statuses
 //! ```
 //!
-//! Every frame passes [`Line::pass`], and comes out once, not at all, twice, or behind the next one. Time is the
-//! owner's: he calls [`Line::tick`] before each tick of the board. The same faults, seed and frames give the same.
+//! Every frame passes [`Line::pass`]. It comes out once, not at all, twice, or after the next frame. The owner keeps
+//! the time: it calls [`Line::tick`] before each tick of the board. The same faults, seed and frames give the same result.
 //!
-//! It knows frames, and nothing of what they mean but SYNC.
+//! This module knows frames. Of their meaning it knows SYNC only.
 
 use heapless::Vec;
 use leadscrew_core::bus::{
@@ -20,56 +19,56 @@ use leadscrew_core::bus::{
     Increments, NmtCommand, NodeId, is_sync,
 };
 
-/// Setpoints of a period at most.
+/// The most setpoints of a period.
 const SETPOINTS: usize = 16;
 
-/// Which way a frame goes.
+/// The direction of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// From the board to its drives.
     Setpoints,
     /// From the drives to the board.
     Statuses,
-    /// From anybody else to the board.
+    /// From any other node to the board.
     In,
-    /// From the board to anybody else.
+    /// From the board to any other node.
     Out,
 }
 
 impl Way {
-    /// All of them.
+    /// All directions.
     pub const ALL: [Self; 4] = [Self::Setpoints, Self::Statuses, Self::In, Self::Out];
 }
 
-/// What happens to frames by chance.
+/// Faults of single frames, by chance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Noise {
-    /// Thousandths that are lost.
+    /// Frames that are lost, in thousandths.
     pub lose: u16,
-    /// Thousandths that come twice.
+    /// Frames that come twice, in thousandths.
     pub double: u16,
-    /// Thousandths that come behind the next one.
+    /// Frames that come after the next frame, in thousandths.
     pub swap: u16,
 }
 
-/// Ticks from the first to before the last.
+/// A span of ticks; its end is not included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// The first.
+    /// The first tick.
     pub from: u64,
-    /// The one behind the last; `u64::MAX` for no end.
+    /// The tick after the last; `u64::MAX` for no end.
     pub to: u64,
 }
 
 impl Span {
-    /// True for a tick in it.
+    /// True for a tick within the span.
     #[must_use]
     pub const fn has(&self, tick: u64) -> bool {
         self.from <= tick && tick < self.to
     }
 }
 
-/// What a second master on the bus does.
+/// The actions of a second master on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intruder {
     /// It sends a SYNC in every period.
@@ -80,12 +79,12 @@ pub enum Intruder {
     Stop(NodeId),
 }
 
-/// All that goes wrong with the wire.
+/// All faults of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Faults {
-    /// By chance, in the order of [`Way::ALL`].
+    /// Faults by chance, in the order of [`Way::ALL`].
     pub noise: [Noise; 4],
-    /// Of the chance.
+    /// The seed of the chance.
     pub seed: u64,
     /// The board's cable is out.
     pub cable_out: Option<Span>,
@@ -121,7 +120,7 @@ impl Faults {
         intruder: None,
     };
 
-    /// The chance of one way.
+    /// The faults by chance of one direction.
     pub fn noise_mut(&mut self, way: Way) -> &mut Noise {
         let [setpoints, statuses, into, out] = &mut self.noise;
         match way {
@@ -132,7 +131,7 @@ impl Faults {
         }
     }
 
-    /// The same chance on every way.
+    /// The same faults by chance in every direction.
     #[must_use]
     pub const fn everywhere(mut self, noise: Noise) -> Self {
         self.noise = [noise; 4];
@@ -140,16 +139,16 @@ impl Faults {
     }
 }
 
-/// What has been done to frames so far.
+/// The number of frames that the faults have changed so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Harm {
-    /// Lost, by chance or with the wire.
+    /// Frames lost, by chance or with the wire.
     pub lost: u64,
-    /// Doubled.
+    /// Frames doubled.
     pub doubled: u64,
-    /// Behind the next one.
+    /// Frames that came after the next frame.
     pub swapped: u64,
-    /// Setpoints, counted by ticks, that were late for their SYNC.
+    /// Ticks whose setpoints were late for their SYNC.
     pub late: u32,
 }
 
@@ -157,20 +156,20 @@ pub struct Harm {
 #[derive(Clone, Debug)]
 pub struct Line {
     faults: Faults,
-    /// Nothing ever goes wrong with it.
+    /// The wire has no faults at all.
     good: bool,
-    /// State of a linear congruential generator.
+    /// The state of a linear congruential generator.
     chance: u64,
-    /// It does nothing to frames now, and holds none back.
+    /// In this tick the wire changes no frame and holds none back.
     quiet: bool,
     dead: bool,
     late: bool,
     controller: Controller,
-    /// Behind the next frame of their way.
+    /// For each direction, a frame that waits for the next frame.
     held: [Option<Frame>; 4],
-    /// Behind the next SYNC.
+    /// Setpoints that wait for the next SYNC.
     waiting: Vec<Frame, SETPOINTS>,
-    /// The frame with all setpoints, likewise.
+    /// The frame with all setpoints that waits for the next SYNC.
     together: Option<FdFrame>,
     harm: Harm,
 }
@@ -211,26 +210,26 @@ impl Line {
         }
     }
 
-    /// What goes wrong with it.
+    /// The faults.
     #[must_use]
     pub const fn faults(&self) -> &Faults {
         &self.faults
     }
 
-    /// What has been done to frames.
+    /// The number of changed frames.
     #[must_use]
     pub const fn harm(&self) -> Harm {
         self.harm
     }
 
-    /// How the board's controller is.
+    /// The state of the board's controller.
     #[must_use]
     pub const fn controller(&self) -> Controller {
         self.controller
     }
 
-    /// Time goes on to this tick. `rejoin`: the board lets a controller that has left the bus be started again. What the
-    /// second master sends in this tick comes back.
+    /// Goes on to this tick. `rejoin`: the board permits a restart of a controller that has left the bus. Gives the
+    /// frame that the second master sends in this tick.
     pub fn tick(&mut self, tick: u64, rejoin: bool) -> Option<Frame> {
         let in_span = |span: Option<Span>| span.is_some_and(|span| span.has(tick));
         let bad = in_span(self.faults.bus_off);
@@ -267,19 +266,19 @@ impl Line {
         sends.then(|| intruder.frame()).flatten()
     }
 
-    /// True where nothing ever goes wrong.
+    /// True where the wire has no faults at all.
     #[must_use]
     pub const fn is_good(&self) -> bool {
         self.good
     }
 
-    /// True where frames pass as they are in this tick.
+    /// True where all frames pass unchanged in this tick.
     #[must_use]
     pub const fn is_quiet(&self) -> bool {
         self.quiet
     }
 
-    /// A frame goes on its way; what arrives is handed to `to`.
+    /// Passes a frame on; `to` gets every frame that arrives.
     pub fn pass(&mut self, way: Way, frame: &Frame, mut to: impl FnMut(Frame)) {
         if self.quiet {
             to(*frame);
@@ -315,8 +314,8 @@ impl Line {
         }
     }
 
-    /// The frame with all setpoints goes on its way. It is lost or late as others are; to come twice means nothing to
-    /// it, and there is none of its kind in the same period that it could come behind.
+    /// Passes on the frame with all setpoints. It can be lost or late like others. It is never doubled (that would
+    /// change nothing) and never swapped (it is the only one of its kind in a period).
     pub fn pass_together(&mut self, way: Way, frame: &FdFrame, mut to: impl FnMut(&FdFrame)) {
         if self.quiet {
             to(frame);
@@ -339,12 +338,12 @@ impl Line {
         }
     }
 
-    /// A frame of this way that waits for the next one, where none comes.
+    /// A frame of this direction that still waits for a next frame.
     pub fn release(&mut self, way: Way) -> Option<Frame> {
         self.held_mut(way).take()
     }
 
-    /// True where the frame has been dealt with: it waits for the next SYNC, or it is that SYNC.
+    /// True where the frame is handled: it waits for the next SYNC, or it is this SYNC.
     fn delay(&mut self, frame: &Frame, to: &mut impl FnMut(Frame)) -> bool {
         if is_sync(frame) {
             if self.waiting.is_empty() {
@@ -357,7 +356,7 @@ impl Line {
             self.waiting.clear();
             return true;
         }
-        // A board sends no more in a period.
+        // A board sends no more setpoints in a period.
         self.late && self.waiting.push(*frame).is_ok()
     }
 
@@ -456,7 +455,7 @@ mod tests {
     fn a_swapped_frame_comes_behind_the_next_one() {
         let mut faults = Faults::NONE;
         faults.noise_mut(Way::In).swap = 1000;
-        // Every one that can be: the first, the third, …
+        // Every frame that can be swapped: the first, the third, …
         assert_eq!(numbers(&mut Line::new(faults), 6), [1, 0, 3, 2, 5, 4]);
     }
 
@@ -539,7 +538,7 @@ mod tests {
         let mut line = Line::new(faults);
         assert_eq!(came(&mut line, Way::Setpoints), expected);
         assert_eq!((line.harm().lost, line.harm().late), (1, 2));
-        // On the wire it is when it was sent.
+        // Towards other nodes there is no delay: all frames arrive in the tick in which they were sent.
         let all: std::vec::Vec<_> = (0..10)
             .filter(|tick| *tick != 7)
             .map(|tick| (tick, tick))

@@ -1,8 +1,8 @@
 //! A whole machine in virtual time: the board, and the plant around it, in lock-step.
 //!
-//! A tick is not taken while the background has work that it could do, so the stream of setpoints depends on nothing but
-//! the calls, the parameters and the options. The simulation sees the truth and judges the board by it; the board sees
-//! frames and encoder samples alone.
+//! The simulation takes no tick while the background has work to do. So the stream of setpoints depends on the calls,
+//! the parameters and the options only. The simulation sees the truth and judges the board by it; the board sees only
+//! frames and encoder samples.
 
 mod faults;
 mod judge;
@@ -28,16 +28,16 @@ use crate::line::{Line, Way};
 use crate::plant::{FineTurns, Flash, Plant, PlantError, PlantOptions};
 use crate::storage::{keep, stored_params, stored_tap};
 
-/// Frames the drives send in one period at most.
+/// The most frames that the drives send in one period.
 const ANSWERS: usize = 24;
 
-/// Answers of the drives to SDO requests that nobody has taken yet.
+/// Answers of the drives to SDO requests that wait to be taken.
 const TO_OTHERS: usize = 16;
 
-/// Frames that one becomes on its way at most, and those that waited for it.
+/// The most frames that one frame becomes on its way, together with those that waited for it.
 const OUT: usize = 8;
 
-/// On the wire from here on.
+/// The direction of a frame on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Board to drives.
@@ -46,66 +46,66 @@ pub enum Direction {
     ToBoard,
 }
 
-/// Why there is no machine.
+/// Why a machine cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SimError {
-    /// The plant cannot be.
+    /// The plant is impossible.
     Plant(PlantError),
-    /// The board refuses to start, or what is stored makes no sense.
+    /// The board refuses to start, or the stored data make no sense.
     Board(Alarm),
 }
 
-/// A board, its drives, its spindle, and time that goes by when it is told to.
+/// A board, its drives, its spindle, and time that passes on command.
 pub struct Sim {
     board: Board,
     plant: Plant,
     tick_us: u32,
-    /// Increments of a spindle's drive to a turn.
+    /// Increments of a spindle's drive in a turn.
     spindle_increments: u32,
-    /// From the SYNC that takes a setpoint to its effect, on X and on Z.
+    /// The delay from the SYNC that takes a setpoint to its effect, on X and on Z.
     delays: [Delay; 2],
-    /// 5275: rows of ordinary taps are judged by the angle so many ticks later.
+    /// 5275: rows of ordinary taps are judged by the angle this number of ticks later.
     lag: usize,
     ticks: u64,
     sample: EncoderSample,
-    /// On their way to the board.
+    /// Frames on their way to the board.
     answers: Vec<Frame, ANSWERS>,
-    /// The last one.
+    /// The last setpoint.
     setpoint: Setpoint,
     pending: Deque<Pending, LATENCY_TICKS>,
     /// The frame with all setpoints of the last tick.
     together: Option<FdFrame>,
     /// The line of the last tap.
     line: Option<Law>,
-    /// By how many turns the board counts ahead of the truth: an application that
-    /// begins anew counts whole turns from there.
+    /// The number of turns by which the board's count is above the truth: an application that begins anew counts
+    /// whole turns from zero.
     ahead: Turns,
-    /// The spindles' angles at the last SYNCs, oldest first, as many as rows wait for.
+    /// The spindles' angles at the last SYNCs, oldest first, as many as the rows need.
     truths: Deque<[FineTurns; 4], TRUTHS>,
-    /// What is kept over a loss of power; off from that on.
+    /// The flash. It keeps its content over a loss of power; after a cut it is off.
     flash: Flash,
-    /// Answers of the drives to somebody else on the bus.
+    /// Answers of the drives to other nodes on the bus.
     to_others: Deque<Frame, TO_OTHERS>,
-    /// What goes wrong with frames.
+    /// The faults of the wire.
     wire: Line,
-    /// On their way to whoever else is on the bus.
+    /// Frames on their way to other nodes on the bus.
     out: Deque<Frame, OUT>,
 }
 
 impl Sim {
-    /// A machine at power-up, its drives enabled and its axes standing: that is tick 0, and the row the first
-    /// [`step`](Self::step) gives.
+    /// A machine at power-up, its drives enabled and its axes at rest. That is tick 0, and the row of the first
+    /// [`step`](Self::step).
     ///
     /// # Errors
-    /// A plant or a board that cannot be; a drive that does not start.
+    /// A plant or a board is impossible; a drive does not start.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, SimError> {
         let up = PowerUp::given(params);
         let (sim, _) = Self::start_with(&up, options, Flash::erased(), None)?;
         Ok(sim)
     }
 
-    /// The same with the flash of a board that has run before: [`flash`](Self::flash) gives it back. Its power is switched
-    /// on. A parameter set that is stored in it counts; `built_in` is what the board has where there is none.
+    /// The same with the flash of a board that has run before: [`flash`](Self::flash) gives it back. Its power is
+    /// switched on. A parameter set stored in it counts; `built_in` is the board's own set where none is stored.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`TapJournalDamaged`](leadscrew_core::alarm::Code::TapJournalDamaged)
@@ -119,8 +119,8 @@ impl Sim {
         alarm.map_or(Ok(sim), |alarm| Err(SimError::Board(alarm)))
     }
 
-    /// As [`with_flash`](Self::with_flash), but a board that stands on an alarm about its stored parameters is a machine,
-    /// too: nothing moves, and it can be talked to.
+    /// As [`with_flash`](Self::with_flash), but accepts a board that stands on an alarm about its stored parameters:
+    /// nothing moves, and it answers on the bus.
     ///
     /// # Errors
     /// As [`with_flash`](Self::with_flash).
@@ -132,7 +132,7 @@ impl Sim {
         Self::start_from(built_in, options, flash).map(|(sim, _)| sim)
     }
 
-    /// With what is stored in a flash, whose power is switched on; also the alarm that withholds motion.
+    /// Starts with the content of a flash, whose power is switched on. Also gives the alarm that withholds motion.
     fn start_from(
         built_in: &Params,
         options: &PlantOptions,
@@ -144,7 +144,7 @@ impl Sim {
         Self::start_with(&up, options, flash, tap)
     }
 
-    /// Also the alarm that withholds motion because of what is stored.
+    /// Starts the machine. Also gives the alarm that withholds motion because of the stored data.
     fn start_with(
         up: &PowerUp,
         options: &PlantOptions,
@@ -180,7 +180,7 @@ impl Sim {
         Ok((sim, withheld))
     }
 
-    /// Lets the drives come up. Their steps have times of their own, so this ends.
+    /// Lets the drives come up. Each of their steps takes limited time, so this ends.
     fn start(&mut self, expected: Option<Alarm>) -> Result<Option<Alarm>, SimError> {
         let mut output = Output::default();
         loop {
@@ -205,7 +205,7 @@ impl Sim {
         }
     }
 
-    /// Time goes by up to the next SYNC.
+    /// Lets time pass up to the next SYNC.
     fn advance(&mut self) {
         self.sample = self.plant.advance();
         if self.truths.is_full() {
@@ -217,7 +217,7 @@ impl Sim {
         let _ = self.truths.push_back([truth.angle, second, third, fourth]);
     }
 
-    /// What the board sends reaches the drives, and they answer.
+    /// Passes the board's frames to the drives, and collects their answers.
     fn exchange(&mut self, frames: &[Frame], wire: &mut dyn FnMut(Direction, &Frame)) {
         self.answers.clear();
         if !self.wire.is_quiet() {
@@ -230,12 +230,12 @@ impl Sim {
         let answers = &mut self.answers;
         self.plant.exchange(frames, |frame| {
             wire(Direction::ToBoard, &frame);
-            // Seven drives with a status, a boot-up and an emergency each: that many fit.
+            // There is room for seven drives with a status, a boot-up message and an emergency each.
             let _ = answers.push(frame);
         });
     }
 
-    /// The frame with all setpoints, where the drives get them so.
+    /// Sends the frame with all setpoints, where the drives get them in one frame.
     fn tell_together(&mut self, output: &Output) {
         let node = self.board.device().node();
         self.together = output
@@ -248,19 +248,20 @@ impl Sim {
         }
     }
 
-    /// The frame with all setpoints of the last tick, where the drives get them so: behind the others of that tick.
+    /// The frame with all setpoints of the last tick, where the drives get them in one frame. It comes after the other
+    /// frames.
     #[must_use]
     pub const fn together(&self) -> Option<&FdFrame> {
         self.together.as_ref()
     }
 
-    /// Carries out the writes that the board asks for. They are done before the next tick, so that nothing depends on how
-    /// long they take.
+    /// Carries out the writes that the board requests. They end before the next tick, so that nothing depends on their
+    /// duration.
     fn keep(&mut self) {
         keep(&mut self.board, &mut self.flash);
     }
 
-    /// Time of a tick in microseconds.
+    /// The length of a tick in microseconds.
     #[must_use]
     pub const fn tick_us(&self) -> u32 {
         self.tick_us
@@ -272,23 +273,23 @@ impl Sim {
         &self.flash
     }
 
-    /// The flash of the board, to make trouble: a write can be cut in the middle ([`Flash::cut_after`]) or refused.
+    /// The flash of the board, to give it faults: a write can be cut in the middle ([`Flash::cut_after`]) or refused.
     pub const fn flash_mut(&mut self) -> &mut Flash {
         &mut self.flash
     }
 
-    /// The power goes: from now on nothing happens any more. What is stored is in [`flash`](Self::flash).
+    /// Cuts the power: nothing happens any more. The stored data are in [`flash`](Self::flash).
     pub const fn cut_power(&mut self) {
         self.flash.power(false);
     }
 
-    /// True until the power goes.
+    /// True until the power is cut.
     #[must_use]
     pub const fn has_power(&self) -> bool {
         self.flash.is_on()
     }
 
-    /// Drops the entry of a tap that is in its hole; see [`Board::discard_tap`].
+    /// Discards the entry of a tap that is in its hole; see [`Board::discard_tap`].
     pub fn discard_tap(&mut self) -> bool {
         self.has_power() && self.board.discard_tap()
     }
@@ -304,7 +305,7 @@ impl Sim {
         taken
     }
 
-    /// An operator's command.
+    /// Gives the board an operator's command.
     pub const fn command(&mut self, command: Command) {
         self.board.command(command);
     }
@@ -319,13 +320,13 @@ impl Sim {
         self.board.event()
     }
 
-    /// True while anything handed over has not been carried out.
+    /// True while a call that was handed over is not carried out.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.has_power() && self.board.is_busy()
     }
 
-    /// The board, for what it can tell.
+    /// The board, to read its state.
     #[must_use]
     pub const fn board(&self) -> &Board {
         &self.board
@@ -342,13 +343,12 @@ impl Sim {
         self.board.ticker().spindle_command()
     }
 
-    /// One tick. A row comes back as soon as it is known what was true when its setpoint took effect: one tick later,
-    /// and the drives' latency on top.
+    /// Runs one tick. Gives a row as soon as the truth at its effect is known: one tick later, plus the drives' latency.
     pub fn step(&mut self) -> Option<Row> {
         self.step_on(&mut |_, _| {})
     }
 
-    /// As [`step`](Self::step), showing every frame on its way.
+    /// As [`step`](Self::step), and shows every frame on its way.
     pub fn step_on(&mut self, wire: &mut dyn FnMut(Direction, &Frame)) -> Option<Row> {
         if !self.has_power() {
             return None;
@@ -371,7 +371,7 @@ impl Sim {
             (_, Motion::Dwell) => Doing::Dwell,
             (_, Motion::Wait) => Doing::Wait,
             (_, Motion::Run) => Doing::Run,
-            // The next segment is not there yet.
+            // The next segment has not come yet.
             (State::Running, Motion::Idle) => Doing::Wait,
             (_, Motion::Idle) if self.board.ticker().in_program() => Doing::Wait,
             _ => Doing::Idle,
@@ -397,10 +397,10 @@ impl Sim {
         if self.board.device().has_joined() {
             self.serve(Periods::new(1));
         } else {
-            // Nobody asks for anything: it keeps its book.
+            // Nobody asks for anything: the board only keeps its records.
             self.board.serve(Periods::new(1), &self.setpoint);
         }
-        // Released above as soon as it is due: there is always room.
+        // This row was released above when it was due, so there is always room.
         let _ = self.pending.push_back(Pending { row, law, ahead });
         ready
     }

@@ -1,4 +1,4 @@
-//! The storage of a simulated board: what it asks to be kept goes to a simulated flash, at once.
+//! The storage of a simulated board. All requests of the board go to a simulated flash at once.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::board::{Board, PowerUp};
@@ -8,8 +8,8 @@ use leadscrew_store::{BUFFER, Region, Store};
 
 use crate::plant::Flash;
 
-/// The entry of the tap journal in a flash, if there is one; repairs first what a loss of power has left unfinished. For
-/// power-up.
+/// The entry of the tap journal in a flash, if there is one. Before the read, this repairs what a loss of power has
+/// left unfinished. For power-up.
 ///
 /// # Errors
 /// [`Code::TapJournalDamaged`] for a flash that cannot be read.
@@ -27,17 +27,17 @@ pub fn stored_tap(flash: &mut Flash) -> Result<Option<TapRecord>, Alarm> {
     }
 }
 
-/// The parameter set in a flash; `built_in` is what the board has of its own. For power-up, behind [`stored_tap`].
+/// The parameter set in a flash; `built_in` is the board's own set. For power-up, after [`stored_tap`].
 ///
 /// # Errors
-/// [`Code::ParametersLost`] for a flash that cannot be one.
+/// [`Code::ParametersLost`] for a flash in which a store is impossible.
 pub fn stored_params(flash: &mut Flash, built_in: &Params) -> Result<PowerUp, Alarm> {
     let lost = Alarm::new(Code::ParametersLost, Span::default());
     let mut store = Store::new(flash).map_err(|_| lost)?;
     Ok(store.power_up(|| built_in.clone()))
 }
 
-/// Carries out what a board asks of its storage.
+/// Carries out all requests of a board to its storage.
 pub fn keep(board: &mut Board, flash: &mut Flash) {
     loop {
         if let Some(region) = board.load() {

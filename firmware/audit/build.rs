@@ -10,7 +10,7 @@ fn main() {
     println!("cargo:rustc-link-arg-bin=ticks=-Tlink.x");
     println!("cargo:rustc-link-arg-bin=copies=-Tlink.x");
     if std::env::var_os("CARGO_FEATURE_DIAGNOSE").is_some() {
-        // Keeps what calls what in the image.
+        // Keeps the call graph in the image.
         println!("cargo:rustc-link-arg-bin=link=--emit-relocs");
     }
 }

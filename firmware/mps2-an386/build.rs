@@ -8,7 +8,7 @@ fn main() {
     println!("cargo:rustc-link-search={}", here.display());
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");
-    // First, for what it takes is not left for the other.
+    // Before `link.x`, which would take the same sections.
     println!("cargo:rustc-link-arg-bins=-Tpanicking.x");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     if std::env::var_os("CARGO_FEATURE_DEFMT").is_some() {
@@ -22,7 +22,7 @@ fn main() {
         .expect("the build folder is writable");
 }
 
-/// Name and text of every example, by name.
+/// The name and text of every example, sorted by name.
 fn table(folder: &Path) -> String {
     let entries = std::fs::read_dir(folder).expect("there are examples");
     let mut paths: Vec<PathBuf> = entries

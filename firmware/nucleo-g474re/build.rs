@@ -5,9 +5,9 @@ fn main() {
     println!("cargo:rustc-link-search={here}");
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");
-    // Who calls whom, for the bound of the stack. It stays on the host.
+    // The relocations hold the call graph, for the bound of the stack. They stay on the host.
     println!("cargo:rustc-link-arg-bins=--emit-relocs");
-    // First, for what it takes is not left for the other.
+    // Before `link.x`, which would take the same sections.
     println!("cargo:rustc-link-arg-bins=-Tpanicking.x");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     if std::env::var_os("CARGO_FEATURE_DEFMT").is_some() {

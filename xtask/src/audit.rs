@@ -8,10 +8,10 @@ use object::{Object, ObjectSection, SectionFlags};
 
 use crate::{callgraph, run, target};
 
-/// The function that the panic handler of the image calls and that nobody defines.
+/// The undefined function that the panic handler of the image calls.
 const UNDEFINED: &str = "a_panic_is_reachable";
 
-/// Links the image as it would be flashed, and once with a panic in it to see that the test can fail.
+/// Links the image as it would be flashed. Then links it with a panic in it, to show that the test can fail.
 pub fn audit() -> Result<()> {
     match link(None)? {
         Outcome::Linked => println!("no panic is reachable ({})", size()?),
@@ -46,8 +46,8 @@ enum Outcome {
     PanicReachable,
 }
 
-/// Bytes of flash and of RAM of the image that holds what a board needs and nothing
-/// else of the core: neither the hardware's part nor stacks.
+/// Flash and RAM, in bytes, of the image with everything of the core that a board needs and nothing else. It has no
+/// hardware code and no stacks.
 pub fn of_board() -> Result<(u64, u64)> {
     bytes(&target::build("audit", "board", &[])?)
 }
@@ -78,7 +78,7 @@ fn link(feature: Option<&str>) -> Result<Outcome> {
     bail!("the link image does not build:\n{errors}")
 }
 
-/// Bytes of flash and RAM that the image takes, for reading along.
+/// The bytes of flash and RAM of the image, for information.
 fn size() -> Result<String> {
     let (flash, ram) = bytes(&target::built("link"))?;
     Ok(format!(
@@ -86,7 +86,7 @@ fn size() -> Result<String> {
     ))
 }
 
-/// Bytes of what is read only, and of what is not.
+/// The bytes of the read-only sections, and of the others.
 fn bytes(image: &Path) -> Result<(u64, u64)> {
     let data = std::fs::read(image)?;
     let file = object::File::parse(data.as_slice())?;

@@ -1,7 +1,7 @@
-//! Speed, as numbers that anyone can get again: instructions counted by callgrind, on which noise has no influence, and
-//! the wall time beside them.
+//! Speed, in figures that anyone can reproduce: instructions counted by callgrind, which noise cannot change, and in
+//! addition the wall time.
 //!
-//! Instructions are the difference between two runs that differ in size only, so that start-up is not in them.
+//! The instructions are the difference of two runs of different size, so that they exclude the start.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -12,10 +12,10 @@ use anyhow::{Context, Result, anyhow, bail};
 
 use crate::{emulator, run, setup};
 
-/// The part of `docs/performance.md` that `bench --write` renews stands between these lines.
+/// `bench --write` renews the part of `docs/performance.md` between these lines.
 const MARKS: (&str, &str) = ("<!-- measured: begin -->", "<!-- measured: end -->");
 
-/// Measures everything and prints it as Markdown, or (`write`) puts it into the document.
+/// Measures everything. Prints it as Markdown or, with `write`, puts it into the document.
 pub fn bench(write: bool) -> Result<()> {
     setup::everything()?;
     let root = run::root();
@@ -41,7 +41,7 @@ pub fn bench(write: bool) -> Result<()> {
     tell(&text, MARKS, write)
 }
 
-/// Prints what was measured; with `write` it also takes the place between the marks in docs/performance.md.
+/// Prints the result; with `write` it also replaces the part between the marks in docs/performance.md.
 pub fn tell(text: &str, marks: (&str, &str), write: bool) -> Result<()> {
     println!("{text}");
     if write {
@@ -110,7 +110,7 @@ fn host() -> Result<String> {
     Ok(text)
 }
 
-/// Text to calls: the program that the example makes, read once and read three times.
+/// From text to calls: the example's program, read once and read three times.
 fn parse() -> Result<Row> {
     let program = example("parse");
     let lines = 20_000;
@@ -135,7 +135,7 @@ fn parse() -> Result<Row> {
     })
 }
 
-/// Calls to moves: G76 cycles of 56 passes.
+/// From calls to moves: G76 cycles of 56 passes.
 fn expand() -> Result<Row> {
     let program = example("expand");
     let moves = |cycles: &str| -> Result<u64> {
@@ -168,7 +168,7 @@ fn expand() -> Result<Row> {
     })
 }
 
-/// The whole way on the host: a file with 1 000 G76 cycles of 56 passes to JSON lines.
+/// The whole path on the host: from a file with 1 000 G76 cycles of 56 passes to JSON lines.
 fn file_to_json() -> Result<Row> {
     let dir = run::scratch("bench")?;
     let program = |name: &str, cycles: usize| -> Result<String> {
@@ -214,7 +214,7 @@ fn file_to_json() -> Result<Row> {
     })
 }
 
-/// The works of `firmware/audit`, on the board and here.
+/// The works of `firmware/audit`, on the board and on the host.
 fn works() -> Result<String> {
     let mut text =
         String::from("| | Cortex-M4F, mean | worst | x86-64, mean |\n|---|---:|---:|---:|\n");
@@ -285,14 +285,14 @@ fn callgrind(program: &Path, args: &[&str], options: &[&str]) -> Result<u64> {
     collected(&fs::read_to_string(&log)?)
 }
 
-/// The instructions in what callgrind says.
+/// The number of instructions in callgrind's log.
 pub fn collected(log: &str) -> Result<u64> {
     log.lines()
         .find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok())
         .ok_or_else(|| anyhow!("callgrind counted nothing:\n{log}"))
 }
 
-/// The least of five runs: what disturbs a run makes it slower, never faster.
+/// The shortest of five runs: a disturbance makes a run slower, never faster.
 fn fastest(mut what: impl FnMut() -> Result<()>) -> Result<Duration> {
     let mut least = Duration::MAX;
     for _ in 0..5 {
@@ -313,7 +313,7 @@ pub fn tenths(sum: u64, count: u64) -> String {
     format!("{}.{}", tenths / 10, tenths % 10)
 }
 
-/// The number in front of `word`.
+/// The number before `word`.
 fn number_before(text: &str, word: &str) -> Result<u64> {
     let words: Vec<&str> = text.split_whitespace().collect();
     words

@@ -1,5 +1,5 @@
-//! What receiving and recording a bus costs, counted where the bus is: system calls a frame, and user instructions a frame.
-//! Beside them `candump`, which does the same.
+//! The cost of receiving and recording a bus: system calls and user instructions for each frame, counted in the place
+//! of the bus. For comparison: `candump`, which does the same work.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,19 +10,19 @@ use anyhow::{Context, Result, bail};
 use crate::bench::{collected, tell, tenths};
 use crate::{run, setup, vcan};
 
-/// The part of `docs/performance.md` that is renewed stands between these lines.
+/// The part of `docs/performance.md` between these lines is renewed.
 const MARKS: (&str, &str) = ("<!-- measured bus: begin -->", "<!-- measured bus: end -->");
 
-/// Frames in the big run.
+/// Frames of the large run.
 const MANY: u64 = 500_000;
-/// Frames that come one by one.
+/// Frames that arrive one by one.
 const SINGLE: u64 = 3_000;
-/// Frames for `candump`: every one costs it several calls, and each call is slow while it is counted.
+/// Frames for `candump`: each costs it several calls, and each call is slow while it is counted.
 const FEW: u64 = 20_000;
-/// Instructions are the difference of these two runs, so that the start of the program is not in them.
+/// The instructions are the difference of these two runs, so that they exclude the start of the program.
 const USER: [u64; 2] = [5_000, 25_000];
 
-/// Measures and prints, or (`write`) puts it into the document.
+/// Measures. Prints the result or, with `write`, puts it into the document.
 pub fn bench(write: bool) -> Result<()> {
     setup::tools(&[setup::VALGRIND])?;
     setup::tools(setup::CAN)?;
@@ -57,7 +57,7 @@ pub fn bench(write: bool) -> Result<()> {
     tell(&text, MARKS, write)
 }
 
-/// What was counted of a program.
+/// The counts of a program.
 struct Counted {
     name: &'static str,
     frames: u64,
@@ -73,7 +73,7 @@ fn count() -> Result<Vec<Counted>> {
     let dir = dir.to_string_lossy();
     let bus = vcan::INTERFACE;
     let [less, more] = USER;
-    // Each recorder is counted while the other process sends, from when it listens.
+    // Each recorder is counted while the other process sends; that one begins when the recorder listens.
     let script = format!(
         "set -e\n\
          r=target/release/leadscrew; s=target/release/examples/burst\n\
@@ -140,13 +140,13 @@ fn count() -> Result<Vec<Counted>> {
     ])
 }
 
-/// The sum at the end of what `strace -c` prints.
+/// The sum at the end of `strace -c`'s output.
 fn total(table: &str) -> Result<u64> {
     let line = table
         .lines()
         .find(|line| line.trim_end().ends_with(" total"))
         .with_context(|| format!("strace counted nothing:\n{table}"))?;
-    // Share of time, seconds, microseconds a call, calls, perhaps errors.
+    // The columns: share of time, seconds, microseconds a call, calls, perhaps errors.
     line.split_whitespace()
         .nth(3)
         .and_then(|word| word.parse().ok())

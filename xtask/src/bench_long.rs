@@ -1,20 +1,20 @@
-//! A program of a hundred megabytes through a board with 4 KiB for it, in virtual time: four ways, one hash.
+//! A program of a hundred megabytes through a board with 4 KiB for it, in virtual time: four ways give one hash.
 
 use anyhow::Result;
 
 use crate::bench::tell;
 use crate::run;
 
-/// The part of `docs/performance.md` that is renewed stands between these lines.
+/// The part of `docs/performance.md` between these lines is renewed.
 const MARKS: (&str, &str) = (
     "<!-- measured long: begin -->",
     "<!-- measured long: end -->",
 );
 
-/// Bytes of program.
+/// The length of the program in bytes.
 const BYTES: &str = "100000000";
 
-/// Measures and prints, or (`write`) puts it into the document.
+/// Measures. Prints the result or, with `write`, puts it into the document.
 pub fn bench(write: bool) -> Result<()> {
     let root = run::root();
     let build = ["build", "--quiet", "--release", "-p"];

@@ -1,4 +1,4 @@
-//! Whether a board in real time keeps a beat of 1 kHz on this host, as the other end of its bus sees it.
+//! Tests whether a board in real time keeps a SYNC of 1 kHz on this host, measured at the other end of its bus.
 
 use std::fs;
 
@@ -7,13 +7,13 @@ use anyhow::Result;
 use crate::bench::tell;
 use crate::run;
 
-/// The part of `docs/performance.md` that is renewed stands between these lines.
+/// The part of `docs/performance.md` between these lines is renewed.
 const MARKS: (&str, &str) = (
     "<!-- measured beat: begin -->",
     "<!-- measured beat: end -->",
 );
 
-/// Measures and prints, or (`write`) puts it into the document.
+/// Measures. Prints the result or, with `write`, puts it into the document.
 pub fn bench(write: bool) -> Result<()> {
     let root = run::root();
     let build = ["build", "--quiet", "--release", "-p"];
@@ -29,7 +29,7 @@ pub fn bench(write: bool) -> Result<()> {
     let load = load.split(' ').next().unwrap_or("unknown");
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let ordinary = run::read(run::command(&root, &program, &args))?;
-    // Where that is not allowed, the command says so.
+    // Where this scheduling is not permitted, the command reports it.
     let first = [&["-f", "40", &*program], &args[..]].concat();
     let before_others = run::read(run::command(&root, "chrt", &first))?;
     let text = format!(

@@ -1,15 +1,15 @@
-//! The setpoints of whole programs on the emulated Cortex-M4F, as hashes held against the table under version control.
-//! A test of the workspace (`tests/tests/target.rs`) holds the host's against the same table. Programs from the seed of the
-//! commit are in no table: board and host run them here, one after the other.
+//! The setpoints of whole programs on the emulated Cortex-M4F, as hashes compared with the table under version control.
+//! A test of the workspace (`tests/tests/target.rs`) compares the host's hashes with the same table. Programs from the
+//! seed of the commit are in no table: this module runs them on the board and on the host, one after the other.
 
 use anyhow::{Context, Result, bail};
 
 use crate::{emulator, run};
 
-/// Random programs from the seed of the commit.
+/// The number of random programs from the seed of the commit.
 const FRESH: &str = "100";
 
-/// Runs the programs, and compares with the table or (`write`) renews it.
+/// Runs the programs. Compares with the table or, with `write`, renews it.
 pub fn bits(write: bool) -> Result<()> {
     print!("{}", emulator::emulate("audit", "copies", &[])?);
     let printed = emulator::emulate("mps2-an386", "mps2-an386", &[])?;
@@ -37,7 +37,7 @@ pub fn bits(write: bool) -> Result<()> {
     );
 }
 
-/// Programs that no table has, on the board and on this host.
+/// Runs programs that are in no table, on the board and on this host.
 fn fresh() -> Result<()> {
     let (seed, source) = leadscrew_seed::of_run();
     let words = [format!("seed={seed}"), format!("count={FRESH}")];
@@ -66,7 +66,7 @@ fn fresh() -> Result<()> {
     Ok(())
 }
 
-/// The first few rows that are not as they were, and how many more there are.
+/// The first rows that differ, and the number of further ones.
 fn differences(of: &str, golden: &str, now: &str) -> Vec<String> {
     const SHOWN: usize = 10;
     let mut wrong: Vec<String> = golden

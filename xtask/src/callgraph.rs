@@ -1,7 +1,7 @@
-//! Who can reach a panic: read from an image that was linked with its relocations kept.
+//! The paths to a panic, read from an image that was linked with its relocations kept.
 //!
-//! Every call and every address taken is a relocation, so the functions and what they refer to form a graph without any
-//! instruction being decoded. The debug information puts file and line to each call.
+//! Every call and every address taken is a relocation. So functions and their references form a graph, and no
+//! instruction has to be decoded. The debug information gives file and line of each call.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::path::Path;
@@ -17,7 +17,7 @@ use object::{
 pub struct Node {
     /// Its name.
     pub name: String,
-    /// Where it ends.
+    /// The address after its end.
     pub end: u64,
 }
 
@@ -28,7 +28,7 @@ struct Reference {
     at: u64,
 }
 
-/// One line for each place outside the standard library from which a panic can be reached, and the way to it.
+/// Gives one line for each place outside the standard library from which a panic can be reached, and the path to it.
 pub fn ways_to_panic(image: &Path) -> Result<Vec<String>> {
     let data = std::fs::read(image).with_context(|| format!("cannot read {}", image.display()))?;
     let file = object::File::parse(data.as_slice())?;
@@ -51,7 +51,7 @@ pub fn ways_to_panic(image: &Path) -> Result<Vec<String>> {
             let Some(caller) = nodes.get(&reference.from) else {
                 continue;
             };
-            // The library's own helpers are not what anyone wrote: go on to who calls them.
+            // The library's own helpers are not the fault's origin: go on to their callers.
             if is_panic(&caller.name) || caller.name.starts_with("core::") {
                 if seen.insert(reference.from) {
                     panics.push_back(reference.from);
@@ -110,7 +110,7 @@ fn is_panic(name: &str) -> bool {
     name.contains("rust_begin_unwind") || name.starts_with("core::panicking::")
 }
 
-/// Functions and tables by address. Thumb functions have bit 0 set in their symbol, which is not part of the address.
+/// Functions and tables by address. The symbol of a Thumb function has bit 0 set; this bit is not part of the address.
 pub fn nodes(file: &object::File) -> BTreeMap<u64, Node> {
     file.symbols()
         .filter(|symbol| {
@@ -141,20 +141,20 @@ fn references(file: &object::File, nodes: &BTreeMap<u64, Node>) -> Vec<Reference
     targets(file).into_iter().filter_map(within).collect()
 }
 
-/// Where the linker's script says that something begins or ends: nobody goes there.
+/// Symbols of the linker's script for the limits of a section: no code goes there.
 const BOUNDS: [&str; 2] = ["__panicking_start", "__panicking_end"];
 
-/// An address that code or data of the image refers to.
+/// A reference from code or data of the image to an address.
 pub struct Target {
-    /// Where it does.
+    /// The address of the reference.
     pub at: u64,
-    /// What it refers to.
+    /// The address that it refers to.
     pub to: u64,
-    /// As an instruction that goes there; else as a value.
+    /// True for an instruction that jumps there; false for a value.
     pub is_jump: bool,
 }
 
-/// All of them.
+/// All references of an image.
 pub fn targets(file: &object::File) -> Vec<Target> {
     let mut found = Vec::new();
     for section in file.sections() {
@@ -181,7 +181,7 @@ pub fn targets(file: &object::File) -> Vec<Target> {
     found
 }
 
-/// An instruction that goes to its target: `bl`, `b`.
+/// True for an instruction that jumps to its target: `bl`, `b`.
 fn is_jump(relocation: &object::Relocation) -> bool {
     use object::elf::{
         R_ARM_THM_JUMP6, R_ARM_THM_JUMP19, R_ARM_THM_JUMP24, R_ARM_THM_PC8, R_ARM_THM_PC11,
@@ -201,7 +201,7 @@ fn is_jump(relocation: &object::Relocation) -> bool {
     .contains(&r_type)
 }
 
-/// The node that holds `address`.
+/// The node that contains `address`.
 pub fn within(nodes: &BTreeMap<u64, Node>, address: u64) -> Option<u64> {
     let (start, node) = nodes.range(..=address).next_back()?;
     (address < node.end).then_some(*start)

@@ -1,5 +1,5 @@
-//! The board's CANopen services against a master that other people wrote: the Python package `canopen`, in a virtual
-//! environment below the build folder.
+//! The board's CANopen services against an independent master: the Python package `canopen`, in a virtual environment
+//! below the build folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,18 +9,18 @@ use anyhow::{Context, Result, bail};
 use crate::run;
 use crate::setup::{self, Tool};
 
-/// Brings `venv` along on Debian, where a bare Python has none.
+/// This package brings `venv` on Debian, where a bare Python has none.
 const PYTHON: Tool = Tool {
     program: "python3",
     package: "python3-venv",
 };
 
-/// The interpreter with the pinned packages; installs them where they are missing or others.
+/// The interpreter with the pinned packages; installs them where they are missing or have other versions.
 pub fn python() -> Result<PathBuf> {
     environment("python", &tests().join("requirements.txt"))
 }
 
-/// The interpreter of the virtual environment with this name below the build folder, with the packages of a list.
+/// The interpreter of the virtual environment with this name below the build folder. It has the packages of the list.
 pub fn environment(name: &str, wanted: &Path) -> Result<PathBuf> {
     let dir = run::root().join("target").join(name);
     let python = dir.join("bin").join("python");
@@ -38,7 +38,7 @@ pub fn environment(name: &str, wanted: &Path) -> Result<PathBuf> {
         run::read(run::command(&run::root(), "python3", &args))
     };
     if make().is_err() {
-        // There is a Python, and it has no `venv`.
+        // There is a Python without `venv`.
         setup::install(&[PYTHON.package])?;
         make()?;
     }
@@ -58,13 +58,13 @@ pub fn environment(name: &str, wanted: &Path) -> Result<PathBuf> {
     Ok(python)
 }
 
-/// How many tests a run of Python's `unittest` reports: `Ran 7 tests in 3.142s`; 0 where it does not say.
+/// The number of tests that a run of Python's `unittest` reports: `Ran 7 tests in 3.142s`; 0 where it reports none.
 pub fn count(report: &str) -> u64 {
     let ran = |line: &str| line.strip_prefix("Ran ")?.split(' ').next()?.parse().ok();
     report.lines().find_map(ran).unwrap_or(0)
 }
 
-/// Writes the data sheet that this program prints. Gives the file.
+/// Writes the data sheet that this program prints. Gives the file's path.
 pub fn sheet(leadscrew: &Path) -> Result<PathBuf> {
     let args = ["params", "docs", "--eds"];
     let sheet = run::read(run::command(
@@ -77,7 +77,7 @@ pub fn sheet(leadscrew: &Path) -> Result<PathBuf> {
     Ok(eds)
 }
 
-/// Runs the tests. Gives how many passed.
+/// Runs the tests. Gives the number that passed.
 pub fn check() -> Result<u64> {
     let python = python()?;
     let built = run::programs(&["--example", "canopen_node", "--bin", "leadscrew"])?;

@@ -1,5 +1,5 @@
-//! The image for the NUCLEO-G474RE, as it is flashed, on a model of its chip: Unicorn runs the instructions, and the
-//! registers are in `tests/python/chip`.
+//! The flashed image of the NUCLEO-G474RE on a model of its chip: Unicorn runs the instructions, and the registers are
+//! in `tests/python/chip`.
 
 use std::path::PathBuf;
 
@@ -7,10 +7,10 @@ use anyhow::{Context, Result, bail};
 
 use crate::{canopen, run, target};
 
-/// What is flashed.
+/// The flashed image.
 const IMAGE: &str = "nucleo-g474re";
 
-/// Runs the tests, all or those with `filter` in their name; `all`: in full volume. Gives how many passed.
+/// Runs the tests whose names contain `filter`; with `all` in full volume. Gives the number that passed.
 pub fn check(filter: &str, all: bool) -> Result<u64> {
     let python = canopen::environment("python-chip", &tests().join("requirements.txt"))?;
     let root = run::root();
@@ -40,13 +40,13 @@ pub fn check(filter: &str, all: bool) -> Result<u64> {
     if passed == 0 {
         bail!("Python found no tests in {}:\n{report}", tests().display());
     }
-    // What a volume has tried, line by line.
+    // The cases that a volume has tried, line by line.
     print!("{}", String::from_utf8_lossy(&output.stdout));
     println!("{passed} tests of the image against a model of its chip passed");
     Ok(passed)
 }
 
-/// The command by itself.
+/// The command `cargo xtask chip`.
 pub fn command(args: &[&str]) -> Result<()> {
     let (all, names): (Vec<&str>, Vec<&str>) =
         args.iter().copied().partition(|arg| *arg == "--all");
@@ -57,10 +57,10 @@ pub fn command(args: &[&str]) -> Result<()> {
     check(names.first().unwrap_or(&""), !all.is_empty()).map(drop)
 }
 
-/// Builds the image as it is flashed; where it is.
+/// Builds the flashed image; gives its path.
 fn image() -> Result<PathBuf> {
     let built = target::build(IMAGE, IMAGE, &[])?;
-    // The same place has another image when another step builds one.
+    // Another step may build another image in the same place.
     let image = run::scratch("chip")?.join(IMAGE);
     std::fs::copy(&built, &image).with_context(|| format!("there is no {}", built.display()))?;
     Ok(image)

@@ -1,4 +1,4 @@
-//! The main job in one command: a real program checked, run on the simulated machine and drawn.
+//! The main task in one command: checks a real program, runs it on the simulated machine and draws it.
 
 use anyhow::Result;
 
@@ -6,7 +6,7 @@ use crate::run;
 
 const PROGRAM: &str = "examples/shaft.nc";
 const PICTURE: &str = "out/shaft.svg";
-/// A spindle that is not better than a real one.
+/// A spindle with the ripple of a real one.
 const RIPPLE: &str = "--spindle-ripple=10@5";
 
 /// Checks, runs and draws the example.

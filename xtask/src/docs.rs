@@ -1,14 +1,14 @@
-//! The documentation builds without warnings, and its links lead somewhere, those of the pages too.
+//! The documentation builds without warnings, and all its links lead somewhere, those of the pages included.
 //!
-//! Comments cite decisions as `[D7]`, which rustdoc takes for links. So the lint of dead links is off in an ordinary
-//! build; here it is on, and only those citations are let pass.
+//! Comments cite decisions as `[D7]`, and rustdoc takes these for links. So the lint for dead links is off in an
+//! ordinary build. Here it is on, and only these citations are accepted.
 
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
 
 use crate::{pages, run};
 
-/// Builds it, and lists what is wrong.
+/// Builds the documentation, and lists its faults.
 pub fn check() -> Result<()> {
     pages::check()?;
     let args = [
@@ -50,7 +50,7 @@ pub fn check() -> Result<()> {
     )
 }
 
-/// True for the complaint that a decision's number is no item.
+/// True for a complaint about the number of a decision.
 fn is_citation(message: &str) -> bool {
     message
         .strip_prefix("unresolved link to `D")

@@ -1,5 +1,5 @@
-//! The board on the emulated Cortex-M4F, driven by `leadscrew`: over its serial line, and over an interface of the kernel
-//! behind that.
+//! The board on the emulated Cortex-M4F, driven by `leadscrew`: over its serial line, and over a kernel interface on
+//! that line.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -9,20 +9,20 @@ use anyhow::{Context, Result};
 
 use crate::{emulator, run, target, vcan};
 
-/// Where the tests find the image, and the one with messages.
+/// The variables that give the tests the image, and the image with messages.
 const IMAGE: &str = "LEADSCREW_IMAGE";
 const WITH_MESSAGES: &str = "LEADSCREW_IMAGE_DEFMT";
-/// What the names of the tests begin with that need a kernel with CAN.
+/// The names of tests that need a kernel with CAN begin like this.
 const IN_KERNEL: &str = "kernel::";
 
-/// Builds the images (the one in which failures can be provoked, and the one with messages) and the tests and runs
-/// them; each line that is printed is handed to `seen`. True where they passed.
+/// Builds the images (one in which failures can be provoked, one with messages) and the tests, and runs the tests.
+/// Passes each printed line to `seen`. True where the tests passed.
 pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     let root = run::root();
     let built = target::build("mps2-an386", "mps2-bus", &["--features", "provoke"])?;
     let scratch = run::scratch("emulated")?;
     let image = scratch.join("mps2-bus");
-    // The next one is built in the same place.
+    // The next image is built in the same place.
     std::fs::copy(built, &image)?;
     let with_messages = target::build("mps2-an386", "mps2-bus", &["--features", "defmt"])?;
     run::programs(&["--bin", "leadscrew"])?;
@@ -48,7 +48,7 @@ pub fn tests(filter: &str, mut seen: impl FnMut(&str)) -> Result<bool> {
     Ok(passed)
 }
 
-/// A board on a terminal, emulated until this is dropped.
+/// A board on a terminal. It is emulated until this value is dropped.
 struct OnTerminal {
     emulator: Child,
     terminal: String,
@@ -65,7 +65,7 @@ impl OnTerminal {
             .stdout(Stdio::piped())
             .spawn()
             .context("cannot start `qemu-system-arm`")?;
-        // It says first where the terminal is.
+        // The emulator first prints the name of the terminal.
         let mut line = String::new();
         let said = match emulator.stdout.take() {
             Some(stdout) => first_line(stdout, &mut line),
@@ -85,22 +85,22 @@ impl OnTerminal {
 
 impl Drop for OnTerminal {
     fn drop(&mut self) {
-        // One that has ended by itself is gone already.
+        // An emulator that has ended by itself is gone already.
         let _ = self.emulator.kill();
         let _ = self.emulator.wait();
     }
 }
 
-/// Reads one line. What comes behind it is nobody's, but somebody takes it: a full pipe would stop the emulator.
+/// Reads one line. A thread discards the rest: a full pipe would stop the emulator.
 fn first_line(stdout: impl Read + Send + 'static, line: &mut String) -> std::io::Result<usize> {
     let mut stdout = BufReader::new(stdout);
     let said = stdout.read_line(line);
-    // It ends with the emulator; an error means that there is nothing left to read.
+    // The thread ends with the emulator; an error means that there is nothing left to read.
     std::thread::spawn(move || std::io::copy(&mut stdout, &mut std::io::sink()));
     said
 }
 
-/// Where the terminal is that a line tells of: `char device redirected to /dev/pts/0 (label serial0)`.
+/// The terminal in a line of the emulator: `char device redirected to /dev/pts/0 (label serial0)`.
 fn terminal(line: &str) -> Option<&str> {
     let (_, place) = line.split_once("redirected to ")?;
     place.split_whitespace().next()

@@ -1,4 +1,4 @@
-//! Instructions per tick on the emulated Cortex-M4F, held against the table under version control.
+//! Instructions per tick on the emulated Cortex-M4F, compared with the table under version control.
 
 use std::fmt::Write as _;
 
@@ -6,21 +6,21 @@ use anyhow::{Context, Result, anyhow, bail};
 
 use crate::{audit, run, target};
 
-/// What a whole tick may cost: X, Z, C and a spindle in any motion, and what lies between two motions.
+/// The most instructions of a whole tick: X, Z, C and a spindle in any motion, and between two motions.
 const TICK_LIMIT: u64 = 2000;
-/// Rows of this name count whole ticks of the board.
+/// Rows whose name begins like this count whole ticks of the board.
 const WHOLE_TICK: &str = "board/";
-/// The one that may cost more, and how much: three more spindles are three more drives.
+/// The row with a higher limit, and its limit: three more spindles are three more drives.
 const SEVEN_DRIVES: (&str, u64) = ("board/seven-drives", 2200);
 /// A row may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
-/// The loop of known length that shows that the emulated clock counts instructions.
+/// A loop of known length. It shows that the emulated clock counts instructions.
 const KNOWN_LOOP: &str = "known-loop-2000";
 
 /// Instructions of one kind of step.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Row {
-    /// What was run.
+    /// The name of the step.
     pub name: String,
     /// Mean over the run.
     pub mean: u64,
@@ -28,7 +28,7 @@ pub struct Row {
     pub worst: u64,
 }
 
-/// Measures, and compares with the table or (`write`) renews it.
+/// Measures. Compares with the table or, with `write`, renews it.
 pub fn ticks(write: bool) -> Result<()> {
     let rows = measure()?;
     print!("{}", table(&rows));
@@ -55,7 +55,7 @@ pub fn ticks(write: bool) -> Result<()> {
 
 /// Builds the image and runs it in the emulator.
 pub fn measure() -> Result<Vec<Row>> {
-    // One nanosecond of virtual time an instruction.
+    // An instruction takes one nanosecond of virtual time.
     let rows = parse(&emulate("audit", "ticks", &["-icount", "shift=0"])?)?;
     let known = rows
         .iter()
@@ -80,7 +80,7 @@ pub fn measure() -> Result<Vec<Row>> {
 /// The emulator of the board's processor.
 pub const EMULATOR: &str = "qemu-system-arm";
 
-/// What it is told in any case: where the serial line goes, and what the image may ask of the host.
+/// The options of every run: the place of the serial line, and what the image may ask of the host.
 pub const fn machine<'a>(serial: &'a str, semihosting: &'a str) -> [&'a str; 9] {
     [
         "-M",
@@ -95,7 +95,7 @@ pub const fn machine<'a>(serial: &'a str, semihosting: &'a str) -> [&'a str; 9] 
     ]
 }
 
-/// Builds an image and runs it in the emulator; what it prints.
+/// Builds an image, runs it in the emulator, and gives its output.
 pub fn emulate(package: &str, image: &str, options: &[&str]) -> Result<String> {
     emulate_with(package, image, options, &[])
 }
@@ -115,7 +115,7 @@ pub fn emulate_with(
         semihosting.push_str(",arg=");
         semihosting.push_str(word);
     }
-    // The limit is for an image that hangs.
+    // The time limit is for an image that hangs.
     let mut args = vec!["1200", EMULATOR];
     args.extend(machine("none", &semihosting));
     args.extend_from_slice(options);
@@ -158,7 +158,7 @@ fn table(rows: &[Row]) -> String {
     text
 }
 
-/// Whole ticks above the limit.
+/// Complaints about whole ticks above the limit.
 fn too_dear(rows: &[Row]) -> Vec<String> {
     rows.iter()
         .filter(|row| row.name.starts_with(WHOLE_TICK))

@@ -1,15 +1,14 @@
-//! What becomes of the address of a function that code loads into a register: is it called there and nothing else, or does
-//! somebody else get it?
+//! Decides whether code only calls a function whose address it loads into a register, or also hands the address on.
 //!
-//! Where a function is called often in one place, the compiler loads its address once and
-//! calls through the register. That is known by following the register along every way
-//! through the code until it is written anew. What is not known for sure counts as handed on.
+//! Where a function is called often in one place, the compiler loads its address once and calls through the register.
+//! This module follows the register along every path through the code until it is written anew. Any use that it does
+//! not understand counts as handing on.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::stack::Code;
 
-/// Registers that a call may change, and of those the ones in which it takes something over.
+/// Registers that a call may change; among them those that pass arguments.
 const LOST: u16 = 1 << 12 | 1 << 14 | TAKEN;
 const TAKEN: u16 = 0b1111;
 
@@ -17,24 +16,24 @@ const TAKEN: u16 = 0b1111;
 #[derive(Clone, Copy, Debug)]
 struct Instruction {
     first: u16,
-    /// 0 in a narrow one.
+    /// 0 in a narrow instruction.
     second: u16,
     wide: bool,
-    /// It may be passed over.
+    /// It may be skipped.
     conditional: bool,
 }
 
-/// Registers, a bit each.
+/// Registers, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effect {
-    /// Whose value it may use.
+    /// Registers whose value it may use.
     pub reads: u16,
-    /// Whose value it replaces.
+    /// Registers whose value it replaces.
     pub writes: u16,
 }
 
-/// True where the word at `literal`, in the function from `start` to `end`, is loaded for calls and for nothing else.
-/// `part` tells the end of what is a part of its callers and keeps to no rule of calls: it may use any register.
+/// True where the function from `start` to `end` loads the word at `literal` for calls only. `part` gives the end of a
+/// part that several functions share. Such a part does not keep the rules of calls: it may use any register.
 pub fn is_only_called(
     code: &Code<'_>,
     (start, end): (u64, u64),
@@ -57,7 +56,7 @@ pub fn is_only_called(
                     return false;
                 }
             }
-            // Eight bytes, or a pointer to the word.
+            // A load of eight bytes, or a pointer to the word.
             Load::Other(address) if literal.abs_diff(address) < 8 => return false,
             _ => {}
         }
@@ -85,7 +84,7 @@ fn instructions(code: &Code<'_>, start: u64, end: u64) -> BTreeMap<u64, Instruct
             conditional: conditional > 0,
         };
         conditional = conditional.saturating_sub(1);
-        // it: the lowest bit that is set ends the mask.
+        // `it`: the lowest set bit ends the mask.
         if first & 0xFF00 == 0xBF00 && first & 0xF != 0 {
             conditional = 4 - (first & 0xF).trailing_zeros();
         }
@@ -96,9 +95,9 @@ fn instructions(code: &Code<'_>, start: u64, end: u64) -> BTreeMap<u64, Instruct
 }
 
 enum Load {
-    /// This word into this register.
+    /// Loads this word into this register.
     Word(u64, u16),
-    /// Something else at this address.
+    /// Loads or points to something else at this address.
     Other(u64),
     No,
 }
@@ -132,7 +131,7 @@ fn load(at: u64, instruction: Instruction) -> Load {
     }
 }
 
-/// True where from here on nothing but calls uses the register, until it is written anew.
+/// True where only calls use the register from here on, until it is written anew.
 fn is_held(
     code: &Code<'_>,
     instructions: &BTreeMap<u64, Instruction>,
@@ -147,7 +146,7 @@ fn is_held(
             continue;
         }
         let Some(instruction) = instructions.get(&at) else {
-            // It leaves the function, with the register as it is.
+            // The path leaves the function, and the register still holds the address.
             return false;
         };
         let behind = at + if instruction.wide { 4 } else { 2 };
@@ -162,7 +161,7 @@ fn is_held(
                 }
             }
             Flow::Returns => {
-                // As a result, or into a function that takes it over.
+                // The register is a result here, or an argument of the next function.
                 if mask & TAKEN != 0 {
                     return false;
                 }
@@ -194,7 +193,7 @@ fn is_held(
     true
 }
 
-/// True where a part of functions begins here that may use a register.
+/// True where a shared part begins here that may use a register.
 fn part_uses(code: &Code<'_>, start: u64, mask: u16, part: &dyn Fn(u64) -> Option<u64>) -> bool {
     let Some(end) = part(start) else {
         return false;
@@ -213,13 +212,13 @@ fn part_uses(code: &Code<'_>, start: u64, mask: u16, part: &dyn Fn(u64) -> Optio
 }
 
 enum Flow {
-    /// To what stands behind it.
+    /// To the next instruction.
     On,
-    /// To these places.
+    /// To these addresses.
     To(Vec<u64>),
-    /// There and back; `None`: through a register.
+    /// To a function and back; `None`: through a register.
     Call(Option<u64>),
-    /// To the caller, or it ends here.
+    /// Back to the caller, or the path ends here.
     Returns,
     Unknown,
 }
@@ -233,7 +232,7 @@ fn flow(code: &Code<'_>, at: u64, instruction: Instruction) -> Flow {
             _ if first == 0x4770 || first & 0xFF00 == 0xBD00 || first & 0xFF00 == 0xDE00 => {
                 Flow::Returns
             }
-            // bx, and whatever else sets the program counter.
+            // bx, and every other write to the program counter.
             _ if first & 0xFF80 == 0x4700 || first & 0xFD87 == 0x4487 => Flow::Unknown,
             0xD if first & 0xFF00 == 0xDF00 => Flow::Unknown,
             0xD => Flow::To(vec![at + 2, ahead(signed(first & 0xFF, 8) * 2)]),
@@ -251,7 +250,7 @@ fn flow(code: &Code<'_>, at: u64, instruction: Instruction) -> Flow {
     if first >> 11 == 0b11110 && second & 0x8000 != 0 {
         return match second & 0xD000 {
             0xD000 => Flow::Call(Some(ahead(far(first, second)))),
-            // A jump that the linker fills in may leave the function; then it goes to no instruction of it.
+            // A jump that the linker fills in may leave the function; then it leads to no instruction of it.
             0x9000 => Flow::To(vec![ahead(far(first, second))]),
             0x8000 if first >> 6 & 0xF < 14 => {
                 let bits = (first >> 10 & 1, second >> 11 & 1, second >> 13 & 1);
@@ -268,7 +267,7 @@ fn flow(code: &Code<'_>, at: u64, instruction: Instruction) -> Flow {
     if popped || first == 0xF85D && second >> 12 == 15 {
         return Flow::Returns;
     }
-    // Loads of the program counter from elsewhere, and tables elsewhere.
+    // Loads of the program counter from other memory, and tables in other memory.
     if is_load && first & 0x40 == 0 && second & 0x8000 != 0
         || first & 0xFFF0 == 0xE8D0 && second & 0xFFE0 == 0xF000
         || first & 0xFF70 == 0xF850 && second >> 12 == 15
@@ -283,7 +282,7 @@ fn signed(bits: u16, width: u32) -> i64 {
     value - ((value >> (width - 1) & 1) << width)
 }
 
-/// How far a wide jump goes.
+/// The distance of a wide jump.
 fn far(first: u16, second: u16) -> i64 {
     let sign = first >> 10 & 1;
     let (one, two) = (1 ^ (second >> 13 & 1) ^ sign, 1 ^ (second >> 11 & 1) ^ sign);
@@ -292,7 +291,7 @@ fn far(first: u16, second: u16) -> i64 {
     offset - (i64::from(sign) << 24)
 }
 
-/// Where a jump by a table goes that stands behind it.
+/// The targets of a jump by the table that follows it.
 fn table(code: &Code<'_>, base: u64, halves: bool) -> Vec<u64> {
     let mut places = Vec::new();
     let mut at = base;
@@ -307,7 +306,7 @@ fn table(code: &Code<'_>, base: u64, halves: bool) -> Vec<u64> {
         }
         at += 2;
     }
-    // What fills the table up leads into it.
+    // The padding of the table leads into the table.
     places.retain(|place| !code.is_data(*place));
     places
 }
@@ -326,7 +325,7 @@ const fn bit(register: u16) -> u16 {
     1 << (register & 0xF)
 }
 
-/// Registers of a narrow instruction, but for the stack pointer's own.
+/// The registers of a narrow instruction, without the implied stack pointer.
 fn narrow_effect(code: u16) -> Effect {
     let (zero, three, six, eight) = (
         bit(code & 7),
@@ -371,7 +370,7 @@ fn narrow_effect(code: u16) -> Effect {
     }
 }
 
-/// Registers of a wide instruction; what is in doubt is read.
+/// The registers of a wide instruction; in doubt a register counts as read.
 pub fn wide_effect(first: u16, second: u16) -> Effect {
     let (base, twelve, eight, zero) =
         (bit(first), bit(second >> 12), bit(second >> 8), bit(second));
@@ -381,13 +380,13 @@ pub fn wide_effect(first: u16, second: u16) -> Effect {
         // ldm, stm
         0b111_0100 if first & 0x40 == 0 && is_load => effect(base, second),
         0b111_0100 if first & 0x40 == 0 => effect(base | second, 0),
-        // ldrd; strd, tables, exclusive ones
+        // ldrd; strd, tables, exclusive loads and stores
         0b111_0100 if first & 0x0120 != 0 && is_load => effect(base, twelve | eight),
         0b111_0100 => effect(base | twelve | eight | zero, 0),
         0b111_0101 => effect(base | zero, eight),
-        // Jumps and calls: what looks like registers is how far.
+        // Jumps and calls: the bits of registers hold the distance.
         0b111_1000..=0b111_1011 if is_branch(first, second) => effect(0, 0),
-        // Immediate operands; bfi and movt change what is there.
+        // Immediate operands; bfi and movt change a part of a register.
         0b111_1000..=0b111_1011 if second & 0x8000 == 0 => match first & 0xFBF0 {
             0xF240 => effect(0, eight),
             0xF360 | 0xF2C0 => effect(base | eight, 0),
@@ -424,10 +423,10 @@ const fn is_branch(first: u16, second: u16) -> bool {
 mod tests {
     use super::*;
 
-    /// Where a part of functions is: mov r0, r4; bx lr.
+    /// The address of a shared part: mov r0, r4; bx lr.
     const PART: u64 = 20;
 
-    /// Code from address 0 to the literal, with data at these places.
+    /// Code from address 0 to the literal, with data at the marked addresses.
     fn only_called(code: &[u16], marks: &[(u64, bool)]) -> bool {
         let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
         let literal = bytes.len() as u64;
@@ -457,25 +456,25 @@ mod tests {
             let code = [0x4C02, 0x47A0, first, second, 0xBD10, 0xBF00];
             assert!(!only_called(&code, &start));
         }
-        // movs r4, #0 before mov r0, r4; the same where it may be passed over
+        // movs r4, #0 before mov r0, r4; the same where it may be skipped
         let anew = [0x4C02, 0x47A0, 0x2400, 0x4620, 0xBD10, 0xBF00];
         assert!(only_called(&anew, &start));
         let perhaps = [0x4C02, 0xBF08, 0x2400, 0x4620, 0xBD10, 0xBF00];
         assert!(!only_called(&perhaps, &start));
-        // Nothing loads it.
+        // No instruction loads the literal.
         assert!(!only_called(&[0xBF00, 0xBD10], &start));
-        // adr r0 to where it stands
+        // adr r0 to the literal
         assert!(!only_called(&[0x4C01, 0xA001, 0x47A0, 0xBD10], &start));
     }
 
     #[test]
     fn arguments_and_results_are_handed_on() {
         let start = [(0, false)];
-        // ldr r0, =f; then blx r4, pop {pc}, or blx r0, which takes it over as well
+        // ldr r0, =f; then blx r4, pop {pc}, or blx r0, which also passes r0 as an argument
         assert!(!only_called(&[0x4801, 0x47A0, 0xBD00, 0xBF00], &start));
         assert!(!only_called(&[0x4801, 0xBD00, 0xBF00, 0xBF00], &start));
         assert!(!only_called(&[0x4801, 0x4780, 0xBD00, 0xBF00], &start));
-        // ldr r4, =f; nop; bl to 24, or to a part at 20, which uses r4 or r5; pop {r4, pc}
+        // ldr r4, =f; nop; bl to 24, or to a shared part at 20, which uses r4 or r5; pop {r4, pc}
         let call = |second, used| {
             let end = [used, 0x4770, 0xBF00, 0xBF00];
             let code = [0x4C06, 0xBF00, 0xF000, second, 0xBD10, 0xBF00];
@@ -503,7 +502,7 @@ mod tests {
         let by_table = |last| [0x4C03, 0xE8DF, 0xF000, 0x0201, 0xBD10, last, 0xBD10, 0xBF00];
         assert!(!only_called(&by_table(0x4620), &marks));
         assert!(only_called(&by_table(0x47A0), &marks));
-        // Out of the function: b.w far ahead
+        // Out of the function: a b.w with a far target
         assert!(!only_called(&[0x4C01, 0xBF00, 0xF001, 0xB800], &start));
     }
 

@@ -1,4 +1,4 @@
-//! The image for the NUCLEO-G474RE in the forms that tools for flashing read.
+//! The image for the NUCLEO-G474RE in the formats of flashing tools.
 
 use anyhow::{Context, Result, bail};
 use ihex::Record;
@@ -10,9 +10,9 @@ use crate::{run, target};
 
 /// The program that is flashed.
 const PROGRAM: &str = "nucleo-g474re";
-/// What erased flash reads as: it stands between two parts of the image.
+/// The value of erased flash: it fills the space between two parts of the image.
 const ERASED: u8 = 0xFF;
-/// Bytes in a record of the hex file, as most tools write them.
+/// Bytes in a record of the hex file, as in most tools.
 const IN_A_RECORD: usize = 16;
 
 /// Builds the image and writes `out/nucleo-g474re.elf`, `.bin` and `.hex`.
@@ -36,7 +36,7 @@ pub fn image() -> Result<()> {
     Ok(())
 }
 
-/// What is written into the flash: addresses and bytes, in the order of the file.
+/// The contents of the flash: addresses and bytes, in the order of the file.
 fn parts(elf: &[u8]) -> Result<Vec<(u32, Vec<u8>)>> {
     let header = FileHeader32::<Endianness>::parse(elf)?;
     let endian = header.endian()?;
@@ -52,7 +52,7 @@ fn parts(elf: &[u8]) -> Result<Vec<(u32, Vec<u8>)>> {
     Ok(parts)
 }
 
-/// The parts as one piece, and the address where the piece begins.
+/// The parts as one piece, and the address of the piece.
 fn flat(parts: &[(u32, Vec<u8>)]) -> Result<(u32, Vec<u8>)> {
     let mut parts: Vec<_> = parts.iter().collect();
     parts.sort_by_key(|(address, _)| *address);
@@ -71,7 +71,7 @@ fn flat(parts: &[(u32, Vec<u8>)]) -> Result<(u32, Vec<u8>)> {
     Ok((*start, piece))
 }
 
-/// As Intel hex, whose addresses have 16 bits and an upper half from an earlier record.
+/// The bytes as Intel hex. Its addresses have 16 bits; an earlier record gives the upper half.
 fn hex(start: u32, bytes: &[u8]) -> Result<String> {
     let mut records = Vec::new();
     let mut upper = None;

@@ -1,4 +1,4 @@
-//! Every dependency's licence is one that lets anyone use and change the whole.
+//! Every dependency has a licence that lets anyone use and change the whole.
 
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
@@ -53,7 +53,7 @@ pub fn check() -> Result<()> {
     )
 }
 
-/// True where the expression can be met with allowed licences alone. An exception only adds permissions.
+/// True where allowed licences alone meet the expression. An exception only adds permissions.
 fn is_allowed(licence: &str) -> bool {
     Expression::parse_mode(licence, ParseMode::LAX).is_ok_and(|expression| {
         expression.evaluate(|one| {

@@ -1,7 +1,7 @@
-//! The habits of the project, one command for each: `cargo xtask demo | setup | test | bench …`.
+//! The routine tasks of the project, one command for each: `cargo xtask demo | setup | test | bench …`.
 //!
-//! Each command prints what it does, stops at the first thing that is wrong, and says what to do about it. Nothing
-//! here is needed to build or run Leadscrew itself: `cargo build` and `cargo run` work alone.
+//! Each command prints what it does, stops at the first fault, and says how to mend it. Leadscrew itself needs none of
+//! them to build or run: `cargo build` and `cargo run` are enough.
 
 mod audit;
 mod bench;

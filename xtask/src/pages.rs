@@ -1,6 +1,6 @@
-//! The links between the pages lead somewhere, and each decision that is cited is on record.
+//! The links between the pages lead somewhere, and each cited decision is on record.
 //!
-//! Knows README.md and docs/; what the comments of the source link to is rustdoc's.
+//! This module knows README.md and docs/. rustdoc checks the links in comments of the source.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,10 +11,10 @@ use pulldown_cmark::{Event, LinkType, Options, Parser, Tag, TagEnd};
 
 use crate::run;
 
-/// Where the decisions are listed, one in a row.
+/// The list of decisions, one in a row.
 const DECISIONS: &str = "docs/decisions.md";
 
-/// A page: where others may point into it, and where it points.
+/// A page: its anchors, its links, and the decisions that it cites.
 #[derive(Debug, Default)]
 struct Page {
     anchors: BTreeSet<String>,
@@ -22,7 +22,7 @@ struct Page {
     cited: BTreeSet<u32>,
 }
 
-/// Lists every link that leads nowhere.
+/// Lists every link that leads nowhere, and every cited decision without a row.
 pub fn check() -> Result<()> {
     let root = run::root();
     let mut pages = BTreeMap::new();
@@ -45,7 +45,7 @@ pub fn check() -> Result<()> {
     )
 }
 
-/// README.md and what is below docs/, from the root.
+/// README.md and the pages below docs/, relative to the root.
 fn paths(root: &Path) -> Result<Vec<PathBuf>> {
     let mut found = vec![PathBuf::from("README.md")];
     let mut folders = vec![PathBuf::from("docs")];
@@ -72,7 +72,7 @@ fn read(text: &str) -> Page {
             Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
             Event::End(TagEnd::Heading(_)) => {
                 let anchor = anchor(&heading.take().unwrap_or_default());
-                // A heading that comes again is told by its number.
+                // A repeated heading gets a number.
                 let mut own = anchor.clone();
                 for number in 1.. {
                     if page.anchors.insert(own) {
@@ -105,7 +105,7 @@ fn read(text: &str) -> Page {
     page
 }
 
-/// What a heading is pointed at by: small letters, digits, hyphens in place of spaces, nothing else.
+/// The anchor of a heading: small letters, digits, hyphens in place of spaces, nothing else.
 fn anchor(heading: &str) -> String {
     heading
         .to_lowercase()
@@ -126,7 +126,7 @@ fn cited(text: &str) -> BTreeSet<u32> {
         .collect()
 }
 
-/// The numbers that have a row.
+/// The numbers of decisions that have a row.
 fn listed(decisions: &str) -> BTreeSet<u32> {
     decisions
         .lines()
@@ -168,7 +168,7 @@ fn undecided(pages: &BTreeMap<PathBuf, Page>, listed: &BTreeSet<u32>) -> Vec<Str
         .collect()
 }
 
-/// The file that `page` calls `name`.
+/// The file that `page` means by `name`.
 fn beside(page: &Path, name: &str) -> PathBuf {
     let mut path = page.parent().map(Path::to_owned).unwrap_or_default();
     for part in Path::new(name).components() {

@@ -1,4 +1,4 @@
-//! The house rules that neither compiler nor clippy checks, found by reading the files as text.
+//! The house rules that neither compiler nor clippy checks. This module reads the files as text.
 
 use std::fs;
 use std::path::Path;
@@ -7,8 +7,8 @@ use anyhow::{Context, Result, bail};
 
 use crate::run;
 
-/// Folders that an absolute path may begin with: those of every machine, and `no` as in *no such folder*. Anything else
-/// is somebody's own.
+/// The first folders that an absolute path may have: folders of every machine, and `no` as in *no such folder*. Any
+/// other path belongs to one machine only.
 const COMMON_FOLDERS: &[&str] = &[
     "bin", "dev", "etc", "lib", "no", "proc", "run", "sys", "tmp", "usr", "var",
 ];
@@ -25,7 +25,7 @@ pub fn check() -> Result<()> {
     let mut found = Vec::new();
     let mut count = 0_usize;
     for name in files.lines().filter(|name| is_ours(name)) {
-        // Listed and deleted in the working folder: nothing to read.
+        // A file that is listed but deleted in the working folder has no text.
         let Ok(text) = fs::read_to_string(root.join(name)) else {
             continue;
         };
@@ -47,7 +47,7 @@ pub fn check() -> Result<()> {
     )
 }
 
-/// Columns of the widest comment in code.
+/// The greatest width of a comment in code, in columns.
 const COMMENT_WIDTH: usize = 124;
 
 fn is_ours(name: &str) -> bool {
@@ -62,7 +62,7 @@ fn complaints(name: &str, text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let in_core = name.starts_with("core/src/") && !name.ends_with("tests.rs");
     for (number, line) in (1..).zip(text.lines()) {
-        // Written in two parts, so that this file keeps its own rule.
+        // Each word is written in parts, so that this file keeps its own rule.
         for word in [
             concat!("TO", "DO"),
             concat!("FIX", "ME"),
@@ -110,7 +110,7 @@ fn product_lines(text: &str) -> Vec<(usize, &str)> {
             kept.push((number, line));
             continue;
         }
-        // The item ends with the line that closes it at the attribute's own indentation, or is one line long.
+        // The item ends with a closing line at the attribute's own indentation, or after one line.
         let indent = line.len() - line.trim_start().len();
         for (_, line) in lines.by_ref() {
             let here = line.len() - line.trim_start().len();
@@ -124,14 +124,14 @@ fn product_lines(text: &str) -> Vec<(usize, &str)> {
     kept
 }
 
-/// True for a comment that is too wide, but for a row of a table, which cannot go on in the next line.
+/// True for a comment that is too wide. A row of a table may be wide, because it cannot go on in the next line.
 fn is_wide_comment(line: &str) -> bool {
     let text = line.trim_start();
     let said = text.trim_start_matches(['/', '!']).trim_start();
     text.starts_with("//") && !said.starts_with('|') && line.chars().count() > COMMENT_WIDTH
 }
 
-/// True for the first and the last line of a place where a merge left both sides.
+/// True for the first and the last line of an unresolved merge.
 fn is_of_a_merge(line: &str) -> bool {
     ["<<<<<<<", ">>>>>>>"]
         .into_iter()
@@ -139,7 +139,7 @@ fn is_of_a_merge(line: &str) -> bool {
         .any(|rest| rest.is_empty() || rest.starts_with(' '))
 }
 
-/// True where `word` stands alone in `line`.
+/// True where `line` contains `word` as a whole word.
 fn has_word(line: &str, word: &str) -> bool {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     line.match_indices(word).any(|(at, _)| {
@@ -151,7 +151,7 @@ fn has_word(line: &str, word: &str) -> bool {
     })
 }
 
-/// An absolute path (after a space, a quote or a bracket) below a folder that not every machine has.
+/// An absolute path (after a space, a quote or a bracket) in a folder that not every machine has.
 fn private_path(line: &str) -> Option<&str> {
     line.match_indices('/').find_map(|(at, _)| {
         let before = line.get(..at)?.chars().next_back();

@@ -1,4 +1,4 @@
-//! Starting other programs: each is named when it fails, with what it printed.
+//! Starts other programs. Where one fails, the error names it and gives its output.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -30,12 +30,12 @@ pub fn command(dir: &Path, program: &str, args: &[&str]) -> Command {
 pub fn cargo(dir: &Path, args: &[&str]) -> Command {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let mut command = command(dir, &cargo, args);
-    // Whatever is committed meanwhile, one run has one seed.
+    // One run has one seed, even where a commit is made meanwhile.
     command.env(
         leadscrew_seed::VARIABLE,
         leadscrew_seed::fresh().to_string(),
     );
-    // What cargo told this program about itself must not be taken for settings of the inner build.
+    // The variables that cargo set for this program must not be taken for settings of the inner build.
     for (name, _) in std::env::vars() {
         if name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_") {
             command.env_remove(name);
@@ -44,15 +44,16 @@ pub fn cargo(dir: &Path, args: &[&str]) -> Command {
     command
 }
 
-/// Builds programs of the workspace, named as `--bin` or `--example`; the folder where they are. Chosen from the whole
-/// workspace, they share all libraries with the tests: with `--package` some have other features, and are built anew.
+/// Builds programs of the workspace, given as `--bin` or `--example`; gives their folder. The build selects from the
+/// whole workspace, so the programs share all libraries with the tests. With `--package` some libraries would have
+/// other features and be built again.
 pub fn programs(which: &[&str]) -> Result<PathBuf> {
     let build = ["build", "--quiet", "--workspace"];
     show(cargo(&root(), &[&build[..], which].concat()))?;
     Ok(root().join("target").join("debug"))
 }
 
-/// Builds the tests of the feature of this name; where the program is.
+/// Builds the tests of the feature with this name; gives the path of the program.
 pub fn test_program(name: &str) -> Result<PathBuf> {
     let feature = format!("leadscrew-tests/{name}");
     let build = [
@@ -89,7 +90,7 @@ fn line_of(command: &Command) -> String {
     line
 }
 
-/// Runs to the end with its output shown.
+/// Runs a command to its end and shows its output.
 pub fn show(mut command: Command) -> Result<()> {
     let line = line_of(&command);
     let status = command
@@ -101,7 +102,7 @@ pub fn show(mut command: Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs to the end with its output kept; what it printed is shown only when it fails.
+/// Runs a command to its end and keeps its output; shows it only where the command fails.
 pub fn read(mut command: Command) -> Result<String> {
     let line = line_of(&command);
     let output = command
@@ -119,7 +120,8 @@ pub fn read(mut command: Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed what is not UTF-8"))
 }
 
-/// Runs to the end, shows its standard output line by line and hands each line to `seen`; true where it succeeded.
+/// Runs a command to its end, shows its standard output line by line and passes each line to `seen`. True where the
+/// command succeeded.
 pub fn watch(mut command: Command, mut seen: impl FnMut(&str)) -> Result<bool> {
     let line = line_of(&command);
     let mut child = command
@@ -136,7 +138,7 @@ pub fn watch(mut command: Command, mut seen: impl FnMut(&str)) -> Result<bool> {
     Ok(child.wait()?.success())
 }
 
-/// As [`watch`], showing only the lines for which `seen` says so; the result is that it ended.
+/// As [`watch`], but shows only the lines for which `seen` is true. Succeeds where the command ended.
 pub fn watch_some(mut command: Command, mut seen: impl FnMut(&str) -> bool) -> Result<()> {
     let line = line_of(&command);
     let mut child = command
@@ -161,7 +163,7 @@ pub fn watch_some(mut command: Command, mut seen: impl FnMut(&str) -> bool) -> R
     Ok(())
 }
 
-/// Runs for at most `limit` with nothing shown; true where it succeeded in time.
+/// Runs a command for at most `limit` and shows nothing. True where it succeeded in time.
 pub fn try_quietly(mut command: Command, limit: Duration) -> bool {
     let started = Instant::now();
     let child = command
@@ -175,7 +177,7 @@ pub fn try_quietly(mut command: Command, limit: Duration) -> bool {
             Ok(Some(status)) => return status.success(),
             Ok(None) if started.elapsed() < limit => std::thread::sleep(Duration::from_millis(50)),
             _ => {
-                // It has ended by itself or is ended here; either way it did not succeed in time.
+                // It has ended by itself or is ended here; in both cases it did not succeed in time.
                 let _ = child.kill();
                 let _ = child.wait();
                 return false;

@@ -1,4 +1,4 @@
-//! What the commands need from the machine, installed where that is possible and named where it is not.
+//! The tools that the commands need from the machine. Installs them where possible, and otherwise names them.
 
 use std::path::Path;
 use std::time::Duration;
@@ -7,11 +7,11 @@ use anyhow::{Context, Result, bail};
 
 use crate::{canopen, run, target};
 
-/// How often a package lock is asked for, and the time between: five minutes in all, as long as an upgrade may take.
+/// The number of tries for a package lock, and the time between them: five minutes in all, as long as an upgrade may take.
 const TRIES: u32 = 60;
 const BETWEEN_TRIES: Duration = Duration::from_secs(5);
 
-/// A program and the Debian package it comes in.
+/// A program and its Debian package.
 pub struct Tool {
     pub program: &'static str,
     pub package: &'static str,
@@ -28,8 +28,8 @@ pub const VALGRIND: Tool = Tool {
     package: "valgrind",
 };
 
-/// A virtual CAN bus and the programs that judge it. Where the running kernel has no CAN, a kernel that has it is booted
-/// as a program.
+/// A virtual CAN bus and the programs that test with it. Where the running kernel has no CAN, a kernel with CAN is
+/// booted as a program.
 pub const CAN: &[Tool] = &[
     Tool {
         program: "linux.uml",
@@ -53,13 +53,13 @@ pub const CAN: &[Tool] = &[
     },
 ];
 
-/// All that any command needs. Quick where it is already there.
+/// Installs the tools of all commands. Fast where they are already there.
 pub fn everything() -> Result<()> {
     tools(&[VALGRIND])?;
     for_test(true)
 }
 
-/// What `cargo xtask test` needs, with `--full` or without.
+/// Installs the tools of `cargo xtask test`, with `--full` or without.
 pub fn for_test(full: bool) -> Result<()> {
     if full {
         tools(&[EMULATOR])?;
@@ -69,7 +69,7 @@ pub fn for_test(full: bool) -> Result<()> {
     target::ensure()
 }
 
-/// Installs the packages of the programs that are missing; without the right to, says what to type.
+/// Installs the packages of missing programs. Without the right to install, it says what to type.
 pub fn tools(wanted: &[Tool]) -> Result<()> {
     let missing = || -> Vec<&str> {
         wanted
@@ -91,7 +91,7 @@ pub fn tools(wanted: &[Tool]) -> Result<()> {
     }
 }
 
-/// Installs packages; without the right to, says what to type.
+/// Installs packages. Without the right to install, it says what to type.
 pub fn install(packages: &[&str]) -> Result<()> {
     let line = format!(
         "apt-get update && apt-get install -y --no-install-recommends {}",
@@ -112,7 +112,7 @@ pub fn install(packages: &[&str]) -> Result<()> {
     println!("installing {}", packages.join(", "));
     let install = || {
         let mut install = run::command(Path::new("/"), "sh", &["-c", &line]);
-        // Its messages are looked at.
+        // `is_locked` reads the messages, so they must be English.
         install.envs([("DEBIAN_FRONTEND", "noninteractive"), ("LC_ALL", "C")]);
         run::read(install)
     };
@@ -125,7 +125,7 @@ pub fn install(packages: &[&str]) -> Result<()> {
     })
 }
 
-/// Tries again for as long as another program holds one of apt's or dpkg's locks, at most [`TRIES`] times.
+/// Tries again while another program holds one of apt's or dpkg's locks, at most [`TRIES`] times.
 fn patient(mut install: impl FnMut() -> Result<String>, mut wait: impl FnMut()) -> Result<()> {
     let mut tries = TRIES;
     loop {
@@ -138,7 +138,7 @@ fn patient(mut install: impl FnMut() -> Result<String>, mut wait: impl FnMut()) 
     }
 }
 
-/// True where apt says that another program has the lists or the packages in its hands.
+/// True where apt reports that another program holds the lists or the packages.
 fn is_locked(told: &str) -> bool {
     [
         "Could not get lock",

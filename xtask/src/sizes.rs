@@ -1,4 +1,4 @@
-//! Flash and RAM of the board's images, held against the table under version control.
+//! Flash and RAM of the board's images, compared with the table under version control.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,15 +9,15 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 use crate::stack::{self, Users};
 use crate::{run, target};
 
-/// What an image may take of the flash, in bytes: three quarters of the first bank, so that a new function is not
-/// refused for a few bytes.
+/// The most flash that an image may take, in bytes: three quarters of the first bank, so that a few bytes never prevent
+/// a new function.
 const FLASH_LIMIT: u64 = 192 * 1024;
-/// What an image may take of the RAM, its stack included, in bytes: three quarters of the chip's.
+/// The most RAM that an image may take, its stack included, in bytes: three quarters of the chip's RAM.
 const RAM_LIMIT: u64 = 96 * 1024;
 /// A figure may grow by this much, in percent, before the table has to be renewed on purpose.
 const GROWTH_PERCENT: u64 = 5;
-/// Who uses the stack of the image for the NUCLEO-G474RE: its start, while interrupts are masked, and behind that the
-/// rest of the thread with the interrupts on top.
+/// The users of the stack of the NUCLEO-G474RE's image: the start, while interrupts are masked, and after it the rest
+/// of the thread with the interrupts on top.
 const USERS: Users = Users {
     thread: "main",
     start: "nucleo_g474re::start",
@@ -28,12 +28,13 @@ const USERS: Users = Users {
 
 /// An image.
 struct Image {
-    /// Its name here.
+    /// The image's name in the table.
     name: &'static str,
     package: &'static str,
     program: &'static str,
     features: &'static str,
-    /// It has to fit into a chip: the limits count, and the stack that is kept free is what can ever be used.
+    /// For an image of a chip: its users of the stack. The limits hold, and the free stack must have room for the
+    /// deepest use.
     chip: Option<Users>,
 }
 
@@ -52,7 +53,7 @@ const IMAGES: [Image; 4] = [
         features: "defmt",
         chip: Some(USERS),
     },
-    // With the plant in it.
+    // These images contain the plant.
     Image {
         name: "mps2-bus",
         package: "mps2-an386",
@@ -69,7 +70,7 @@ const IMAGES: [Image; 4] = [
     },
 ];
 
-/// What an image takes, in bytes.
+/// The bytes that an image takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Row {
     name: String,
@@ -77,9 +78,9 @@ struct Row {
     flash: u64,
     /// Variables.
     ram: u64,
-    /// What is kept free for the stack.
+    /// The memory kept free for the stack.
     stack: u64,
-    /// How much of it can ever be used, of an image for a chip.
+    /// The deepest possible use of the stack, for an image of a chip.
     deepest: Option<u64>,
 }
 
@@ -89,7 +90,7 @@ impl Row {
     }
 }
 
-/// Builds and measures the images, and compares with the table or (`write`) renews it.
+/// Builds and measures the images. Compares with the table or, with `write`, renews it.
 pub fn sizes(write: bool) -> Result<()> {
     let mut rows = Vec::new();
     for image in &IMAGES {
@@ -142,7 +143,7 @@ fn size(image: &Image, path: &Path) -> Result<Row> {
         if is_variable {
             ram += section.size();
         }
-        // Initial values lie in the flash too.
+        // The initial values of variables are in the flash too.
         if !is_variable || section.name() == Ok(".data") {
             flash += section.size();
             folders.extend(folders_in(section.data()?));
@@ -171,7 +172,7 @@ fn size(image: &Image, path: &Path) -> Result<Row> {
     })
 }
 
-/// Texts in the flash that name a source file by its folder: those of panics, where a handler looks at them.
+/// Texts in the flash that name a source file by its folder: the places of panics, where a handler prints them.
 fn folders_in(bytes: &[u8]) -> Vec<String> {
     const SOURCE: &[u8] = b".rs";
     let is_path = |byte: &u8| byte.is_ascii_alphanumeric() || b"/._-\\:".contains(byte);
@@ -197,7 +198,7 @@ fn deepest(name: &str, path: &Path, users: &Users) -> Result<u64> {
     Ok(deepest)
 }
 
-/// Images for a chip above a limit.
+/// Complaints about images of a chip that are above a limit.
 fn too_large(now: &[Row]) -> Vec<String> {
     now.iter()
         .filter(|row| row.deepest.is_some())
@@ -215,7 +216,7 @@ fn too_large(now: &[Row]) -> Vec<String> {
         .collect()
 }
 
-/// Images whose stack may be deeper than what is kept free for it.
+/// Complaints about images whose stack may get deeper than the memory kept free for it.
 fn too_deep(now: &[Row]) -> Vec<String> {
     now.iter()
         .filter_map(|row| {

@@ -6,21 +6,21 @@ use anyhow::{Context, Result, bail};
 
 use crate::run;
 
-/// Ticks where nobody says how many.
+/// The default number of ticks.
 const TICKS: u64 = 10_000_000;
 
 const USAGE: &str = "usage: cargo xtask soak [--hours H | --ticks N] [--seed S]: hours of the clock on all cores or a whole \
                      number of ticks, and the seed of the first shift, a whole number";
 
-/// What is asked for.
+/// The options of the command.
 #[derive(Debug, PartialEq, Eq)]
 struct Wish {
     seed: Option<u64>,
-    /// As the soak takes it.
+    /// The length in the form that the soak program takes.
     length: String,
 }
 
-/// `cargo xtask soak [--hours H | --ticks N] [--seed S]`.
+/// The command `cargo xtask soak [--hours H | --ticks N] [--seed S]`.
 pub fn soak(arguments: &[&str]) -> Result<()> {
     let wish = read(arguments)?;
     let seed = match wish.seed {
@@ -33,8 +33,8 @@ pub fn soak(arguments: &[&str]) -> Result<()> {
     run::show(command)
 }
 
-/// A seed that no soak before has had: the time in microseconds. A soak of hours has fewer shifts than they have
-/// microseconds, so the next one begins behind it.
+/// A seed that no earlier soak has had: the time in microseconds. A soak of some hours has fewer shifts than
+/// microseconds, so the next soak begins after its seeds.
 fn fresh() -> Result<u64> {
     let now = SystemTime::now()
         .duration_since(UNIX_EPOCH)

@@ -1,9 +1,10 @@
 //! How deep the stack of an image can get: a bound, read from the image itself.
 //!
-//! What a function takes is the sum of everything in its code that lowers the stack pointer; whom it calls, its relocations
-//! say (the image was linked with them kept). A call through a pointer may reach every function whose address stands in a
-//! table or is handed on by code; one that sets the stack pointer anew ends its way. What the processor calls is known by
-//! name, and nothing else has a handler. So the bound holds whatever the program does, and may be more than it ever does.
+//! A function takes the sum of everything in its code that lowers the stack pointer. Its relocations show its calls
+//! (the linker kept them in the image). A call through a pointer may reach every function whose address stands in a
+//! table or is handed on by code. A function that sets the stack pointer anew ends its path. The functions that the
+//! processor calls are known by name; no other function is a handler. So the bound holds whatever the program does, and
+//! may be more than it ever uses.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
@@ -14,26 +15,26 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 use crate::callgraph::{self, Node, Target};
 use crate::held;
 
-/// What the processor stores of what it interrupts: with floating-point registers, and aligned.
+/// The bytes that the processor stores at an interrupt: with floating-point registers, and aligned.
 const INTERRUPTED: u64 = 104 + 4;
 
-/// The deepest way from a function.
+/// The deepest path of calls from a function.
 #[derive(Clone, Debug, Default)]
 pub struct Deepest {
     /// Bytes.
     pub bytes: u64,
-    /// The functions on it, each with what it takes itself.
+    /// The functions of the path, each with its own bytes.
     pub way: Vec<(String, u64)>,
 }
 
-/// Who uses a stack: one thread, which starts with a function of its own, and
-/// interrupts, each of which interrupts all before it.
+/// The users of a stack: one thread, which starts with a function of its own, and interrupts. Each interrupt may
+/// interrupt all users named before it.
 pub struct Users {
-    /// The thread.
+    /// The main function of the thread.
     pub thread: &'static str,
-    /// Of its functions the one that runs while interrupts are masked.
+    /// The function of the thread that runs while interrupts are masked.
     pub start: &'static str,
-    /// The handlers.
+    /// The handlers of interrupts.
     pub interrupts: &'static [&'static str],
     /// Handlers that nothing masks.
     pub always: &'static [&'static str],
@@ -41,7 +42,7 @@ pub struct Users {
     pub ends: &'static [&'static str],
 }
 
-/// How deep the stack of an image can get, and each of its parts by name.
+/// The depth of an image's stack, and the depth of each user.
 pub fn deepest(image: &Path, users: &Users) -> Result<(u64, Vec<Deepest>)> {
     let mut stacks = Stacks::read(image)?;
     let start = stacks.address(users.start)?;
@@ -65,22 +66,22 @@ pub fn deepest(image: &Path, users: &Users) -> Result<(u64, Vec<Deepest>)> {
     Ok((bytes.max(whole.bytes), parts))
 }
 
-/// What a function does with the stack.
+/// The effect of a function on the stack.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Frame {
     bytes: u64,
     /// It calls through a register.
     indirect: bool,
-    /// It empties the stack: what it calls lies on nothing.
+    /// It empties the stack: its calls begin with an empty one.
     empties: bool,
 }
 
-/// The functions of an image, and who calls whom.
+/// The functions of an image, and their calls.
 struct Stacks {
     nodes: BTreeMap<u64, Node>,
     frames: HashMap<u64, Frame>,
     calls: HashMap<u64, BTreeSet<u64>>,
-    /// Functions whose address stands in a table, or is handed on by code.
+    /// Functions whose address stands in a table or is handed on by code.
     listed: BTreeSet<u64>,
     /// Functions that the processor calls.
     handlers: BTreeSet<u64>,
@@ -126,7 +127,7 @@ impl Stacks {
         Ok(stacks)
     }
 
-    /// Notes who may go where by this reference.
+    /// Notes the call or the address that this reference is.
     fn refer(&mut self, target: &Target, codes: &[Code<'_>]) -> Result<()> {
         let Target { at, to, is_jump } = *target;
         if !self.frames.contains_key(&to) {
@@ -160,7 +161,7 @@ impl Stacks {
         Ok(())
     }
 
-    /// Complains of a handler that the users of the stack do not name.
+    /// Complains about a handler that is not among the users of the stack.
     fn known_handlers(&self, users: &Users) -> Result<()> {
         let named = [users.interrupts, users.always, users.ends].concat();
         for handler in &self.handlers {
@@ -174,14 +175,14 @@ impl Stacks {
         Ok(())
     }
 
-    /// The end of what several functions have in common, and the compiler has put elsewhere.
+    /// The end of a part that several functions share and the compiler has moved out of them.
     fn part(&self, at: u64) -> Option<u64> {
         let node = self.nodes.get(&at)?;
         let is_part = node.name.starts_with("OUTLINED_FUNCTION");
         is_part.then_some(node.end)
     }
 
-    /// The function of this name.
+    /// The address of the function with this name.
     fn address(&self, name: &str) -> Result<u64> {
         self.nodes
             .iter()
@@ -225,10 +226,10 @@ impl Stacks {
     }
 }
 
-/// Tables of handlers: the processor calls what is in them, nobody else does.
+/// Tables of handlers: only the processor calls their entries.
 const VECTORS: [&str; 3] = ["__EXCEPTIONS", "__INTERRUPTS", "__RESET_VECTOR"];
 
-/// Where instructions (false) and data between them (true) begin.
+/// The addresses where instructions (false) and data between them (true) begin.
 fn marks(file: &object::File) -> Vec<(u64, bool)> {
     let mut marks: Vec<(u64, bool)> = file
         .symbols()
@@ -246,12 +247,12 @@ fn marks(file: &object::File) -> Vec<(u64, bool)> {
 pub struct Code<'a> {
     base: u64,
     bytes: &'a [u8],
-    /// As of [`marks`].
+    /// The [`marks`] of the image.
     marks: &'a [(u64, bool)],
 }
 
 impl<'a> Code<'a> {
-    /// From the address `base` on, with what [`marks`] says of it.
+    /// A section from the address `base` on, with the [`marks`] of the image.
     pub const fn new(base: u64, bytes: &'a [u8], marks: &'a [(u64, bool)]) -> Self {
         Self { base, bytes, marks }
     }
@@ -264,14 +265,14 @@ impl<'a> Code<'a> {
             .is_some_and(|(_, data)| *data)
     }
 
-    /// Two bytes of it.
+    /// Two bytes of the section.
     pub fn half(&self, address: u64) -> Option<u16> {
         let at = usize::try_from(address.checked_sub(self.base)?).ok()?;
         let pair = self.bytes.get(at..at.checked_add(2)?)?;
         Some(u16::from_le_bytes(pair.try_into().ok()?))
     }
 
-    /// `None`: not in this section.
+    /// The frame of a function; `None` for a function of another section.
     fn frame(&self, start: u64, end: u64) -> Result<Option<Frame>> {
         if self.half(start).is_none() {
             return Ok(None);
@@ -309,7 +310,7 @@ impl<'a> Code<'a> {
     }
 }
 
-/// `blx` through a register, or `bx` through any but the return address.
+/// `blx` through a register, or `bx` through any register other than the return address.
 const fn is_indirect(code: u16) -> bool {
     code & 0xFF87 == 0x4780 || code & 0xFF87 == 0x4700 && code != 0x4770
 }
@@ -319,7 +320,7 @@ const fn is_new_stack(first: u16, second: u16) -> bool {
     first & 0xFFF0 == 0xF380 && second == 0x8808
 }
 
-/// By how much an instruction lowers the stack pointer; `None` where only a register knows.
+/// The number of bytes by which an instruction lowers the stack pointer; `None` where a register decides.
 fn narrow_lowers(code: u16) -> Option<u64> {
     if code & 0xFE00 == 0xB400 {
         // push
@@ -341,7 +342,7 @@ fn wide_lowers(first: u16, second: u16) -> Option<u64> {
     match (first, second) {
         // stmdb sp!
         (0xE92D, list) => Some(4 * u64::from(list.count_ones())),
-        // str, strd: before it, downwards
+        // str, strd: the stack pointer is lowered before the store
         (0xF84D, how) if how & 0x0F00 == 0x0D00 => Some(byte),
         (0xE96D, _) => Some(4 * byte),
         // vpush
@@ -363,18 +364,18 @@ fn wide_lowers(first: u16, second: u16) -> Option<u64> {
     }
 }
 
-/// The stack pointer becomes what was somewhere else.
+/// True where the stack pointer gets a value from another register or from memory.
 fn is_from_elsewhere(first: u16, second: u16) -> bool {
     held::wide_effect(first, second).writes & 1 << 13 != 0
 }
 
-/// The twelve bits of an immediate, which lie in three places.
+/// The twelve bits of an immediate, which are in three places.
 fn immediate(first: u16, second: u16) -> u32 {
     let (top, middle, low) = (first >> 10 & 1, second >> 12 & 7, second & 0xFF);
     u32::from(top) << 11 | u32::from(middle) << 8 | u32::from(low)
 }
 
-/// What a modified immediate constant stands for.
+/// The value of a modified immediate constant.
 fn expand(bits: u32) -> u64 {
     let byte = bits & 0xFF;
     u64::from(match bits >> 8 {
@@ -418,7 +419,7 @@ mod tests {
         assert_eq!(wide_lowers(0xF50D, 0x7D14), Some(0));
     }
 
-    /// Functions 0 to 3, which take 8, 16, 32 and 64 bytes, and their calls.
+    /// Functions 0 to 3 with their calls. They take 8, 16, 32 and 64 bytes.
     fn stacks(calls: &[(u64, u64)]) -> Stacks {
         let numbers = 0..4_u64;
         let node = |number: u64| Node {
@@ -471,7 +472,7 @@ mod tests {
         stacks.refer(&target(9, 3, false), &[]).unwrap();
         assert_eq!(stacks.listed, BTreeSet::from([2, 3]));
         assert_eq!(stacks.calls[&0], BTreeSet::from([1, 2]));
-        // 0 hands 2 to 1, which calls through a pointer: all three lie upon each other, or 3 in place of 2.
+        // 0 hands 2 to 1, which calls through a pointer: the stack holds all three, or 3 in place of 2.
         stacks.frames.get_mut(&1).unwrap().indirect = true;
         assert_eq!(depth(stacks).unwrap(), 8 + 16 + 64);
     }

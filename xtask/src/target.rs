@@ -1,10 +1,10 @@
 //! The ARM target's `core` for exactly the compiler in use.
 //!
-//! Normally rustup has fetched it already, because `rust-toolchain.toml` names it. Where rustup cannot (no server within
-//! reach, or a compiler that did not come from it), the same three libraries come from an archive (in the folder
-//! [`ARCHIVE_FOLDER`] or the one that the variable [`ARCHIVE_VARIABLE`] names), or are built here from the library
-//! source that Debian packages. Whatever the way, the compiler itself says whether the result fits: it refuses
-//! libraries that another compiler made.
+//! Normally rustup has fetched it already, because `rust-toolchain.toml` names it. Rustup may be unable to do so: its
+//! server is out of reach, or the compiler did not come from rustup. Then the same three libraries come from an archive
+//! (in the folder [`ARCHIVE_FOLDER`] or the one that the variable [`ARCHIVE_VARIABLE`] names), or are built here from
+//! the library source that Debian packages. In each case the compiler itself checks the result: it refuses libraries of
+//! another compiler.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,11 +14,11 @@ use anyhow::{Context, Result, anyhow, bail};
 
 use crate::run;
 
-/// Cortex-M4F, hardware floating point registers.
+/// Cortex-M4F, with hardware floating point registers.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
-/// Names a folder with `thumbv7em-none-eabihf-rust-VERSION.tar.xz`.
+/// The variable that names a folder with `thumbv7em-none-eabihf-rust-VERSION.tar.xz`.
 const ARCHIVE_VARIABLE: &str = "LEADSCREW_TOOLCHAIN_DIR";
-/// Where the archive is looked for as well, in the project's folder.
+/// The project's own folder for this archive.
 const ARCHIVE_FOLDER: &str = "toolchain";
 
 /// The compiler of `rust-toolchain.toml`, and the Debian package of its library source.
@@ -27,7 +27,7 @@ const SOURCE_PACKAGE: &str = "rust-src";
 const SOURCE_VERSION: &str = "1.95.0+dfsg1-2~bpo13+1";
 const SOURCE_SUITE: &str = "trixie-backports";
 
-/// Builds a program of the firmware in the one profile there is, that of what is flashed. Gives where it is.
+/// Builds a program of the firmware in its only profile, which is also the flashed one. Gives the program's path.
 pub fn build(package: &str, program: &str, more: &[&str]) -> Result<PathBuf> {
     let build = ["build", "--quiet", "--release", "--package", package];
     let build = [&build[..], &["--bin", program], more].concat();
@@ -35,7 +35,7 @@ pub fn build(package: &str, program: &str, more: &[&str]) -> Result<PathBuf> {
     Ok(built(program))
 }
 
-/// Where a program of the firmware lies once it is built.
+/// The path of a built program of the firmware.
 pub fn built(program: &str) -> PathBuf {
     run::firmware()
         .join("target")
@@ -44,7 +44,7 @@ pub fn built(program: &str) -> PathBuf {
         .join(program)
 }
 
-/// Sees to it that the target builds.
+/// Makes sure that the target builds.
 pub fn ensure() -> Result<()> {
     if works() {
         return Ok(());
@@ -83,7 +83,7 @@ fn works() -> bool {
     rustlib().is_ok_and(|rustlib| has_bitcode(&rustlib.join(TARGET).join("lib"))) && compiles()
 }
 
-/// True where `core` carries what link-time optimisation reads. A build by cargo leaves it out unless told otherwise.
+/// True where `core` contains bitcode for link-time optimisation. A build by cargo leaves it out by default.
 fn has_bitcode(lib: &Path) -> bool {
     let Ok(entries) = fs::read_dir(lib) else {
         return false;
@@ -100,7 +100,7 @@ fn has_bitcode(lib: &Path) -> bool {
 }
 
 fn compiles() -> bool {
-    // The result goes into a folder of its own: a compiler that runs as root replaces what it is given as a file.
+    // The result goes into a folder of its own: a compiler that runs as root would replace an output file.
     let Ok(dir) = run::scratch("probe") else {
         return false;
     };
@@ -132,9 +132,9 @@ fn rustlib() -> Result<PathBuf> {
     Ok(Path::new(sysroot.trim()).join("lib").join("rustlib"))
 }
 
-/// Takes away libraries that do not fit: the compiler does not choose between two.
+/// Removes libraries that do not fit: the compiler does not choose between two.
 fn clear(rustlib: &Path) -> Result<()> {
-    // What was built against them goes too: the compiler would look for them in vain.
+    // This also removes everything built against them: the compiler would miss them.
     let built = run::root().join("target").join(TARGET);
     for dir in [rustlib.join(TARGET), built, run::firmware().join("target")] {
         if dir.exists() {
@@ -196,7 +196,7 @@ fn from_source() -> Result<()> {
     println!("building core for {TARGET} from its source");
     let dir = run::scratch("build-std")?;
     if dir.join("target").exists() {
-        // What an earlier build left would be taken for a result of this one.
+        // The result of an earlier build would be taken for this build's.
         fs::remove_dir_all(dir.join("target"))?;
     }
     fs::create_dir_all(dir.join("src"))?;
@@ -280,7 +280,7 @@ fn debian_source() -> Result<PathBuf> {
         option("Dir::State::Lists", dir.join("lists")),
         option("Dir::Cache", dir.join("cache")),
         "APT::Sandbox::User=".into(),
-        // Hooks of the machine belong to its own lists, not to these.
+        // The machine's hooks are for its own package lists, not for these.
         "APT::Update::Post-Invoke::=true".into(),
     ];
     let apt_get = |what: &[&str]| {
@@ -349,7 +349,7 @@ fn copy_tree(from: &Path, to: &Path) -> Result<()> {
     for entry in fs::read_dir(from)? {
         let path = entry?.path();
         let target = to.join(path.file_name().unwrap_or_default());
-        // Follows links: the package links to folders it shares with others.
+        // Follows links: the package links to folders that it shares with other packages.
         if path.is_dir() {
             copy_tree(&path, &target)?;
         } else if path.is_file() {
@@ -365,7 +365,7 @@ mod tests {
 
     use super::*;
 
-    /// Cargo has two profiles for whoever names none, and what is flashed must not depend on that word.
+    /// Cargo has two profiles, one of them for a build without a name. The flashed image must not depend on the name.
     #[test]
     fn what_is_flashed_has_one_profile() {
         let manifest = fs::read_to_string(run::firmware().join("Cargo.toml")).unwrap();
@@ -388,7 +388,7 @@ mod tests {
                 continue;
             };
             let mut dev = profiles[&format!("dev{part}")].clone();
-            // By itself `dev` has these three otherwise.
+            // The default of `dev` differs in these three.
             let own = [
                 "debug-assertions = false",
                 "overflow-checks = false",

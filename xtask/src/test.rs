@@ -1,5 +1,5 @@
-//! Everything a change must pass, in the order that finds most mistakes soonest: in ten minutes what finds most, and with
-//! `--full` the rest.
+//! All checks that a change must pass, in the order that finds most mistakes soonest. The checks that find most take
+//! ten minutes; `--full` adds the rest.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -11,12 +11,12 @@ use crate::{
     sizes, target, vcan as bus,
 };
 
-/// How many tests of a program run at once. Those with processes and time-outs mostly wait, so that a core has time for
-/// several of them.
+/// The number of tests of a program that run at once. Tests with processes and time-outs mostly wait, so that a core
+/// has time for several of them.
 const THREADS: &str = "RUST_TEST_THREADS";
 const THREADS_PER_CORE: usize = 4;
 
-/// What stands below a test that was not a full one.
+/// Printed after a test that was not a full one.
 const NOT_RUN: &str = "\
 not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
   the long volumes: a million moves, cuts of power at every byte of the flash, ten million ticks of soak
@@ -27,14 +27,14 @@ not run here, but by `cargo xtask test --full`, which is what .ci/run starts:
   flash, RAM and stack of all images (alone: cargo xtask sizes)
 by no test: cargo xtask soak --hours H, cargo xtask chip --all, cargo xtask bench, the fuzzers (docs/reliability.md)";
 
-/// The test with full volumes and all steps.
+/// Runs the test with full volumes and all steps.
 pub fn full() -> Result<()> {
     let mut again = run::cargo(&run::root(), &["xtask", "test"]);
     again.env(leadscrew_seed::FULL, "1");
     run::show(again)
 }
 
-/// The test as the README names it, or all of it where full volumes are asked for.
+/// Runs the test of the README, or all steps where full volumes are asked for.
 pub fn test() -> Result<()> {
     let mut counts = Counts::default();
     let mut clock = Clock::default();
@@ -92,7 +92,7 @@ fn format() -> Result<()> {
     Ok(())
 }
 
-/// They are as committed: what is tested is what anybody builds.
+/// The lock files must be as committed: then the test builds the same as everybody.
 fn lock_files() -> Result<()> {
     for dir in [run::root(), run::firmware()] {
         run::read(run::cargo(
@@ -135,7 +135,7 @@ fn core_alone() -> Result<()> {
     run::show(run::cargo(&run::root(), &[&build[..], &target].concat()))
 }
 
-/// The tests on a CAN bus alone.
+/// Runs only the tests on a CAN bus.
 pub fn vcan(filter: &str) -> Result<()> {
     let mut counts = Counts::default();
     on_a_bus(&mut counts, filter)?;
@@ -143,7 +143,7 @@ pub fn vcan(filter: &str) -> Result<()> {
     Ok(())
 }
 
-/// The tests of the emulated board alone.
+/// Runs only the tests of the emulated board.
 pub fn emulated(filter: &str) -> Result<()> {
     let mut counts = Counts::default();
     setup::tools(&[setup::EMULATOR])?;
@@ -180,9 +180,9 @@ fn on_a_bus(counts: &mut Counts, filter: &str) -> Result<()> {
     Ok(())
 }
 
-/// All tests of the workspace, documentation examples included, counted.
+/// Runs and counts all tests of the workspace, documentation examples included.
 fn tests(counts: &mut Counts) -> Result<()> {
-    // Never coloured: the counts are read from what is printed.
+    // Without colours, because the counts are read from the output.
     let args = ["test", "--workspace", "--no-fail-fast", "--color", "never"];
     let mut all = run::cargo(&run::root(), &args);
     if std::env::var_os(THREADS).is_none() {
@@ -208,7 +208,7 @@ struct Counts {
 }
 
 impl Counts {
-    /// Adds up the summaries: `test result: ok. 12 passed; 0 failed; …`.
+    /// Adds the numbers of a summary: `test result: ok. 12 passed; 0 failed; …`.
     fn take(&mut self, line: &str) {
         let Some(summary) = line.trim_start().strip_prefix("test result: ") else {
             return;
@@ -228,7 +228,7 @@ impl Counts {
     }
 }
 
-/// Times the steps.
+/// Measures the time of each step.
 #[derive(Default)]
 struct Clock {
     steps: Vec<(&'static str, Duration)>,
@@ -255,7 +255,7 @@ impl Clock {
     }
 }
 
-/// A step with its time.
+/// A line with a step and its time.
 fn row(name: &str, took: Duration) -> String {
     format!("{:>6.1} s  {name}", took.as_secs_f64())
 }

@@ -1,5 +1,5 @@
-//! A virtual CAN bus for whatever needs one: that of the running kernel, or that of a kernel booted as a program
-//! (user-mode Linux) on the files of this machine, where the running one has no CAN.
+//! A virtual CAN bus for tests: in the running kernel, or, where that has no CAN, in a kernel booted as a program
+//! (user-mode Linux) on the files of this machine.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -9,31 +9,31 @@ use anyhow::{Context, Result, anyhow, bail};
 
 use crate::{canopen, run, setup};
 
-/// The interface that everything uses.
+/// The interface that all tests use.
 pub const INTERFACE: &str = "vcan0";
 
-/// Printed around the output of the commands inside, to tell it from what the kernel says.
+/// Printed around the output of the commands inside, to tell it from the kernel's messages.
 const BEGIN: &str = "-- inside: begin";
 const END: &str = "-- inside: end";
 
-/// The longest that anything may run inside: five times what the tests take.
+/// The time limit inside, in seconds: five times as long as the tests take.
 const LIMIT: &str = "3000";
-/// Frames that the kernel keeps between a sender on its virtual interface and the receivers. What comes beyond the usual
-/// thousand is lost, and nobody is told: a sender may go on for the ten milliseconds of a beat before the kernel has its
-/// turn.
+/// Frames that the kernel keeps between a sender on its virtual interface and the receivers. The usual limit is a
+/// thousand; frames above it are lost without a report. A sender may run for the ten milliseconds of a timer tick
+/// before the kernel processes its frames.
 const BACKLOG: &str = "1000000";
 
-/// Where the bus is.
+/// The kernel with the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// In the running kernel.
+    /// The running kernel.
     Here,
-    /// In a kernel booted for it.
+    /// A kernel booted for the bus.
     Booted,
 }
 
 impl Place {
-    /// In words, for people.
+    /// The place in words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Here => "on this kernel's vcan0",
@@ -42,12 +42,12 @@ impl Place {
     }
 }
 
-/// Finds out, and makes the interface here where that can be done.
+/// Finds the place of the bus. Makes the interface in the running kernel where this is possible.
 pub fn place() -> Place {
     let there = || Path::new("/sys/class/net").join(INTERFACE).is_dir();
     if !there() && run::is_root() {
         let quietly = |program: &str, args: &[&str]| {
-            // Not here is an answer too.
+            // A failure here is an answer too.
             let _ = run::read(run::command(Path::new("/"), program, args));
         };
         quietly("modprobe", &["--all", "vcan", "slcan"]);
@@ -57,13 +57,13 @@ pub fn place() -> Place {
     if there() { Place::Here } else { Place::Booted }
 }
 
-/// Runs a shell script where the bus is, in the folder of the workspace; its lines are shown and handed to `seen`. True
-/// where it succeeded.
+/// Runs a shell script where the bus is, in the folder of the workspace. Shows its lines and passes them to `seen`.
+/// True where the script succeeded.
 pub fn run(name: &str, script: &str, seen: impl FnMut(&str)) -> Result<bool> {
     run_with(name, script, None, seen)
 }
 
-/// The same with what is on this terminal on a serial line of the machine: in the script `$TERMINAL`.
+/// The same with this terminal as a serial line of the machine; the script finds it as `$TERMINAL`.
 pub fn run_with(
     name: &str,
     script: &str,
@@ -82,7 +82,7 @@ pub fn run_with(
             let dir = run::scratch("vcan")?;
             let status = dir.join(format!("{name}.status"));
             let init = dir.join(format!("{name}.init"));
-            // A status of an earlier run would be taken for this one's.
+            // The status of an earlier run would be taken for this run's.
             match fs::remove_file(&status) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
                     return Err(error).context("the status of the last run cannot be removed");
@@ -118,7 +118,7 @@ pub fn run_with(
     }
 }
 
-/// The library that lets the kernel start on processors with larger registers than it knows.
+/// A library that lets the kernel start on processors whose registers are larger than the kernel expects.
 fn registers() -> Result<PathBuf> {
     let root = run::root();
     run::show(run::cargo(
@@ -170,7 +170,7 @@ fn boot(root: &Path, script: &str, status: &Path) -> Result<String> {
         let _ = writeln!(text, "insmod {}", module.display());
     }
     let path = std::env::var("PATH").unwrap_or_default();
-    // It has none of the variables of this machine.
+    // The booted kernel has none of the variables of this machine.
     let settings = leadscrew_seed::settings(leadscrew_seed::fresh(), leadscrew_seed::full());
     let _ = write!(
         text,
@@ -191,7 +191,7 @@ fn boot(root: &Path, script: &str, status: &Path) -> Result<String> {
     Ok(text)
 }
 
-/// The modules in the order in which they need each other.
+/// The modules, each after those that it needs.
 fn modules() -> Result<Vec<PathBuf>> {
     let all = Path::new("/usr/lib/uml/modules");
     let mut found = Vec::new();
@@ -218,13 +218,13 @@ fn write_script(path: &Path, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// Builds the tests that need a bus, with the programs they start, and runs them where the bus is.
+/// Builds the tests that need a bus, and the programs that they start, and runs them where the bus is.
 pub fn tests(filter: &str, seen: impl FnMut(&str)) -> Result<bool> {
     let leadscrew = run::programs(&["--bin", "leadscrew", "--bin", "board-sim"])?.join("leadscrew");
     let program = run::test_program("vcan")?;
     let (python, eds) = (canopen::python()?, canopen::sheet(&leadscrew)?);
     println!("{}", place().name());
-    // They share one bus.
+    // The tests share one bus, so they run one at a time.
     run(
         "tests",
         &format!(

@@ -1,21 +1,21 @@
-//! A board of another version of the link: the answers to who asks for 5020h:02 say another key than its own.
+//! A board that claims another version of the link: its answers for 5020h:02 give another key than its own.
 
 use leadscrew_core::bus::{CobId, Frame, NodeId, Service};
 
-/// The answer that begins it: the length, and the value in the frames behind it.
+/// The beginning of the first answer: the length. The value is in the frames after it.
 const BEGINS: [u8; 4] = [0x41, 0x20, 0x50, 0x02];
 
-/// What the board claims to be.
+/// The claimed key.
 #[derive(Debug)]
 pub struct Claim {
     key: u32,
     replies: CobId,
-    /// The next answer holds the key.
+    /// The next answer contains the key.
     next: bool,
 }
 
 impl Claim {
-    /// Of this board, with this key.
+    /// A claim of this board, with this key.
     pub const fn new(node: NodeId, key: u32) -> Self {
         Self {
             key,
@@ -24,7 +24,7 @@ impl Claim {
         }
     }
 
-    /// A frame that the board sends, as it leaves it.
+    /// A frame that the board sends, with the key changed.
     pub fn pass(&mut self, frame: Frame) -> Frame {
         if frame.id() != self.replies {
             return frame;
@@ -39,7 +39,7 @@ impl Claim {
         if let Some(place) = data.get_mut(1..5) {
             place.copy_from_slice(&self.key.to_le_bytes());
         }
-        // As long as it was, or it stays what it is.
+        // The length stays the same; a frame that cannot be made stays unchanged.
         data.get(..frame.payload().len())
             .and_then(|data| Frame::new(frame.id(), data))
             .unwrap_or(frame)

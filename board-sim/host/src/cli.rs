@@ -1,4 +1,4 @@
-//! What can be typed.
+//! The command line.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -145,7 +145,7 @@ pub struct Board {
     pub ticks: Option<u64>,
 }
 
-/// A number that is not the gateway's. Those of the drives are known when the parameters are.
+/// A node number other than the gateway's. The drives' numbers are checked when the parameters are known.
 fn board_node(text: &str) -> Result<NodeId, String> {
     let number = text.parse().ok().and_then(NodeId::new);
     let node = number.ok_or("expected a number from 1 to 126")?;
@@ -160,7 +160,7 @@ fn board_node(text: &str) -> Result<NodeId, String> {
 /// A key of eight hexadecimal digits.
 fn key(text: &str) -> Result<u32, String> {
     let digits = text.strip_prefix("0x").unwrap_or(text);
-    // Eight of them, and no sign, which the standard library would take.
+    // Exactly eight digits, without a sign; the standard library would accept a sign.
     let eight = digits.len() == 8 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
     let key = u32::from_str_radix(digits, 16).ok().filter(|_| eight);
     key.ok_or_else(|| format!("`{text}`: expected a key of eight digits, as `0123abcd`"))
@@ -184,7 +184,7 @@ pub struct Drives {
 }
 
 impl Drives {
-    /// The plant, of which they are a part.
+    /// The plant to which these drives belong.
     pub fn plant(&self) -> PlantOptions {
         PlantOptions {
             board: Some(self.board),
@@ -226,12 +226,12 @@ impl FromStr for Here {
 }
 
 impl Common {
-    /// The bus; the command line has one.
+    /// The bus; the command line always gives one.
     pub fn address(&self) -> &Address {
         self.bus.as_ref().unwrap_or(&Address::Sim)
     }
 
-    /// The parameters, with everything that is wrong with them told.
+    /// The parameters. Prints everything that is wrong with them.
     pub fn load(&self) -> Outcome<Params> {
         let loaded = params::load(&self.params, &self.set, Lang::En)?;
         loaded.tell(diagnostics::colour());
@@ -242,7 +242,7 @@ impl Common {
         }
     }
 
-    /// The plant, but for the spindle.
+    /// The options of the plant, without the spindle.
     pub fn plant(&self) -> PlantOptions {
         let at = self.at.unwrap_or_default();
         PlantOptions {
@@ -264,7 +264,7 @@ impl Common {
 }
 
 impl Board {
-    /// The plant.
+    /// The options of the plant.
     pub fn plant(&self) -> Option<PlantOptions> {
         let ripple = match self.spindle_ripple {
             None => None,

@@ -1,4 +1,4 @@
-//! Drives alone: they hear what a board elsewhere tells them, move at its SYNC, and answer.
+//! Drives alone: they take the frames of a board elsewhere, move at its SYNC, and answer.
 
 use std::time::Duration;
 
@@ -15,10 +15,10 @@ use crate::cli::{Drives, Here};
 use crate::machine::say;
 use crate::wire::{Heard, Wire};
 
-/// How long to listen before a look at whether the user wants to end.
+/// The longest wait for a frame, before a check whether the user wants to end.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// One of them.
+/// A drive of an axis or of a spindle.
 enum One {
     Axis(Box<Drive>),
     Spindle(Box<Tapper>),
@@ -43,7 +43,7 @@ impl One {
     }
 }
 
-/// Those that are wanted.
+/// The drives that the command line asks for.
 fn wanted(args: &Drives, params: &Params) -> Result<Vec<One>, PlantError> {
     let Here(here) = args.axes;
     let plant = args.plant();
@@ -75,7 +75,7 @@ pub fn run(args: &Drives) -> Outcome {
     say(&format!("drives {} on {}", nodes.join(", "), wire.name()));
     let mut answers = Vec::new();
     while !interrupt::requested() {
-        // Whatever came at once is answered at once, SYNC by SYNC.
+        // Frames that arrive together are answered together, SYNC by SYNC.
         wire.listen(PATIENCE, |heard| {
             for one in &mut drives {
                 match heard {

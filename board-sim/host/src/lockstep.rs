@@ -1,10 +1,10 @@
-//! Virtual time: a tick is taken when everything it depends on has come, and no clock has a say in what it gives.
+//! Virtual time: a tick runs when everything that it depends on is there. No clock influences its result.
 //!
 //! - A tick waits for the program: while more of it is to come and there is room for it, time stands still.
-//! - A tick waits for the answers of the drives that are elsewhere, where one is due.
-//! - A tick waits for the gateway's heartbeat, where the machine would outrun it: a gateway that is there is not lost.
-//! - A machine with nothing to do goes on in turns of the SYNC counter, 240 ticks each, one after another in real time;
-//!   so every program begins at the same count, and its frames are the same whenever it is started.
+//! - A tick waits for the answers of drives that are elsewhere, where an answer is due.
+//! - A tick waits for the gateway's heartbeat where the machine would run ahead of it: a living gateway is not lost.
+//! - A machine with nothing to do runs whole turns of the SYNC counter, 240 ticks each, in real time. So every program
+//!   begins at the same count, and its frames are the same at any time of its start.
 
 use std::time::{Duration, Instant};
 
@@ -14,20 +14,20 @@ use leadscrew_core::bus::{NodeId, SyncProducer};
 
 use crate::machine::Machine;
 
-/// Ticks after which the SYNC counter shows the same again.
+/// The number of ticks in a turn of the SYNC counter.
 const TURN: u64 = SyncProducer::LAST as u64;
 
-/// A program that does not go on for so long is not waited for any more: time goes
-/// on, so that its loss is noticed. The computer may have stood still [D178].
+/// The longest wait for the program. After that time goes on, so that the board notices the loss. The computer may have
+/// stood still [D178].
 const LOST: Duration = Duration::from_secs(5);
 
-/// How long a drive that is known to answer is waited for.
+/// The longest wait for a drive that is known to answer.
 const ANSWER: Duration = Duration::from_secs(5);
 
-/// How long any answer of a drive is waited for that has not been heard yet.
+/// The longest wait for a drive that was never heard.
 const GREETING: Duration = Duration::from_millis(20);
 
-/// Runs until the user ends it, or what it was started for is done.
+/// Runs until the user ends it, or its task is done.
 pub fn run(mut machine: Machine) -> Outcome {
     let away = machine.away().iter();
     let mut expected: Vec<Expected> = away
@@ -48,7 +48,7 @@ pub fn run(mut machine: Machine) -> Outcome {
             wait_for_gateway(&mut machine)?;
             step(&mut machine, &mut expected)?;
             if machine.is_held() || up.is_none() || lost {
-                // Nothing but a person or a drive ends this: at the pace of either.
+                // Only a person or a drive ends this state, so time passes at the pace of real time.
                 std::thread::sleep(machine.period());
             }
             last = Instant::now();
@@ -68,8 +68,8 @@ pub fn run(mut machine: Machine) -> Outcome {
     machine.conclude()
 }
 
-/// True where the tick may be taken. `lost`: the program has been waited for in vain, and is not again before more of it
-/// has come.
+/// True where the tick may run. `lost`: the wait for the program was in vain; the next wait comes only after more of
+/// the program has come.
 fn wait_for_program(machine: &mut Machine, lost: &mut bool) -> Outcome<bool> {
     *lost &= machine.awaits_program();
     let started = Instant::now();
@@ -83,7 +83,7 @@ fn wait_for_program(machine: &mut Machine, lost: &mut bool) -> Outcome<bool> {
     Ok(true)
 }
 
-/// Lets a gateway that is there say so before it counts as lost in virtual time.
+/// Waits for a heartbeat of a living gateway, before it counts as lost in virtual time.
 fn wait_for_gateway(machine: &mut Machine) -> Outcome {
     while machine.outruns_gateway(LOST) && !interrupt::requested() {
         machine.listen(Duration::from_millis(20))?;
@@ -91,10 +91,10 @@ fn wait_for_gateway(machine: &mut Machine) -> Outcome {
     Ok(())
 }
 
-/// What is known of a drive that is elsewhere, and whose status is waited for where one is due.
+/// A drive that is elsewhere, and when its status is due.
 struct Expected {
     node: NodeId,
-    /// SYNCs until it comes; `None` before the first and after one that did not come.
+    /// SYNCs until the status is due; `None` before the first status and after a missing one.
     due: Option<u8>,
 }
 
@@ -103,7 +103,7 @@ impl Expected {
         machine.has_status_of(self.node)
     }
 
-    /// How long it is waited for now, if at all.
+    /// The longest wait for the drive now, if any.
     const fn patience(&self) -> Option<Duration> {
         match self.due {
             None => Some(GREETING),
@@ -113,7 +113,7 @@ impl Expected {
     }
 }
 
-/// A tick, and the answers to its SYNC.
+/// Runs a tick, and waits for the answers to its SYNC.
 fn step(machine: &mut Machine, expected: &mut [Expected]) -> Outcome {
     machine.tick()?;
     for one in &mut *expected {

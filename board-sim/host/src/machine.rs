@@ -1,4 +1,4 @@
-//! The board, the plant around it, and the wire between them and to everybody else.
+//! The board, the plant around it, and the wire between them and to other nodes.
 
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -25,27 +25,27 @@ use crate::program::Feeder;
 use crate::when::Script;
 use crate::wire::{Heard, Wire};
 
-/// A board and what is around it.
+/// A board and its surroundings.
 pub struct Machine {
     board: Board,
-    /// What it keeps.
+    /// The board's flash.
     flash: Flash,
-    /// Where that is kept between runs.
+    /// The file that keeps the flash between runs.
     state: Option<StateFile>,
     plant: Plant,
     wire: Wire,
     line: Line,
     script: Script,
-    /// The board has no power.
+    /// The ticks in which the board has no power.
     cut: Option<Span>,
     node: NodeId,
     signals: Signals,
-    /// What the board has where nothing is stored.
+    /// The parameter set of a board without stored parameters.
     built_in: Params,
     feeder: Option<Feeder>,
-    /// Nothing comes from it.
+    /// The ticks in which the feeder gives nothing.
     stall: Option<Span>,
-    /// The version that the board says it has.
+    /// The version that the board claims.
     claim: Option<Claim>,
     output: Output,
     /// Drives' frames for the next tick.
@@ -58,11 +58,11 @@ pub struct Machine {
     tick_us: u32,
     /// Ticks since power-up.
     ticks: u64,
-    /// The tick of the gateway's newest heartbeat, and when that was.
+    /// The tick of the gateway's newest heartbeat, and its real time.
     beat: Option<(u64, Instant)>,
-    /// Ticks without one after which it counts as lost; 0: never.
+    /// Ticks without a heartbeat after which the gateway counts as lost; 0: never.
     silence: u64,
-    /// Ticks up to and with tick 0: the first in which the machine is up and stands.
+    /// Ticks up to and including tick 0: the first tick in which the machine is up and stands.
     up: Option<u64>,
     last: Option<u64>,
     late: u64,
@@ -74,7 +74,7 @@ pub struct Machine {
 /// A controller that has left the bus.
 #[derive(Clone, Copy, Debug, Default)]
 struct Off {
-    /// Since this tick it may be started again, and waits for the bus.
+    /// The controller waits for a silent bus since this tick, at which its restart was permitted.
     waits: Option<u64>,
 }
 
@@ -192,7 +192,7 @@ impl Machine {
         Duration::from_micros(u64::from(self.tick_us))
     }
 
-    /// Ticks behind tick 0; `None` before it.
+    /// Ticks after tick 0; `None` before it.
     pub fn since_up(&self) -> Option<u64> {
         self.ticks.checked_sub(self.up?)
     }
@@ -202,12 +202,12 @@ impl Machine {
         &self.away
     }
 
-    /// They answer every so many SYNCs.
+    /// The drives answer at every n-th SYNC.
     pub const fn transmission(&self) -> u8 {
         self.transmission
     }
 
-    /// A setpoint came late for its SYNC.
+    /// Counts a setpoint that came late for its SYNC.
     pub fn note_late(&mut self) {
         self.late += 1;
         self.tell_late();
@@ -218,8 +218,8 @@ impl Machine {
         self.board.set_late(u32::try_from(late).unwrap_or(u32::MAX));
     }
 
-    /// Takes what is on the wire, waiting for it at most so long; true where there was anything. Requests are answered at
-    /// once.
+    /// Reads the frames on the wire, and waits for one at most `patience`. True where there were any. Requests are
+    /// answered at once.
     pub fn listen(&mut self, patience: Duration) -> Outcome<bool> {
         let has_power = self.has_power();
         let (mut heard, mut heard_fd) = (Vec::new(), Vec::new());
@@ -253,7 +253,7 @@ impl Machine {
         Ok(count > 0)
     }
 
-    /// A frame of somebody else.
+    /// A frame of another node.
     fn hear(&mut self, frame: &Frame, has_power: bool) -> Outcome {
         let mut answers = Vec::new();
         self.plant.hear(frame, |answer| answers.push(answer));
@@ -267,7 +267,7 @@ impl Machine {
         self.wire.send(&answers)
     }
 
-    /// Sends what is to be sent, as far as the wire lets it.
+    /// Sends the waiting frames, as far as the faults of the wire permit.
     fn send(&mut self) -> Outcome {
         if self.line.is_quiet() {
             return self.wire.send(&self.out);
@@ -285,7 +285,7 @@ impl Machine {
         !tick.zip(self.cut).is_some_and(|(tick, cut)| cut.has(tick))
     }
 
-    /// What happens to the wire in this tick.
+    /// Applies the faults of the wire to this tick.
     fn suffer(&mut self, tick: u64) -> Outcome {
         let rejoin = self.board.may_rejoin();
         self.mind_controller(tick, rejoin);
@@ -298,7 +298,7 @@ impl Machine {
         }
         if let Some(frame) = second {
             self.out.push(frame);
-            // In `hear` the drives take no process data.
+            // `hear` passes no process data to the drives.
             if NmtCommand::decode(&frame).is_none() {
                 let waiting = &mut self.waiting;
                 self.plant.exchange(&[frame], |answer| waiting.push(answer));
@@ -315,9 +315,9 @@ impl Machine {
         Ok(())
     }
 
-    /// What an error frame says of the controller of the wire. The kernel starts one again by itself (restart-ms), or where
-    /// somebody asks it to, and says so. On an interface without one, the board's own is stood in for: started again when
-    /// the machine stands, it is back behind 128 times 11 bits of a silent bus [D196].
+    /// Follows the controller of the wire, by its error frames. The kernel restarts a real controller by itself
+    /// (restart-ms) or on request, and reports that. An interface without a controller gets a model of one: it may
+    /// restart when the machine stands, and is back after 128 times 11 bits of a silent bus [D196].
     fn mind_controller(&mut self, tick: u64, rejoin: bool) {
         const BITS: u64 = 128 * 11;
         let name = self.wire.name();
@@ -355,7 +355,8 @@ impl Machine {
         }
     }
 
-    /// Time without a board: drives and spindle are as they were told last. True where it has its power again.
+    /// Lets time pass without a board: drives and spindle follow their last commands. True where the board has its
+    /// power again.
     fn wait_for_power(&mut self) -> Outcome<bool> {
         self.plant.advance();
         self.ticks += 1;
@@ -370,7 +371,7 @@ impl Machine {
         self.board = Board::power_up(&up, None, tap).map_err(no_board)?;
         self.board.join(self.node).map_err(no_board)?;
         self.board.signals(self.signals);
-        // It has forgotten the program, and whoever feeds it has nobody to feed.
+        // The board has forgotten the program, so nothing more is fed.
         self.feeder = None;
         self.beat = None;
         self.alarm = false;
@@ -378,7 +379,7 @@ impl Machine {
         Ok(true)
     }
 
-    /// True where the gateway would soon count as lost in virtual time, and has been heard within this real time.
+    /// True where the gateway would soon count as lost in virtual time, but was heard within this real time.
     pub fn outruns_gateway(&self, patience: Duration) -> bool {
         self.beat.is_some_and(|(tick, when)| {
             self.silence > 0
@@ -387,14 +388,14 @@ impl Machine {
         })
     }
 
-    /// True where this drive's status is among what waits for the next tick.
+    /// True where this drive's status waits for the next tick.
     pub fn has_status_of(&self, node: NodeId) -> bool {
         self.waiting
             .iter()
             .any(|frame| frame.id().service() == Some((Service::Tpdo1, node)))
     }
 
-    /// Lets the background go on until there is nothing left to do, and sends what they have to say.
+    /// Runs the station and the background until no work is left, and sends their frames.
     fn serve(&mut self, elapsed: u32) -> Outcome {
         let mut elapsed = Periods::new(elapsed);
         loop {
@@ -429,7 +430,7 @@ impl Machine {
         })
     }
 
-    /// One SYNC period.
+    /// Runs one SYNC period.
     pub fn tick(&mut self) -> Outcome {
         if !self.has_power() && !self.wait_for_power()? {
             return Ok(());
@@ -458,13 +459,13 @@ impl Machine {
         self.serve(1)
     }
 
-    /// The frame with all setpoints, where the drives get them so: to those that are here, and on the wire.
+    /// Sends the frame with all setpoints, where the drives get them in one frame: to the drives here, and to the wire.
     fn tell_together(&mut self) -> Outcome {
         let together = self.output.together.as_ref();
         let Some(frame) = together.and_then(|together| together.frame(self.node)) else {
             return Ok(());
         };
-        // They may have come with a set that was pushed.
+        // A new parameter set may have switched this frame on.
         self.wire.use_fd(self.board.params().fd_kbit())?;
         let (line, plant, wire) = (&mut self.line, &mut self.plant, &mut self.wire);
         line.pass_together(Way::Setpoints, &frame, |frame| plant.tell_together(frame));
@@ -473,7 +474,7 @@ impl Machine {
         sent
     }
 
-    /// What the board sends reaches the drives that are here, and they answer: that goes out on the wire, too.
+    /// Passes the board's frames to the drives that are here; their answers go to the wire too.
     fn exchange(&mut self) {
         let (line, plant, out, waiting) = (
             &mut self.line,
@@ -491,7 +492,7 @@ impl Machine {
         });
     }
 
-    /// Carries out the writes that the board asks for; what has changed is in the file before anything else happens.
+    /// Carries out the writes that the board requests. A changed flash is saved to the file before anything else happens.
     fn keep(&mut self) -> Outcome {
         let before = self.flash.written();
         keep(&mut self.board, &mut self.flash);
@@ -513,7 +514,7 @@ impl Machine {
     fn tell(&mut self, event: &Event) {
         let source = self.feeder.as_ref().map(Feeder::source);
         match event {
-            // The tick after this one is tick 0: the axes stand, and nothing has been handed over yet.
+            // The tick after this one is tick 0: the axes stand, and nothing was handed over yet.
             Event::Ready if self.up.is_none() => {
                 self.up = Some(self.ticks + 1);
                 say("ready");
@@ -531,7 +532,7 @@ impl Machine {
         }
     }
 
-    /// A program is being carried out, or waits to be.
+    /// True where a program runs, or waits to run.
     pub fn is_busy(&self) -> bool {
         let works = self.board.is_busy() || self.board.ticker().in_program();
         self.has_power() && (works || self.is_feeding())
@@ -541,17 +542,17 @@ impl Machine {
         !self.alarm && self.feeder.as_ref().is_some_and(|feeder| !feeder.is_over())
     }
 
-    /// A program is under way, there is room for more of it, and it has not come yet.
+    /// True where a program runs and there is room for its next call, which has not come.
     pub fn awaits_program(&self) -> bool {
         self.has_power() && self.board.awaits_program()
     }
 
-    /// The machine stands and waits for somebody.
+    /// True where the machine stands in a hold.
     pub fn is_held(&self) -> bool {
         matches!(self.board.ticker().state(), State::Held)
     }
 
-    /// What it was started for is done.
+    /// True where the task of this run is done.
     pub fn is_over(&self) -> bool {
         let ran = self.feeder.is_some()
             && self.since_up().is_some()
@@ -560,7 +561,7 @@ impl Machine {
         ran || for_good && !self.has_power() || self.last.is_some_and(|last| self.ticks >= last)
     }
 
-    /// Sums up.
+    /// Prints the figures of the run.
     pub fn conclude(&self) -> Outcome {
         let [sent, received] = self.wire.counts;
         let harm = self.line.harm();
@@ -589,7 +590,7 @@ impl Machine {
     }
 }
 
-/// An alarm in words.
+/// The text of an alarm.
 fn words(alarm: &Alarm, source: Option<&SourceFile>) -> String {
     let nowhere = SourceFile::new(Path::new("the board"));
     let source = source.unwrap_or(&nowhere);
@@ -600,9 +601,9 @@ fn words(alarm: &Alarm, source: Option<&SourceFile>) -> String {
     }
 }
 
-/// Tells the user.
+/// Prints a message for the user.
 pub fn say(text: &str) {
-    // A closed standard error leaves nobody to tell.
+    // A closed standard error cannot be reported to anybody.
     let _ = writeln!(io::stderr(), "board-sim: {text}");
 }
 

@@ -6,8 +6,8 @@
 //! board-sim drives --bus vcan0                the drives of the axes alone, for a board that is elsewhere
 //! ```
 //!
-//! Every setpoint and every answer goes over the wire, also where board and drives live in one process. What a board is
-//! stands in `leadscrew_core`, what is around it in `leadscrew_board_sim`; here are clocks, sockets and options.
+//! Every setpoint and every answer goes over the wire, even where board and drives live in one process.
+//! `leadscrew_core` has the board and `leadscrew_board_sim` its surroundings; this crate has clocks, sockets and options.
 
 mod claim;
 mod cli;
@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         Err(error) => return mistyped::report(&error, &typed),
     };
     interrupt::watch(Lang::En, false);
-    // The machine is brought to its end, with its flash and its figures.
+    // An interruption lets the machine end in order, with its flash saved and its figures printed.
     interrupt::defer(interrupt::UnderWay::Machine);
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,

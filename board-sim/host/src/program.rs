@@ -1,4 +1,4 @@
-//! A program that the board carries out by itself, handed over as there is room.
+//! A program that the board runs by itself. Its calls are handed over as there is room.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use leadscrew_core::board::Board;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, Event, Options, Position};
 
-/// A program on its way into a board.
+/// The source of a board's calls.
 pub struct Feeder {
     source: SourceFile,
     program: Program<'static>,
@@ -19,10 +19,10 @@ pub struct Feeder {
 }
 
 impl Feeder {
-    /// Opens a program for a tool that stands here.
+    /// Opens a program, for a tool at this position.
     pub fn open(path: &Path, params: &Params, position: Position) -> Outcome<Self> {
         let source = SourceFile::new(path);
-        // One for the life of the process.
+        // Leaked once for the life of the process.
         let params: &'static Params = Box::leak(Box::new(params.clone()));
         let options = Options {
             position,
@@ -38,12 +38,12 @@ impl Feeder {
         })
     }
 
-    /// The text.
+    /// The text of the program.
     pub const fn source(&self) -> &SourceFile {
         &self.source
     }
 
-    /// Hands over what there is room for; true where that was anything.
+    /// Hands over as many calls as there is room for; true where it handed over any.
     ///
     /// # Errors
     /// The text is wrong from here on.
@@ -72,7 +72,7 @@ impl Feeder {
                     self.over = true;
                     return Err(alarm);
                 }
-                // A file that cannot be read any further ends there.
+                // A file that cannot be read any further ends here.
                 Ok(None) | Err(_) => {
                     self.over = true;
                     return Ok(None);
@@ -81,7 +81,7 @@ impl Feeder {
         }
     }
 
-    /// True where all of it has been handed over.
+    /// True where the whole program was handed over.
     pub const fn is_over(&self) -> bool {
         self.over && self.next.is_none()
     }

@@ -1,5 +1,5 @@
-//! Real time: a SYNC at every multiple of the period, by deadlines that never shift. A setpoint that leaves after the SYNC
-//! that is to latch it is late, and counted; the beat goes on as it was.
+//! Real time: a SYNC at every multiple of the period, by deadlines that never shift. A setpoint that leaves after the
+//! SYNC that has to latch it is late and is counted; the deadlines stay the same.
 
 use std::time::{Duration, Instant};
 
@@ -8,13 +8,13 @@ use leadscrew_common::interrupt;
 
 use crate::machine::{Machine, say};
 
-/// Behind by more than this the process was stopped, and what it missed is not made up for.
+/// A process that is later than this was stopped. It does not make up for the lost time.
 const STOPPED: Duration = Duration::from_secs(1);
 
-/// How often lateness is told.
+/// The interval between reports of late setpoints.
 const TELL: Duration = Duration::from_secs(1);
 
-/// Runs until the user ends it, or what it was started for is done.
+/// Runs until the user ends it, or its task is done.
 pub fn run(mut machine: Machine) -> Outcome {
     let period = machine.period();
     let mut next = Instant::now() + period;

@@ -1,4 +1,4 @@
-//! What goes wrong with the wire and with the storage, as options of the command line.
+//! The faults of the wire and of the storage, as options of the command line.
 
 use std::str::FromStr;
 
@@ -9,7 +9,7 @@ use leadscrew_core::bus::NodeId;
 use leadscrew_core::program::TapSpindle;
 use leadscrew_core::units::Axis;
 
-/// Ticks as they are typed: `4000` (from there on), `4000..4500`.
+/// A span of ticks on the command line: `4000` (from there on), `4000..4500`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ticks(pub line::Span);
 
@@ -31,10 +31,10 @@ impl FromStr for Ticks {
     }
 }
 
-/// Thousandths of the frames that go one way.
+/// The part of the frames of one direction that a fault hits, in thousandths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chance {
-    /// `None`: every way.
+    /// `None`: every direction.
     way: Option<Way>,
     per_mille: u16,
 }
@@ -63,11 +63,11 @@ impl FromStr for Chance {
     }
 }
 
-/// A second master, and when it is there.
+/// A second master, and the ticks of its presence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Second(pub Deed, pub line::Span);
 
-/// What a second master does, before it is known where the drives are on the bus.
+/// The action of a second master, before the nodes of the drives are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Deed {
     /// See [`Intruder::Sync`].
@@ -78,12 +78,12 @@ pub enum Deed {
     Stop(Whose),
 }
 
-/// Which drive.
+/// The drive that a second master addresses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whose {
-    /// That of an axis.
+    /// The drive of an axis.
     Axis(Axis),
-    /// That of spindle 1.
+    /// The drive of spindle 1.
     Spindle,
 }
 
@@ -134,12 +134,12 @@ fn drive(name: &str) -> Option<Whose> {
     }
 }
 
-/// Where a write is cut, and how what is cut reads.
+/// The place where a write is cut, and how the torn word reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Torn {
     /// Bytes that are still written.
     pub bytes: u32,
-    /// How it looks afterwards.
+    /// How the torn word reads.
     pub tear: Tear,
 }
 
@@ -207,7 +207,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// What goes wrong with the wire of a machine whose drives are there.
+    /// The faults of the wire, for a machine with these drives.
     pub fn faults(&self, seed: u64, drives: &DriveNodes) -> Faults {
         let mut faults = Faults {
             seed,

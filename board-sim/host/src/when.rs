@@ -1,4 +1,4 @@
-//! What goes wrong with the plant, and at which tick: counted, as in `simulate`, from the tick at which the machine is up.
+//! Faults of the plant, each with its tick. Ticks count, as in `simulate`, from the tick at which the machine is up.
 
 use std::str::FromStr;
 
@@ -12,21 +12,21 @@ fn at(text: &str) -> Result<(&str, u64), String> {
         .ok_or_else(|| format!("`{text}`: expected a tick at the end, as `…@4000`"))
 }
 
-/// Trouble of a drive.
+/// A fault of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Trouble {
-    /// `None`: the spindle's.
+    /// The axis; `None` for the spindle.
     axis: Option<Axis>,
     what: What,
     tick: u64,
 }
 
-/// What happens to a drive.
+/// The kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
-    /// It is in this state from then on.
+    /// The drive is in this state from then on.
     Trouble(plant::Trouble),
-    /// It loses its power for a moment, and starts anew where it stands.
+    /// The drive loses its power for a moment, and restarts at its position.
     Restart,
 }
 
@@ -88,7 +88,7 @@ impl FromStr for Slip {
     }
 }
 
-/// The spindle is dragged.
+/// The spindle is dragged to another speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Disturbance {
     percent: i16,
@@ -108,21 +108,21 @@ impl FromStr for Disturbance {
     }
 }
 
-/// All that goes wrong.
+/// All faults of the plant.
 #[derive(Clone, Debug, Default)]
 pub struct Script {
-    /// Of drives.
+    /// Faults of drives.
     pub troubles: Vec<Trouble>,
-    /// Of the encoder.
+    /// Slips of the encoder.
     pub slips: Vec<Slip>,
-    /// Of its index.
+    /// The tick at which the index is lost.
     pub lost_index: Option<u64>,
-    /// Of the spindle.
+    /// Disturbances of the spindle.
     pub drags: Vec<Disturbance>,
 }
 
 impl Script {
-    /// Lets happen what happens at this tick.
+    /// Applies the faults of this tick.
     pub fn act(&self, tick: u64, plant: &mut Plant) {
         for trouble in self.troubles.iter().filter(|one| one.tick == tick) {
             let drive = match trouble.axis {

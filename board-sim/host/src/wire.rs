@@ -1,4 +1,4 @@
-//! The board's side of the bus, and what its controller says of it.
+//! The board's side of the bus, and the state of its controller by error frames.
 
 use std::time::Duration;
 
@@ -8,31 +8,31 @@ use leadscrew_common::words::Both;
 use leadscrew_core::bus::{BusState, Controller, ErrorCounts, FdFrame, Frame};
 use leadscrew_core::params::Params;
 
-/// What a node of CANopen hears.
+/// A frame that a CANopen node receives.
 #[derive(Clone, Copy, Debug)]
 pub enum Heard<'a> {
     /// A classical frame.
     Frame(&'a Frame),
-    /// One of CAN FD.
+    /// A frame of CAN FD.
     Fd(&'a FdFrame),
 }
 
-/// A bus.
+/// An open bus.
 pub struct Wire {
     can: Box<dyn Can>,
-    /// Of the data of frames of CAN FD, in kbit/s; `None` where none are sent.
+    /// The data rate of CAN FD frames, in kbit/s; `None` where none are sent.
     fd_kbit: Option<u32>,
     heard: Vec<Received>,
     controller: Controller,
-    /// There is no controller behind it that the kernel would start again.
+    /// The interface has no controller that the kernel would restart.
     is_virtual: bool,
     /// Frames sent, and received.
     pub counts: [u64; 2],
 }
 
 impl Wire {
-    /// Opens the bus; an adapter at the bit rate of the parameters (9020). Where
-    /// they ask for a frame of CAN FD (9031), it has to carry such.
+    /// Opens the bus; an adapter gets the bit rate of the parameters (9020). Where the parameters ask for a CAN FD
+    /// frame (9031), the bus has to carry CAN FD.
     pub fn open(address: &Address, params: &Params) -> Outcome<Self> {
         let kbit = params.bus_kbit();
         let rate = BitRate::of_kbit(kbit).ok_or_else(|| {
@@ -49,7 +49,7 @@ impl Wire {
         Ok(wire)
     }
 
-    /// From now on it carries frames of CAN FD with their data at so many kbit/s; an adapter is told where that is new.
+    /// From now on the bus carries CAN FD frames with their data at this rate. An adapter is told a new rate.
     pub fn use_fd(&mut self, kbit: u32) -> Outcome {
         if self.fd_kbit != Some(kbit) {
             self.can.use_fd(kbit).map_err(Failure::bus)?;
@@ -69,17 +69,17 @@ impl Wire {
         }
     }
 
-    /// What the user called it.
+    /// The user's name of the bus.
     pub fn name(&self) -> &str {
         self.can.name()
     }
 
-    /// How the controller is, as its error frames have told.
+    /// The state of the controller, by its error frames.
     pub const fn controller(&self) -> Controller {
         self.controller
     }
 
-    /// A bus that is open already.
+    /// Takes a bus that is open already.
     #[cfg(test)]
     pub fn open_already(can: Box<dyn Can>, is_virtual: bool) -> Self {
         Self {
@@ -88,17 +88,17 @@ impl Wire {
         }
     }
 
-    /// True where nobody but the board itself would start a controller again that has left the bus.
+    /// True where only the board itself can restart a controller that has left the bus.
     pub const fn is_virtual(&self) -> bool {
         self.is_virtual
     }
 
-    /// The controller has been started again, and is well.
+    /// Notes that the controller was restarted, and is in order.
     pub fn restart(&mut self) {
         self.controller = Controller::default();
     }
 
-    /// Sends these.
+    /// Sends frames.
     pub fn send(&mut self, frames: &[Frame]) -> Outcome {
         if frames.is_empty() {
             return Ok(());
@@ -108,15 +108,14 @@ impl Wire {
         self.can.send(frames).map_err(Failure::bus)
     }
 
-    /// Sends a frame of CAN FD behind what was sent before.
+    /// Sends a CAN FD frame after all frames sent before.
     pub fn send_fd(&mut self, frame: &FdFrame) -> Outcome {
         let [sent, _] = &mut self.counts;
         *sent += 1;
         self.can.send_fd(&[*frame]).map_err(Failure::bus)
     }
 
-    /// Waits for something at most so long, and hands each CANopen frame on, in the order in which they came; how many
-    /// these were.
+    /// Waits at most `patience` for frames, and passes on each CANopen frame in the order of arrival. Gives their number.
     pub fn listen(&mut self, patience: Duration, mut to: impl FnMut(Heard<'_>)) -> Outcome<usize> {
         self.heard.clear();
         self.can
@@ -132,7 +131,7 @@ impl Wire {
                     Some(frame) => to(Heard::Fd(&frame)),
                     None => continue,
                 },
-                // Other kinds of frames are nothing that a node of CANopen hears.
+                // A CANopen node does not receive other kinds of frames.
                 _ => continue,
             }
             *received += 1;
@@ -141,13 +140,13 @@ impl Wire {
         Ok(count)
     }
 
-    /// Frames that found the receive buffer full.
+    /// Frames that were lost because the receive buffer was full.
     pub fn dropped(&self) -> u64 {
         self.can.dropped().unwrap_or(0)
     }
 }
 
-/// What an error frame says of the controller.
+/// Takes the controller's state from an error frame.
 fn note(controller: &mut Controller, packet: &Packet) {
     let Packet::Error(error) = packet else {
         return;
@@ -155,13 +154,13 @@ fn note(controller: &mut Controller, packet: &Packet) {
     if let Some((sending, receiving)) = error.counters() {
         controller.errors = ErrorCounts { sending, receiving };
     }
-    // The worst comes first.
+    // The worst fault comes first.
     for fault in error.faults() {
         let state = match fault {
             Fault::BusOff => BusState::Off,
             Fault::Passive => BusState::Passive,
             Fault::Restarted => BusState::Active,
-            // Active again, or on the way there; out of bus-off only by a restart.
+            // Active again, or on the way there. Only a restart ends bus-off.
             Fault::Active | Fault::Warning if controller.state == BusState::Passive => {
                 BusState::Active
             }
@@ -177,7 +176,7 @@ mod tests {
     use super::*;
     use leadscrew_can::{ErrorFrame, pair};
 
-    /// Classes of error and the state of the controller, as the kernel has them.
+    /// Classes of error and states of the controller, as in the kernel.
     const CONTROLLER: u32 = 0x004;
     const BUS_OFF: u32 = 0x040;
     const RESTARTED: u32 = 0x100;
@@ -198,7 +197,7 @@ mod tests {
         assert_eq!(after(CONTROLLER, 0x20, 128, 3), (BusState::Passive, 128, 3));
         assert_eq!(after(CONTROLLER, 0x08, 120, 3), (BusState::Active, 120, 3));
         assert_eq!(after(BUS_OFF, 0, 248, 3), (BusState::Off, 248, 3));
-        // It is not back because it is said to be well.
+        // A message that the controller is in order does not end bus-off.
         assert_eq!(after(CONTROLLER, 0x40, 0, 3), (BusState::Off, 0, 3));
         assert_eq!(after(RESTARTED, 0, 0, 3), (BusState::Active, 0, 3));
     }

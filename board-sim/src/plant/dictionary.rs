@@ -1,42 +1,42 @@
-//! What a drive tells and takes by SDO: the few objects of CiA 301 and CiA 402 that a machine is set up with.
+//! The object dictionary of a drive: the few objects of CiA 301 and CiA 402 with which a machine is set up.
 //!
-//! PDO communication and mapping, and the interpolation period, are taken in pre-operational alone; limits in every state.
-//! The PDOs have the contents that CiA 402 gives them, and no others; the commands may come behind dummy entries, in a
-//! frame that others get theirs in, too. What was written counts until the drive starts anew;
-//! `save` (1010h:01h) keeps it beyond that.
+//! A drive takes PDO communication and mapping, and the interpolation period, only in pre-operational; it takes limits
+//! in every state. The PDOs have the contents that CiA 402 gives them, and no others. The command may come after dummy
+//! entries, in a frame with the commands of other drives. A written value counts until the drive restarts; `save`
+//! (1010h:01h) keeps it beyond that.
 
 use leadscrew_core::bus::{
     Abort, CobId, DriveCommand, DriveStatus, Mapped, NodeId, Object, Objects, Service, Setpoints,
     SpindleCommand,
 };
 
-/// `save`, as 1010h:01h takes it.
+/// `save`, the value that 1010h:01h takes.
 const SAVE: u32 = u32::from_le_bytes(*b"save");
 
 /// A servo drive by CiA 402.
 const DEVICE_TYPE: u32 = 0x0002_0192;
 /// `LSDR`.
 const PRODUCT: u32 = 0x4C53_4452;
-/// COB-ID bit 31: the PDO is not used.
+/// COB-ID bit 31: the PDO is switched off.
 const INVALID: u32 = 1 << 31;
-/// COB-ID bit 30: the PDO cannot be asked for.
+/// COB-ID bit 30: the PDO cannot be requested by a remote frame.
 const NO_RTR: u32 = 1 << 30;
 
-/// Entries of RPDO1: nine dummies are as long as what seven drives get.
+/// Entries of RPDO1: nine dummies cover the commands of seven drives.
 const COMMAND: usize = 11;
 
-/// The values that can be written.
+/// The objects that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Settings {
-    /// 1400h: which frames bring commands.
+    /// 1400h: the frames that bring commands.
     command: Pdo<COMMAND>,
-    /// 1401h, spindles only.
+    /// 1401h, of spindles only.
     spindle: Pdo<2>,
-    /// 1800h: which frame tells the status, and when.
+    /// 1800h: the frame with the status, and its times.
     status: Pdo<2>,
     /// 1800h:06h.
     start: u8,
-    /// 6007h: what NMT stop makes it do.
+    /// 6007h: the reaction to NMT stop.
     stop: StopOption,
     /// 607Fh.
     velocity: u32,
@@ -46,16 +46,16 @@ pub(super) struct Settings {
     period: (u8, i8),
 }
 
-/// What a drive with torque does where NMT stops it, as CiA 402 has it.
+/// The reaction of a drive with torque to NMT stop, by CiA 402.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopOption {
-    /// It goes on with what it was told last.
+    /// It goes on with its last command.
     None,
-    /// It is in fault.
+    /// It goes into fault.
     Fault,
-    /// No voltage.
+    /// It switches the voltage off.
     Voltage,
-    /// Quick stop.
+    /// It makes a quick stop.
     QuickStop,
 }
 
@@ -75,10 +75,10 @@ impl StopOption {
 /// A PDO's communication and mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Pdo<const N: usize> {
-    /// COB-ID, with the bit that switches it off.
+    /// COB-ID, with the bit that switches the PDO off.
     cob_id: u32,
     transmission: u8,
-    /// Objects in use; none while the mapping is being changed.
+    /// The number of objects in use; 0 while the mapping is being changed.
     count: u8,
     objects: [u32; N],
 }
@@ -101,12 +101,12 @@ impl<const N: usize> Pdo<N> {
         }
     }
 
-    /// It is used, with what belongs into it.
+    /// True where the PDO is switched on and mapped.
     const fn works(&self) -> bool {
         self.cob_id & INVALID == 0 && self.count > 0
     }
 
-    /// Length and value of a sub-index of its communication, up to `highest`.
+    /// Length and value of a sub-index of the communication record, up to `highest`.
     fn told(&self, highest: u32, sub: u8) -> Result<(u8, u32), Abort> {
         match sub {
             0 => Ok((1, highest)),
@@ -116,7 +116,7 @@ impl<const N: usize> Pdo<N> {
         }
     }
 
-    /// The same of its mapping.
+    /// Length and value of a sub-index of the mapping.
     fn mapped(&self, sub: u8) -> Result<(u8, u32), Abort> {
         match sub.checked_sub(1) {
             None => Ok((1, u32::from(self.count))),
@@ -129,7 +129,7 @@ impl<const N: usize> Pdo<N> {
 
     fn communication(&mut self, sub: u8, value: u32) -> Result<(), Abort> {
         match sub {
-            // The identifier is fixed; the switch is not.
+            // The identifier is fixed; only the switch may change.
             1 if (value ^ self.cob_id) & !INVALID == 0 => self.cob_id = value,
             2 if (1..=240).contains(&value) => self.transmission = value as u8,
             2 if value == 0 || value > 240 => return Err(Abort::Value),
@@ -139,7 +139,7 @@ impl<const N: usize> Pdo<N> {
     }
 
     fn map(&mut self, sub: u8, value: u32, mapping: &[Mapped; 2]) -> Result<(), Abort> {
-        // As CiA 301 has it: switched off first, then emptied, then filled.
+        // The order of CiA 301: switch off, then empty, then fill.
         if self.cob_id & INVALID == 0 {
             return Err(Abort::State);
         }
@@ -158,7 +158,7 @@ impl<const N: usize> Pdo<N> {
             _ => {
                 let place = usize::from(sub.saturating_sub(1));
                 let slot = self.objects.get_mut(place).ok_or(Abort::NoSubIndex)?;
-                // Where there is room for dummies, which of them belongs where shows in the end.
+                // Where there is room for dummies, the final count checks the order of the entries.
                 let mappable = match N {
                     2 => wanted.get(place) == Some(&value),
                     _ => wanted.contains(&value) || is_dummy(value),
@@ -173,13 +173,13 @@ impl<const N: usize> Pdo<N> {
     }
 }
 
-/// An entry that stands for bytes of others: UNSIGNED8, UNSIGNED16, UNSIGNED32.
+/// A dummy entry stands for bytes of other drives: UNSIGNED8, UNSIGNED16, UNSIGNED32.
 const fn is_dummy(raw: u32) -> bool {
     matches!(raw, 0x0005_0008 | 0x0006_0010 | 0x0007_0020)
 }
 
 impl Pdo<COMMAND> {
-    /// Bytes before its own.
+    /// Bytes in the frame before this drive's own.
     fn before(&self) -> usize {
         let objects = self.objects.iter().take(usize::from(self.count));
         let bits = objects
@@ -190,7 +190,7 @@ impl Pdo<COMMAND> {
         bits / 8
     }
 
-    /// The identifier may become that of a frame with the setpoints of several drives, while the PDO is not used.
+    /// Changes the identifier to that of a frame with the setpoints of several drives, while the PDO is switched off.
     fn move_to(&mut self, value: u32, own: NodeId) -> Result<(), Abort> {
         let id = value & !INVALID;
         let alone = id == u32::from(CobId::of(Service::Rpdo1, own).get());
@@ -204,7 +204,7 @@ impl Pdo<COMMAND> {
 }
 
 impl Settings {
-    /// As delivered.
+    /// The settings as delivered.
     pub(super) fn new(node: NodeId, transmission: u8, start: u8) -> Self {
         Self {
             command: Pdo::new(Service::Rpdo1, node, 1, &DriveCommand::MAPPING),
@@ -218,7 +218,7 @@ impl Settings {
         }
     }
 
-    /// 60C2h for a tick; as it is for one that no 8 bits hold.
+    /// Sets 60C2h for a tick. The default stays where the tick does not fit into 8 bits.
     pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
         let mut value = tick_us;
         let mut exponent: i8 = -6;
@@ -232,7 +232,7 @@ impl Settings {
         self
     }
 
-    /// The same for a machine whose setpoints all come in one frame of `board`, those of the drive at this place.
+    /// Sets the drive up for a machine whose setpoints all come in one frame of `board`; its own are at this place.
     pub(super) fn with_setpoints_of(mut self, board: NodeId, place: usize) -> Self {
         let mut count = 0_u8;
         for (slot, mapped) in self
@@ -249,10 +249,10 @@ impl Settings {
         self
     }
 
-    /// The six bytes that are its own of a frame that brings its command; `None`: it does not.
+    /// The drive's own six bytes of a frame with its command; `None` for other frames.
     ///
     /// # Errors
-    /// It does, and ends before them.
+    /// The frame ends before these bytes.
     pub(super) fn command_in(
         &self,
         id: CobId,
@@ -271,45 +271,45 @@ impl Settings {
         Some(commanded.ok_or(TooShort))
     }
 
-    /// What NMT stop makes it do.
+    /// The reaction to NMT stop.
     pub(super) const fn stop(&self) -> StopOption {
         self.stop
     }
 
-    /// It listens to what a spindle is told.
+    /// True where the drive takes the mode and speed of a spindle.
     pub(super) const fn takes_speed(&self) -> bool {
         self.spindle.works()
     }
 
-    /// It tells its status at every so many SYNCs; `None`: not at all.
+    /// The status is sent at every n-th SYNC; `None`: never.
     pub(super) fn answers_every(&self) -> Option<u8> {
         self.status.works().then_some(self.status.transmission)
     }
 
-    /// By how many SYNCs its first answer comes earlier.
+    /// The number of SYNCs by which the first answer comes earlier.
     pub(super) const fn start(&self) -> u8 {
         self.start
     }
 }
 
-/// What a drive takes of a frame.
+/// A command within a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Commanded {
-    /// The six bytes.
+    /// The drive's own six bytes.
     pub(super) own: [u8; 6],
-    /// The frame is longer than what it maps.
+    /// The frame is longer than the mapping.
     pub(super) more: bool,
 }
 
-/// A frame that ends before what a drive takes of it.
+/// The frame ends before the drive's own bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooShort;
 
-/// How a drive is at the moment a client asks.
+/// The state of a drive at the time of a request.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Now {
     pub(super) node: NodeId,
-    /// Communication and mapping may change.
+    /// True where communication and mapping may change.
     pub(super) pre_operational: bool,
     pub(super) spindle: bool,
     pub(super) control: u16,
@@ -319,12 +319,12 @@ pub(super) struct Now {
     pub(super) target: i32,
 }
 
-/// What an SDO server serves.
+/// The objects that an SDO server serves.
 pub(super) struct Dictionary<'a> {
     pub(super) settings: &'a mut Settings,
-    /// What it starts with the next time.
+    /// The settings for the next start.
     pub(super) kept: &'a mut Settings,
-    /// The value of the transfer that is going on.
+    /// The value of the current transfer.
     pub(super) value: &'a mut [u8; 4],
     pub(super) now: Now,
 }
@@ -338,7 +338,7 @@ impl Dictionary<'_> {
             (0x1000, 0) => Ok((4, DEVICE_TYPE)),
             (0x1001, 0) => Ok((1, 0)),
             (0x1010, 0) => Ok((1, 1)),
-            // Saves when told to.
+            // Can save on command.
             (0x1010, 1) => Ok((4, 1)),
             (0x1018, 0) => Ok((1, 4)),
             (0x1018, 1 | 3) => Ok((4, 0)),
@@ -371,7 +371,7 @@ impl Dictionary<'_> {
         }
     }
 
-    /// Puts a value into effect. The object is there, and the length is right.
+    /// Puts a value into effect. The object exists, and the length is right.
     fn set(&mut self, object: Object, value: u32) -> Result<(), Abort> {
         let pre_operational = self.now.pre_operational;
         let settings = &mut *self.settings;
@@ -401,7 +401,7 @@ impl Dictionary<'_> {
                 ..-6 => return Err(Abort::TooLow),
                 _ => return Err(Abort::TooHigh),
             },
-            // Commands come by PDO, and everything else is told alone.
+            // Commands come by PDO only; all other objects can only be read.
             _ => return Err(Abort::ReadOnly),
         }
         Ok(())

@@ -1,8 +1,8 @@
 //! A CiA 402 drive on the bus: an axis in cyclic synchronous position, or a spindle in cyclic synchronous velocity or
 //! position. A spindle's drive changes its mode only while the spindle stands.
 //!
-//! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers. What it is set up with
-//! can be read and written by SDO.
+//! An RPDO waits until SYNC latches it. At every SYNC the drive moves, and at every n-th it answers. Its settings can
+//! be read and written by SDO.
 
 use super::dictionary::{Commanded, Dictionary, Now, Settings, StopOption, TooShort};
 use super::follower::Follower;
@@ -12,25 +12,25 @@ use leadscrew_core::bus::{
     NmtCommand, NmtState, NodeId, Periods, SdoServer, Setpoints, SpindleCommand, Statusword,
 };
 
-/// SYNC periods for which a client of its SDO server may be silent.
+/// SYNC periods for which a client of the drive's SDO server may be silent.
 const PATIENCE: Periods = Periods::new(1000);
 
-/// Emergency of a PDO that is shorter than its mapping, as CiA 301 has it.
+/// Emergency for a PDO that is shorter than its mapping, by CiA 301.
 const PDO_LENGTH: u16 = 0x8210;
-/// Emergency of one that is longer, where a drive tells of that.
+/// Emergency for a PDO that is longer than its mapping, where a drive reports this.
 const PDO_TOO_LONG: u16 = 0x8220;
 
-/// What is wrong with a drive.
+/// The fault of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Trouble {
     /// Nothing.
     #[default]
     None,
-    /// It follows, and sends nothing.
+    /// It follows its targets, and sends nothing.
     Silent,
-    /// Its cable is out: it hears nothing, stands where it was told to be last, and is not heard.
+    /// Its cable is out: it receives nothing, stays at its last target, and sends nothing.
     CutOff,
-    /// It is told where to go, and does not move.
+    /// It gets targets, and does not move.
     Stuck,
     /// It goes into fault with this emergency error code and cannot be reset.
     Fault(u16),
@@ -38,19 +38,19 @@ pub enum Trouble {
     TorqueOff,
 }
 
-/// How a drive behaves.
+/// The behaviour of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveOptions {
     /// It answers every n-th SYNC (transmission type 1–240; 0 counts as 1).
     pub transmission: u8,
-    /// By how many SYNCs its first answer comes earlier (a SYNC start value, 1800h:06): drives with different ones answer
-    /// at different SYNCs, which spreads the load of the bus and of the board's tick.
+    /// The number of SYNCs by which the first answer comes earlier (SYNC start value, 1800h:06). Drives with different
+    /// values answer at different SYNCs, which spreads the load of the bus and of the board's tick.
     pub start: u8,
     /// SYNC periods that each change of its power state takes.
     pub settling: u16,
     /// Time constant of its following lag in SYNC periods.
     pub lag: u16,
-    /// It tells of each frame with its command that is longer than what it maps (8220h), as CiA 301 lets it.
+    /// It reports each frame with its command that is longer than the mapping (8220h), as CiA 301 permits.
     pub tells_longer: bool,
 }
 
@@ -74,15 +74,15 @@ pub struct Drive {
     options: DriveOptions,
     nmt: NmtState,
     power: Power,
-    /// The controlword latched before.
+    /// The last latched controlword.
     control: u16,
     command: Option<DriveCommand>,
     spindle: SpindleCommand,
     next_spindle: SpindleCommand,
     follower: Follower,
-    /// The spindle turns: its mode cannot change.
+    /// The spindle turns: its drive cannot change the mode.
     turning: bool,
-    /// It turns a spindle, and has a second RPDO for that.
+    /// This is a spindle's drive, which has a second RPDO.
     of_spindle: bool,
     /// SYNCs since the last answer.
     syncs: u8,
@@ -91,13 +91,13 @@ pub struct Drive {
     trouble: Trouble,
     server: SdoServer,
     settings: Settings,
-    /// What it starts with.
+    /// The settings for the next start.
     kept: Settings,
-    /// The value of the SDO transfer that is going on.
+    /// The value of the current SDO transfer.
     value: [u8; 4],
-    /// The last frame with its command ended before it.
+    /// The last frame with its command was too short.
     too_short: bool,
-    /// The emergency about the length of a frame that is still to be told.
+    /// The emergency about a frame's length that is still to be sent.
     tells_length: Option<u16>,
 }
 
@@ -139,7 +139,7 @@ impl Drive {
         }
     }
 
-    /// The same as delivered for a machine with this tick: it interpolates over as long.
+    /// The drive as delivered for a machine with this tick: it interpolates over one tick.
     #[must_use]
     pub(super) const fn with_tick(mut self, tick_us: u32) -> Self {
         self.settings = self.settings.with_tick(tick_us);
@@ -147,7 +147,7 @@ impl Drive {
         self
     }
 
-    /// The same set up for a machine whose setpoints all come in one frame of `board`; its own are at this place.
+    /// The drive set up for a machine whose setpoints all come in one frame of `board`; its own are at this place.
     #[must_use]
     pub(super) fn with_setpoints_of(mut self, board: NodeId, place: usize) -> Self {
         self.settings = self.settings.with_setpoints_of(board, place);
@@ -155,32 +155,32 @@ impl Drive {
         self
     }
 
-    /// The same for a spindle: it is told mode and speed, too.
+    /// The drive of a spindle: it also takes mode and speed.
     #[must_use]
     pub(super) const fn for_spindle(mut self) -> Self {
         self.of_spindle = true;
         self
     }
 
-    /// Its node.
+    /// The drive's node.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
     }
 
-    /// Its power state.
+    /// The power state.
     #[must_use]
     pub const fn power(&self) -> Power {
         self.power
     }
 
-    /// Where it is.
+    /// The actual position.
     #[must_use]
     pub const fn actual(&self) -> Increments {
         self.follower.actual()
     }
 
-    /// The speed it turns a spindle with.
+    /// The speed at which the drive turns a spindle.
     #[must_use]
     pub fn velocity(&self) -> MilliRpm {
         match (self.power, self.spindle.mode) {
@@ -189,7 +189,7 @@ impl Drive {
         }
     }
 
-    /// True while it turns a spindle in position mode.
+    /// True while the drive turns a spindle in position mode.
     #[must_use]
     pub fn is_positioning(&self) -> bool {
         self.power == Power::Enabled
@@ -197,23 +197,23 @@ impl Drive {
             && self.trouble != Trouble::Stuck
     }
 
-    /// Says whether the spindle turns; while it does, a new mode has to wait, and the new speed counts.
+    /// Tells the drive whether the spindle turns. While it turns, a new mode has to wait, but a new speed counts.
     pub const fn turns(&mut self, turning: bool) {
         self.turning = turning;
     }
 
-    /// The target the next SYNC will latch.
+    /// The target that the next SYNC will latch.
     #[must_use]
     pub fn coming_target(&self) -> Option<Increments> {
         self.command.map(|command| command.target)
     }
 
-    /// Makes something go wrong from the next SYNC on, or right again.
+    /// Sets the drive's fault from the next SYNC on, or clears it.
     pub const fn trouble(&mut self, trouble: Trouble) {
         self.trouble = trouble;
     }
 
-    /// Switches it off and on: it starts anew where it stands.
+    /// Switches the drive off and on: it restarts at its position.
     pub fn restart(&mut self) {
         self.follower.stop();
         *self = Self {
@@ -224,18 +224,18 @@ impl Drive {
         };
     }
 
-    /// A frame other than SYNC.
+    /// Takes a frame other than SYNC.
     pub fn receive(&mut self, frame: &Frame) {
         if self.trouble == Trouble::CutOff {
-            // Nothing comes.
+            // No frame arrives.
         } else if let Some((command, node)) = NmtCommand::decode(frame) {
             if node.is_none_or(|node| node == self.node) {
                 self.manage(command);
             }
         } else if self.nmt != NmtState::Operational {
-            // Process data counts only in operational.
+            // Process data count in operational only.
         } else if self.is_commanded(frame.id(), frame.payload()) {
-            // Taken.
+            // The call has taken the command.
         } else if let Some((node, command)) = SpindleCommand::decode(frame)
             && node == self.node
             && self.settings.takes_speed()
@@ -244,15 +244,15 @@ impl Drive {
         }
     }
 
-    /// A frame of CAN FD.
+    /// Takes a frame of CAN FD.
     pub fn receive_fd(&mut self, frame: &FdFrame) {
         if self.trouble != Trouble::CutOff && self.nmt == NmtState::Operational {
-            // What is none of its frames is none for it.
+            // A frame for other nodes changes nothing.
             let _ = self.is_commanded(frame.id(), frame.payload());
         }
     }
 
-    /// True for a frame that brings its command. One that ends before it changes nothing and is told (8210h) once.
+    /// True for a frame with the drive's command. A frame that is too short changes nothing and is reported (8210h) once.
     fn is_commanded(&mut self, id: CobId, payload: &[u8]) -> bool {
         match self.settings.command_in(id, payload) {
             None => return false,
@@ -277,7 +277,7 @@ impl Drive {
         matches!(self.trouble, Trouble::Silent | Trouble::CutOff)
     }
 
-    /// An SDO request; the answers go to `send`.
+    /// Takes an SDO request; the answers go to `send`.
     pub fn serve(&mut self, frame: &Frame, mut send: impl FnMut(Frame)) {
         let silent = self.is_mute() || matches!(self.nmt, NmtState::BootUp | NmtState::Stopped);
         if silent {
@@ -316,7 +316,7 @@ impl Drive {
     fn manage(&mut self, command: NmtCommand) {
         match command {
             NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.restart(),
-            // Not before its boot-up message.
+            // No command counts before the boot-up message.
             _ if self.nmt == NmtState::BootUp => {}
             NmtCommand::Start => self.nmt = NmtState::Operational,
             NmtCommand::Stop => {
@@ -327,8 +327,8 @@ impl Drive {
         }
     }
 
-    /// What it was told does not count any more, and no SYNC is waited for: with torque it does what 6007h says. Where
-    /// that is nothing, it goes on with what it was told last.
+    /// The reaction to NMT stop. The last command does not count any more, and the drive does not wait for a SYNC: with
+    /// torque it does what 6007h says. Where 6007h says nothing, it goes on with its last command.
     fn stop_by_itself(&mut self) {
         let power = match self.settings.stop() {
             StopOption::None => return,
@@ -345,7 +345,7 @@ impl Drive {
         }
     }
 
-    /// A SYNC. `measured` is the position it reports if that is not its own to make (a spindle's).
+    /// A SYNC. `measured` is the position to report, where the drive does not make it itself (a spindle).
     pub fn sync(&mut self, measured: Option<Increments>, mut send: impl FnMut(Frame)) {
         let silent = self.is_mute();
         let mut send = |frame| {
@@ -377,7 +377,7 @@ impl Drive {
         self.answer(measured, send);
     }
 
-    /// Takes over what came since the last SYNC.
+    /// Latches the commands since the last SYNC.
     fn latch(&mut self, send: &mut impl FnMut(Frame)) -> Option<Increments> {
         self.busy = self.busy.saturating_sub(1);
         let enabled = self.power == Power::Enabled;
@@ -418,7 +418,7 @@ impl Drive {
                 );
             }
             (Trouble::TorqueOff, _) => self.power = Power::Disabled,
-            // The reaction to a fault whose cause is gone already still ends in fault.
+            // A fault reaction ends in fault, even where the cause is already gone.
             (_, Power::Reacting) => self.power = Power::Fault,
             _ => {}
         }

@@ -1,6 +1,6 @@
 //! The spindle encoder: a counter, an index and the time of the last edge.
 //!
-//! The counter stands at `c` while the angle is within `[c, c + 1)` counts; it wraps at 32 bits. The index pulse is one
+//! The counter shows `c` while the angle is within `[c, c + 1)` counts; it wraps at 32 bits. The index pulse is one
 //! count wide and begins at every whole turn of the true angle. The time of the last edge is exact to a nanosecond.
 
 use super::spindle::{FineTurns, Piece};
@@ -13,7 +13,7 @@ pub struct Encoder {
     edge_time: bool,
     /// Counts of the true angle, not wrapped.
     count: i64,
-    /// What the hardware counter shows at true angle 0.
+    /// The hardware counter at true angle 0.
     zero: i32,
     /// Nanoseconds since the last edge; `None` before the first.
     age: Option<u64>,
@@ -23,8 +23,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder on a spindle that stands at `angle`, with its counter at `zero` at angle 0. `edge_time`: the hardware
-    /// captures when the last edge came. `None` for an encoder without counts.
+    /// An encoder on a spindle that stands at `angle`. Its counter is at `zero` for angle 0. `edge_time`: the hardware
+    /// captures the time of the last edge. `None` for an encoder without counts.
     #[must_use]
     pub fn new(counts_per_turn: u32, edge_time: bool, angle: FineTurns, zero: i32) -> Option<Self> {
         if counts_per_turn == 0 {
@@ -41,12 +41,12 @@ impl Encoder {
         })
     }
 
-    /// The counter gains (negative: loses) `counts`, as by interference.
+    /// Changes the counter by `counts`, as interference would.
     pub const fn slip(&mut self, counts: i32) {
         self.zero = self.zero.wrapping_add(counts);
     }
 
-    /// The wire of the index is broken, or mended.
+    /// Breaks the wire of the index, or mends it.
     pub const fn break_index(&mut self, broken: bool) {
         self.index_broken = broken;
     }
@@ -64,7 +64,7 @@ impl Encoder {
         self.index = self.last_pulse(before, after).or(self.index);
     }
 
-    /// The last count with an index pulse that was entered on the way from one count to another.
+    /// The last count with an index pulse that was entered between two counts.
     fn last_pulse(&self, before: i64, after: i64) -> Option<i64> {
         let n = i64::from(self.counts_per_turn);
         // Upwards: the last whole turn at or below the end. Downwards: the first at or above it.
@@ -82,12 +82,12 @@ impl Encoder {
         entered.then_some(pulse)
     }
 
-    /// Nanoseconds from the last edge to the end of a piece in which there is one.
+    /// Nanoseconds from the last edge to the end of a piece that contains an edge.
     fn since_edge(&self, piece: &Piece) -> u64 {
-        // The first nanosecond at which the last count is shown lies in (early, late].
+        // The first nanosecond with the last count lies in (early, late].
         let mut early = (0, piece.angle(0));
         let mut late = (piece.duration(), piece.angle(piece.duration()));
-        // Upwards the edge is the lower boundary of the last count, downwards the upper.
+        // Upwards the edge is the lower boundary of the last count; downwards it is the upper boundary.
         let boundary = if late.1 > early.1 {
             self.count
         } else {
@@ -98,8 +98,8 @@ impl Encoder {
             .unwrap_or(0);
         let mut round = 0u32;
         while late.0.wrapping_sub(early.0) > 1 {
-            // The speed hardly changes in a tick: interpolation finds the edge in a few steps. Halving now and then
-            // bounds their number.
+            // The speed hardly changes in a tick: interpolation finds the edge in a few steps. Every fourth step halves
+            // the interval, which bounds their number.
             round = round.wrapping_add(1);
             let guess = if round.is_multiple_of(4) {
                 early.0.wrapping_add(late.0) >> 1
@@ -117,7 +117,7 @@ impl Encoder {
         piece.duration().wrapping_sub(late.0)
     }
 
-    /// What the board's hardware shows now. The index latch is emptied by it.
+    /// The values that the board's hardware shows now. This call empties the index latch.
     pub fn sample(&mut self) -> EncoderSample {
         let index = self.index.take().filter(|_| !self.index_broken);
         EncoderSample {
@@ -130,7 +130,7 @@ impl Encoder {
         }
     }
 
-    /// The counter, without emptying anything.
+    /// The counter. This call does not empty the index latch.
     #[must_use]
     pub const fn counter(&self) -> i32 {
         self.shown(self.count)
@@ -141,12 +141,12 @@ impl Encoder {
     }
 }
 
-/// The count an angle lies in.
+/// The count in which an angle lies.
 fn count(angle: FineTurns, counts_per_turn: u32) -> i64 {
     (angle.raw().wrapping_mul(i128::from(counts_per_turn)) >> 64) as i64
 }
 
-/// The first nanosecond after an edge if the speed were constant between two times.
+/// The first nanosecond after an edge, if the speed is constant between the two times.
 fn interpolate(early: (u64, FineTurns), late: (u64, FineTurns), edge: i128) -> u64 {
     let span = i128::from(late.0.wrapping_sub(early.0));
     let way = late.1.raw().wrapping_sub(early.1.raw());

@@ -1,36 +1,36 @@
-//! Flash as a microcontroller has it: words of 8 bytes that are written once, pages of 2 KiB that are erased whole, and
-//! power that can go at any byte of either.
+//! The flash of a microcontroller: words of 8 bytes that are written once, and pages of 2 KiB that are erased whole.
+//! The power can fail at any byte of both.
 //!
-//! A word in which the power goes is torn: its first bytes are new, the rest is erased. What it reads as afterwards depends
-//! on the device: half written, or not at all, because its error correction does not fit ([`Tear`]).
+//! A word during whose write the power fails is torn: its first bytes are new, the rest is erased. A torn word reads
+//! half written, or not at all because its error correction does not fit; this depends on the device ([`Tear`]).
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-/// How a write or an erase looks in which the power went.
+/// The result of a write or an erase during which the power failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tear {
-    /// A torn word cannot be read (an ECC error); else it reads half written.
+    /// A torn word cannot be read (an ECC error); otherwise it reads half written.
     pub unreadable: bool,
-    /// Which words of its page an erase reaches first.
+    /// The words of a page that an erase reaches first.
     pub order: Order,
 }
 
-/// Which words of its page an erase reaches first. A real one works on all cells at once: what is left is scattered.
+/// The words of a page that an erase reaches first. A real erase works on all cells at once, so its remains are scattered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
-    /// Those at the beginning.
+    /// The words at the beginning.
     #[default]
     Rising,
-    /// Those at the end.
+    /// The words at the end.
     Falling,
-    /// Some here, some there, each time others.
+    /// Scattered words, others for each erase.
     Scattered,
 }
 
 impl Tear {
-    /// Every way it can look.
+    /// Every combination.
     pub const ALL: [Self; 6] = {
         const fn tear(unreadable: bool, order: Order) -> Tear {
             Tear { unreadable, order }
@@ -47,27 +47,27 @@ impl Tear {
 }
 
 impl Order {
-    /// The word of a page that is erased as number `nth`; `turn` is another number for each erase.
+    /// The word of a page that is erased as number `nth`. `turn` is a different number for each erase.
     const fn word(self, nth: usize, turn: usize) -> usize {
         match self {
             Self::Rising => nth,
             Self::Falling => Flash::PAGE_WORDS.wrapping_sub(1).wrapping_sub(nth),
-            // An odd factor, so that each word comes once: the words of a page are a power of two.
+            // The factor is odd and the words of a page are a power of two: so each word comes once.
             Self::Scattered => nth.wrapping_mul(149).wrapping_add(turn) % Flash::PAGE_WORDS,
         }
     }
 }
 
-/// What an access is refused with.
+/// Why an access failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
     /// The power is off.
     NoPower,
     /// The word cannot be read.
     Unreadable,
-    /// A word is written that is not erased.
+    /// The program writes a word that is not erased.
     NotErased,
-    /// Not on a word or page, or outside.
+    /// Not at the beginning of a word or page, or outside the flash.
     Address,
 }
 
@@ -80,12 +80,12 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// Bytes that are no image of a flash.
+/// Why bytes are not an image of a flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageError {
-    /// Not as many bytes as an image has: how many there are.
+    /// Not the length of an image: the number of bytes.
     Length(usize),
-    /// They begin as no image does: they are something else.
+    /// They do not begin with the mark: they are something else.
     Foreign,
     /// The checksum does not fit.
     Damaged,
@@ -95,17 +95,17 @@ pub enum ImageError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flash {
     bytes: [u8; Self::SIZE],
-    /// A bit for each word that cannot be read.
+    /// One bit for each word that cannot be read.
     unreadable: [u8; Self::WORDS / 8],
     tear: Tear,
-    /// Bytes that can still be written or erased before the power goes.
+    /// Bytes that can still be written or erased before the power fails.
     left: Option<u32>,
     off: bool,
     /// Every write is refused.
     broken: bool,
-    /// Writes that can still be made before it refuses them all.
+    /// Writes that are still possible before the flash refuses all.
     writes_left: Option<u32>,
-    /// Pages that can still be erased before it refuses to erase.
+    /// Pages that can still be erased before the flash refuses to erase.
     erases_left: Option<u32>,
     written: u32,
 }
@@ -130,7 +130,7 @@ impl Flash {
     const PAGE_WORDS: usize = Self::PAGE / Self::WORD;
     const MARK: [u8; 8] = *b"LSFLASH1";
 
-    /// Nothing was ever written.
+    /// A flash that was never written.
     #[must_use]
     pub const fn erased() -> Self {
         Self {
@@ -149,7 +149,7 @@ impl Flash {
         }
     }
 
-    /// All that is in it, to be kept: a mark, the bytes, which words cannot be read, and a CRC-32.
+    /// The whole content, to be kept: a mark, the bytes, the bits of unreadable words, and a CRC-32.
     #[must_use]
     pub fn image(&self) -> [u8; Self::IMAGE] {
         let mut image = [0; Self::IMAGE];
@@ -171,10 +171,10 @@ impl Flash {
             .chain(self.unreadable.iter().copied())
     }
 
-    /// The flash of an [image](Self::image), its power on.
+    /// The flash of an [image](Self::image), with its power on.
     ///
     /// # Errors
-    /// Bytes that are none.
+    /// The bytes are not an image.
     pub fn from_image(image: &[u8]) -> Result<Self, ImageError> {
         if !image.starts_with(&Self::MARK) {
             return Err(ImageError::Foreign);
@@ -196,23 +196,23 @@ impl Flash {
         })
     }
 
-    /// What cut writes look like from now on.
+    /// Sets how torn writes look from now on.
     pub const fn set_tear(&mut self, tear: Tear) {
         self.tear = tear;
     }
 
-    /// Lets the power go after so many more bytes have been written or erased.
+    /// Lets the power fail after this number of written or erased bytes.
     pub const fn cut_after(&mut self, bytes: u32) {
         self.left = Some(bytes);
     }
 
-    /// The power goes, or comes back.
+    /// Switches the power off or on.
     pub const fn power(&mut self, on: bool) {
         self.off = !on;
         self.left = None;
     }
 
-    /// True while it has power.
+    /// True while the flash has power.
     #[must_use]
     pub const fn is_on(&self) -> bool {
         !self.off
@@ -223,23 +223,23 @@ impl Flash {
         self.broken = broken;
     }
 
-    /// Refuses every write and erase after so many more writes.
+    /// Refuses every write and erase after this number of writes.
     pub const fn fail_after(&mut self, writes: u32) {
         self.writes_left = Some(writes);
     }
 
-    /// Is worn: refuses to erase after so many more pages, and goes on being written where it is erased.
+    /// Wears the flash out: it refuses to erase after this number of pages, but still writes to erased words.
     pub const fn wear_out_after(&mut self, pages: u32) {
         self.erases_left = Some(pages);
     }
 
-    /// Bytes written and erased so far, by which to choose where to cut.
+    /// Bytes written and erased so far; a test chooses by it where to cut.
     #[must_use]
     pub const fn written(&self) -> u32 {
         self.written
     }
 
-    /// How many of `wanted` bytes can be changed before the power goes. Then it has gone.
+    /// The number of the `wanted` bytes that can be changed before the power fails. The power fails if they are fewer.
     fn spend(&mut self, wanted: usize) -> usize {
         let wanted = u32::try_from(wanted).unwrap_or(u32::MAX);
         let got = self.left.map_or(wanted, |left| left.min(wanted));
@@ -306,13 +306,13 @@ impl Flash {
         let got = self.spend(Self::PAGE);
         let Tear { unreadable, order } = self.tear;
         for nth in 0..got.div_ceil(Self::WORD) {
-            // Of the last word perhaps a part.
+            // The last word may be erased in part only.
             let erased = got
                 .wrapping_sub(nth.wrapping_mul(Self::WORD))
                 .min(Self::WORD);
             let word = order.word(nth, turn);
             let from = at.wrapping_add(word.wrapping_mul(Self::WORD));
-            // Where it comes from the end, that of the word is reached first.
+            // An erase from the end reaches the end of the word first.
             let kept = if order == Order::Falling {
                 Self::WORD.wrapping_sub(erased)
             } else {
@@ -391,7 +391,7 @@ impl NorFlash for Flash {
     }
 }
 
-/// CRC-32 (ISO-HDLC), bit by bit.
+/// CRC-32 (ISO-HDLC), computed bit by bit.
 fn checksum(bytes: impl Iterator<Item = u8>) -> u32 {
     const CRC: crc::Crc<u32, crc::NoTable> =
         crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);

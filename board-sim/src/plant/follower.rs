@@ -1,31 +1,31 @@
-//! How a drive's position follows its targets: late by a latency, and behind by a lag.
+//! How a drive's position follows its targets: delayed by a latency, and with a lag.
 //!
-//! Targets are 32-bit increments for an axis; a spindle in position mode turns on and on, and counts in 64.
+//! Targets are 32-bit increments for an axis. A spindle in position mode turns without end, so it counts in 64 bits.
 
 use leadscrew_core::bus::Increments;
 
-/// Targets that are kept, a power of two.
+/// The number of kept targets, a power of two.
 const KEPT: usize = 128;
 
 /// Turns latched targets into actual positions, once a SYNC.
 #[derive(Clone, Copy, Debug)]
 pub struct Follower {
-    /// Latched targets; the last at `newest`.
+    /// Latched targets; the last is at `newest`.
     targets: [i64; KEPT],
     newest: usize,
     /// Latency: whole SYNC periods, and the rest in 2⁻¹⁶ periods.
     whole: usize,
     part: i64,
-    /// How much of the distance is made up in a SYNC period, in 2⁻¹⁶.
+    /// The part of the distance that is made up in a SYNC period, in 2⁻¹⁶.
     pull: i64,
     /// Actual position in 2⁻¹⁶ increments.
     actual: i64,
 }
 
 impl Follower {
-    /// A drive that stands at `at`, executes a target `latency_us` after the SYNC at which it is latched (moving in a
-    /// straight line from one to the next), and follows with a first-order lag of `lag_ticks` SYNC periods. `None` for
-    /// a latency of more than 126 periods or a period of 0.
+    /// A drive that stands at `at`. It reaches a target `latency_us` after the SYNC that latched it, and moves in a
+    /// straight line from one target to the next. It follows with a first-order lag of `lag_ticks` SYNC periods. `None`
+    /// for a latency of more than 126 periods or a period of 0.
     #[must_use]
     pub fn new(at: Increments, latency_us: u32, tick_us: u32, lag_ticks: u16) -> Option<Self> {
         let whole = latency_us.checked_div(tick_us)?;
@@ -51,7 +51,7 @@ impl Follower {
         self.follow_count(i64::from(target.get()));
     }
 
-    /// The same for a target that does not wrap.
+    /// The same as [`follow`](Self::follow), for a target that does not wrap.
     pub fn follow_count(&mut self, target: i64) {
         self.newest = self.newest.wrapping_add(1) % KEPT;
         if let Some(slot) = self.targets.get_mut(self.newest) {
@@ -62,19 +62,19 @@ impl Follower {
         let wanted =
             (later << 16).wrapping_sub(later.wrapping_sub(earlier).wrapping_mul(self.part));
         let way = wanted.wrapping_sub(self.actual);
-        // Whole and part apart: the distance may have 48 bits.
+        // The whole increments and the rest are multiplied apart: the distance may have 48 bits.
         let step = (way >> 16)
             .wrapping_mul(self.pull)
             .wrapping_add((way & 0xFFFF).wrapping_mul(self.pull) >> 16);
         self.actual = self.actual.wrapping_add(step);
     }
 
-    /// Stops where it is and forgets what was still to come.
+    /// Stops at the present position and forgets all targets that wait.
     pub fn stop(&mut self) {
         self.stand_at(self.count());
     }
 
-    /// Stands at `count` and forgets what was still to come.
+    /// Stands at `count` and forgets all targets that wait.
     pub fn stand_at(&mut self, count: i64) {
         self.targets = [count; KEPT];
         self.actual = count << 16;
@@ -86,7 +86,7 @@ impl Follower {
         self.target_before(0)
     }
 
-    /// Where it is, in 2⁻¹⁶ increments, not wrapped.
+    /// The position in 2⁻¹⁶ increments, not wrapped.
     #[must_use]
     pub const fn fine(&self) -> i64 {
         self.actual
@@ -96,7 +96,7 @@ impl Follower {
         self.actual.wrapping_add(1 << 15) >> 16
     }
 
-    /// Where it is, to the nearest increment.
+    /// The position, to the nearest increment.
     #[must_use]
     pub const fn actual(&self) -> Increments {
         Increments::new(self.count() as i32)

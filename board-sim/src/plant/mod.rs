@@ -1,20 +1,19 @@
-//! What is around the board: the spindle with its encoder, and the drives on the bus.
+//! The plant around the board: the spindle with its encoder, and the drives on the bus.
 //!
-//! Time goes by in SYNC periods, each in two halves. [`Plant::advance`] lets the time up to a SYNC pass and samples the
-//! board's encoder inputs; the first one is time 0. [`Plant::exchange`] then takes the frames the board sends. At the
-//! SYNC among them the drives latch what came before it, move and answer; an RPDO behind it waits for the next. A setpoint
-//! computed from the sample of one SYNC therefore takes effect at the next, whether the board sends it before that SYNC or
-//! right behind its own:
+//! Time goes by in SYNC periods. Each period has two calls. [`Plant::advance`] lets the time up to a SYNC pass and
+//! samples the board's encoder inputs; the first sample is time 0. [`Plant::exchange`] then takes the frames that the
+//! board sends. At the SYNC among them the drives latch the RPDOs before it, move and answer; an RPDO after it waits
+//! for the next SYNC. So a setpoint computed from the sample of one SYNC takes effect at the next SYNC, whether the
+//! board sends it before that SYNC or right after its own:
 //!
 //! ```text
 //! advance: time of SYNC(k), sample(k) ─► the board ─► exchange: SYNC(k) latches RPDO(k−1), answers; RPDO(k) waits
 //! ```
 //!
-//! The spindle turns as its drive (RPDO2) tells it, and its encoder is wired to the board, not to the bus. In position mode
-//! the drive goes evenly through the time up to a SYNC and is where the target latched there says; its increments are zero
-//! at the index, and its latency is that of Z's drive. Spindles 2 to 4 only tap ([`Tapper`]); parameter 9014 says how many
-//! there are. The truth is for whoever judges the board; the board itself must not
-//! see it.
+//! The spindle turns as its drive (RPDO2) commands. Its encoder is wired to the board, not to the bus. In position mode
+//! the drive moves evenly during the time up to a SYNC, and reaches the target latched there. Its increments are zero
+//! at the index, and its latency is that of Z's drive. Spindles 2 to 4 only tap ([`Tapper`]); parameter 9014 gives
+//! their number. The truth is for tests that judge the board; the board itself must not see it.
 
 #![deny(
     clippy::arithmetic_side_effects,
@@ -55,31 +54,31 @@ use leadscrew_core::program::{Position, TapSpindle};
 use leadscrew_core::spindle::EncoderSample;
 use leadscrew_core::units::{Axis, Turns};
 
-/// How the plant is to begin and behave, beyond the parameters.
+/// The start and the behaviour of the plant, in addition to the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlantOptions {
-    /// Where the axes stand at power-up, in machine coordinates.
+    /// The positions of the axes at power-up, in machine coordinates.
     pub at: Position,
-    /// The spindle's angle at power-up, from its index.
+    /// The spindle's angle at power-up, measured from its index.
     pub angle: Turns,
-    /// What the encoder's counter shows at angle 0.
+    /// The encoder's counter at angle 0.
     pub counter: i32,
     /// Ripple of the spindle's speed.
     pub ripple: Option<Ripple>,
-    /// The drives, all alike.
+    /// The options of all drives.
     pub drives: DriveOptions,
-    /// Axes whose drives are elsewhere on the bus, in the order of [`Axis::ALL`]: nothing here answers for them.
+    /// Axes whose drives are elsewhere on the bus, in the order of [`Axis::ALL`]: this plant does not answer for them.
     pub away: [bool; 3],
-    /// The board's number, where it is another than [`NodeId::BOARD`].
+    /// The board's node number, where it is not [`NodeId::BOARD`].
     pub board: Option<NodeId>,
 }
 
-/// A plant that cannot be.
+/// Why a plant is impossible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantError {
     /// The drive increments of an axis are not a possible ratio.
     Scale(Axis),
-    /// An axis would stand where its drive cannot count to.
+    /// An axis would stand outside the range of its drive.
     Position(Axis),
     /// The latency of an axis is more than 126 ticks, or the tick is 0.
     Latency(Axis),
@@ -89,20 +88,20 @@ pub enum PlantError {
     Ramp,
 }
 
-/// The true state of things: the angle of the last SYNC's time, and the drives where the last SYNC has brought them.
+/// The true state of the plant: the spindle at the time of the last SYNC, and the drives after the last SYNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truth {
     /// Spindle angle.
     pub angle: FineTurns,
     /// Spindle speed, ripple included.
     pub speed: MilliRpm,
-    /// Where the drives stand, in the order of [`Axis::ALL`].
+    /// The positions of the drives, in the order of [`Axis::ALL`].
     pub positions: [Increments; 3],
     /// Angles of spindles 2 to 4.
     pub tappers: [FineTurns; 3],
 }
 
-/// Everything around the board.
+/// The whole plant around the board.
 #[derive(Clone, Copy, Debug)]
 pub struct Plant {
     tick_ns: u64,
@@ -114,18 +113,18 @@ pub struct Plant {
     c: Drive,
     away: [bool; 3],
     spindle_drive: Drive,
-    /// Increments of the spindle's drive to a turn.
+    /// Increments of the spindle's drive in a turn.
     per_turn: u32,
-    /// The spindle in position mode.
+    /// The position of the spindle in position mode.
     position: Follower,
-    /// Spindles 2 to 4, and how many of them there are.
+    /// Spindles 2 to 4, and how many of them exist.
     tappers: [Tapper; 3],
     present: usize,
     positioning: bool,
 }
 
 impl Plant {
-    /// The plant that fits a parameter set, just switched on.
+    /// A plant for a parameter set, just switched on.
     pub fn new(params: &Params, options: &PlantOptions) -> Result<Self, PlantError> {
         let spindle = Spindle::new(params.spindle_ramp_ms(), options.ripple, options.angle)
             .ok_or(PlantError::Ramp)?;
@@ -137,7 +136,7 @@ impl Plant {
         )
         .ok_or(PlantError::Encoder)?;
         let zero = Increments::new(0);
-        // A spindle drive reports its encoder; this follower never moves.
+        // A spindle's drive reports its encoder; this follower never moves.
         let still = Follower::new(zero, 0, 1, 0).ok_or(PlantError::Encoder)?;
         let position = spindle_follower(params, options)?;
         let nodes = DriveNodes::of(params);
@@ -170,7 +169,7 @@ impl Plant {
         })
     }
 
-    /// Lets the time up to the next SYNC pass (the first time: none) and gives what the encoder inputs show at it.
+    /// Lets the time up to the next SYNC pass (the first call: none). Gives the encoder inputs at this SYNC.
     pub fn advance(&mut self) -> EncoderSample {
         if self.started {
             match self.spindle_target() {
@@ -193,7 +192,7 @@ impl Plant {
         self.encoder.sample()
     }
 
-    /// Position mode: where the spindle is to be at the coming SYNC.
+    /// In position mode: the spindle's angle at the coming SYNC.
     fn spindle_target(&mut self) -> Option<FineTurns> {
         let entered = !self.positioning;
         self.positioning = self.spindle_drive.is_positioning();
@@ -205,7 +204,7 @@ impl Plant {
         if entered {
             self.position.stand_at(here);
         }
-        // The drive counts in 32 bits, the spindle turns on: the nearest of all angles the target can mean.
+        // The drive counts in 32 bits, but the spindle turns on. So this takes the nearest of all angles with this target.
         let newest = self.position.newest();
         let way = target.get().wrapping_sub(newest as i32);
         self.position
@@ -216,15 +215,15 @@ impl Plant {
         ))
     }
 
-    /// Takes the frames the board sends in this period, one SYNC among them, in the order in which they are on the bus, and
-    /// hands the drives' answers to `to_board`.
+    /// Takes the frames that the board sends in this period, one SYNC among them, in their order on the bus. Gives the
+    /// drives' answers to `to_board`.
     pub fn exchange(&mut self, from_board: &[Frame], mut to_board: impl FnMut(Frame)) {
         for frame in from_board {
             self.deliver(frame, &mut to_board);
         }
     }
 
-    /// Takes the frame that tells all drives, behind the others of its period.
+    /// Takes the frame for all drives. It comes after the other frames of its period.
     pub fn tell_together(&mut self, frame: &FdFrame) {
         for drive in self.axes_here() {
             drive.receive_fd(frame);
@@ -262,12 +261,12 @@ impl Plant {
         }
     }
 
-    /// What its drive makes of the spindle counts from now on.
+    /// From now on the spindle follows the command of its drive.
     fn tell_spindle(&mut self) {
         self.spindle.command(self.spindle_drive.velocity());
     }
 
-    /// A frame of somebody else on the bus: NMT commands and SDO requests reach the drives, whose answers go to `to_bus`.
+    /// Takes a frame of another node: NMT commands and SDO requests reach the drives, whose answers go to `to_bus`.
     pub fn hear(&mut self, frame: &Frame, mut to_bus: impl FnMut(Frame)) {
         let managed = NmtCommand::decode(frame).is_some();
         let asked = matches!(frame.id().service(), Some((Service::SdoRequest, _)));
@@ -304,7 +303,7 @@ impl Plant {
             .filter_map(|(drive, away)| (!away).then_some(drive))
     }
 
-    /// The true state of things now.
+    /// The true state now.
     #[must_use]
     pub fn truth(&self) -> Truth {
         Truth {
@@ -320,17 +319,17 @@ impl Plant {
         &mut self.spindle
     }
 
-    /// The spindle's encoder, to make trouble.
+    /// The spindle's encoder, to give it faults.
     pub const fn encoder(&mut self) -> &mut Encoder {
         &mut self.encoder
     }
 
-    /// Spindles 2 to 4, to make trouble; those there are.
+    /// The existing spindles of 2 to 4, to give them faults.
     pub fn tappers(&mut self) -> impl Iterator<Item = &mut Tapper> {
         self.tappers.iter_mut().take(self.present)
     }
 
-    /// The drive of an axis, to make trouble.
+    /// The drive of an axis, to give it faults.
     pub const fn drive(&mut self, axis: Axis) -> &mut Drive {
         match axis {
             Axis::X => &mut self.x,
@@ -339,14 +338,14 @@ impl Plant {
         }
     }
 
-    /// The spindle's drive, to make trouble.
+    /// The spindle's drive, to give it faults.
     pub const fn spindle_drive(&mut self) -> &mut Drive {
         &mut self.spindle_drive
     }
 }
 
-/// The options of the drive with this place in the order of answers: one answers a SYNC where there are four, two where
-/// there are up to eight.
+/// The options of the drive at this place in the order of answers. With four drives one answers each SYNC; with up to
+/// eight, two.
 fn staggered(options: &PlantOptions, place: u8) -> DriveOptions {
     DriveOptions {
         start: options.drives.start.wrapping_add(place),
@@ -357,7 +356,7 @@ fn staggered(options: &PlantOptions, place: u8) -> DriveOptions {
 /// The drive of an axis, just switched on.
 ///
 /// # Errors
-/// The parameters or the position make no drive.
+/// The parameters or the position do not make a drive.
 pub fn axis_drive(
     params: &Params,
     options: &PlantOptions,
@@ -386,11 +385,11 @@ pub fn axis_drive(
     Ok(set_up(drive, params, options, usize::from(place)))
 }
 
-/// The drive of a spindle that turns in position mode only, and what turns with it, just switched on. Spindle 1 has
-/// more than that in a whole plant: here it stands in for one, towards a board elsewhere.
+/// The drive of a spindle that turns in position mode only, and the spindle itself, just switched on. In a whole plant
+/// spindle 1 can do more; this function can stand in for it, for a board elsewhere.
 ///
 /// # Errors
-/// The parameters make no drive.
+/// The parameters do not make a drive.
 pub fn tapper(
     params: &Params,
     options: &PlantOptions,
@@ -407,7 +406,7 @@ pub fn tapper(
     Ok(tapper)
 }
 
-/// What follows the targets of a spindle in position mode: as late as Z's drive.
+/// The follower of a spindle in position mode: it is as late as Z's drive.
 fn spindle_follower(params: &Params, options: &PlantOptions) -> Result<Follower, PlantError> {
     Follower::new(
         Increments::new(0),
@@ -418,7 +417,7 @@ fn spindle_follower(params: &Params, options: &PlantOptions) -> Result<Follower,
     .ok_or(PlantError::Latency(Axis::Z))
 }
 
-/// A drive as it is set up for the machine it is delivered for; `place`: of its setpoints, where these come in one frame.
+/// Sets a drive up for its machine. `place` is that of its setpoints, where these come in one frame.
 fn set_up(drive: Drive, params: &Params, options: &PlantOptions, place: usize) -> Drive {
     let drive = drive.with_tick(params.tick_us());
     match params.setpoint_frame() {

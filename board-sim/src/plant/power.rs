@@ -1,6 +1,6 @@
 //! The power state machine of CiA 402 as a drive runs it.
 //!
-//! Written from the standard's transition table and on purpose not from the master's code (`bus::cia402`): the two are to
+//! This is written from the standard's transition table, on purpose not from the master's code (`bus::cia402`): the two
 //! check each other.
 
 /// State of a drive's power.
@@ -24,7 +24,7 @@ pub enum Power {
     Fault,
 }
 
-/// What a controlword asks for, by bits 0–3 and the rise of bit 7.
+/// The request of a controlword, by bits 0–3 and the rise of bit 7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Request {
     DisableVoltage,
@@ -33,7 +33,7 @@ enum Request {
     SwitchOn,
     EnableOperation,
     FaultReset,
-    /// Bit 7 standing: no request.
+    /// Bit 7 stays set: no request.
     None,
 }
 
@@ -58,13 +58,13 @@ impl Request {
 }
 
 impl Power {
-    /// The state after a controlword, given the one before it.
+    /// The state after a controlword; `previous` is the controlword before it.
     #[must_use]
     pub const fn after(self, word: u16, previous: u16) -> Self {
         match (self, Request::of(word, previous)) {
             // Transition 2.
             (Self::Disabled, Request::Shutdown) => Self::Ready,
-            // 3, and the first half of 3 + 4 in one.
+            // 3; also the first half of 3 and 4 where both are requested at once.
             (Self::Ready, Request::SwitchOn | Request::EnableOperation) => Self::On,
             // 4 and 16.
             (Self::On | Self::QuickStop, Request::EnableOperation) => Self::Enabled,
@@ -86,8 +86,8 @@ impl Power {
         }
     }
 
-    /// The statusword: state, voltage enabled (bit 4), remote (bit 9), and in operation enabled that the target is
-    /// followed (bit 12).
+    /// The statusword: state, voltage enabled (bit 4), remote (bit 9). In operation enabled also bit 12: the drive
+    /// follows its target.
     #[must_use]
     pub const fn statusword(self) -> u16 {
         0x0200
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn every_state_under_every_controlword() {
         use Power::{Disabled, Enabled, Fault, NotReady, On, QuickStop, Reacting, Ready};
-        // Columns in the order of ALL: the state after the word.
+        // The columns are in the order of ALL: the state after the word.
         let table = [
             // Disable voltage: xx0x.
             (
@@ -175,7 +175,7 @@ mod tests {
             ),
         ];
         for low in 0..=0xFFu16 {
-            // The row that a controlword belongs to, by the masks of the standard.
+            // The row of a controlword, by the masks of the standard.
             let row = match low {
                 w if w & 0x80 == 0x80 => 5,
                 w if w & 0x02 == 0x00 => 0,

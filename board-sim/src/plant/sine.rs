@@ -12,12 +12,12 @@ const TAU: i64 = 7_244_019_458_077_122_842;
 
 /// Sine and cosine of a phase in 2⁻⁶⁴ turns, in 2⁻⁴⁸; error below 2⁻⁴⁸.
 pub fn sin_cos(phase: u64) -> (i64, i64) {
-    // The nearest quarter turn, and what is left: within ±1/8 turn.
+    // The nearest quarter turn, and the remainder: within ±1/8 turn.
     let quarter = phase.wrapping_add(1 << 61) >> 62;
     let rest = phase.wrapping_sub(quarter << 62) as i64;
     let x = ((rest as i128).wrapping_mul(TAU as i128) >> 64) as i64;
     let square = product(x, x);
-    // Taylor: the first terms left out, x¹⁷/17! and x¹⁸/18!, are below 2⁻⁵³ for |x| ≤ π/4.
+    // Taylor series: the first omitted terms, x¹⁷/17! and x¹⁸/18!, are below 2⁻⁵³ for |x| ≤ π/4.
     let mut sine = ONE;
     for divisor in [210, 156, 110, 72, 42, 20, 6] {
         sine = ONE.wrapping_sub(divided(product(square, sine), divisor));
@@ -62,7 +62,7 @@ mod tests {
         let one = (1u64 << PLACES) as f64;
         let mut phase = 0u64;
         for step in 0..20_000u64 {
-            // Also the phases around every eighth of a turn.
+            // The test includes the phases around every eighth of a turn.
             let p = match step {
                 0..48 => ((step / 3) << 61).wrapping_add(step % 3).wrapping_sub(1),
                 _ => phase,

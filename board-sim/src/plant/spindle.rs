@@ -1,13 +1,13 @@
-//! The spindle that turns: inertia, ripple, and an angle that is exact.
+//! The spindle: inertia, ripple, and an exact angle.
 //!
-//! The commanded speed is followed along a ramp of so many milliseconds per 1000 rpm. On top of the ramped speed lies the
-//! ripple, a sine of a percentage of it: `speed = ramped · (1 + ripple · sin φ)`, φ = 0 where the command leaves zero
-//! and the spindle stands. Both have closed integrals, and those are used: however long it runs, the angle at a time is
-//! that of the formula. Between two ticks a spindle goes through at most three [`Piece`]s of constant acceleration, each
-//! in one direction, so that what happens at a certain angle (an encoder edge) has a certain time.
+//! The speed follows the command along a ramp of so many milliseconds per 1000 rpm. The ripple is added to the ramped
+//! speed, a sine of a percentage of it: `speed = ramped · (1 + ripple · sin φ)`, φ = 0 where the command leaves zero
+//! and the spindle stands. Both have closed integrals, and this module uses them: however long the spindle runs, its
+//! angle is that of the formula. Between two ticks a spindle passes through at most three [`Piece`]s of constant
+//! acceleration, each in one direction. So an event at a certain angle (an encoder edge) has a certain time.
 //!
-//! Units inside. With the speed counted in 1/`ramp` thousandths of a turn per minute (`ramp` in milliseconds per 1000 rpm)
-//! the ramp is exactly one such unit per nanosecond, and twice the integral over nanoseconds is a whole number of
+//! Inner units. The speed counts in 1/`ramp` thousandths of a turn per minute (`ramp` in milliseconds per 1000 rpm).
+//! Then the ramp is exactly one such unit per nanosecond, and twice the integral over nanoseconds is a whole number of
 //! 1/(1.2·10¹⁴ · ramp) turns.
 
 use super::sine::{PLACES, sin_cos};
@@ -37,7 +37,7 @@ impl FineTurns {
         Turns::from_raw((self.0.wrapping_add(1 << 31) >> 32) as i64)
     }
 
-    /// The angle `part` of `whole` on the way from this one to `other`, on a straight line; `other` where `whole` is 0.
+    /// The angle at `part` of `whole` on a straight line from this angle to `other`; `other` where `whole` is 0.
     #[must_use]
     pub const fn towards(self, other: Self, part: u32, whole: u32) -> Self {
         let way = other.0.wrapping_sub(self.0).wrapping_mul(part as i128);
@@ -47,7 +47,7 @@ impl FineTurns {
         }
     }
 
-    /// The angle of `raw` · 2⁻¹⁶ increments, `per_turn` of them to a turn.
+    /// The angle of `raw` · 2⁻¹⁶ increments; a turn has `per_turn` increments.
     #[must_use]
     pub const fn of_fine_increments(raw: i64, per_turn: u32) -> Self {
         let scaled = (raw as i128) << 48;
@@ -61,14 +61,15 @@ impl FineTurns {
         }
     }
 
-    /// The nearest increment, `per_turn` of them to a turn, not wrapped.
+    /// The nearest increment, not wrapped; a turn has `per_turn` increments.
     #[must_use]
     pub const fn increments(self, per_turn: u32) -> i64 {
         let scaled = self.0.wrapping_mul(per_turn as i128);
         (scaled.wrapping_add(1 << 63) >> 64) as i64
     }
 
-    /// Of all angles that are the same to a drive that counts its increments in 32 bits, the one nearest to `told`.
+    /// A drive counts its increments in 32 bits, so several angles look the same to it. This gives the one nearest to
+    /// `told`.
     #[must_use]
     pub const fn near(self, told: Turns, per_turn: u32) -> Self {
         let own = Self::from_turns(told).increments(per_turn);
@@ -90,7 +91,7 @@ impl FineTurns {
     }
 }
 
-/// Ripple of the spindle speed: a sine of a part of the speed.
+/// Ripple of the spindle speed: a sine whose amplitude is a part of the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ripple {
     milli_percent: u32,
@@ -99,7 +100,7 @@ pub struct Ripple {
 
 impl Ripple {
     /// Amplitude in thousandths of a percent, up to 90 %, and frequency in thousandths of a hertz, 0.01 to 1000 Hz;
-    /// `None` outside.
+    /// `None` outside these limits.
     #[must_use]
     pub const fn new(milli_percent: u32, milli_hertz: u32) -> Option<Self> {
         match (milli_percent, milli_hertz) {
@@ -112,7 +113,7 @@ impl Ripple {
     }
 }
 
-/// What the ripple adds to the angle, as factors of the speed and of the acceleration.
+/// The ripple's part of the angle, as factors of the speed and of the acceleration.
 #[derive(Clone, Copy, Debug)]
 struct Gain {
     /// Turns per speed unit, in 2⁻⁹⁶: amplitude / ω.
@@ -142,7 +143,8 @@ impl Gain {
             .wrapping_mul(i128::from(ripple.milli_percent))
             .checked_div(divisor)
             .unwrap_or(0);
-        // The ramp is 10⁹ units a second and ω = 2π · hertz / 1000. In two halves, to keep the digits: this is below 2⁹².
+        // The ramp is 10⁹ units a second and ω = 2π · hertz / 1000. The product is made in two halves to keep the
+        // digits: this is below 2⁹².
         let turns = (speed >> 32)
             .wrapping_mul(1_000_000_000_000)
             .checked_div(hertz)
@@ -158,10 +160,10 @@ impl Gain {
     }
 }
 
-/// 10⁻¹² turns of ripple phase to a turn.
+/// A turn of the ripple's phase, in 10⁻¹² turns.
 const PHASE_TURN: u64 = 1_000_000_000_000;
 
-/// Ripple phase (10⁻¹² turns) after `ns` nanoseconds, within a turn.
+/// The ripple's phase (10⁻¹² turns) after `ns` nanoseconds, within a turn.
 fn phase_after(phase: u64, milli_hertz: u32, ns: u64) -> u64 {
     // 10⁻³ Hz · 10⁻⁹ s is the unit of the phase.
     phase.wrapping_add(u64::from(milli_hertz).wrapping_mul(ns)) % PHASE_TURN
@@ -175,14 +177,14 @@ fn sin_cos_of(phase: u64) -> (i128, i128) {
     (i128::from(sine), i128::from(cosine))
 }
 
-/// A stretch of time with constant acceleration, in one direction of turning.
+/// A span of time with constant acceleration, in one direction of turning.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     duration: u64,
-    /// Ramped angle at its start, in 1/`turn` turns.
+    /// Ramped angle at the start, in 1/`turn` turns.
     base: i128,
     turn: i128,
-    /// What is added to it, in 2⁻⁶⁴ turns, ripple apart.
+    /// Added to the ramped angle, in 2⁻⁶⁴ turns, without the ripple.
     offset: i128,
     speed: i64,
     /// −1, 0 or 1.
@@ -192,19 +194,19 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Its duration in nanoseconds.
+    /// The duration in nanoseconds.
     #[must_use]
     pub const fn duration(&self) -> u64 {
         self.duration
     }
 
-    /// The angle `ns` nanoseconds after its start, at most its duration.
+    /// The angle `ns` nanoseconds after the start; `ns` is at most the duration.
     #[must_use]
     pub fn angle(&self, ns: u64) -> FineTurns {
         let base = self.base_after(ns);
         let whole = base.checked_div_euclid(self.turn).unwrap_or(0);
         let rest = base.wrapping_sub(whole.wrapping_mul(self.turn));
-        // turn is below 2⁶³, and so is rest.
+        // `turn` is below 2⁶³, and so is the remainder.
         let part = (rest << 64).checked_div(self.turn).unwrap_or(0);
         FineTurns(
             (whole << 64)
@@ -244,10 +246,10 @@ impl Piece {
 pub struct Spindle {
     /// Milliseconds per 1000 rpm.
     ramp: i64,
-    /// Units of `base` to a turn.
+    /// Units of `base` in a turn.
     turn: i128,
     base: i128,
-    /// Initial angle and the ripple's constant of integration, 2⁻⁶⁴ turns.
+    /// The initial angle and the ripple's constant of integration, in 2⁻⁶⁴ turns.
     offset: i128,
     commanded: MilliRpm,
     /// Ramped speed, in 1/ramp thousandths of a turn per minute.
@@ -262,7 +264,7 @@ impl Spindle {
     pub const SLOWEST_RAMP: u32 = 60_000;
 
     /// A spindle that stands at `angle`, with a ramp of `ramp_ms` milliseconds per 1000 rpm, 1 to
-    /// [`Spindle::SLOWEST_RAMP`]; `None` outside.
+    /// [`Spindle::SLOWEST_RAMP`]; `None` outside these limits.
     #[must_use]
     pub fn new(ramp_ms: u32, ripple: Option<Ripple>, angle: Turns) -> Option<Self> {
         if ramp_ms == 0 || ramp_ms > Self::SLOWEST_RAMP {
@@ -285,14 +287,14 @@ impl Spindle {
     /// Commands a speed.
     pub fn command(&mut self, speed: MilliRpm) {
         if self.commanded == MilliRpm::STOPPED && self.speed == 0 {
-            // No speed, no ripple: the phase may jump without a jump of the angle.
+            // At speed zero the ripple is zero: the phase may jump without a jump of the angle.
             self.phase = 0;
         }
         self.commanded = speed;
     }
 
-    /// Lets the spindle take `percent` of its commanded speed, along the same ramp: 100 undisturbed, 0 stopped against
-    /// the command, above 100 overspeed, below 0 dragged round against it.
+    /// Changes the spindle's speed to `percent` of the command, along the same ramp. 100: undisturbed; 0: stopped
+    /// against the command; above 100: overspeed; below 0: dragged backwards.
     pub const fn disturb(&mut self, percent: i16) {
         self.load_percent = percent;
     }
@@ -303,7 +305,7 @@ impl Spindle {
         self.piece(0, 0).angle(0)
     }
 
-    /// The speed now, ripple included, without its fraction of a thousandth.
+    /// The speed now, ripple included, in whole thousandths.
     #[must_use]
     pub fn speed(&self) -> MilliRpm {
         let (sine, _) = sin_cos_of(self.phase);
@@ -320,20 +322,20 @@ impl Spindle {
         MilliRpm::new(speed.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32)
     }
 
-    /// True while it does not turn.
+    /// True while the spindle does not turn.
     #[must_use]
     pub const fn stands(&self) -> bool {
         self.speed == 0
     }
 
-    /// Lets `ns` nanoseconds pass, and shows every piece of them in order.
+    /// Lets `ns` nanoseconds pass, and shows each piece of this time in order.
     pub fn advance(&mut self, ns: u64, mut show: impl FnMut(&Piece)) {
         let target = i64::from(self.commanded.get())
             .saturating_mul(i64::from(self.load_percent))
             .saturating_mul(self.ramp)
             / 100;
         let mut left = ns;
-        // Down to a standstill, up again in the other direction, then constant.
+        // First down to a standstill, then up in the other direction, then constant.
         for _ in 0..3 {
             if left == 0 {
                 break;
@@ -352,10 +354,10 @@ impl Spindle {
         }
     }
 
-    /// Position mode: turns to `angle` in `ns` nanoseconds, at one speed. The drive makes the angle exact; what coasts
-    /// on after it lets go is the speed of this stretch.
+    /// In position mode: turns to `angle` in `ns` nanoseconds, at one speed. The drive makes the angle exact. When it
+    /// lets go, the spindle coasts on at the speed of this span.
     pub fn turn_to(&mut self, angle: FineTurns, ns: u64, show: impl FnOnce(&Piece)) {
-        // Turns to units of the base in two halves: a stretch is a few turns at most, turn below 2⁶³.
+        // From turns to units of the base, in two halves: a span is a few turns at most, and `turn` is below 2⁶³.
         let way = angle.raw().wrapping_sub(self.angle().raw());
         let units = (way >> 32).wrapping_mul(self.turn) >> 32;
         let twice = i128::from(ns).wrapping_mul(2);
@@ -383,7 +385,7 @@ impl Spindle {
             gain: self.gain,
             phase: self.phase,
         };
-        // The angle is continuous where the acceleration jumps, though the ripple's acceleration term is not.
+        // The angle is continuous where the acceleration jumps, although the ripple's acceleration term jumps.
         let offset = self
             .offset
             .wrapping_add(self.steady_ripple())

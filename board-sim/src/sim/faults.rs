@@ -1,4 +1,4 @@
-//! The machine on a wire with faults, and a board that loses its power and starts again.
+//! The machine on a wire with faults, and a board that loses its power and restarts.
 
 use heapless::Vec;
 use leadscrew_core::board::Board;
@@ -9,22 +9,22 @@ use super::{ANSWERS, Direction, OUT, Sim, SimError};
 use crate::line::{Faults, Harm, Line, Way};
 use crate::storage::{stored_params, stored_tap};
 
-/// Frames that reach the drives in a period at most: all of them twice, and those of the period before.
+/// The most frames that reach the drives in a period: all of them twice, and those of the previous period.
 const ARRIVED: usize = 48;
 
 impl Sim {
-    /// From the next tick on the wire has these faults; their ticks are those of the rows.
+    /// Gives the wire these faults from the next tick on; their ticks are the ticks of the rows.
     pub fn spoil(&mut self, faults: Faults) {
         self.wire = Line::new(faults);
     }
 
-    /// What has been done to frames since [`spoil`](Self::spoil).
+    /// The number of changed frames since [`spoil`](Self::spoil).
     #[must_use]
     pub const fn harm(&self) -> Harm {
         self.wire.harm()
     }
 
-    /// What happens to the wire in this tick.
+    /// Applies the faults of the wire to this tick.
     pub(super) fn suffer(&mut self) {
         let rejoin = self.board.may_rejoin();
         let second = self.wire.tick(self.ticks, rejoin);
@@ -43,7 +43,7 @@ impl Sim {
             }
         }
         if let Some(frame) = second {
-            // What others send reaches the drives in `hear` where it is no process data.
+            // `hear` passes other nodes' frames to the drives, but no process data.
             let managed = NmtCommand::decode(&frame).is_some();
             let frames = if managed { &[][..] } else { &[frame] };
             let answers = &mut self.answers;
@@ -104,8 +104,8 @@ impl Sim {
         }
     }
 
-    /// The board loses its power, and has it again after so many periods in which nobody gives the beat; drives and spindle
-    /// keep theirs. It knows nothing but what its flash has kept and what is `built_in`, and has not joined a network.
+    /// The board loses its power, and gets it back after this number of periods without SYNC. Drives and spindle keep
+    /// theirs. The board then knows only the content of its flash and the `built_in` set, and has not joined a network.
     ///
     /// # Errors
     /// As [`with_flash`](Self::with_flash).

@@ -1,6 +1,6 @@
-//! A row waits here until what was true when its setpoint took effect is known, and is judged by it.
+//! Judges each setpoint by the truth. A row waits here until the true angles at the instant of its effect are known.
 //!
-//! The truth is the plant's alone: nothing from here reaches the board.
+//! The truth comes from the plant only: nothing of it reaches the board.
 
 use leadscrew_core::motion::{Helix, TapLine};
 use leadscrew_core::params::Params;
@@ -10,35 +10,35 @@ use leadscrew_core::units::{Axis, Turns};
 use super::{Row, Sim, TapPoint};
 use crate::plant::FineTurns;
 
-/// The longest latency of a drive, in ticks, that a row can wait for.
+/// The longest latency of a drive that a row can wait for, in ticks.
 pub(super) const LATENCY_TICKS: usize = 128 + 64;
 
-/// Truths kept: one for every SYNC that a row waits for, and the one before an instant between two of them.
+/// The number of kept truths: one for every SYNC that a row waits for, and one before an instant between two SYNCs.
 pub(super) const TRUTHS: usize = LATENCY_TICKS + 2;
 
 #[derive(Clone, Copy)]
 pub(super) struct Pending {
     pub(super) row: Row,
     pub(super) law: Law,
-    /// By how many turns the board counted ahead of the truth.
+    /// The number of turns by which the board's count is above the truth.
     pub(super) ahead: Turns,
 }
 
-/// What a row is judged by.
+/// The rule by which a row is judged.
 #[derive(Clone, Copy)]
 pub(super) enum Law {
-    /// Nothing is synchronous.
+    /// No axis follows a spindle.
     Free,
-    /// The helix of a pass; true while the long axis is held to it.
+    /// The helix of a pass; true while the long axis follows it.
     Thread(Helix, bool),
-    /// The line of a tap, and the spindle that turns it.
+    /// The line of a tap, and the spindle of this tap.
     Tap(TapLine, TapSpindle),
-    /// The line of an ordinary tap, whose setpoint is that of 5275 cycles later.
+    /// The line of an ordinary tap. Its setpoint is meant for the angle of 5275 cycles later.
     Float(TapLine),
 }
 
 impl Law {
-    /// True where X is the axis held to the spindle.
+    /// True where X is the axis that follows the spindle.
     fn on_x(&self) -> bool {
         match self {
             Self::Free => false,
@@ -48,7 +48,7 @@ impl Law {
     }
 }
 
-/// Whole ticks, and the rest in µs.
+/// Whole ticks, and the remainder in µs.
 #[derive(Clone, Copy)]
 pub(super) struct Delay {
     whole: usize,
@@ -64,16 +64,16 @@ impl Delay {
         }
     }
 
-    /// SYNCs from a tick to the first at which the truth of its row is known.
+    /// The number of SYNCs from a tick to the first SYNC at which the truth of its row is known.
     const fn wait(self) -> usize {
-        // With a rest of latency the instant lies between two SYNCs: between the one before and this one.
+        // With a remainder the instant lies between two SYNCs: the previous one and this one.
         let between = if self.rest_us == 0 { 0 } else { 1 };
         self.whole.saturating_add(1).saturating_add(between)
     }
 }
 
 impl Sim {
-    /// What the setpoint just made is judged by. The tick that ends a tap still belongs to it.
+    /// The rule for the setpoint just made. The tick that ends a tap still belongs to the tap.
     pub(super) fn law(&mut self, locked: bool) -> Law {
         if let Some(line) = self.board.tap_line() {
             self.line = Some(Law::Tap(line, self.board.ticker().tap_spindle()));
@@ -87,14 +87,14 @@ impl Sim {
         }
     }
 
-    /// SYNCs that every row waits for: those of the slower drive.
+    /// The number of SYNCs that every row waits for: that of the slower drive.
     fn wait(&self) -> usize {
         let [x, z] = self.delays.map(Delay::wait);
         x.max(z).saturating_add(self.lag)
     }
 
-    /// By how many turns the board counts ahead of the truth. Whole turns mean nothing; while an axis is held to the
-    /// spindle they stay what they were, so that one that got lost would show.
+    /// The number of turns by which the board's count is above the truth. Whole turns mean nothing, so they are
+    /// subtracted. While an axis follows the spindle the number stays fixed: so a lost turn would show.
     pub(super) fn ahead(&mut self, locked: bool) -> Turns {
         let observer = self.board.ticker().observer();
         if !locked && observer.indexed() {
@@ -105,7 +105,7 @@ impl Sim {
         self.ahead
     }
 
-    /// The row whose setpoint takes effect now, completed by the truth.
+    /// The row whose setpoint takes effect now, completed with the truth.
     pub(super) fn release(&mut self) -> Option<Row> {
         if self.pending.len() < self.wait() {
             return None;
@@ -113,7 +113,7 @@ impl Sim {
         self.complete()
     }
 
-    /// The oldest row that waits, with what is true now.
+    /// The oldest row that waits, completed with the present truth.
     fn complete(&mut self) -> Option<Row> {
         let Pending {
             mut row,
@@ -121,7 +121,7 @@ impl Sim {
             ahead,
         } = self.pending.pop_front()?;
         let [x, z] = self.delays;
-        // Where an axis is held to the spindle, the instant that counts is that axis'.
+        // Where an axis follows the spindle, the instant of this axis counts.
         let delay = if law.on_x() { x } else { z };
         let [first, second, third, fourth] = self.truth(delay);
         row.spindle = first;
@@ -162,9 +162,9 @@ impl Sim {
         Some(row)
     }
 
-    /// The true angles when the oldest row took effect on an axis with this delay, as of the SYNC it waited for.
+    /// The true angles at the instant when the oldest row took effect, on an axis with this delay.
     fn truth(&self, delay: Delay) -> [FineTurns; 4] {
-        // Counted back from the newest.
+        // The index counts back from the newest truth.
         let ago = self.wait().saturating_sub(delay.wait());
         let at = |ago| self.truths.iter().rev().nth(ago).copied();
         let mut angles = at(ago).unwrap_or_default();
@@ -177,10 +177,10 @@ impl Sim {
         angles
     }
 
-    /// The rows still waiting for their truth, by letting time go on; the machine stands meanwhile. Call when it is not
-    /// busy any more.
+    /// Completes the rows that still wait for their truth: time goes on while the machine stands. Call this when the
+    /// machine is not busy any more.
     pub fn last_rows(&mut self, mut each: impl FnMut(Row)) {
-        // A machine that has run for less than the latency has a first row that is younger than that.
+        // A machine that has run for less than the latency has a first row that is younger than the latency.
         for _ in self.pending.len()..self.wait() {
             self.advance();
         }

@@ -1,4 +1,4 @@
-//! The machine with a network: whoever else is on the bus with it.
+//! The machine with a network: the other nodes on the bus.
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::bus::{FdFrame, Frame, NodeId, Periods};
@@ -7,7 +7,7 @@ use super::Sim;
 use crate::line::Way;
 
 impl Sim {
-    /// The board joins a network as `node`; from now on every tick lets its device go on.
+    /// The board joins a network as `node`; from now on every tick runs its station.
     ///
     /// # Errors
     /// As [`Board::join`](leadscrew_core::board::Board::join).
@@ -15,7 +15,7 @@ impl Sim {
         self.board.join(node)
     }
 
-    /// Somebody else's frame reaches the board and the drives.
+    /// A frame of another node reaches the board and the drives.
     pub fn receive(&mut self, frame: &Frame) {
         if self.wire.is_quiet() {
             self.hear(frame);
@@ -24,7 +24,7 @@ impl Sim {
         }
     }
 
-    /// Somebody else's frame of CAN FD reaches the board and the drives.
+    /// A CAN FD frame of another node reaches the board and the drives.
     pub fn receive_fd(&mut self, frame: &FdFrame) {
         let (wire, plant, board) = (&mut self.wire, &mut self.plant, &mut self.board);
         wire.pass_together(Way::In, frame, |frame| {
@@ -41,13 +41,13 @@ impl Sim {
             let _ = others.push_back(answer);
         });
         if self.board.receive(frame) {
-            // With the drives' own there is room for a few; a bus that is flooded loses frames too.
+            // Next to the drives' frames there is room for a few; a flooded bus loses frames too.
             let _ = self.answers.push(*frame);
         }
         self.keep();
     }
 
-    /// The next frame of the board as a node, or of a drive to who asked it, on its way to the others.
+    /// The next frame to other nodes: from the board as a node, or from a drive that was asked.
     pub fn transmit(&mut self) -> Option<Frame> {
         if !self.wire.is_quiet() || !self.out.is_empty() {
             return self.transmit_on_bad_wire();
@@ -59,7 +59,7 @@ impl Sim {
         self.to_others.pop_front().or_else(|| self.board.transmit())
     }
 
-    /// Everything the background can do is done, and no time goes by.
+    /// Does all work of the background, and lets no time pass.
     pub fn settle(&mut self) {
         self.serve(Periods::new(0));
     }
@@ -70,8 +70,7 @@ impl Sim {
         self.board.awaits_program()
     }
 
-    /// True while a transfer is under way: where virtual time is fast, a client
-    /// with nothing but real time needs it to wait.
+    /// True while a transfer runs. Where virtual time is fast, time has to wait for a client that knows real time only.
     #[must_use]
     pub const fn is_transferring(&self) -> bool {
         self.board.is_transferring()

@@ -1,6 +1,6 @@
-//! What is known of one tick: a setpoint, and what was true when it took effect.
+//! The data of one tick: a setpoint, and the truth when it took effect.
 //!
-//! Plain values; this room knows of no board and no plant.
+//! Plain values; this module knows no board and no plant.
 
 use leadscrew_core::motion::TapLine;
 use leadscrew_core::program::{Position, TapSpindle};
@@ -27,7 +27,7 @@ pub enum Doing {
 }
 
 impl Doing {
-    /// The word for it in records of setpoints.
+    /// The name in records of setpoints.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -41,10 +41,10 @@ impl Doing {
     }
 }
 
-/// One tick: a setpoint, and what was true when it took effect.
+/// The data of one tick: a setpoint, and the truth when it took effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// From 0.
+    /// The number of the tick, from 0.
     pub tick: u64,
     /// Virtual time of the tick in microseconds.
     pub t_us: u64,
@@ -56,21 +56,21 @@ pub struct Row {
     pub spindle_set: Option<Turns>,
     /// Spindles 2 to 4.
     pub tappers: [SpindleAngle; 3],
-    /// Source line of what executes; 0 for nothing.
+    /// The source line that is executed; 0 for none.
     pub line: u32,
-    /// Its move; 0 for nothing.
+    /// The move of that line; 0 for none.
     pub number: u32,
     /// What the machine is doing.
     pub doing: Doing,
-    /// While the long axis is held to the helix, or axis and spindle to the tap's master: setpoint minus where the axis
-    /// should be at the true angle.
+    /// The setpoint minus the place where the axis should be at the true angle. Known while the long axis follows the
+    /// helix, or axis and spindle follow the tap's master.
     pub error: Option<Length>,
-    /// Where a tap is, while axis and spindle are held to its master.
+    /// The state of a tap, while axis and spindle follow its master.
     pub tap: Option<TapPoint>,
 }
 
 impl Row {
-    /// A spindle's angles; the true one for a drive with the delay that the row is about.
+    /// A spindle's angles; the true angle is for a drive with this row's delay.
     #[must_use]
     pub const fn angle(&self, spindle: TapSpindle) -> SpindleAngle {
         let [second, third, fourth] = self.tappers;
@@ -85,7 +85,7 @@ impl Row {
         }
     }
 
-    /// A spindle is in position mode.
+    /// True where a spindle is in position mode.
     #[must_use]
     pub fn is_rigid(&self) -> bool {
         TapSpindle::ALL
@@ -108,9 +108,9 @@ impl Row {
 /// A spindle at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SpindleAngle {
-    /// Its true angle when the setpoint takes effect.
+    /// The true angle when the setpoint takes effect.
     pub truth: FineTurns,
-    /// Its commanded angle, while it is in position mode.
+    /// The commanded angle, while the spindle is in position mode.
     pub set: Option<Turns>,
 }
 
@@ -119,9 +119,9 @@ pub struct SpindleAngle {
 pub struct TapPoint {
     /// Setpoint of the tap axis below R; negative above it.
     pub depth: Length,
-    /// Turns of the spindle since R: commanded ones in position mode, else true ones, of the instant the setpoint is for.
+    /// Turns of the spindle since R: commanded turns in position mode, otherwise true turns at the instant of the setpoint.
     pub turned: Turns,
-    /// Setpoint of the tap axis minus where it should be at that angle.
+    /// Setpoint of the tap axis minus the place where it should be at that angle.
     pub skew: Length,
 }
 

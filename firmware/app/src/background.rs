@@ -1,4 +1,4 @@
-//! The background's side: the bus, planning and the storage, a piece at a time.
+//! The background's side: the services on the bus, the planning and the storage, a small piece of work at a time.
 
 use heapless::spsc::{Consumer, Producer};
 use leadscrew_core::alarm::Alarm;
@@ -17,32 +17,32 @@ use leadscrew_core::signals::Signals;
 use crate::queues::PowerUp;
 use crate::report::{Order, Report};
 
-/// Orders that any one piece of work asks for at most.
+/// The most orders that one piece of work asks for.
 const SPARE_ORDERS: usize = 3;
 
-/// What a board brings for the background. Nothing may wait longer than a few
-/// milliseconds: planning stands still meanwhile.
+/// The hardware that a board provides to the background. No function may wait longer than a few milliseconds: planning
+/// stands still meanwhile.
 pub trait Machine {
-    /// The oldest frame from the bus not yet read. Drives' frames need not come this way.
+    /// The oldest frame from the bus that is not yet read. Frames of drives need not come this way.
     fn receive(&mut self) -> Option<Frame>;
-    /// True where there is room for a frame to be sent, behind those of the tick.
+    /// True where there is room for a frame. It leaves after the frames of the tick.
     fn has_room(&self) -> bool;
     /// Sends a frame. There is room.
     fn send(&mut self, frame: &Frame);
-    /// Begins to store: its bytes are put into a buffer of the board's. The one before is done.
+    /// Begins to store: the board copies the bytes into a buffer of its own. The previous request is done.
     fn store(&mut self, request: &StoreRequest<'_>);
-    /// Goes on with it; once it is done, how it went.
+    /// Continues to store. Gives the result once the request is done.
     fn stored(&mut self) -> Option<Result<(), StoreError>>;
-    /// Reads a region of the storage, and gives what it holds to `then`, once.
+    /// Reads a region of the storage and calls `then` once with its content.
     fn load(&mut self, region: Region, then: &mut dyn FnMut(Held<'_>));
-    /// Something has happened: for a log, and for what a board switches.
+    /// Tells the board an event: for a log, and for the board's switches.
     fn event(&mut self, event: &Event);
-    /// How the CAN controller is.
+    /// The state of the CAN controller.
     fn controller(&mut self) -> Controller;
-    /// Takes part in the bus again, behind bus-off or where it has stopped sending: the machine stands, and its drives
-    /// have been let go.
+    /// Takes part in the bus again, after bus-off or where the controller has stopped sending. The machine stands, and
+    /// its drives have been let go.
     fn rejoin(&mut self);
-    /// The application begins anew with these parameters, the time between two SYNCs among them.
+    /// The application begins anew with these parameters. They include the time between two SYNCs.
     fn begin_anew(&mut self, params: &Params);
 }
 
@@ -65,15 +65,15 @@ pub struct BackgroundSide {
     begun: bool,
     /// The ticker is being made anew: nothing is planned meanwhile.
     renewing: bool,
-    /// What is being stored.
+    /// The region that is being stored.
     storing: Option<Region>,
     ends: Ends,
-    /// The tick side, as it was told last.
+    /// The tick side, as last reported.
     snapshot: Snapshot,
     background: Background,
 }
 
-/// What is asked of the tick side goes through a queue.
+/// The background's way to ask the tick side: a queue of orders.
 struct Port<'a> {
     orders: &'a mut Producer<'static, Order>,
     takes_calls: bool,
@@ -81,7 +81,7 @@ struct Port<'a> {
 
 impl Port<'_> {
     fn order(&mut self, order: Order) {
-        // Whoever asks has seen that there is room.
+        // The caller has seen that there is room.
         let _ = put(self.orders, order);
     }
 }
@@ -134,12 +134,12 @@ impl BackgroundSide {
         &mut self.background
     }
 
-    // Its pieces are functions of their own: what one needs on the stack, the others have no use for.
+    // The pieces of `step` are functions of their own, so that each needs stack only while it runs.
 
-    /// One piece of everything there is to do. False where there is nothing until the next tick or the next frame.
+    /// Does one piece of each kind of work. False where there is nothing to do until the next tick or the next frame.
     pub fn step(&mut self, machine: &mut impl Machine) -> bool {
         let report = take(&mut self.ends.reports);
-        // All that was said before that report, and perhaps more.
+        // Takes everything that was sent before that report, and perhaps more.
         self.hear(machine);
         self.renew(machine);
         let mut worked = report.is_some();
@@ -163,7 +163,7 @@ impl BackgroundSide {
     }
 
     /// Hands a call over, for a board that runs a program of its own. False, and nothing changes, where there is no
-    /// room for it now, or while the machine starts, stops or stands on an alarm.
+    /// room now, or while the machine starts, stops or stands on an alarm.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
         let mut port = Port {
@@ -173,20 +173,20 @@ impl BackgroundSide {
         self.background.offer(call, &mut port)
     }
 
-    /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
+    /// True where a running program has not given its next call, and there is room for it. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
         self.background.awaits_program()
     }
 
-    /// True while anything handed over has not been carried out, as far as is known here.
+    /// True while a call or a request that was handed over is not carried out, as far as the background knows.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         let at_rest = matches!(self.snapshot.state, State::Idle | State::Alarm(_));
         !at_rest || self.background.is_planning() || self.background.is_storing() || self.renewing
     }
 
-    /// The tick side, as it was told last.
+    /// The tick side, as last reported.
     #[must_use]
     pub const fn snapshot(&self) -> &Snapshot {
         &self.snapshot
@@ -205,7 +205,7 @@ impl BackgroundSide {
         }
     }
 
-    /// A controller that has left the bus stays away until the machine stands [D124].
+    /// A controller that has left the bus joins again only after the machine has come to rest [D124].
     #[inline(never)]
     fn look_at_bus(&mut self, machine: &mut impl Machine) {
         self.background.set_controller(machine.controller());
@@ -215,7 +215,7 @@ impl BackgroundSide {
         }
     }
 
-    /// New entries of the tap journal.
+    /// Takes new entries of the tap journal.
     fn enter(&mut self) {
         while let Some(entry) = take(&mut self.ends.entries) {
             self.background.enter(entry);
@@ -228,7 +228,7 @@ impl BackgroundSide {
         let Some(ticker) = take(&mut self.ends.given) else {
             return;
         };
-        // What it has said last is part of what is forgotten.
+        // The old ticker's last notices go with it.
         while take(&mut self.ends.notices).is_some() {}
         let found = self.background.device().found();
         if let Some(position) = ticker.begin_anew(self.background.params(), found) {
@@ -237,7 +237,7 @@ impl BackgroundSide {
         }
         self.snapshot = Snapshot::new(ticker, &Setpoint::default(), self.snapshot.contacts);
         self.renewing = false;
-        // There is one ticker and room for it; should that ever fail, nothing moves any more.
+        // There is one ticker and room for it. Should this ever fail, nothing moves any more.
         let _ = put(&mut self.ends.returned, ticker);
     }
 
@@ -264,7 +264,7 @@ impl BackgroundSide {
                 self.begun = report.begun;
             }
         }
-        // What has been handed over counts, also where the tick has not seen it yet.
+        // A call that has been handed over counts, even where the tick has not seen it yet.
         let mut snapshot = self.snapshot;
         snapshot.in_program |= snapshot.takes_calls() && self.background.is_planning();
         let mut port = Port {
@@ -281,7 +281,7 @@ impl BackgroundSide {
     #[inline(never)]
     fn carry_out(&mut self) {
         if self.renewing {
-            // The tick side is away: it can be asked for nothing.
+            // The ticker is here to be made anew: the tick side takes no orders.
             return;
         }
         let mut port = Port {

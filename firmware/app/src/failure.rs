@@ -1,19 +1,20 @@
-//! Why the firmware stopped the last time: a few words that outlive a reset, and the alarm they become.
+//! Why the firmware stopped the last time: a few words that a reset leaves in memory, and the alarm that they become.
 //!
-//! Whoever catches a failure writes [`Failure::encode`] to memory that a reset leaves as it is, and starts anew; at
-//! power-up [`Failure::decode`] finds it there, and nothing moves before somebody has taken note.
+//! The handler of a failure writes [`Failure::encode`] to memory that a reset leaves as it is, and resets the
+//! processor. The next start finds the record with [`Failure::decode`]. Then nothing moves before somebody has reset
+//! the alarm.
 
 use leadscrew_core::alarm::{Alarm, Arg, Code};
 use leadscrew_core::checksum::crc32;
 
-/// What stopped it.
-// A byte, so that it goes through a register.
+/// What stopped the firmware.
+// A byte, so that the value fits into a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum FailureKind {
     /// A fault of the processor: an instruction or an address that does not exist.
     Fault,
-    /// The program has found itself in a state that cannot be.
+    /// The program has found itself in an impossible state.
     Panic,
     /// The stack has left its memory.
     StackOverflow,
@@ -23,20 +24,20 @@ pub enum FailureKind {
     PowerDropped,
 }
 
-/// What is known of a failure.
+/// All that is known of a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// What stopped it.
+    /// What stopped the firmware.
     pub kind: FailureKind,
     /// Fault: address of the instruction. Panic: address within the call that panicked. Else 0.
     pub place: u32,
-    /// Fault: return address of the function it was in. Panic: address within the call of the function it was in. Else 0.
+    /// Fault: return address of the faulting function. Panic: address within the call of the panicking function. Else 0.
     pub within: u32,
     /// SYNC periods since power-up; 0 where that is not known.
     pub ticks: u32,
-    /// Of the firmware that failed; see [`VERSION`].
+    /// Version of the firmware that failed; see [`VERSION`].
     pub version: u32,
-    /// Which failure in a row this is, from 1: between them was no good run ([`Left::GOOD`](crate::Left::GOOD)).
+    /// The number of this failure in a row, from 1. A good run ([`Left::GOOD`](crate::Left::GOOD)) ends a row.
     pub in_a_row: u32,
 }
 
@@ -61,18 +62,19 @@ impl Failure {
     /// Words of a record.
     pub const WORDS: usize = 8;
 
-    /// With so many in a row the board does not move any more before somebody has switched it off for ten seconds, or
-    /// reset its processor: power that comes back sooner is a failure of its own.
+    /// After so many failures in a row the board does not move any more. Somebody has to switch it off for ten seconds,
+    /// or reset its processor: power that comes back sooner counts as another failure.
     pub const LIMIT: u32 = 3;
 
-    /// With so many in a row it fails on its way to where it could say so: the firmware does not start any more.
-    /// The power never makes it so many: see [`Left::failure`](crate::Left::failure).
+    /// After so many failures in a row the firmware does not start any more: it fails before it could report anything.
+    /// A loss of power never reaches this number: see [`Left::failure`](crate::Left::failure).
     pub const LAST: u32 = 10;
 
-    /// In front of a record: memory at power-up does not look like it. Another one for each meaning of the words behind it.
+    /// The first word of a record: memory at power-up does not look like it. A new meaning of the other words needs a
+    /// new mark.
     const MARK: u32 = 0x4C53_4652;
 
-    /// One that leaves no record.
+    /// A failure without a record.
     pub(crate) const fn untold(kind: FailureKind) -> Self {
         Self {
             kind,
@@ -84,13 +86,13 @@ impl Failure {
         }
     }
 
-    /// The board stays at rest, whatever it is told.
+    /// The board stays at rest and takes no more orders to move.
     #[must_use]
     pub const fn is_final(&self) -> bool {
         self.in_a_row >= Self::LIMIT
     }
 
-    /// As a record.
+    /// The failure as a record.
     #[must_use]
     pub fn encode(&self) -> [u32; Self::WORDS] {
         let kind = match self.kind {
@@ -113,7 +115,7 @@ impl Failure {
         [a, b, c, d, e, f, g, checksum(&words)]
     }
 
-    /// The failure in a record; `None` where there is none, or it is not whole.
+    /// The failure in a record; `None` where there is no record, or it is damaged.
     #[must_use]
     pub fn decode(record: &[u32; Self::WORDS]) -> Option<Self> {
         let &[mark, kind, place, within, ticks, version, in_a_row, sum] = record;
@@ -139,7 +141,7 @@ impl Failure {
         })
     }
 
-    /// What the board stands on: until it is reset, or for good where it [is final](Self::is_final).
+    /// The alarm on which the board stands until it is reset. A [final](Self::is_final) failure keeps it for good.
     #[must_use]
     pub fn alarm(&self) -> Alarm {
         let (code, args) = self.told();

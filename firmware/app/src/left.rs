@@ -1,23 +1,23 @@
-//! What a start finds in the memory that a reset leaves as it is, and what it makes of it.
+//! What a start finds in the memory that a reset leaves as it is, and how the start reads it.
 //!
 //! ```text
 //! start ─► head: whole, failures in a row ─► ticks count ─► a failure writes its record ─► reset ─► start
 //! ```
 //!
-//! The head has a checksum: memory behind a loss of power does not look like it. So
-//! it tells, too, whether the power was away.
+//! The head has a checksum, and memory after a loss of power does not match it. So the head also tells whether the
+//! power was away.
 
 use crate::failure::{Failure, FailureKind, checksum};
 use crate::reset::ResetCause;
 
-/// What was left in memory.
+/// The content of the memory after a reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Left {
-    /// Failures in a row before the last run; `None`: the memory has forgotten.
+    /// Failures in a row before the last run; `None` where the memory was lost.
     in_a_row: Option<u32>,
     /// SYNC periods of the last run.
     ticks: u32,
-    /// What a handler has written down.
+    /// The record that a handler has written.
     record: Option<Failure>,
 }
 
@@ -25,19 +25,19 @@ impl Left {
     /// Words of the head.
     pub const HEAD: usize = 3;
 
-    /// In front of a head.
+    /// The first word of a head.
     const MARK: u32 = 0x4C53_4831;
 
-    /// A run of so many SYNC periods, a minute of 1 ms each, was a good one: what failed before it does not count.
+    /// A run of so many SYNC periods (a minute at 1 ms each) is a good run: earlier failures do not count any more.
     pub const GOOD: u32 = 60_000;
 
-    /// The head of a run behind so many failures in a row.
+    /// The head of a run after so many failures in a row.
     #[must_use]
     pub fn head(in_a_row: u32) -> [u32; Self::HEAD] {
         [Self::MARK, in_a_row, checksum(&[Self::MARK, in_a_row])]
     }
 
-    /// What the words mean: head, SYNC periods since, record.
+    /// Reads the words: head, SYNC periods since the start, record.
     #[must_use]
     pub fn decode(head: &[u32; Self::HEAD], ticks: u32, record: &[u32; Failure::WORDS]) -> Self {
         let &[mark, in_a_row, sum] = head;
@@ -49,22 +49,24 @@ impl Left {
         }
     }
 
-    /// The memory is still that of the last run.
+    /// The memory still holds what the last run has left.
     #[must_use]
     pub const fn is_kept(&self) -> bool {
         self.in_a_row.is_some()
     }
 
-    /// Which one in a row a failure is that ended the last run. A run in which the board stayed at rest was no good one.
+    /// The number in a row of a failure that ended the last run. A run in which the board stayed at rest for good was
+    /// no good run.
     #[must_use]
     pub fn next(&self) -> u32 {
         let counts = |before: &u32| self.ticks < Self::GOOD || *before >= Failure::LIMIT;
         self.in_a_row.filter(counts).unwrap_or(0).saturating_add(1)
     }
 
-    /// The failure before this start, if it was one. Somebody who presses the reset button or switches on begins anew: what
-    /// was before does not count. Power that was away for a moment only does count, for that may be the supply; but not
-    /// up to where the board does not start any more: whoever switches it off and on again finds it on its alarm.
+    /// The failure that caused this start, if there was one. The reset button and switching on both begin anew: earlier
+    /// failures do not count. Power that was away for a moment does count, because the supply may be at fault. But it
+    /// never counts up to [`Failure::LAST`]: a board that is switched off and on again always starts, and stands on its
+    /// alarm.
     #[must_use]
     pub fn failure(&self, cause: ResetCause) -> Option<Failure> {
         let (untold, most) = match cause {
@@ -149,7 +151,7 @@ mod tests {
             in_a_row = failure.in_a_row;
             assert_eq!(in_a_row, expected);
         }
-        // One that did not start any more, and is switched off and on again: it starts, and stays at rest.
+        // A board that did not start any more is switched off and on again: it starts, and stays at rest.
         let again = after(Failure::LAST, 0)
             .failure(ResetCause::BrownOut)
             .expect("one");

@@ -17,11 +17,12 @@
         clippy::expect_used
     )
 )]
-//! What every board image has in common: the two contexts of a board, taken apart, and what lies between them.
+//! The part that all board images share: the two sides of a board (tick and background) and the queues between them.
 //!
 //! An image owns the hardware and this crate's two sides. It calls [`TickSide::tick`] in a timer interrupt, once a SYNC
-//! period, and [`BackgroundSide::step`] in a loop; [`TickMachine`] and [`Machine`] are what it brings. What a board does is
-//! `leadscrew-core`'s; the simulated board is put together of the same halves.
+//! period, and [`BackgroundSide::step`] in a loop. It implements [`TickMachine`] and [`Machine`] for its hardware. This
+//! crate knows no chip and no pin. `leadscrew-core` decides what a board does; the simulated board uses the same two
+//! halves.
 //!
 //! # Priorities
 //!
@@ -34,21 +35,22 @@
 //!
 //! A fault is above all of them: it stops the tick for good, writes its record down and resets.
 //!
-//! # Every shared datum
+//! # All shared data
 //!
-//! | datum | from | to | where it is full |
+//! | datum | from | to | where the queue is full |
 //! |---|---|---|---|
-//! | orders: commands, inputs, answers of the storage, signs of life | background | tick | waits in the background |
-//! | segments, detours | background | tick | waits in the background |
+//! | orders: commands, inputs, answers of the storage, signs of life | background | tick | wait in the background |
+//! | segments, detours | background | tick | wait in the background |
 //! | events | tick | background | the newest is lost |
 //! | entries of the tap journal | tick | background | waits in the tick; only the newest counts |
 //! | notices: begin anew, plan a way | tick | background | waits in the tick; only the newest counts |
-//! | frames that are not a drive's | tick | background | the newest is lost, as on a bus that is flooded |
-//! | reports: the tick side after each tick | tick | background | that tick's is lost; the next says how many |
-//! | the [`Ticker`](leadscrew_core::board::Ticker) itself, to be made anew with other parameters, and back | tick, background | background, tick | there is one |
+//! | frames that are not a drive's | tick | background | the newest is lost, as on a flooded bus |
+//! | reports: the tick side after each tick | tick | background | this report is lost; the next counts its periods too |
+//! | the [`Ticker`](leadscrew_core::board::Ticker), made anew with other parameters | either | the other | never full |
 //!
-//! All of them are single-producer queues ([`Queues`]); neither side locks anything, and the tick never waits. Nothing
-//! else is shared. The parameter set belongs to the background: the tick keeps what it needs of it in its ticker.
+//! All of them are queues with one producer and one consumer ([`Queues`]). Neither side takes a lock, and the tick
+//! never waits. Nothing else is shared. The parameter set belongs to the background; the ticker keeps the values that
+//! the tick needs.
 
 mod background;
 mod failure;

@@ -26,7 +26,7 @@ const NOTICES: usize = 3;
 const STRANGERS: usize = 17;
 const LOANS: usize = 2;
 
-/// Everything that lies between the two sides. It is all that is shared, and belongs in a `static`.
+/// Everything that the two sides share. It belongs in a `static`.
 pub struct Queues {
     segments: Segments,
     detours: Detours,
@@ -40,36 +40,36 @@ pub struct Queues {
     returned: Queue<&'static mut Ticker, LOANS>,
 }
 
-/// Where the tick's side will be for good: also a `static`.
+/// The memory of the tick's side, for good: also a `static`.
 pub type TickPlace = MaybeUninit<TickSide>;
-/// Where a ticker will be for good: also a `static`.
+/// The memory of a ticker, for good: also a `static`.
 pub type TickerPlace = MaybeUninit<Ticker>;
-/// Where the background's side will be for good: also a `static`.
+/// The memory of the background's side, for good: also a `static`.
 pub type BackgroundPlace = MaybeUninit<BackgroundSide>;
 
-/// What a board is told at power-up.
+/// What a board has to know at power-up.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerUp<'a> {
-    /// The parameter set, and what is to be said about it.
+    /// The parameter set, and what is to be reported about it.
     pub set: &'a board::PowerUp,
     /// Where the machine stood, if known; see [`Ticker::new`].
     pub remembered: Option<Position>,
     /// The stored entry of the tap journal.
     pub tap: Option<TapRecord>,
-    /// Its number on the bus.
+    /// The board's node number on the bus.
     pub node: NodeId,
-    /// Its serial number (1018h:04); 0: none.
+    /// The board's serial number (1018h:04); 0: none.
     pub serial: u32,
-    /// Its controller sends frames of CAN FD; otherwise a set with 9031 = 1 is refused.
+    /// The CAN controller sends frames of CAN FD. Otherwise a set with 9031 = 1 is refused.
     pub fd: bool,
-    /// Why the board stopped the last time: nothing moves before a reset, or any more.
+    /// Why the board stopped the last time. Nothing moves before a reset, or any more where the failure is final.
     pub failure: Option<Failure>,
-    /// What started it.
+    /// Why the processor started.
     pub cause: ResetCause,
 }
 
 impl Queues {
-    /// All of them empty.
+    /// Empty queues.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -86,11 +86,11 @@ impl Queues {
         }
     }
 
-    /// A board at power-up, in its two sides. It has joined the bus: an NMT master starts it.
+    /// Brings a board up, as its two sides. It has joined the bus: an NMT master starts it.
     ///
     /// # Errors
-    /// [`Code::ParametersUnusable`] for a set that does not pass its own checks; [`Code::BusOverload`] where its cycle
-    /// leaves no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its number.
+    /// [`Code::ParametersUnusable`] for a set that does not pass its own checks; [`Code::BusOverload`] where the set's
+    /// cycle leaves no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has the board's number.
     pub fn power_up(
         &'static mut self,
         tick: &'static mut TickPlace,
@@ -155,8 +155,8 @@ impl Queues {
     }
 }
 
-// Each is made in its place, in a function of its own: on the stack there is no
-// room for copies of it, nor for what the other needs [D146].
+// A function of its own makes each of the two, in its final place. The stack has no room for a copy of one, nor for the
+// working space of both at once [D146].
 
 #[inline(never)]
 fn new_ticker(

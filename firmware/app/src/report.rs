@@ -1,39 +1,39 @@
-//! What the two sides say to each other.
+//! The messages between the two sides.
 
 use leadscrew_core::board::{Command, Measured, Snapshot, StoreError};
 use leadscrew_core::motion::Epoch;
 use leadscrew_core::signals::Signals;
 
-/// What the background asks of the tick. It acts in the next tick, in the order in which it was asked for.
+/// What the background asks of the tick. Orders act in the next tick, in the order of asking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// The background is alive.
     Alive,
     /// An operator's command.
     Command(Command),
-    /// The inputs, as they are set over the bus.
+    /// The inputs that are set over the bus.
     Signals(Signals),
     /// A program begins, if what is planned in this epoch still counts.
     ProgramBegins(Epoch),
-    /// The tap journal's entry is to be dropped.
+    /// The tap journal's entry is to be discarded.
     DiscardTap,
     /// An entry of the tap journal has been stored, or could not be.
     Stored(u32, Result<(), StoreError>),
-    /// The ticker is to be handed over: it is made anew.
+    /// The tick side has to give the ticker to the background, to be made anew.
     HandOver,
 }
 
-/// The tick side behind a tick.
+/// The tick side after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
-    /// SYNC periods since the report before.
+    /// SYNC periods since the last report.
     pub elapsed: u32,
-    /// What it looks like.
+    /// The state of the machine.
     pub snapshot: Snapshot,
     /// The oldest segment is under way.
     pub begun: bool,
-    /// How far the axis that is held to the spindle was from where it should have been; `None`: none is held.
+    /// How far the axis that follows the spindle was from its correct place; `None` where no axis follows.
     pub measured: Option<Measured>,
-    /// Setpoints that have come late for their SYNC, since power-up.
+    /// Setpoints that came late for their SYNC, since power-up.
     pub late: u32,
 }

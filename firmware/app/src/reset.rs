@@ -3,43 +3,42 @@
 use leadscrew_core::alarm::{Alarm, Code, Span};
 
 /// The flags of a reset, as the chip keeps them until they are cleared. Several are set at once: every reset pulls the
-/// reset pin, and a loss of power sets that of the brown-out detector.
+/// reset pin, and a loss of power also sets the flag of the brown-out detector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ResetFlags {
-    /// Brown-out detector: power-up too.
+    /// Brown-out detector: set at power-up too.
     pub brown_out: bool,
     /// Independent watchdog.
     pub watchdog: bool,
     /// Window watchdog: this image does not use it.
     pub window_watchdog: bool,
-    /// Asked for by the program, or by a debugger through the processor.
+    /// A reset by the program, or by a debugger through the processor.
     pub software: bool,
     /// The reset pin.
     pub pin: bool,
 }
 
-/// What started it.
+/// Why the processor started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ResetCause {
-    /// The power came, and the memory had forgotten everything.
+    /// The power came on, and the memory was lost.
     #[default]
     Power,
-    /// The power had dropped below what the chip needs, for less than the memory needs to forget.
+    /// The power dropped below the chip's limit, but came back before the memory was lost.
     BrownOut,
     /// The watchdog: tick or background had stopped.
     Watchdog,
-    /// The program, on purpose: behind a panic or a fault. Or a debugger.
+    /// The program, on purpose, after a panic or a fault. Or a debugger.
     Software,
     /// The reset button, or a debugger.
     Pin,
 }
 
 impl ResetCause {
-    /// What the flags mean; `kept`: the memory is still that of the last run, as its
-    /// checksum says. The detector of the power counts before everything, for all
-    /// that follows from it is no cause; the pin last, for every cause pulls it.
+    /// Reads the flags. `kept`: the memory is still that of the last run, as its checksum says. The brown-out detector
+    /// counts first, because a drop of power causes the other flags. The pin counts last, because every reset pulls it.
     ///
-    /// The detector does not say how long the power was away: the memory does. A short switching off and on again looks
+    /// The detector does not say how long the power was away; the memory does. A short switching off and on again looks
     /// like a drop, and a drop of a second or more may look like switching on.
     #[must_use]
     pub const fn of(flags: ResetFlags, kept: bool) -> Self {
@@ -58,8 +57,7 @@ impl ResetCause {
         }
     }
 
-    /// What is told of a start that follows no failure: that somebody has reset the
-    /// processor, whatever the machine was doing.
+    /// The warning for a start that follows no failure: somebody has reset the processor, whatever the machine was doing.
     #[must_use]
     pub fn warning(self) -> Option<Alarm> {
         match self {

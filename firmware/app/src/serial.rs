@@ -1,9 +1,9 @@
-//! A serial number of 32 bits for a chip that has a longer one.
+//! A serial number of 32 bits for a chip that has a longer unique number.
 
 use crate::failure::checksum;
 
-/// The serial number of a chip with this unique number. A CRC-32 tells any two apart that differ within 32 bits in a
-/// row, as those of chips of one lot do; it is never 0, which is none.
+/// The serial number of a chip with this unique number. A CRC-32 tells any two numbers apart that differ within 32 bits
+/// in a row; those of chips of one lot do. The result is never 0, because 0 means no serial number.
 #[must_use]
 pub fn serial_of(unique: [u32; 3]) -> u32 {
     checksum(&unique).max(1)
@@ -18,7 +18,7 @@ mod tests {
     #[test]
     fn chips_of_one_lot_have_numbers_of_their_own() {
         let lot = [0x0032_0028, 0x3134_5117, 0x2037_3353];
-        // The CRC-32 of its bytes, least significant first, by another implementation.
+        // The CRC-32 of the lot's bytes, least significant first, computed by another implementation.
         assert_eq!(serial_of(lot), 0xAD64_4CA9);
         let mut seen = std::collections::BTreeSet::new();
         for x in 0..128 {

@@ -1,4 +1,4 @@
-//! The tick's side: one SYNC period of the whole board, in an interrupt.
+//! The tick's side: one SYNC period of the whole board, run in an interrupt.
 
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer};
@@ -16,48 +16,49 @@ use leadscrew_core::spindle::EncoderSample;
 
 use crate::report::{Order, Report};
 
-/// Frames a tick takes from the bus at most: two of each of seven drives, and some
-/// that are for the background. What is left waits for the next.
+/// The most frames that a tick takes from the bus: two of each of seven drives, and some for the background. The other
+/// frames wait for the next tick.
 const RECEIVED: usize = 24;
 
-/// For this part of a second the background may be silent before the watchdog is not fed any more [D134].
+/// The background may be silent for this part of a second (1/4). After that, the tick side stops feeding the watchdog
+/// [D134].
 const PATIENCE: u32 = 4;
 
-/// What the pins of a board say.
+/// The state of a board's input pins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
     /// The emergency stop is pressed, or its circuit is open.
     pub stop: bool,
-    /// Feed hold is pressed, or its circuit is open: while it is, nothing goes on [D192].
+    /// Feed hold is pressed, or its circuit is open. Nothing resumes while this is true [D192].
     pub hold: bool,
-    /// The machine's inputs, where this board has pins for them. They count instead of those set over the bus.
+    /// The machine's inputs, where this board has pins for them. They replace the inputs that are set over the bus.
     pub signals: Option<Signals>,
-    /// The machine has to stop with this alarm: the bus is off, or a part of the board does not work.
+    /// The machine has to stop with this alarm: the controller is bus-off, or a part of the board does not work.
     pub trouble: Option<Code>,
-    /// What was [switched](TickMachine::switch) is not as it is to be: the next move waits, and after a second the machine
-    /// stops with this alarm [D191].
+    /// The machine has not yet followed [`switch`](TickMachine::switch). The next move waits; after a second the
+    /// machine stops with this alarm [D191].
     pub unanswered: Option<Code>,
 }
 
-/// What a board brings for the tick. All of it is called in the timer interrupt; nothing may wait.
+/// The hardware that a board provides to the tick. All functions are called in the timer interrupt; none may wait.
 pub trait TickMachine {
-    /// What the spindle's encoder shows at this SYNC. The first call of a tick.
+    /// The sample of the spindle's encoder at this SYNC. The first call of a tick.
     fn sample(&mut self) -> EncoderSample;
-    /// What the pins say.
+    /// The state of the input pins.
     fn inputs(&mut self) -> Inputs;
-    /// The oldest frame from the bus not yet read. Those of drives have to come this way; whatever else comes goes to the
-    /// background.
+    /// The oldest frame from the bus that is not yet read. All frames of the drives have to come this way. The tick
+    /// passes all others to the background.
     fn receive(&mut self) -> Option<Frame>;
-    /// Sends the frames of a tick, in this order and before any other. False where some of the tick before have not left:
-    /// those are dropped, and their setpoints are late.
+    /// Sends the frames of a tick, in this order and before any other frame. False where some frames of the
+    /// previous tick have not left: these are dropped, and their setpoints are late.
     fn send(&mut self, frames: &[Frame]) -> bool;
-    /// Sends the frame with the setpoints of all drives, behind those; false where that of the tick before has not
-    /// left. On a machine without CAN FD none ever does: no drive comes up.
+    /// Sends the frame with the setpoints of all drives, after the frames of [`send`](Self::send). False where the
+    /// previous tick's frame has not left. Without CAN FD the frame never leaves: no drive comes up.
     fn send_together(&mut self, _setpoints: &Setpoints) -> bool {
         false
     }
-    /// Switches what a program asks for, and nothing any more behind a reset. What takes its time is
-    /// [unanswered](Inputs::unanswered) from the next tick on.
+    /// Switches a machine function that a program asks for, or takes all of them back after a reset. While the machine
+    /// has not followed, [`Inputs::unanswered`] says so, from the next tick on.
     fn switch(&mut self, _switching: Switching) {}
     /// Feeds the watchdog: both sides are alive.
     fn feed_watchdog(&mut self);
@@ -79,26 +80,26 @@ pub(crate) struct Ends {
 
 /// The tick's side of a board.
 pub struct TickSide {
-    /// `None` while it is made anew.
+    /// `None` while the background makes the ticker anew.
     ticker: Option<&'static mut Ticker>,
-    /// Where the drives are; while there is no ticker, where they were.
+    /// The nodes of the drives. Without a ticker: the nodes of the last one.
     drives: DriveNodes,
-    /// The SYNC it gave: that goes on meanwhile.
+    /// The producer of SYNC. SYNC goes on while there is no ticker.
     sync: SyncProducer,
     ends: Ends,
     output: Output,
     reference: Reference,
-    /// What still waits for room in its queue.
+    /// A tap journal entry that waits for room in its queue.
     entry: Option<TapRecord>,
-    /// The pins at the last tick.
+    /// The pins at this tick.
     inputs: Inputs,
     /// SYNC periods since the last report, and since the last sign of life of the background.
     elapsed: u32,
     silence: u32,
     late: u32,
-    /// SYNC periods for which what was switched is not answered.
+    /// SYNC periods for which the machine has not followed the last switching.
     unanswered: u32,
-    /// SYNC periods of a second.
+    /// SYNC periods in a second.
     second: u32,
 }
 
@@ -121,8 +122,8 @@ impl TickSide {
         }
     }
 
-    /// One SYNC period. While the ticker is with the background, which makes it anew, nothing is sent but SYNC: the machine
-    /// stands, and its drives are brought up again.
+    /// Runs one SYNC period. While the background makes the ticker anew, the board sends SYNC only: the machine stands,
+    /// and its drives are brought up again afterwards.
     pub fn tick(&mut self, machine: &mut impl TickMachine) {
         let sample = machine.sample();
         self.elapsed = self.elapsed.saturating_add(1);
@@ -164,7 +165,7 @@ impl TickSide {
         self.report();
     }
 
-    /// What is sent without a ticker.
+    /// The output of a tick without a ticker: SYNC only.
     #[cold]
     #[inline(never)]
     fn only_beat(&mut self) {
@@ -175,13 +176,13 @@ impl TickSide {
         let _ = self.output.frames.push(self.sync.next());
     }
 
-    /// What the last tick gave.
+    /// The output of the last tick.
     #[must_use]
     pub const fn output(&self) -> &Output {
         &self.output
     }
 
-    /// Frames since the last tick; what is not a drive's goes to the background.
+    /// Takes the frames since the last tick. Frames that are not a drive's go to the background.
     fn receive(&mut self, machine: &mut impl TickMachine) -> Vec<Frame, RECEIVED> {
         let mut received = Vec::new();
         while !received.is_full()
@@ -191,15 +192,16 @@ impl TickSide {
                 // There is room.
                 let _ = received.push(frame);
             } else {
-                // Where there is none, it is lost as on a bus that is flooded; whoever sent it repeats it.
+                // Where there is no room the frame is lost, as on a flooded bus; its sender repeats it.
                 let _ = put(&mut self.ends.strangers, frame);
             }
         }
         received
     }
 
-    /// What stops first, so that a reset can follow it; the feed hold last, so that nothing resumes while it is pressed. A
-    /// reset forgets a hold, and may have a way out of a thread: it is held again when that is done.
+    /// Passes the stops on first, so that a reset in the same tick can follow them. The feed hold comes last, so that
+    /// nothing resumes while its contact is open. A reset clears a hold, and may have to move out of a thread: the hold
+    /// waits until the reset is done.
     #[inline(never)]
     fn obey(&mut self, inputs: &Inputs) {
         self.inputs = *inputs;
@@ -242,7 +244,7 @@ impl TickSide {
             return;
         }
         let Some(ticker) = &mut self.ticker else {
-            // The background asks for nothing before it has given it back.
+            // The background orders nothing before it has given the ticker back.
             return;
         };
         match order {
@@ -259,7 +261,7 @@ impl TickSide {
                 }
             }
             Order::DiscardTap => {
-                // Where there is no tap in a hole, or the machine moves, nothing changes.
+                // Where no tap is in a hole, or the machine moves, nothing changes.
                 let _ = ticker.discard_tap();
             }
             Order::Stored(sequence, result) => ticker.stored(sequence, result),
@@ -267,8 +269,8 @@ impl TickSide {
         }
     }
 
-    /// The machine stands. What is still queued belongs to the ticker that goes;
-    /// nothing is planned before the new one comes.
+    /// Gives the ticker to the background. The machine stands. Whatever is still queued belongs to the old ticker: it
+    /// is dropped, and nothing is planned before the new ticker comes.
     #[inline(never)]
     fn hand_over(&mut self) {
         self.ends.segments.clear();
@@ -298,7 +300,7 @@ impl TickSide {
         {
             self.entry = None;
         }
-        // Behind the entry of the same tick.
+        // The entry of the same tick goes first.
         if self.entry.is_none()
             && let Some(notice) = ticker.notice()
             && put(&mut self.ends.notices, *notice).is_ok()
@@ -325,7 +327,8 @@ impl TickSide {
     }
 }
 
-/// True for what a drive sends. What is sent to one by somebody else is for the background, which knows who may.
+/// True for a drive's TPDOs, emergencies and heartbeats. A frame from another node to a drive goes to the background,
+/// which knows the permitted senders.
 fn is_of_drive(frame: &Frame, drives: &DriveNodes) -> bool {
     const SPOKEN: [Service; 6] = [
         Service::Tpdo1,

@@ -1,5 +1,5 @@
 //! Arbitrary values. Each is made from volatile reads through the public constructors of the core, so that the
-//! optimiser must reckon with every value that the type can have.
+//! optimiser must expect every value that the type can have.
 
 use core::hint::black_box;
 use core::num::NonZeroU8;
@@ -33,18 +33,18 @@ use leadscrew_core::units::{
 
 static SOURCE: u64 = 0;
 
-/// A value nobody knows.
+/// A type that can give an arbitrary value.
 pub trait Any: Sized {
-    /// One of all that the type can hold.
+    /// An arbitrary value of the type.
     fn any() -> Self;
 }
 
-/// Any value of a type that the place of use tells.
+/// An arbitrary value; the place of use tells the type.
 pub fn any<T: Any>() -> T {
     T::any()
 }
 
-/// Takes a result away, so that computing it cannot be dropped.
+/// Uses a result up, so that the optimiser cannot drop its computation.
 pub fn sink<T>(value: T) {
     black_box(value);
 }
@@ -100,7 +100,7 @@ wrapped!(CentiRpm::new Length::from_nm Angle::from_udeg Turns::from_raw StartAng
     FeedPerTurn::from_nm Rpm::new Millis::new Increments::new Periods::new MilliRpm::new Statusword::from_raw
     Controlword::from_raw PathRate::from_raw Rate::from_raw Travel::from_raw TurnRate::from_raw Remainder::from_raw);
 
-/// Types that are the sum of their public fields.
+/// Types made from their public fields.
 macro_rules! records {
     ($($type:ident { $($field:ident)* })*) => {$(
         impl Any for $type {
@@ -159,7 +159,7 @@ impl Any for Extraction {
     }
 }
 
-/// Types that are one of several.
+/// Types with a choice of variants.
 macro_rules! choices {
     ($($type:ident { $($choice:expr),* $(,)? } or $last:expr;)*) => {$(
         impl Any for $type {
@@ -330,7 +330,7 @@ impl Any for Limits {
 }
 
 impl Any for Move {
-    /// Without its place in a cycle, which nothing that runs on a board reads.
+    /// An arbitrary move, without its place in a cycle: no code on a board reads that.
     fn any() -> Self {
         Self {
             span: any(),
@@ -342,11 +342,11 @@ impl Any for Move {
 }
 
 impl Any for Params {
-    /// Any set that can be put together entry by entry, sensible or not.
+    /// Any set that can be made entry by entry, sensible or not.
     fn any() -> Self {
         let mut params = Self::slant_bed();
         for entry in Entry::all() {
-            // A value out of range is refused and the one before stays.
+            // A value out of range is refused, and the old value stays.
             let _ = params.set(entry, any());
         }
         params

@@ -1,5 +1,5 @@
 #![no_std]
-//! The standard output of an emulated image, its command line and its end: all are the emulator's, through semihosting.
+//! The standard output of an emulated image, its command line and its exit. The emulator provides all three by semihosting.
 
 use core::fmt::{Arguments, Write};
 use core::panic::PanicInfo;
@@ -19,13 +19,13 @@ struct Line {
 /// The words of the command line after the image's own name.
 ///
 /// # Panics
-/// Where it is no text.
+/// Where the command line is not text.
 pub fn words(buffer: &mut [u8; LONGEST]) -> impl Iterator<Item = &str> {
     let mut line = Line {
         text: buffer.as_mut_ptr(),
         length: buffer.len(),
     };
-    // SAFETY: the host writes at most `length` bytes to `text`, both of which it finds in `line`.
+    // SAFETY: the host writes at most `length` bytes to `text`; it reads both from `line`.
     let failed = unsafe { syscall1!(GET_CMDLINE, &raw mut line) };
     let bytes = match failed {
         0 => buffer.split(|byte| *byte == 0).next().unwrap_or_default(),
@@ -37,26 +37,26 @@ pub fn words(buffer: &mut [u8; LONGEST]) -> impl Iterator<Item = &str> {
 
 /// Prints.
 pub fn print(text: Arguments) {
-    // Where the host takes no output there is nobody to tell.
+    // A host that takes no output cannot be told so.
     if let Ok(mut out) = hio::hstdout() {
         let _ = out.write_fmt(text);
     }
 }
 
-/// The emulator ends, well.
+/// Ends the emulator with success.
 pub fn done() -> ! {
     debug::exit(EXIT_SUCCESS);
     stop()
 }
 
-/// For the image's handler of panics: the emulator ends, with an exit code that says so.
+/// For the image's handler of panics: prints the panic, and ends the emulator with an exit code for failure.
 pub fn panicked(info: &PanicInfo) -> ! {
     print(format_args!("{info}\n"));
     debug::exit(EXIT_FAILURE);
     stop()
 }
 
-/// Nobody has ended the emulator: there is none.
+/// Waits for ever: no emulator has ended the run.
 fn stop() -> ! {
     loop {
         core::hint::spin_loop();

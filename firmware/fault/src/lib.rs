@@ -1,14 +1,14 @@
 #![no_std]
 //! The end of a board's firmware: a fault of the processor, a panic, or a stack that has left its memory.
 //!
-//! Nothing that is known still holds then. All interrupts stop, and with them SYNC and setpoints: the drives stop by
-//! their own supervision. What happened is written to memory that a reset leaves as it is ([`Failure`]), and the
-//! processor starts anew; the image hands what it finds ([`left`]) to the board's power-up, which stands on an alarm
-//! until somebody has taken note. Failures in a row are counted there, too ([`begin`]).
+//! After such a failure no variable can be trusted. All interrupts stop, and with them SYNC and setpoints: the drives
+//! stop by their own supervision. The handler writes a [`Failure`] to memory that a reset leaves as it is, and resets
+//! the processor. The image reads this memory at the next start ([`left`]) and passes the failure to the board's
+//! power-up, which stands on an alarm until somebody has reset it. The memory also counts failures in a row ([`begin`]).
 //!
-//! An image that links this has no other handler of `HardFault`. Its stack lies below its data, so that it runs into
-//! memory that is not there, or into a [guard](guard_stack); its `memory.x` says where: `_stack_end` and
-//! `_stack_start`. The handler needs nothing of the old stack.
+//! An image that links this crate has no other handler of `HardFault`. The image's stack lies below its data, so that a
+//! stack that is too deep runs into missing memory, or into a [guard](guard_stack). The image's `memory.x` gives the
+//! limits of the stack: `_stack_end` and `_stack_start`. The handler needs nothing of the old stack.
 
 use core::arch::naked_asm;
 use core::mem::MaybeUninit;
@@ -17,7 +17,7 @@ use core::ptr::{read_volatile, with_exposed_provenance, write_volatile};
 use cortex_m::peripheral::{MPU, SCB};
 use leadscrew_app::{Failure, FailureKind, Left, VERSION};
 
-/// What a reset leaves as it is.
+/// The memory that a reset leaves as it is.
 #[repr(C)]
 struct Memory {
     head: [u32; Left::HEAD],
@@ -26,20 +26,20 @@ struct Memory {
     record: [u32; Failure::WORDS],
 }
 
-// Neither loaded nor cleared at start.
+// The start code neither loads nor clears this section.
 #[unsafe(link_section = ".uninit.failure")]
 static mut MEMORY: MaybeUninit<Memory> = MaybeUninit::uninit();
 
-/// Reads one part of it.
+/// Reads one part of [`MEMORY`].
 fn read<T>(part: *const T) -> T {
     // SAFETY: called with parts of `MEMORY` only; they are aligned, and any bits are words.
     unsafe { read_volatile(part) }
 }
 
-/// Writes one part of it.
+/// Writes one part of [`MEMORY`].
 fn write<T>(part: *mut T, value: T) {
-    // SAFETY: as for reading. Ticks belong to the tick alone once that runs; the rest is written before it runs, and by
-    // handlers, which do not return.
+    // SAFETY: as for reading. Once the tick runs, it alone writes the ticks. The other parts are written before the
+    // tick runs, and by handlers, which do not return.
     unsafe { write_volatile(part, value) }
 }
 
@@ -47,7 +47,7 @@ fn memory() -> *mut Memory {
     (&raw mut MEMORY).cast()
 }
 
-/// The parts of it: head, ticks, record.
+/// The parts of [`MEMORY`]: head, ticks, record.
 fn parts() -> (*mut [u32; Left::HEAD], *mut u32, *mut [u32; Failure::WORDS]) {
     let memory = memory();
     // SAFETY: within `MEMORY`; nothing is read.
@@ -60,21 +60,21 @@ fn parts() -> (*mut [u32; Left::HEAD], *mut u32, *mut [u32; Failure::WORDS]) {
     }
 }
 
-/// A SYNC period has begun: called in each tick.
+/// Counts a SYNC period: called in each tick.
 pub fn tick() {
     let (_, ticks, _) = parts();
-    // More than 49 days of 1 ms: still a good run.
+    // The count saturates after 49 days at 1 ms: still a good run.
     write(ticks, read(ticks).saturating_add(1));
 }
 
-/// What the run before this start has left: the image decides by it, and [begins](begin).
+/// What the last run has left in memory. The image decides what to do with it, and then calls [`begin`].
 #[must_use]
 pub fn left() -> Left {
     let (head, ticks, record) = parts();
     Left::decode(&read(head), read(ticks), &read(record))
 }
 
-/// A run begins, behind this failure, if it was one. Where there have been too many in a row, it does not.
+/// Begins a run, after this failure if there was one. After too many failures in a row this function does not return.
 pub fn begin(failure: Option<&Failure>) {
     let in_a_row = failure.map_or(0, |failure| failure.in_a_row);
     let (head, ticks, record) = parts();
@@ -89,16 +89,16 @@ pub fn begin(failure: Option<&Failure>) {
     }
 }
 
-/// Lets nothing touch the 4 KiB below `_stack_end`, for memory that does not end
-/// there by itself. They begin at a multiple of their size.
+/// Forbids all access to the 4 KiB below `_stack_end`, for a chip that has memory there. `_stack_end` is a multiple of
+/// 4 KiB.
 pub fn guard_stack(mpu: &mut MPU) {
     const SIZE: u32 = 4096;
     /// On, 2^(11 + 1) bytes, no access, no execution.
     const GUARD: u32 = 1 << 28 | 11 << 1 | 1;
-    /// On, with the memory as it is without regions for everything else; off in the handler of the fault.
+    /// On; without a region the default memory map holds; off in the handler of the fault.
     const ON: u32 = 1 << 2 | 1;
     let base = (&raw const _stack_end as u32).wrapping_sub(SIZE);
-    // SAFETY: no program uses what lies there; a stack that does has run over.
+    // SAFETY: no program uses this memory; a stack that reaches it has run over.
     unsafe {
         mpu.rnr.write(0);
         mpu.rbar.write(base);
@@ -109,9 +109,9 @@ pub fn guard_stack(mpu: &mut MPU) {
     cortex_m::asm::isb();
 }
 
-/// For the image's handler of panics, which looks at nothing of what it is handed:
-/// so neither texts nor places of panics are in the image. What is recorded is what
-/// the stack says: the call that panicked, and that of the function it is in.
+/// For the image's handler of panics. It ignores the panic's message and place, so the image holds neither texts nor
+/// places of panics. The record takes two addresses from the stack: the call that panicked, and the call of the
+/// function that made it.
 #[unsafe(naked)]
 pub extern "C" fn panicked() -> ! {
     naked_asm!(
@@ -123,17 +123,17 @@ pub extern "C" fn panicked() -> ! {
     )
 }
 
-/// Up the stack from a frame. Each begins with where the one above it is, and the address that its function returns to.
+/// Walks up the stack from a frame. Each frame begins with the address of the next frame and the return address.
 extern "C" fn came_from(mut frame: u32) -> ! {
-    /// From where a call returns to, in Thumb state, back into the call.
+    /// From a return address (in Thumb state) back into the call.
     const INTO_CALL: u32 = 3;
     let mut call = || {
         let (above, back) = (on_stack(frame), on_stack(frame.saturating_add(4)));
-        // Always upwards, so that it ends.
+        // The addresses always rise, so that the walk ends.
         frame = if above > frame { above } else { 0 };
         back.saturating_sub(INTO_CALL)
     };
-    // The library's own ways to a panic.
+    // Skips the library's own functions on the way to a panic.
     let (start, end_of) = (
         &raw const __panicking_start as u32,
         &raw const __panicking_end as u32,
@@ -145,7 +145,7 @@ extern "C" fn came_from(mut frame: u32) -> ! {
     end(FailureKind::Panic, place, call())
 }
 
-/// Writes down what is known, and starts the processor anew. With a stack that is empty: so it adds nothing to the deepest.
+/// Writes the record and resets the processor. It takes an empty stack, so that it adds nothing to the deepest one.
 #[unsafe(naked)]
 extern "C" fn end(kind: FailureKind, place: u32, within: u32) -> ! {
     naked_asm!(
@@ -171,7 +171,7 @@ extern "C" fn write_down(kind: FailureKind, place: u32, within: u32) -> ! {
     SCB::sys_reset()
 }
 
-/// Begins with a stack that is good: the old one may have ended.
+/// Begins with an empty stack: the old stack may have left its memory.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
 unsafe extern "C" fn HardFault() -> ! {
@@ -192,7 +192,7 @@ unsafe extern "C" {
     static __panicking_end: u32;
 }
 
-/// A word of the stack; 0 where that is not.
+/// A word of the stack; 0 for an address outside the stack.
 fn on_stack(at: u32) -> u32 {
     let (low, high) = (&raw const _stack_end as u32, &raw const _stack_start as u32);
     if (low..high).contains(&at) && at.is_multiple_of(4) {
@@ -203,8 +203,8 @@ fn on_stack(at: u32) -> u32 {
     }
 }
 
-/// `stacked`: where the stack was. There the processor has put r0–r3, r12, return
-/// address, address of the instruction, flags of the code that failed.
+/// `stacked`: the stack pointer at the fault. The processor has put there r0–r3, r12, return address, address of the
+/// instruction and flags of the code that failed.
 extern "C" fn fault(stacked: u32) -> ! {
     if stacked < &raw const _stack_end as u32 {
         end(FailureKind::StackOverflow, 0, 0);

@@ -1,7 +1,7 @@
 #![no_std]
-//! What happens on a board, as messages for a desk. Who carries them to it is the image's.
+//! The events of a board as log messages. The image provides the way to the reader.
 //!
-//! Numbers and short words only: the texts of alarms are where a gateway is.
+//! The messages are numbers and short words only: the gateway has the texts of alarms.
 
 use leadscrew_app::ResetCause;
 use leadscrew_core::board::Event;
@@ -18,7 +18,7 @@ pub fn started(cause: ResetCause) {
     defmt::info!("started by {=str}", cause);
 }
 
-/// Something has happened.
+/// Logs an event.
 pub fn event(event: &Event) {
     match event {
         Event::Ready => defmt::info!("ready"),

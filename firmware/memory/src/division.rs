@@ -1,14 +1,14 @@
-//! Division of 64 bits on a processor that divides 32, by the names that the compiler calls.
+//! Division of 64-bit numbers on a processor that divides 32 bits, under the names that the compiler calls.
 //!
-//! Long division in digits of 16 bits; what comes with the compiler goes bit by bit, in a kilobyte [D159].
+//! This is long division in digits of 16 bits. The compiler's own library divides bit by bit, and takes a kilobyte [D159].
 
-// Registers r0 to r3 and r12 are the caller's to save. A divisor of zero gives some number: no caller has one.
+// The caller saves r0 to r3 and r12. A divisor of zero gives an arbitrary number: no caller passes one.
 functions!(
-    // r1:r0 by r2, with r1 below r2 -> r4, and a rest in r1. Changes r0, r2, r5, r6 and r12.
+    // r1:r0 by r2, with r1 below r2 -> quotient r4, remainder r1. Changes r0, r2, r5, r6 and r12.
     ".section .text.leadscrew_divide_word, \"ax\", %progbits",
     ".balign 2",
     "entry leadscrew_divide_word",
-    // Both are shifted until the divisor fills its word. A shift by 32 leaves nothing.
+    // Shifts both until the divisor fills its word. A shift by 32 gives 0.
     "clz r12, r2",
     "lsl r2, r2, r12",
     "lsl r1, r1, r12",
@@ -18,7 +18,7 @@ functions!(
     "lsl r0, r0, r12",
     "movs r4, #0",
     "0:",
-    // A digit, by the divisor's upper half alone: 2^16 + 1 at most, so that its product with the lower half fits.
+    // Estimates a digit from the divisor's upper half: 2^16 + 1 at most, so that its product with the lower half fits.
     "lsrs r6, r2, #16",
     "udiv r5, r1, r6",
     "mls r1, r5, r6, r1",
@@ -28,7 +28,7 @@ functions!(
     "muls r6, r5, r6",
     "subs r1, r1, r6",
     "bhs 2f",
-    // By one or two too large.
+    // The estimate is too large by one or two.
     "1:",
     "subs r5, #1",
     "adds r1, r1, r2",
@@ -36,13 +36,13 @@ functions!(
     "2:",
     "lsls r0, r0, #16",
     "add r4, r5, r4, lsl #16",
-    // Twice: the first time sets this bit, the second time clears it.
+    // The loop runs twice: the first pass sets this bit, the second pass clears it.
     "eors r3, r3, #0x80000000",
     "bmi 0b",
     "lsr r1, r1, r12",
     "bx lr",
     "ends leadscrew_divide_word",
-    // (dividend r1:r0, divisor r3:r2) -> quotient r1:r0, rest r3:r2
+    // (dividend r1:r0, divisor r3:r2) -> quotient r1:r0, remainder r3:r2
     ".section .text.__aeabi_uldivmod, \"ax\", %progbits",
     ".balign 2",
     "entry __aeabi_uldivmod",
@@ -55,8 +55,8 @@ functions!(
     "mov r2, r1",
     "mov r1, r8",
     "pop {{r4, r5, r6, r7, r8, pc}}",
-    // A divisor of two words: half of the dividend by what of the divisor fills a word. Shifted back that is the
-    // quotient, or one more; less one it is the quotient, or one less.
+    // A divisor of two words: divide half of the dividend by the divisor's top 32 bits. The result, shifted back, is
+    // the quotient or one more. Less one, it is the quotient or one less.
     "1:",
     "push {{r0, r1, r2, r3}}",
     "clz r7, r3",
@@ -89,7 +89,7 @@ functions!(
     "movs r1, #0",
     "pop {{r4, r5, r6, r7, r8, pc}}",
     "ends __aeabi_uldivmod",
-    // The same with signs: the rest has the dividend's.
+    // The same for signed numbers: the remainder has the sign of the dividend.
     ".section .text.__aeabi_ldivmod, \"ax\", %progbits",
     ".balign 2",
     "entry __aeabi_ldivmod",

@@ -1,11 +1,12 @@
 #![no_std]
-//! What the compiler calls to copy, move, fill and compare memory, and to divide 64 bits, in few bytes: those that come
-//! with it are made for speed and take 4.5 KiB, these a small part of that. An
-//! image has them by `use leadscrew_memory as _`.
+//! The functions that the compiler calls to copy, move, fill and compare memory, and to divide 64-bit numbers, in few
+//! bytes. The compiler's own functions are made for speed and take 4.5 KiB; these take a small part of that. An image
+//! links them with `use leadscrew_memory as _`.
 //!
-//! For ARMv7E-M, where a word may be read and written at any address. What is aligned is copied sixteen bytes at a time.
+//! They are for ARMv7E-M, where a word may be read and written at any address. Aligned memory is copied sixteen bytes
+//! at a time.
 
-/// Functions in assembler. `entry` begins one, by every name it has; `ends` tells the size behind each of them.
+/// Functions in assembler. `entry` begins a function under each of its names; `ends` gives its size for each name.
 macro_rules! functions {
     ($($line:literal,)*) => {
         core::arch::global_asm!(
@@ -15,7 +16,7 @@ macro_rules! functions {
             ".thumb_func",
             "\\name:",
             ".endm",
-            // Each reaches to the end of its section: without a size nobody could tell what it takes of the stack.
+            // A function reaches to the end of its section. Without a size no tool could tell how much stack it takes.
             ".macro ends names:vararg",
             ".irp name, \\names",
             ".size \\name, . - \\name",
@@ -31,10 +32,10 @@ macro_rules! functions {
 
 mod division;
 
-// Registers r0 to r3 and r12 are the caller's to save. Nothing that is copied forwards needs to lie apart from where it
-// goes, as long as it goes down: what a store writes has been read before.
+// The caller saves r0 to r3 and r12. A copy to a lower address may overlap its source: the copy runs forwards, so it
+// has read each word before it writes over it.
 functions!(
-    // (to, from, bytes) -> to. Up to three bytes are left for the end of each.
+    // (to, from, bytes) -> to. Up to three bytes remain for the end.
     ".section .text.memcpy, \"ax\", %progbits",
     ".balign 2",
     "entry memmove",
@@ -49,7 +50,7 @@ functions!(
     "entry __aeabi_memcpy4",
     "entry __aeabi_memcpy8",
     "mov r12, r0",
-    // Sixteen at a time, where both ends are aligned.
+    // Sixteen at a time, where both addresses are aligned.
     "orr r3, r0, r1",
     "lsls r3, r3, #30",
     "bne 2f",
@@ -83,7 +84,7 @@ functions!(
     "bne 1b",
     "4:",
     "bx lr",
-    // It goes up into itself: from the end.
+    // The target lies above the source and overlaps it: copy from the end.
     "5:",
     "add r1, r2",
     "add r12, r0, r2",
@@ -142,7 +143,7 @@ functions!(
     "bx lr",
     "ends __aeabi_memclr, __aeabi_memclr4, __aeabi_memclr8",
     "ends __aeabi_memset, __aeabi_memset4, __aeabi_memset8, memset",
-    // (one, other, bytes) -> below, at or above zero as the first byte that differs
+    // (one, other, bytes) -> below, at or above zero, as the first byte that differs is
     ".section .text.memcmp, \"ax\", %progbits",
     ".balign 2",
     "entry memcmp",

@@ -1,8 +1,8 @@
 #![no_std]
 #![no_main]
-//! Runs every example and a thousand random programs on the emulated Cortex-M4F, the board in lock-step with its plant, and
-//! prints a row `name hash ticks alarm` for each: a host prints the same. With `seed=S count=N` in its command line it runs
-//! N random programs from seed S on instead.
+//! Runs every example and a thousand random programs on the emulated Cortex-M4F, the board in lock-step with its plant.
+//! Prints a row `name hash ticks alarm` for each; a host prints the same rows. With `seed=S count=N` in its command
+//! line it runs N random programs instead, from seed S on.
 
 use core::fmt::Arguments;
 use core::panic::PanicInfo;
@@ -14,12 +14,12 @@ use leadscrew_core::params::Params;
 mod programs;
 mod run;
 
-/// Name and text.
+/// Name and text of an example.
 type Example = (&'static str, &'static [u8]);
 
 static EXAMPLES: &[Example] = include!(concat!(env!("OUT_DIR"), "/examples.rs"));
 
-/// Random programs.
+/// The number of random programs.
 const PROGRAMS: u64 = 1000;
 
 #[entry]

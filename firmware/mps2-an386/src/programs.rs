@@ -1,4 +1,4 @@
-//! Random programs: the same text from the same seed, on a host and on the board.
+//! Random programs: a seed gives the same text on a host and on the board.
 
 use core::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use heapless::String;
 /// The longest program.
 pub const LONGEST: usize = 2048;
 
-/// SplitMix64.
+/// The generator SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -19,13 +19,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// `low` to `high`, both included.
+    /// A number from `low` to `high`, both included.
     fn within(&mut self, low: u64, high: u64) -> u64 {
         low + self.next_bits() % (high - low + 1)
     }
 }
 
-/// A program of a few blocks of every kind around a bar of 60 mm, and at times a hole in its face.
+/// A program of a few blocks of every kind around a bar of 60 mm, and sometimes a hole in its face.
 ///
 /// # Panics
 /// Never: every program is shorter than [`LONGEST`].
@@ -86,7 +86,7 @@ fn block(text: &mut String<LONGEST>, random: &mut Random) -> core::fmt::Result {
             random.within(50, 99)
         ),
         3 => {
-            // A quarter of a circle outwards.
+            // A quarter of a circle, outwards.
             let radius = random.within(1, 8);
             writeln!(
                 text,
@@ -127,7 +127,7 @@ fn block(text: &mut String<LONGEST>, random: &mut Random) -> core::fmt::Result {
     }
 }
 
-/// Rigid or ordinary, in one go or in pecks, right hand or left.
+/// A tap, rigid or ordinary, in one go or in pecks, right hand or left hand.
 fn hole(text: &mut String<LONGEST>, random: &mut Random) -> core::fmt::Result {
     let speed = random.within(400, 1000);
     writeln!(text, "G98 G0 X0 Z{}", random.within(5, 8))?;

@@ -1,4 +1,4 @@
-//! A program from its text to the hash of its setpoints, in lock-step with the plant.
+//! Runs a program from its text to the hash of its setpoints, in lock-step with the plant.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
@@ -10,14 +10,14 @@ use leadscrew_core::program::{Call, Event, Events, Options, TapSpindle};
 /// Ticks after which a run counts as hanging.
 const LONGEST: u64 = 1_000_000;
 
-/// What became of a program.
+/// The result of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outcome {
-    /// Of every tick from the first to the last in state run.
+    /// The hash of every tick from the first to the last one in state run.
     pub hash: u64,
-    /// How many those are.
+    /// The number of these ticks.
     pub ticks: u64,
-    /// Number of the alarm that refused or stopped it; 0 for none.
+    /// Number of the alarm that refused or stopped the program; 0 for none.
     pub alarm: u16,
 }
 
@@ -28,7 +28,7 @@ pub struct Outcome {
 #[must_use]
 pub fn run(text: &[u8], params: &Params) -> Outcome {
     let calls = || Events::new(text, params, Options::default());
-    // All of it is read before anything moves.
+    // The whole program is read before anything moves.
     if let Some(alarm) = calls().find_map(Result::err) {
         return Outcome {
             hash: SetpointHash::new().value(),

@@ -1,13 +1,13 @@
-//! The CAN controller FDCAN1, register by register: classic frames, a hardware queue of three, no automatic way back from
+//! The CAN controller FDCAN1, register by register: classic frames, a hardware queue of three, no automatic return from
 //! bus-off.
 //!
-//! Why not the driver of a support crate for the chip: it hands frames over through
-//! channels that mask all interrupts, and the tick must not wait for the background.
-//! Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
+//! The driver of the support crate does not fit: it passes frames through channels that mask all interrupts, and the
+//! tick must not wait for the background. Here one interrupt owns receiving and sending; the tick only puts the SYNC in.
 //!
-//! When the controller goes off the bus it stays off: it was part of a fault that somebody has to look at, and drives that
-//! have missed setpoints must not get new ones out of nowhere. What is told is its state. So is it where it could not read
-//! its message memory in time: it goes into restricted operation by itself, sends nothing any more, and stays there.
+//! A controller that has gone off the bus stays off. It was part of a fault that somebody has to look at, and drives
+//! that have missed setpoints must not get new ones by surprise. The board only reports the state. The same holds where
+//! the controller could not read its message memory in time: it then enters restricted operation by itself, sends
+//! nothing any more, and stays there.
 
 use embassy_stm32::pac::can::regs::Nbtp;
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm};
@@ -17,17 +17,17 @@ use leadscrew_parts::{BitTiming, Places};
 
 /// Words of an element of the message memory.
 const ELEMENT: usize = 18;
-/// Places for frames to be sent, and in each queue of received ones.
+/// Places for frames to be sent; each queue of received frames has as many.
 const PLACES: u8 = Places::COUNT;
-/// Words of all of them.
+/// Words of all places together.
 const ELEMENTS: usize = ELEMENT * PLACES as usize;
-/// Where the first queue of received frames begins: behind 28 filters of one word, and 8 of two.
+/// The first queue of received frames begins after 28 filters of one word, and 8 of two.
 const RECEIVE: usize = 28 + 8 * 2;
-/// Where those to be sent begin: behind two such queues, and three events of two words.
+/// The frames to be sent begin after two such queues, and three events of two words.
 const TRANSMIT: usize = RECEIVE + 2 * ELEMENTS + 3 * 2;
 /// Words of the message memory of one controller.
 const WORDS: usize = TRANSMIT + ELEMENTS;
-// The manual's figures in bytes: where its header has the sections, and where the next controller's memory begins.
+// The manual's figures in bytes: the offsets of the sections, and where the next controller's memory begins.
 const _: () = assert!(RECEIVE * 4 == 0x0B0 && TRANSMIT * 4 == 0x278 && WORDS * 4 == 0x350);
 
 /// Starts the controller.
@@ -37,11 +37,11 @@ pub fn start(timing: BitTiming) {
     FDCAN1.cccr().modify(|w| w.set_cce(true));
     let memory = FDCANRAM1.as_ptr().cast::<u32>();
     for word in 0..WORDS {
-        // SAFETY: the memory of this controller has so many words, and nobody else uses it.
+        // SAFETY: the memory of this controller has so many words, and nothing else uses it.
         unsafe { memory.add(word).write_volatile(0) };
     }
     FDCAN1.nbtp().write_value(Nbtp(timing.word()));
-    // Every standard data frame is heard; extended and remote ones are nobody's here.
+    // Every standard data frame is received; extended and remote frames are rejected.
     FDCAN1.rxgfc().write(|w| {
         w.set_anfs(Anfs::ACCEPT_FIFO_0);
         w.set_anfe(Anfe::REJECT);
@@ -49,7 +49,7 @@ pub fn start(timing: BitTiming) {
         w.set_rrfe(true);
     });
     FDCAN1.txbc().write(|w| w.set_tfqm(Tfqm::QUEUE));
-    // A place that becomes free, by being sent or called back, is told.
+    // A place that becomes free, after sending or a cancellation, raises the interrupt.
     FDCAN1.txbtie().write(|w| w.0 = 0b111);
     FDCAN1.txbcie().write(|w| w.0 = 0b111);
     FDCAN1.ie().write(|w| {
@@ -65,13 +65,13 @@ pub fn start(timing: BitTiming) {
     FDCAN1.cccr().modify(|w| w.set_init(false));
 }
 
-/// A word of the message memory.
+/// The address of a word of the message memory.
 fn word(at: usize) -> *mut u32 {
     FDCANRAM1.as_ptr().cast::<u32>().wrapping_add(at)
 }
 
-/// Puts the words of a frame into the controller; its place comes back, or `None` where there is none. Not to be
-/// interrupted by itself.
+/// Puts the words of a frame into the controller. Gives the frame's place, or `None` where no place is free. A call
+/// must not interrupt another call.
 pub fn put(words: &[u32; 4]) -> Option<Places> {
     let state = FDCAN1.txfqs().read();
     if state.tfqf() {
@@ -80,7 +80,7 @@ pub fn put(words: &[u32; 4]) -> Option<Places> {
     let place = state.tfqpi().min(PLACES - 1);
     let element = TRANSMIT + usize::from(place) * ELEMENT;
     for (at, value) in (element..).zip(*words) {
-        // SAFETY: an element of this controller's memory, at a place that is free.
+        // SAFETY: an element of this controller's memory, in a free place.
         unsafe { word(at).write_volatile(value) };
     }
     let place = Places(1 << place);
@@ -88,7 +88,7 @@ pub fn put(words: &[u32; 4]) -> Option<Places> {
     Some(place)
 }
 
-/// A frame that has been received.
+/// The next frame that was received.
 pub fn take() -> Option<Frame> {
     let state = FDCAN1.rxfs(0).read();
     if state.ffl() == 0 {
@@ -96,14 +96,14 @@ pub fn take() -> Option<Frame> {
     }
     let place = state.fgi().min(PLACES - 1);
     let element = RECEIVE + usize::from(place) * ELEMENT;
-    // SAFETY: an element of this controller's memory, which it does not touch until it is given back.
+    // SAFETY: an element of this controller's memory. The controller does not write to it before it is acknowledged.
     let words = [0, 1, 2, 3].map(|at| unsafe { word(element + at).read_volatile() });
     FDCAN1.rxfa(0).write(|w| w.set_fai(place));
     leadscrew_parts::received(words)
 }
 
-/// Takes note of the interrupts. True where a frame was received while there was no place for it, or could not be put
-/// there.
+/// Acknowledges the interrupts. True where the controller has lost a received frame: no place was free, or the memory
+/// access failed.
 pub fn acknowledge() -> bool {
     let reasons = FDCAN1.ir().read();
     FDCAN1.ir().write_value(reasons);
@@ -115,36 +115,36 @@ pub fn pending() -> Places {
     Places(FDCAN1.txbrp().read().0 & Places::ALL.0)
 }
 
-/// Calls the frames in these places back, but for one that is on the wire already.
+/// Cancels the frames in these places, except one that is on the wire already.
 pub fn call_back(places: Places) {
     FDCAN1.txbcr().write(|w| w.0 = places.0);
 }
 
-/// How it stands on the bus.
+/// The state of the controller on the bus.
 pub fn controller() -> Controller {
     let mode = FDCAN1.cccr().read().0;
     leadscrew_parts::controller(mode, FDCAN1.psr().read().0, FDCAN1.ecr().read().0)
 }
 
-/// It has left the bus, or is on its way back, or does not send.
+/// The controller has left the bus, or is on its way back, or does not send.
 pub fn is_off() -> bool {
     FDCAN1.psr().read().bo() || FDCAN1.cccr().read().asm()
 }
 
-/// Looks at INIT until it has come over to the clock of the bus: a few clocks of each.
+/// The most reads of INIT while the bit passes to the clock of the bus; that takes a few cycles of each clock.
 const COMES_OVER: u32 = 1000;
 
-/// Takes part again after bus-off, behind 129 times eleven recessive bits, or after restricted operation; with nothing of
-/// what was to be sent before, which the controller forgets as CCE is set. It clears that together with INIT.
+/// Takes part in the bus again, after bus-off (when 129 times eleven recessive bits have passed) or after restricted
+/// operation. The controller drops all frames that wait to be sent when CCE is set. It clears CCE together with INIT.
 pub fn rejoin() {
     if FDCAN1.cccr().read().asm() {
         FDCAN1.cccr().modify(|w| w.set_init(true));
-        // Where it does not come the state stays as it is, and this is called again.
+        // Where INIT does not come the state stays as it is, and the caller tries again.
         let mut looks = 0..COMES_OVER;
         while !FDCAN1.cccr().read().init() && looks.next().is_some() {}
     }
-    // Bus-off has set INIT. This is called until the state is another one: it must not be set again, or those bits would
-    // have to be waited for from the first.
+    // Bus-off has set INIT. The caller repeats this call until the state has changed: INIT must not be set again, or
+    // the count of recessive bits would begin again.
     FDCAN1.cccr().modify(|w| w.set_cce(true));
     FDCAN1.cccr().modify(|w| w.set_asm(false));
     FDCAN1.cccr().modify(|w| w.set_init(false));

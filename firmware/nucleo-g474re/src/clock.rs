@@ -1,15 +1,14 @@
 //! Clocks: 170 MHz from the 24 MHz crystal of the board.
 //!
-//! The crystal, not the oscillator inside the chip: a CAN bit of 1 Mbit/s allows its ends to differ by less than that
-//! oscillator may be off. Without the crystal nothing starts: the light flashes, by the
-//! oscillator inside the chip, and that is all. Where it stops, the chip
-//! goes on by the other one and raises the non-maskable interrupt, which ends the
-//! program ([`flash`](crate::flash)): time is not what it was, and the bus is dead.
+//! The oscillator inside the chip is not accurate enough: its error may be larger than a CAN bit of 1 Mbit/s permits.
+//! Without the crystal nothing starts; the light flashes by the inner oscillator. Where the crystal stops later, the
+//! chip goes on by the inner oscillator and raises the non-maskable interrupt. This ends the program
+//! ([`flash`](crate::flash)), because the time base is wrong and the bus is dead.
 //!
-//! `embassy-stm32` starts crystal and PLL, whatever ran before and left on, and stays on the crystal. The last step is
-//! taken here, register by register: above 150 MHz the core needs the voltage of its boost mode, and the crate clears
-//! another bit for that than the chip has, and resets what was set before ([`R1MODE`]). Timers and CAN controller are
-//! given their clocks here, the ports have theirs from the crate; each has its registers in a file of its own.
+//! `embassy-stm32` starts crystal and PLL, whatever clocks ran before, and stays on the crystal. This module takes the
+//! last step, register by register: above 150 MHz the core needs the voltage of its boost mode. The crate clears the
+//! wrong bit for that, and resets what was set before ([`R1MODE`]). This module also enables the clocks of timers and
+//! CAN controller; the crate enables those of the ports. Each part has its registers in a file of its own.
 
 use embassy_stm32::Config;
 use embassy_stm32::pac;
@@ -22,23 +21,23 @@ use embassy_stm32::time::Hertz;
 
 use crate::pins;
 
-/// The crystal, and the clock of the CAN controller.
+/// The crystal, which is also the clock of the CAN controller.
 pub const CRYSTAL_HZ: u32 = 24_000_000;
 /// The processor and all timers.
 pub const CORE_MHZ: u32 = 170;
-/// The oscillator inside the chip, which the processor has after a reset.
+/// The oscillator inside the chip. The processor runs by it after a reset.
 const INSIDE_MHZ: u32 = 16;
 
-/// The crystal takes a few milliseconds to start; so many, at least, are waited for.
+/// The longest wait for the crystal, which takes a few milliseconds to start.
 const PATIENCE_MS: u32 = 200;
-/// The light without a crystal: on and off for so long each.
+/// Without a crystal: the time for which the light is on, and then off.
 const FLASH_MS: u32 = 100;
 
-/// PWR_CR5: 0 is the boost mode of voltage range 1, 1 (after a reset) its normal mode, for up to 150 MHz. Bit 8 by RM0440;
-/// `stm32-metapac` 21 has bit 0 there (`manual.rs` says when that has changed).
+/// PWR_CR5: 0 is the boost mode of voltage range 1; 1 (after a reset) is its normal mode, for up to 150 MHz. RM0440 has
+/// it in bit 8, `stm32-metapac` 21 in bit 0 (`manual.rs` fails to compile once the crate is right).
 const R1MODE: u32 = 1 << 8;
 
-/// Starts the clocks. Without a crystal it does not come back.
+/// Starts the clocks. Without a crystal it does not return.
 pub fn start() {
     if !has_crystal() {
         show_no_crystal();
@@ -65,7 +64,7 @@ pub fn start() {
     rcc.hsi48 = None;
     rcc.ls = LsConfig::off();
     rcc.mux.fdcansel = mux::Fdcansel::HSE;
-    // Its tokens of ownership stay behind: `main` starts each part once.
+    // The tokens of ownership are not used: `main` starts each part once.
     let _ = embassy_stm32::init(config);
     speed_up();
     pac::RCC.cr().modify(|w| w.set_csson(true));
@@ -75,16 +74,16 @@ pub fn start() {
         w.set_tim6en(true);
         w.set_fdcanen(true);
     });
-    // A program that a debugger has stopped is not bitten by the watchdog.
+    // The watchdog stops while a debugger has stopped the program.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
 }
 
-/// From the crystal to the PLL, in the order that RM0440 gives for the boost mode (6.1.5): half the clock, the voltage, the
+/// Goes from the crystal to the PLL, in RM0440's order for the boost mode (6.1.5): half the clock, the voltage, the
 /// wait states, the PLL, a microsecond, the whole clock.
 fn speed_up() {
     pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV2));
     pac::PWR.cr5().modify(|w| w.0 &= !R1MODE);
-    // Code runs from one bank only, so the prefetcher does not meet its erratum.
+    // Code runs from one bank only, so the erratum of the prefetcher does not apply.
     pac::FLASH.acr().modify(|w| {
         w.set_latency(Latency::WS4);
         w.set_prften(true);
@@ -96,10 +95,10 @@ fn speed_up() {
     pac::RCC.cfgr().modify(|w| w.set_hpre(AHBPrescaler::DIV1));
 }
 
-/// Starts the crystal; false where it does not come.
+/// Starts the crystal; false where it does not start.
 fn has_crystal() -> bool {
     pac::RCC.cr().modify(|w| w.set_hseon(true));
-    // Ten looks a millisecond.
+    // Ten checks a millisecond.
     for _ in 0..10 * PATIENCE_MS {
         if pac::RCC.cr().read().hserdy() {
             return true;
@@ -109,8 +108,8 @@ fn has_crystal() -> bool {
     false
 }
 
-/// Shows that there is no crystal, until the power goes or the reset button is pressed. Interrupts are off, the watchdog
-/// has not been started, and what the board switches is off.
+/// Shows that there is no crystal, until the power goes or the reset button is pressed. Interrupts are off, the
+/// watchdog does not run yet, and all outputs are off.
 fn show_no_crystal() -> ! {
     pac::RCC.cr().modify(|w| {
         w.set_hseon(false);
@@ -123,7 +122,7 @@ fn show_no_crystal() -> ! {
         w.set_gpioben(true);
         w.set_gpiocen(true);
     });
-    // A port takes two clocks to have its own.
+    // A port gets its clock after two cycles.
     let _ = pac::RCC.ahb2enr().read();
     pins::start_outputs();
     loop {

@@ -6,8 +6,8 @@
 //! | TIM2 channel 3 | the index: the hardware keeps the count at its rising edge |
 //! | TIM2 → TIM5 | a pulse at every count; TIM5 runs freely at the processor's clock and keeps its value at the pulse |
 //!
-//! So the time of the last edge needs no wire and no interrupt. The index is filtered longer than the lines: it comes
-//! together with an edge, and the count behind it is the one that belongs to it, whatever the direction.
+//! So the time of the last edge needs no wire and no interrupt. The index has a longer filter than the lines. It comes
+//! together with an edge; the count after this edge belongs to it, in either direction.
 
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
 use embassy_stm32::pac::{TIM2, TIM5};
@@ -16,12 +16,13 @@ use leadscrew_parts::{EdgeClock, Reading};
 
 use crate::clock::CORE_MHZ;
 
-/// 16 clocks, 94 ns: shorter pulses of A and B are noise.
+/// 16 clocks, 94 ns: shorter pulses of A and B count as noise.
 const LINES: FilterValue = FilterValue::FDTS_DIV2_N8;
-/// 128 clocks, 753 ns: behind any edge that comes with the index, and before the next one up to a million counts a second.
+/// 128 clocks, 753 ns: later than any edge that comes with the index, and earlier than the next edge, up to a million
+/// counts a second.
 const INDEX: FilterValue = FilterValue::FDTS_DIV16_N8;
 
-/// Clocks from a count to the moment at which TIM5 has kept its time, and some.
+/// Clocks from a count until TIM5 has captured the time, and a margin.
 const CAPTURE_CLOCKS: u32 = 8;
 
 /// The encoder, read by the tick.
@@ -61,7 +62,7 @@ impl Encoder {
         }
     }
 
-    /// A sample now. An edge that comes in between makes it read a second time; a third cannot come so soon.
+    /// Takes a sample now. Where an edge comes in between, it reads a second time; another edge cannot come so soon.
     pub fn sample(&mut self) -> EncoderSample {
         let mut reading = read();
         if TIM2.cnt().read() != reading.count {
@@ -79,7 +80,7 @@ impl Encoder {
 fn read() -> Reading {
     let count = TIM2.cnt().read();
     cortex_m::asm::delay(CAPTURE_CLOCKS);
-    // Reading what was kept clears its flag.
+    // Reading the captured value clears its flag.
     let edge = TIM5.sr().read().ccif(0).then(|| TIM5.ccr(0).read());
     let index = TIM2.sr().read().ccif(2).then(|| TIM2.ccr(2).read());
     Reading {

@@ -1,8 +1,8 @@
-//! What has started the program, and what had stopped it: its own record, the watchdog, or the power.
+//! Why the program started, and what had stopped it: a failure with its own record, the watchdog, or the power.
 
 use leadscrew_app::{Failure, ResetCause, ResetFlags};
 
-/// The cause of this start, and the failure before it, if it was one; and a guard below the stack from now on.
+/// Gives the cause of this start, and the failure before it, if there was one. Sets the guard below the stack.
 pub fn start(flags: ResetFlags) -> (ResetCause, Option<Failure>) {
     if let Some(mut core) = cortex_m::Peripherals::take() {
         leadscrew_fault::guard_stack(&mut core.MPU);

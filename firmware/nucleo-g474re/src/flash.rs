@@ -1,7 +1,7 @@
 //! Parameters and tap journal: the beginning of the second flash bank.
 //!
 //! The program runs from the first bank meanwhile. A word whose error correction fails raises the non-maskable
-//! interrupt; in the second bank, which nobody else reads, that is an answer to a read, and nowhere else.
+//! interrupt. Only this module reads the second bank, so there the interrupt always answers one of its reads.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,25 +14,25 @@ use leadscrew_parts::{WordDevice, WordError, WordFlash};
 const PAGE: usize = 2048;
 /// Pages for the regions.
 const PAGES: usize = 16;
-/// Where they begin: the second bank.
+/// The address where they begin: the second bank.
 const START: u32 = 0x0804_0000;
 
-/// What unlocks the registers that write.
+/// The keys that unlock the registers for writing.
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
-/// A word of the second bank has been read whose error correction failed. One processor: what orders it to the reads are
-/// barriers.
+/// A word of the second bank was read whose error correction failed. With one processor, barriers are enough to order
+/// this flag and the reads.
 static UNREADABLE: AtomicBool = AtomicBool::new(false);
-/// So far away a word is none that a reading of another one brings along; in the same page.
+/// Bytes from a word to another one of the same page, far enough that no read of one fetches both.
 const ELSEWHERE: u32 = PAGE as u32 / 2;
 
 /// The pages of the second bank.
 pub struct Bank(());
 
-/// Starts it.
+/// Starts the flash.
 ///
 /// # Panics
-/// Where the chip has its flash in one bank: it would stop for every write, and pages are others.
+/// Where the chip has its flash in one bank: it would stop for every write, and the pages would be others.
 pub fn start() -> WordFlash<Bank> {
     if !FLASH.optr().read().dbank() {
         panic!("one bank");
@@ -40,8 +40,8 @@ pub fn start() -> WordFlash<Bank> {
     WordFlash(Bank(()))
 }
 
-/// A change of the flash: unlocked for `work`, which begins it with these bits set. The chip wants its cache of data off
-/// meanwhile, and empty behind it.
+/// Changes the flash. It is unlocked for `work`, which starts the change; these bits are set. The chip needs its data
+/// cache off meanwhile, and empty afterwards.
 #[inline(never)]
 fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
     while FLASH.sr().read().bsy() {}
@@ -50,12 +50,12 @@ fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
         FLASH.keyr().write_value(first);
         FLASH.keyr().write_value(second);
     }
-    // Written as read: errors of before are cleared.
+    // The value written back clears the errors of earlier changes.
     FLASH.sr().modify(|_| {});
     FLASH.acr().modify(|w| w.set_dcen(false));
     FLASH.cr().write_value(bits);
     work();
-    // Nothing is asked before it has begun.
+    // The change must have begun before the status is read.
     cortex_m::asm::dsb();
     let state = loop {
         let state = FLASH.sr().read();
@@ -64,7 +64,7 @@ fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
         }
     };
     forget();
-    // What is to be done is taken back first, and locked then.
+    // The bits of the change are cleared first; then the registers are locked.
     FLASH.cr().write_value(Cr(0));
     FLASH.cr().write(|w| w.set_lock(true));
     let failed =
@@ -76,7 +76,7 @@ fn change(bits: Cr, work: &dyn Fn()) -> Result<(), WordError> {
     }
 }
 
-/// Empties the chip's cache of data: what has changed, and what could not be read, is not in it.
+/// Empties the chip's data cache: changed words, and unreadable words, must not stay in it.
 fn forget() {
     FLASH.acr().modify(|w| w.set_dcen(false));
     FLASH.acr().modify(|w| w.set_dcrst(true));
@@ -84,7 +84,7 @@ fn forget() {
     FLASH.acr().modify(|w| w.set_dcen(true));
 }
 
-/// Both halves of a word, once they are here.
+/// Both halves of a word, after the reads are complete.
 fn look(offset: u32) -> (u32, u32) {
     let at = (START + offset) as *const u32;
     // SAFETY: a word of the second bank; `offset` has been checked.
@@ -98,19 +98,19 @@ impl WordDevice for Bank {
     const SIZE: usize = PAGE * PAGES;
 
     fn read(&mut self, offset: u32) -> Result<[u8; 8], WordError> {
-        // A mended error of before would keep its place, and a bad word would be told as one of there. Written as read:
-        // what is set is cleared.
+        // A corrected error of an earlier read would keep its address, and a bad word would be reported with this
+        // address. The value written back clears the flags that are set.
         let before = FLASH.eccr().read();
         FLASH.eccr().write_value(before);
         UNREADABLE.store(false, Ordering::Relaxed);
         let (low, high) = look(offset);
-        // How long the interrupt of a bad word takes to come the manual does not say. What it takes note of is asked for
-        // itself, which takes some time too.
+        // The manual does not say how soon the interrupt of a bad word comes. So this also reads the flag that raises
+        // it, which gives it some time too.
         let told = FLASH.eccr().read().eccd();
         cortex_m::asm::dsb();
         if told || UNREADABLE.load(Ordering::Relaxed) {
-            // A second reading is to be refused like the first: the word may be in
-            // the cache, and in what was read last, which is kept beside it.
+            // A second read has to fail like the first: the word may be in the cache, and in the buffer of the last
+            // read next to it.
             forget();
             look(offset ^ ELSEWHERE);
             return Err(WordError::Unreadable);
@@ -152,16 +152,16 @@ impl WordDevice for Bank {
 #[exception]
 unsafe fn NonMaskableInt() {
     let state = FLASH.eccr().read();
-    // The other bank is the program's, whose words are read meanwhile too.
+    // The program runs from the other bank, whose words are read meanwhile too.
     let kept = state.bk_ecc() && !state.sysf_ecc();
     if state.eccd() && kept {
         UNREADABLE.store(true, Ordering::Relaxed);
-        // Written as read: what is set is cleared, and the next one is told again. It is cleared before this is over, or it
-        // would come once more and find nothing.
+        // The value written back clears the flags, so that the next bad word is reported again. This must happen before
+        // the return, or the interrupt would come once more and find nothing.
         FLASH.eccr().write_value(state);
         cortex_m::asm::dsb();
         return;
     }
-    // The program itself cannot be read, or the crystal has stopped: nothing that is known still holds.
+    // The program itself cannot be read, or the crystal has stopped: the program cannot go on.
     panic!("non-maskable interrupt");
 }

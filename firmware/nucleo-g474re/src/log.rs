@@ -1,4 +1,5 @@
-//! Messages over RTT, with the feature `defmt`; without it, nothing. Writing one keeps all interrupts out.
+//! Messages over RTT, with the feature `defmt`; without it, no messages. A message keeps all interrupts out while it is
+//! written.
 
 #[cfg(feature = "defmt")]
 use defmt_rtt as _;
@@ -6,7 +7,7 @@ use defmt_rtt as _;
 #[cfg(feature = "defmt")]
 pub use leadscrew_log::{event, started};
 
-/// Frames may have come for which there was no room.
+/// Warns where received frames were lost because there was no room.
 #[cfg(feature = "defmt")]
 pub fn lost_frames() {
     if crate::wire::has_lost() {
@@ -14,14 +15,14 @@ pub fn lost_frames() {
     }
 }
 
-/// The processor has started.
+/// Does nothing without the feature.
 #[cfg(not(feature = "defmt"))]
 pub fn started(_: leadscrew_app::ResetCause) {}
 
-/// Something has happened.
+/// Does nothing without the feature.
 #[cfg(not(feature = "defmt"))]
 pub fn event(_: &leadscrew_core::board::Event) {}
 
-/// Frames may have come for which there was no room.
+/// Does nothing without the feature.
 #[cfg(not(feature = "defmt"))]
 pub fn lost_frames() {}

@@ -4,8 +4,8 @@
 //!
 //! | priority | runs | owns |
 //! |---|---|---|
-//! | fault | the end: a record, and a new start ([`fault`]) | – |
-//! | NMI | a word of the flash that cannot be read ([`flash`]); the end, where the crystal stops | a flag |
+//! | fault | writes a record and resets the processor ([`fault`]) | – |
+//! | NMI | marks an unreadable word of the flash ([`flash`]); ends the program where the crystal stops | a flag |
 //! | 0 | TIM6: the tick ([`TickSide`]) | encoder timers, contacts, clamp, watchdog, its end of the rings |
 //! | 1 | FDCAN1: frames in and out ([`wire`]) | the controller, its ends of the rings |
 //! | thread | [`BackgroundSide`], storage, switches | flash, its ends of the rings |
@@ -14,12 +14,12 @@
 //! |---|---|---|
 //! | rings of frames ([`wire`]) | one side each | one side each |
 //! | the number of the tick, and when it began ([`wire`]) | tick | interrupt |
-//! | the places of the controller that its frames are in, and that they may go ([`wire`]) | tick; interrupt, keeping the tick out | both |
-//! | whose SYNC gives the beat ([`wire`]) | background | tick, interrupt |
+//! | places that hold the tick's frames, and their number ([`wire`]) | tick; interrupt, with the tick kept out | both |
+//! | the period of SYNC ([`beat`]) | background | timer, interrupt |
 //! | the queues of `leadscrew-app` | one side each | one side each |
 //!
-//! Nothing else is shared. A tick that takes longer than its period finds its
-//! frames unsent in the next one: they are called back and counted as late.
+//! Nothing else is shared. A tick that takes longer than its period leaves frames unsent. The next tick calls them back
+//! and counts them as late.
 
 mod beat;
 mod can;
@@ -59,7 +59,7 @@ use crate::owned::{Once, Owned};
 use crate::pins::{Clamp, Contacts, Switches};
 use crate::wire::Registers;
 
-/// The bit where the parameters name a rate that the crystal does not give: 1 Mbit/s, so that the alarm can be heard.
+/// The bit timing where the crystal does not give the rate of the parameters: 1 Mbit/s, so that the alarm can be sent.
 const FALLBACK: BitTiming = BitTiming {
     prescaler: 1,
     before: 20,
@@ -84,7 +84,7 @@ struct TickParts {
     contacts: Contacts,
     clamp: Clamp,
     wire: TickEnd<'static>,
-    /// What was wrong at power-up already.
+    /// The alarm for a fault that was found at power-up.
     trouble: Option<Code>,
 }
 
@@ -130,8 +130,8 @@ struct BackgroundParts {
     switches: Switches,
 }
 
-/// The entry of the tap journal, `None` too where it cannot be read, which is `trouble` then; repairs first what a loss of
-/// power has left unfinished.
+/// The entry of the tap journal. `None` also where it cannot be read; then `trouble` gets the alarm. Before the read,
+/// this repairs what a loss of power has left unfinished.
 #[inline(never)]
 fn tap(storage: &mut Storage, trouble: &mut Option<Code>) -> Option<TapRecord> {
     let mut buffer = [0; BUFFER];
@@ -194,11 +194,12 @@ impl Machine for BackgroundParts {
 
 #[entry]
 fn main() -> ! {
-    // While it starts no interrupt lies on its stack, which is the deepest of the thread: the room for both is the same
-    // (`cargo xtask sizes` counts on it). Nothing in there waits for one, and what comes meanwhile is served behind it.
+    // The start takes the deepest stack of the thread. Interrupts are masked until its end, so that none adds its own
+    // stack. The same memory then serves the rest of the thread with the interrupts (`cargo xtask sizes` counts on
+    // that). The start waits for no interrupt; those that come meanwhile run after it.
     cortex_m::interrupt::disable();
     let (background, parts) = start();
-    // SAFETY: no critical section is open, and what the handlers use is in place.
+    // SAFETY: no critical section is open, and everything that the handlers use is in place.
     unsafe { cortex_m::interrupt::enable() };
     loop {
         while background.step(parts) {}
@@ -208,7 +209,7 @@ fn main() -> ! {
     }
 }
 
-/// Everything up to the first tick. What it needs on the stack is free again behind it.
+/// Does everything up to the first tick. A function of its own, so that its stack is free afterwards.
 #[inline(never)]
 fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     let (cause, failure) = fault::start(reset::flags());
@@ -258,7 +259,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
             trouble,
         },
     };
-    // SAFETY: the timer is started behind it.
+    // SAFETY: the timer starts later.
     unsafe { TICK.fill(tick) };
     beat::start(tick_us);
     let parts = BackgroundParts {
@@ -270,7 +271,7 @@ fn start() -> (&'static mut BackgroundSide, &'static mut BackgroundParts) {
     (background, PARTS.put(parts))
 }
 
-/// The number that the maker gave the chip.
+/// The unique number that the chip's maker has written.
 fn unique_number() -> [u32; 3] {
     [UID.uid(0).read(), UID.uid(1).read(), UID.uid(2).read()]
 }
@@ -279,6 +280,6 @@ fn unique_number() -> [u32; 3] {
 fn TIM6_DAC() {
     beat::begun();
     leadscrew_fault::tick();
-    // SAFETY: this is its interrupt.
+    // SAFETY: this is the value's interrupt.
     unsafe { TICK.with(|tick| tick.side.tick(&mut tick.parts)) };
 }

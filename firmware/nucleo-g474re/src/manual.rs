@@ -1,7 +1,7 @@
-//! What the names of the support crate mean, against the figures of the chip's manual (RM0440), register by register.
+//! Checks the names of the support crate against the figures of the chip's manual (RM0440), register by register.
 //!
-//! A name that means another bit would show on a desk alone. The compiler checks
-//! this file, and nothing of it is in the image.
+//! Without these checks a name with a wrong bit would show only on real hardware. The compiler does them; the image
+//! contains nothing of this file.
 
 use embassy_stm32::pac::can::regs::{Cccr, Ie, Ile, Ir, Rxfa, Rxfs, Rxgfc, Tscc, Txbc, Txfqs};
 use embassy_stm32::pac::can::vals::{Anfe, Anfs, Tfqm, Tss};
@@ -19,7 +19,7 @@ use embassy_stm32::pac::timer::regs::{
 };
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts, Urs};
 
-/// A word as the manual writes it, and what it is to mean.
+/// A word as the manual writes it, and what the crate's names must read from it.
 macro_rules! means {
     ($($word:expr, $register:pat => $meaning:expr;)*) => {
         $(const _: () = {
@@ -67,7 +67,7 @@ means! {
     SmcrGp16(1 << 4), w => matches!(w.ts(), Ts::ITR1);
     Cr2Gp16(1 << 25), w => matches!(w.mms(), Mms::ENCODER_CLOCK_OUTPUT);
     CcmrInput2ch(0x5151), w => matches!((w.ccs(0), w.ccs(1)), (CcmrInputCcs::TI4, CcmrInputCcs::TI4));
-    // Half the clock, eight samples; a sixteenth of it, eight samples.
+    // Half the clock, eight samples; a sixteenth of the clock, eight samples.
     CcmrInput2ch(0xC050), w => matches!(w.icf(0), FilterValue::FDTS_DIV2_N8);
     CcmrInput2ch(0xC050), w => matches!(w.icf(1), FilterValue::FDTS_DIV16_N8);
     CcmrInput2ch(0b11), w => matches!(w.ccs(0), CcmrInputCcs::TRC);
@@ -79,7 +79,7 @@ means! {
     SrCore(1), w => w.uif();
 }
 
-// RCC, IWDG, and what DBGMCU does where a debugger stops the program.
+// RCC, IWDG, and the DBGMCU's control of the watchdog while a debugger stops the program.
 means! {
     Apb1enr1(1 << 25 | 1 << 4 | 1 << 3), w => w.fdcanen() && w.tim6en() && w.tim5en();
     Apb1enr1(1), w => w.tim2en();
@@ -100,7 +100,8 @@ means! {
     Apb1lfzr(1 << 12), w => w.iwdg();
 }
 
-// PWR: the crate has R1MODE in bit 0, where the chip has nothing. Once that is mended, `clock.rs` needs no bit of its own.
+// PWR: the crate has R1MODE in bit 0, where the chip has nothing. This fails once the crate is right; then `clock.rs`
+// needs no bit of its own.
 means! {
     Cr5(1 << 8), w => !w.r1mode();
 }

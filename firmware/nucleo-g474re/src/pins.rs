@@ -14,7 +14,7 @@
 //! | PB0 | CN7-34, A3 | spindle enable | high: enabled |
 //! | PA5 | CN10-11, D13 | LED LD2 | high: on |
 //!
-//! Not PB8 and PB9 for the bus: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the
+//! The bus does not use PB8 and PB9: PB8 is BOOT0 at a reset, and a transceiver at rest pulls it high, which starts the
 //! chip's boot loader. PA2, PA3, PA13, PA14 and PB3 belong to the debug probe, PF0 and PF1 to the crystal.
 
 use core::convert::Infallible;
@@ -29,14 +29,14 @@ use crate::clock;
 pub type Contacts = leadscrew_parts::Contacts<Input, Input>;
 /// The clamp.
 pub type Clamp = leadscrew_parts::Clamp<Output, Input>;
-/// What else the board switches.
+/// The other outputs of the board.
 pub type Switches = leadscrew_parts::Switches<Output, Output>;
 
-/// Numbers of what a pin is connected to within the chip.
+/// The alternate functions of the pins.
 const TIM2: u8 = 1;
 const FDCAN: u8 = 9;
 
-/// Gives what is switched its function: it is off. The ports have their clocks.
+/// Configures the pins of the outputs: all are off. The ports have their clocks already.
 pub fn start_outputs() {
     GPIOA.moder().modify(|w| {
         w.set_moder(5, Moder::OUTPUT);
@@ -49,8 +49,8 @@ pub fn start_outputs() {
     });
 }
 
-/// Gives every pin its function. What is switched is off. Encoder and contacts have pull-ups: open collectors and
-/// contacts to ground need no more, and a broken wire is an open contact.
+/// Gives every pin its function. All outputs are off. Encoder and contacts have pull-ups: open collectors and contacts
+/// to ground need no more, and a broken wire reads as an open contact.
 pub fn start() {
     start_outputs();
     GPIOA.afr(0).modify(|w| {
@@ -94,7 +94,7 @@ pub fn start() {
     });
 }
 
-/// The contacts, as they are: some milliseconds pass until that is known.
+/// The contacts, with known states: this takes some milliseconds.
 pub fn contacts() -> Contacts {
     Contacts::new(Input(1 << 0), Input(1 << 1), || {
         cortex_m::asm::delay(clock::CORE_MHZ * 1000);
@@ -106,12 +106,12 @@ pub const fn clamp() -> Clamp {
     Clamp::new(Output::Clamp, Input(1 << 2))
 }
 
-/// What else is switched.
+/// The other outputs.
 pub const fn switches() -> Switches {
     Switches::new(Output::Spindle, Output::Light)
 }
 
-/// The light, on or off.
+/// Switches the light.
 pub fn light(on: bool) {
     let _ = Output::Light.set_state(on.into());
 }
@@ -133,7 +133,7 @@ impl InputPin for Input {
     }
 }
 
-/// Something that is switched.
+/// An output of the board.
 pub enum Output {
     Clamp,
     Spindle,
@@ -160,7 +160,7 @@ impl OutputPin for Output {
             Self::Spindle => (GPIOB, 0),
             Self::Light => (GPIOA, 5),
         };
-        // High by its bit of the lower half, low by the one of the upper half.
+        // A bit of the lower half sets the pin high, a bit of the upper half sets it low.
         let bit = match state {
             PinState::Low => 1 << 16,
             PinState::High => 1,

@@ -3,7 +3,7 @@
 use embassy_stm32::pac::RCC;
 use leadscrew_app::ResetFlags;
 
-/// The flags of the last reset; they are cleared, so that the next one is told from it.
+/// Reads the flags of the last reset, and clears them, so that the next reset can be told from it.
 pub fn flags() -> ResetFlags {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));

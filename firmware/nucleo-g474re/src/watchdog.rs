@@ -1,16 +1,16 @@
-//! The watchdog of the chip, by a clock of its own: what stops feeding it is started anew.
+//! The watchdog of the chip, on a clock of its own: it resets a program that stops feeding it.
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
-/// It bites behind this time without being fed.
+/// The watchdog resets the chip after this time without being fed.
 const PATIENCE_MS: u32 = 100;
-/// Its clock, within a tenth over voltage and temperature.
+/// The watchdog's clock, within a tenth over voltage and temperature.
 const CLOCK_HZ: u32 = 32_000;
-/// The clock is divided by so much.
+/// The divisor of the clock.
 const DIVIDED: u32 = 4;
 
-/// Starts it. Nothing stops it any more.
+/// Starts the watchdog. Nothing can stop it afterwards.
 pub fn start() {
     const LAST: u32 = PATIENCE_MS * (CLOCK_HZ / DIVIDED) / 1000 - 1;
     IWDG.kr().write(|w| w.set_key(Key::START));
@@ -19,7 +19,7 @@ pub fn start() {
     IWDG.rlr().write(|w| w.set_rl(LAST as u16));
 }
 
-/// Feeds it.
+/// Feeds the watchdog.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }

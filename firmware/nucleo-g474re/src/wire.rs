@@ -1,5 +1,5 @@
-//! The wire of this chip: FDCAN1 and TIM6 for [`leadscrew_parts::Rings`], which has the rules, and the interrupt that runs
-//! right below the tick.
+//! The wire of this chip: FDCAN1 and TIM6 for [`leadscrew_parts::Rings`], which has the rules; and the interrupt right
+//! below the tick.
 
 #[cfg(feature = "defmt")]
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -12,16 +12,16 @@ use leadscrew_parts::{BackgroundEnd, BusEnd, Chip, Places, Rings, TickEnd};
 use crate::owned::{Once, Owned};
 use crate::{beat, can};
 
-/// The second of sixteen priorities, which are the upper bits.
+/// The second of sixteen priorities; they are in the upper bits.
 const BELOW_TICK: u8 = 1 << 4;
 
 static RINGS: Once<Rings> = Once::new(Rings::new());
 static INTERRUPT: Owned<BusEnd<'static>> = Owned::empty();
-/// Frames have come for which there was no room.
+/// Received frames were lost because there was no room.
 #[cfg(feature = "defmt")]
 static LOST: AtomicBool = AtomicBool::new(false);
 
-/// The registers.
+/// The registers of the chip.
 #[derive(Clone, Copy)]
 pub struct Registers;
 
@@ -63,15 +63,16 @@ impl Chip for Registers {
     }
 }
 
-/// The ends of tick and background; the controller, which runs already, is served from now on at so many kilobits a second.
+/// Gives the ends of tick and background. From now on the interrupt serves the controller, which runs already, at
+/// `kbit` kilobits a second.
 ///
 /// # Panics
-/// The second time.
+/// At the second call.
 pub fn start(kbit: u32) -> (TickEnd<'static>, BackgroundEnd<'static>) {
     let (tick, background, bus) = RINGS.take().split(kbit);
     // SAFETY: the interrupt is enabled below.
     unsafe { INTERRUPT.fill(bus) };
-    // SAFETY: what its handler uses is in place, and nobody else sets priorities.
+    // SAFETY: everything that its handler uses is in place, and nothing else sets priorities.
     unsafe {
         let mut core = cortex_m::Peripherals::steal();
         core.NVIC.set_priority(interrupt::FDCAN1_IT0, BELOW_TICK);
@@ -80,7 +81,7 @@ pub fn start(kbit: u32) -> (TickEnd<'static>, BackgroundEnd<'static>) {
     (tick, background)
 }
 
-/// A frame that is lost is told on a desk.
+/// Notes a lost frame, for a log message.
 #[cfg_attr(
     not(feature = "defmt"),
     expect(unused_variables, reason = "for messages only")
@@ -92,7 +93,7 @@ fn note(lost: bool) {
     }
 }
 
-/// True where frames have come for which there was no room, since this was asked last.
+/// True where received frames were lost for want of room since the last call.
 #[cfg(feature = "defmt")]
 pub fn has_lost() -> bool {
     LOST.swap(false, Ordering::Relaxed)
@@ -101,6 +102,6 @@ pub fn has_lost() -> bool {
 #[interrupt]
 fn FDCAN1_IT0() {
     let lost = can::acknowledge();
-    // SAFETY: this is its interrupt.
+    // SAFETY: this is the value's interrupt.
     unsafe { INTERRUPT.with(|bus| note(lost | !bus.serve(&Registers))) };
 }

@@ -1,24 +1,24 @@
-//! From what the timers of an encoder show to a sample.
+//! Makes a sample from the timers of an encoder.
 //!
-//! One timer counts the edges, all four of a line. Another one runs freely on a fast clock, and its value is captured at
-//! each edge by the hardware. A third register has the count at which the index pulse came.
+//! One timer counts the edges, all four of a line. A second timer runs freely on a fast clock, and the hardware
+//! captures its value at each edge. A third register holds the count at the index pulse.
 
 use leadscrew_core::spindle::EncoderSample;
 
-/// What the registers show at the instant of a sample.
+/// The registers at the instant of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
     /// The counter of edges, 32 bits, wrapping.
     pub count: u32,
     /// The free-running clock now, wrapping.
     pub now: u32,
-    /// The clock at the last edge, if there was one since the reading before.
+    /// The clock at the last edge, if there was one since the last reading.
     pub edge: Option<u32>,
-    /// The counter at the index pulse, if there was one since the reading before.
+    /// The counter at the index pulse, if there was one since the last reading.
     pub index: Option<u32>,
 }
 
-/// Remembers how old the last edge is, longer than the clock goes without wrapping.
+/// Keeps the age of the last edge, even after the clock has wrapped.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeClock {
     /// Periods of the clock in a microsecond.
@@ -29,7 +29,7 @@ pub struct EdgeClock {
 }
 
 impl EdgeClock {
-    /// For a clock of `mhz` megahertz, above zero, that shows `now`.
+    /// For a clock of `mhz` megahertz (above zero) that now shows `now`.
     #[must_use]
     pub const fn new(mhz: u32, now: u32) -> Self {
         Self {
@@ -39,7 +39,7 @@ impl EdgeClock {
         }
     }
 
-    /// The sample of a reading. At least one in a turn of the clock.
+    /// Makes a sample from a reading. Needs at least one call in each turn of the clock.
     pub fn sample(&mut self, reading: &Reading) -> EncoderSample {
         let passed = reading.now.wrapping_sub(self.last);
         self.last = reading.now;
@@ -104,7 +104,7 @@ mod tests {
             if tick < 4_294 {
                 assert_eq!(age, tick * 1_000_000);
             } else {
-                // Beyond what nanoseconds in 32 bits hold, and later beyond the clock itself (25 s).
+                // Beyond the range of nanoseconds in 32 bits, and later beyond a turn of the clock itself (25 s).
                 assert!(age > 4_293_000_000, "{age} at {tick}");
             }
         }

@@ -1,21 +1,21 @@
-//! Flash of words with error correction, as the traits of storage want it.
+//! The traits of storage on a flash of words with error correction.
 //!
-//! A word is written once between two erases, and a word in which the power went may not be readable: the chip's error
-//! correction says so. Such a word reads as an error here, and whoever stores knows what to do about it; it must not
-//! stop the program. Waits for the chip: to be used from the background only.
+//! A word can be written once between two erases. A word may be unreadable where the power failed during its write: the
+//! chip's error correction reports that. Here such a word reads as an error. The storage code handles this error; it
+//! must not stop the program. The functions wait for the chip: only the background may use them.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-/// What an access is refused with.
+/// Why an access failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WordError {
-    /// Its error correction cannot repair the word.
+    /// The error correction cannot repair the word.
     Unreadable,
-    /// The chip refuses: not erased, protected, or worn out.
+    /// The chip refuses: the word is not erased, the memory is protected, or worn out.
     Refused,
-    /// Not on a word or page, or outside.
+    /// Not at the beginning of a word or page, or outside the memory.
     Address,
 }
 
@@ -28,17 +28,17 @@ impl NorFlashError for WordError {
     }
 }
 
-/// Bytes of a word: what is programmed, corrected and read at once.
+/// Bytes of a word: the unit of programming, correction and reading.
 const WORD: usize = 8;
 
-/// The chip's side: whole words and pages, at offsets that have been checked.
+/// The chip's side: whole words and pages, at checked offsets.
 pub trait WordDevice {
     /// Bytes of a page.
     const PAGE: usize;
     /// Bytes in all.
     const SIZE: usize;
 
-    /// A word.
+    /// Reads a word.
     ///
     /// # Errors
     /// [`WordError::Unreadable`].
@@ -57,12 +57,12 @@ pub trait WordDevice {
     fn erase(&mut self, page: u32) -> Result<(), WordError>;
 }
 
-/// The traits over a device.
+/// The traits of storage for a device.
 #[derive(Debug)]
 pub struct WordFlash<D>(pub D);
 
 impl<D: WordDevice> WordFlash<D> {
-    /// Checks an access: on a grain, inside, and not longer than what follows.
+    /// Checks an access: offset and length are multiples of `grain`, and the access stays inside the memory.
     fn check(offset: u32, length: usize, grain: usize) -> Result<(), WordError> {
         let from = usize::try_from(offset).map_err(|_| WordError::Address)?;
         let on_grain = from.is_multiple_of(grain) && length.is_multiple_of(grain);
@@ -128,7 +128,7 @@ mod tests {
 
     use super::*;
 
-    /// A chip with four pages, and words that cannot be read.
+    /// A chip with four pages, and words that are unreadable.
     struct Chip {
         words: Vec<[u8; WORD]>,
         torn: Vec<u32>,
@@ -225,7 +225,7 @@ mod tests {
             store.write(Region::TapJournal, &[round; 40]).unwrap();
             flash = store.into_flash();
         }
-        // The word behind the newest value is where the next write would have been cut.
+        // A cut would tear the word after the newest value: the next write goes there.
         let end = flash.0.words.iter().rposition(|word| *word != [0xFF; WORD]);
         let next = (end.unwrap() + 1) * WORD;
         flash.0.torn.push(u32::try_from(next % Chip::SIZE).unwrap());

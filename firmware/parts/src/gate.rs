@@ -1,24 +1,24 @@
 //! Which frame goes into the CAN controller next.
 //!
-//! A controller has few places for frames (three here) and sends the smallest identifier of those first; of equal ones, it
-//! does not say which. So:
+//! A controller has few places for frames (three here). It sends the smallest identifier first; of equal identifiers,
+//! the order is not defined. So:
 //!
 //! - the tick's frames come first, in their order; one place is kept free for the next SYNC;
-//! - of everything else (statuses, answers, transfers) one frame is in the controller at a time, or segments of a transfer
-//!   could overtake each other;
-//! - shortly before a SYNC nothing else is begun: a frame on the wire cannot be stopped, and SYNC would wait for its end.
+//! - of all other frames (statuses, answers, transfers) only one is in the controller at a time. Otherwise segments of a
+//!   transfer could overtake each other;
+//! - shortly before a SYNC no other frame is begun: a frame on the wire cannot be stopped, and SYNC would wait for its end.
 
-/// Microseconds of the longest frame at 1 Mbit/s: 8 bytes, worst stuffing, and the gap behind it.
+/// Microseconds of the longest frame at 1 Mbit/s: 8 bytes, worst stuffing, and the gap after it.
 const LONGEST_FRAME_US: u32 = 135;
 
-/// What has a turn.
+/// Who may put in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// The oldest of the tick's frames.
+    /// The oldest of the tick's frames may go.
     Tick,
-    /// The oldest of the others.
+    /// The oldest of the other frames may go.
     Other,
-    /// Nothing, for now.
+    /// No frame may go now.
     Nothing,
 }
 
@@ -26,12 +26,13 @@ pub enum Turn {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gate {
     tick_us: u32,
-    /// From here on in a period nothing is begun that is not the tick's.
+    /// From this time on in a period only frames of the tick are begun.
     closes_us: u32,
 }
 
 impl Gate {
-    /// For a period of `tick_us` microseconds at `kbit` kilobits a second. Half of the period stays open whatever the rate.
+    /// The gate for a period of `tick_us` microseconds at `kbit` kilobits a second. At any bit
+    /// rate half of the period stays open for other frames.
     #[must_use]
     pub const fn new(tick_us: u32, kbit: u32) -> Self {
         let frame = match (LONGEST_FRAME_US * 1000).checked_div(kbit) {
@@ -46,8 +47,8 @@ impl Gate {
         }
     }
 
-    /// Whose turn it is. `free`: places in the controller; `waiting`: frames of the tick and others that wait; `other`: one
-    /// of the others is in the controller; `at_us`: microseconds since the period began.
+    /// Decides whose turn it is. `free`: free places in the controller; `waiting`: frames of the tick and other frames
+    /// wait; `other`: one of the other frames is in the controller; `at_us`: microseconds since the period began.
     #[must_use]
     pub const fn turn(&self, free: u8, waiting: (bool, bool), other: bool, at_us: u32) -> Turn {
         if free < 2 {
@@ -86,15 +87,15 @@ mod tests {
         let gate = Gate::new(1000, 1000);
         assert_eq!(gate.turn(3, (false, true), false, 864), Turn::Other);
         assert_eq!(gate.turn(3, (false, true), false, 865), Turn::Nothing);
-        // The tick's own are late already: they go at any time.
+        // The tick's frames are late already: they may go at any time.
         assert_eq!(gate.turn(3, (true, true), false, 999), Turn::Tick);
-        // A slow bus: half of the period is left.
+        // On a slow bus half of the period stays open.
         let slow = Gate::new(1000, 125);
         assert_eq!(slow.turn(3, (false, true), false, 499), Turn::Other);
         assert_eq!(slow.turn(3, (false, true), false, 500), Turn::Nothing);
     }
 
-    /// A controller as the hardware is: sends the smallest identifier, of equal ones the one it likes.
+    /// A model of the controller: sends the smallest identifier, and any one of equal identifiers.
     #[derive(Default)]
     struct Controller {
         places: Vec<(u16, u32)>,
@@ -103,7 +104,7 @@ mod tests {
     impl Controller {
         fn send(&mut self) -> Option<(u16, u32)> {
             let smallest = self.places.iter().map(|(id, _)| *id).min()?;
-            // The worst it can do: the newest of equals.
+            // The worst case: the newest of equal identifiers.
             let at = self.places.iter().rposition(|(id, _)| *id == smallest)?;
             Some(self.places.remove(at))
         }

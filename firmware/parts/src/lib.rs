@@ -1,18 +1,18 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! What a board's image is made of and needs no hardware: arithmetic and rules around registers, without the registers.
+//! The parts of a board's image that need no hardware: arithmetic and rules for registers, without the registers.
 //!
-//! | part | is |
+//! | part | purpose |
 //! |---|---|
 //! | [`BitTiming`] | segments of a CAN bit from the controller's clock |
 //! | [`to_send`], [`received`], [`controller`] | the words of a CAN controller: frames, its state |
-//! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, whenever one comes in between |
+//! | [`Rings`], [`Chip`] | frames between tick, background and the interrupt of the CAN controller, in any order |
 //! | [`Gate`] | which frame may go into the CAN controller next |
-//! | [`EdgeClock`] | counter, capture and index of an encoder to a sample |
-//! | [`WordFlash`] | flash of words with error correction to the traits of storage |
-//! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp and spindle enable, behind the traits of pins |
+//! | [`EdgeClock`] | a sample from counter, capture and index of an encoder |
+//! | [`WordFlash`] | the traits of storage on a flash of words with error correction |
+//! | [`Contacts`], [`Clamp`], [`Switches`] | emergency stop, feed hold, clamp, spindle enable, through the traits of pins |
 //!
-//! Knows no chip and no register; constants of a chip are arguments. Nothing here waits or allocates.
+//! This crate knows no chip and no register; constants of a chip are arguments. It does not wait and does not allocate.
 
 mod edges;
 mod flash;

@@ -1,18 +1,19 @@
-//! The words of a CAN controller of Bosch's M_CAN family: frames in its message memory, its bit, its state on the bus.
+//! The words of a CAN controller of Bosch's M_CAN family: frames in its message memory, its bit timing, its state on
+//! the bus.
 //!
-//! What they mean is the same in every chip that has one; where they lie, and in which registers, is the chip's. Classical
-//! frames with identifiers of 11 bits only.
+//! The meaning is the same in every chip with an M_CAN; the addresses and registers differ, so the chip's own code has
+//! them. Only classical frames with identifiers of 11 bits.
 
 use leadscrew_core::bus::{BusState, CobId, Controller, ErrorCounts, Frame};
 
 use crate::BitTiming;
 
-/// Where an identifier of 11 bits begins in the first word of an element.
+/// The bit where an identifier of 11 bits begins in the first word of an element.
 const ID: u32 = 18;
-/// Where the length begins in the second.
+/// The bit where the length begins in the second word.
 const LENGTH: u32 = 16;
 
-/// The words of a frame to be sent: no remote frame, no event when it has left.
+/// The words of a frame to be sent: a data frame, without an event after sending.
 #[must_use]
 pub fn to_send(frame: &Frame) -> [u32; 4] {
     let payload = frame.payload();
@@ -29,8 +30,8 @@ pub fn to_send(frame: &Frame) -> [u32; 4] {
     ]
 }
 
-/// The frame in the words of one that was received. Lengths above eight mean eight, as on the wire. `None` for none that
-/// there is.
+/// The frame in the words of a received element. A length above eight means eight, as on the wire. `None` where the
+/// words hold no valid frame.
 #[must_use]
 pub fn received([head, second, low, high]: [u32; 4]) -> Option<Frame> {
     let [a, b, c, d] = low.to_le_bytes();
@@ -41,8 +42,8 @@ pub fn received([head, second, low, high]: [u32; 4]) -> Option<Frame> {
     Frame::new(id, bytes.get(..length)?)
 }
 
-/// How the controller stands on the bus, by its control register (CCCR), its protocol status (PSR) and its counters of
-/// errors (ECR). The program never asks for restricted operation: where its bit is set, the controller has set it,
+/// The controller's state on the bus, from its control register (CCCR), its protocol status (PSR) and its error
+/// counters (ECR). The program never asks for restricted operation: where this bit is set, the controller has set it,
 /// because it could not read its message memory.
 #[must_use]
 pub const fn controller(control: u32, status: u32, errors: u32) -> Controller {
@@ -61,14 +62,14 @@ pub const fn controller(control: u32, status: u32, errors: u32) -> Controller {
         },
         errors: ErrorCounts {
             sending: errors as u8,
-            // The bit above is no part of the count: it says that the count has gone beyond.
+            // The bit above is no part of the count: it says that the count has passed its limit.
             receiving: (errors >> 8) as u8 & 0x7F,
         },
     }
 }
 
 impl BitTiming {
-    /// As the word of the register for the nominal bit (NBTP), in which everything is one less.
+    /// The word of the register for the nominal bit (NBTP). Each field holds its value less one.
     #[must_use]
     pub const fn word(&self) -> u32 {
         (self.jump as u32 - 1) << 25
@@ -90,7 +91,7 @@ mod tests {
         Frame::new(CobId::new(id).unwrap(), payload).unwrap()
     }
 
-    // By the tables of the receive and the transmit element in RM0440.
+    // The expected words follow the tables of the receive and the transmit element in RM0440.
 
     #[test]
     fn a_frame_to_be_sent_has_its_bits_where_the_manual_has_them() {
@@ -101,7 +102,7 @@ mod tests {
         let longest = frame(0x7FF, &[1, 2, 3, 4, 5, 6, 7, 0xFF]);
         let words = [0x1FFC_0000, 0x0008_0000, 0x0403_0201, 0xFF07_0605];
         assert_eq!(to_send(&longest), words);
-        // Neither extended nor remote; no bit rate switched, no event, no marker.
+        // Neither extended nor remote; no bit rate switch, no event, no marker.
         for id in 0..=0x7FF {
             let [head, second, ..] = to_send(&frame(id, &[0xFF; 8]));
             assert_eq!(head & !0x1FFC_0000, 0);
@@ -111,12 +112,12 @@ mod tests {
 
     #[test]
     fn a_frame_that_was_received_is_told_without_its_stamp() {
-        // No filter matched (bit 31); what the filter would be (30 to 24) means nothing then. The stamp
-        // is in the lower half.
+        // No filter matched (bit 31); the number of the filter (30 to 24) means nothing then. The time stamp is in the
+        // lower half.
         let words = [0x0608_0000, 0xFF08_BEEF, 0x4433_2211, 0x8877_6655];
         let bytes = [0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88];
         assert_eq!(received(words), Some(frame(0x182, &bytes)));
-        // From somebody who is error passive (bit 31): a frame like any other.
+        // From a sender that is error passive (bit 31): a valid frame like any other.
         let passive = [0x8608_0000, 0x8002_0001, 0x4433_2211, 0];
         assert_eq!(received(passive), Some(frame(0x182, &bytes[..2])));
         // A length of 9 to 15 means eight bytes.
@@ -145,26 +146,27 @@ mod tests {
             (state, errors.sending, errors.receiving)
         };
         let of = |status, errors| in_mode(0, status, errors);
-        // As a reset leaves them.
+        // The registers after a reset.
         assert_eq!(of(0x0000_0707, 0), (BusState::Active, 0, 0));
         // A warning changes nothing.
         assert_eq!(of(1 << 6, 0x0000_6060), (BusState::Active, 96, 96));
         assert_eq!(of(1 << 5, 0x00FF_0080), (BusState::Passive, 128, 0));
-        // Passive as a receiver: the count stands at its end, and its own bit is set.
+        // Passive as a receiver: the count stands at its limit, and its own bit is set.
         assert_eq!(of(1 << 5, 0x0000_FF00), (BusState::Passive, 0, 127));
         // Off counts before passive.
         assert_eq!(of(0xE0, 0x0000_00F8), (BusState::Off, 248, 0));
-        // Restricted counts before passive, which it cannot get out of by itself; off, which sets INIT, before both.
+        // Restricted counts before passive, because the controller does not leave it by itself. Off, which sets INIT,
+        // counts before both.
         assert_eq!(in_mode(1 << 2, 0x707, 3), (BusState::Restricted, 3, 0));
         assert_eq!(in_mode(1 << 2, 1 << 5, 0), (BusState::Restricted, 0, 0));
         assert_eq!(in_mode(0b101, 0xE0, 0xF8), (BusState::Off, 248, 0));
-        // No other bit of that register says so.
+        // No other bit of the control register means restricted.
         assert_eq!(in_mode(!(1 << 2), 0x707, 0), (BusState::Active, 0, 0));
     }
 
     #[test]
     fn a_bit_is_one_less_in_every_field() {
-        // The manual: with a clock of 48 MHz the reset value 0600 0A03h is 3 Mbit/s.
+        // The manual: with a clock of 48 MHz the reset value 0600 0A03h gives 3 Mbit/s.
         let after_reset = BitTiming {
             prescaler: 1,
             before: 11,

@@ -1,34 +1,34 @@
-//! Contacts and switches of a board, behind the traits of pins.
+//! Contacts and switches of a board, through the traits of pins.
 //!
-//! Contacts close to ground: a circuit that is open, by its button or by a broken wire, reads high. Stop and hold are break
-//! contacts: open, they act. What a contact says counts when three looks in a row agree; a look is taken in every period,
-//! and before the first of them as long as it takes to know what they say.
+//! Contacts close to ground: an open circuit, by its button or by a broken wire, reads high. Stop and hold are break
+//! contacts: they act when they open. A contact's state counts when three samples in a row agree. One sample is taken
+//! in every period. Before the first period, samples are taken until the states are known.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use leadscrew_core::alarm::Code;
 use leadscrew_core::board::{Snapshot, State, Switching};
 use leadscrew_core::program::Aux;
 
-/// Looks that have to agree.
+/// Samples that have to agree.
 const LOOKS: u8 = 3;
-/// Looks at power-up: a contact that has not come to rest by then is not one to be trusted, and counts as open.
+/// Samples at power-up. A contact that still bounces then cannot be trusted, and counts as open.
 const SETTLES: u8 = 100;
-/// Clamps, and releases: the M functions for a board's clamp [D137].
+/// The M functions for a board's clamp: clamp and release [D137].
 const CLAMP: u16 = 10;
 const RELEASE: u16 = 11;
 
-/// A contact without its bouncing.
+/// A debounced contact.
 #[derive(Debug)]
 struct Contact<P> {
     pin: P,
     closed: bool,
-    /// What the last look saw, and how many in a row before it, itself included.
+    /// The last sample, and the number of equal samples in a row, the last included.
     last: bool,
     alike: u8,
 }
 
 impl<P: InputPin> Contact<P> {
-    /// It counts as open until looks have agreed.
+    /// A contact that counts as open until enough samples agree.
     const fn new(pin: P) -> Self {
         Self {
             pin,
@@ -38,7 +38,7 @@ impl<P: InputPin> Contact<P> {
         }
     }
 
-    /// A look. A pin that cannot be read is an open contact.
+    /// Takes a sample. A pin that cannot be read is an open contact.
     fn is_closed(&mut self) -> bool {
         let closed = self.pin.is_low().unwrap_or(false);
         self.alike = if closed == self.last {
@@ -53,13 +53,13 @@ impl<P: InputPin> Contact<P> {
         self.closed
     }
 
-    /// The last looks agree.
+    /// True where the last samples agree.
     const fn is_settled(&self) -> bool {
         self.alike >= LOOKS
     }
 }
 
-/// What the contacts say.
+/// The states of the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Said {
     /// The emergency stop circuit is open.
@@ -76,8 +76,8 @@ pub struct Contacts<S, H> {
 }
 
 impl<S: InputPin, H: InputPin> Contacts<S, H> {
-    /// With its pins. They are looked at until it is known what they say: so nothing is told that is not so, and nothing
-    /// comes up before it is known. `wait` takes a millisecond or so.
+    /// Takes the pins, and samples them until their states are known, so that no wrong state is reported and nothing
+    /// comes up before. `wait` takes about a millisecond.
     pub fn new(stop: S, hold: H, mut wait: impl FnMut()) -> Self {
         let mut contacts = Self {
             stop: Contact::new(stop),
@@ -93,7 +93,7 @@ impl<S: InputPin, H: InputPin> Contacts<S, H> {
         contacts
     }
 
-    /// A look at both of them, once a period.
+    /// Samples both contacts, once a period.
     pub fn look(&mut self) -> Said {
         Said {
             stop: !self.stop.is_closed(),
@@ -102,12 +102,12 @@ impl<S: InputPin, H: InputPin> Contacts<S, H> {
     }
 }
 
-/// A clamp, and the contact that says that it holds: closed while it does.
+/// A clamp, and the contact that is closed while the clamp holds.
 #[derive(Debug)]
 pub struct Clamp<O, C> {
     switch: O,
     holds: Contact<C>,
-    /// What it has been told.
+    /// The last order to the clamp.
     told: Told,
 }
 
@@ -117,12 +117,12 @@ enum Told {
     Hold,
     /// To let go, by a program.
     Release,
-    /// Nothing that anything waits for.
+    /// No order whose answer is waited for.
     Nothing,
 }
 
 impl<O: OutputPin, C: InputPin> Clamp<O, C> {
-    /// With its pins; the switch is low, and it need not hold.
+    /// Takes the pins. The switch is low; the clamp may be open or closed.
     pub const fn new(switch: O, holds: C) -> Self {
         Self {
             switch,
@@ -131,8 +131,8 @@ impl<O: OutputPin, C: InputPin> Clamp<O, C> {
         }
     }
 
-    /// M10 clamps, M11 releases; so does a reset, for the program that clamped is forgotten. With a tap in its hole the
-    /// clamp stays as it is, and nothing waits for it: the way out must stay possible.
+    /// M10 clamps, M11 releases. A reset releases too, because the program that clamped is over. With a tap in its hole
+    /// the clamp stays as it is, and nothing waits for it: the way out must stay possible.
     pub fn switch(&mut self, switching: Switching) {
         self.told = match switching {
             Switching::ResetInHole => {
@@ -144,11 +144,11 @@ impl<O: OutputPin, C: InputPin> Clamp<O, C> {
             Switching::Reset => Told::Nothing,
             Switching::Function(_) | Switching::Nothing => return,
         };
-        // A pin of a chip cannot fail.
+        // A pin of this chip cannot fail.
         let _ = self.switch.set_state((self.told == Told::Hold).into());
     }
 
-    /// A look, once a period: the alarm it will be where the clamp does not do as it was told.
+    /// Reads the contact, once a period. Gives the alarm for a clamp that has not followed its order.
     pub fn look(&mut self) -> Option<Code> {
         match (self.told, self.holds.is_closed()) {
             (Told::Hold, false) => Some(Code::ClampOpen),
@@ -162,7 +162,7 @@ impl<O: OutputPin, C: InputPin> Clamp<O, C> {
     }
 }
 
-/// What else a board switches: spindle enable and its light. Off at power-up.
+/// The other outputs of a board: spindle enable and light. Off at power-up.
 #[derive(Debug)]
 pub struct Switches<S, L> {
     spindle: S,
@@ -171,7 +171,7 @@ pub struct Switches<S, L> {
 }
 
 impl<S: OutputPin, L: OutputPin> Switches<S, L> {
-    /// With its pins, which are low.
+    /// Takes the pins, which are low.
     pub const fn new(spindle: S, light: L) -> Self {
         Self {
             spindle,
@@ -180,10 +180,10 @@ impl<S: OutputPin, L: OutputPin> Switches<S, L> {
         }
     }
 
-    /// Shows the machine. The spindle is enabled as soon as its drive is up, and on an
-    /// alarm until it stands, unless it holds a tap in its hole [D190]: what comes back
-    /// when an emergency stop is released finds it off. An alarm that the board comes up
-    /// with does not enable it. The light is on while the machine is up and has no alarm.
+    /// Sets the outputs by the state of the machine. The spindle is enabled as soon as its drive is up. On an alarm it
+    /// stays enabled until the spindle stands, or longer while a tap is in its hole [D190]. So the spindle is off when
+    /// the release of an emergency stop gives its power back. A board that comes up with an alarm does not enable it.
+    /// The light is on while the machine is up and has no alarm.
     pub fn show(&mut self, snapshot: &Snapshot) {
         let well = matches!(snapshot.state, State::Idle | State::Running | State::Held);
         self.spins = well || self.spins && snapshot.needs_spindle;
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn a_contact_that_bounces_at_power_up_is_waited_for() {
         let stop = Pin::default();
-        // Open and closed in turn, and at rest after 21 looks.
+        // The contact opens and closes in turn, and is at rest after 21 samples.
         for (rest, said) in [(false, false), (true, true)] {
             let (mut waits, moved) = (0_u32, stop.clone());
             let mut contacts = Contacts::new(stop.clone(), Pin::default(), || {
@@ -275,7 +275,7 @@ mod tests {
             assert_eq!(contacts.look().stop, said);
             assert!((22..=24).contains(&waits), "{waits}");
         }
-        // One that never comes to rest counts as open, and is not waited for for ever.
+        // A contact that never comes to rest counts as open, and the board does not wait for ever.
         let (mut waits, moved) = (0_u32, stop.clone());
         let mut contacts = Contacts::new(stop, Pin::default(), || {
             waits += 1;
@@ -314,7 +314,7 @@ mod tests {
     const M10: Switching = Switching::Function(Aux::M(10));
     const M11: Switching = Switching::Function(Aux::M(11));
 
-    /// A clamp that is open, its switch, and its contact.
+    /// A clamp that is open, with its switch and its contact.
     fn clamp() -> (Clamp<Pin, Pin>, Pin, Pin) {
         let (switch, contact) = (Pin::default(), Pin::default());
         contact.0.set(true);
@@ -325,7 +325,7 @@ mod tests {
     #[test]
     fn a_clamp_has_not_answered_before_its_contact_says_so() {
         let (mut clamp, switch, contact) = clamp();
-        // It is open and may be.
+        // No order was given: the clamp may be open.
         assert!((0..100).all(|_| clamp.look().is_none()));
         clamp.switch(M10);
         assert!(switch.0.get());
@@ -333,20 +333,20 @@ mod tests {
         contact.0.set(false);
         let said = [(); 4].map(|()| clamp.look().is_some());
         assert_eq!(said, [true, true, false, false]);
-        // It opens again.
+        // The clamp opens by itself.
         contact.0.set(true);
         let said = [(); 3].map(|()| clamp.look());
         assert_eq!(said, [None, None, Some(Code::ClampOpen)]);
         contact.0.set(false);
         assert!([(); 3].map(|()| clamp.look()).contains(&None));
-        // And lets go when it is told to, not before.
+        // The clamp lets go only on an order.
         clamp.switch(M11);
         assert!(!switch.0.get());
         assert!((0..100).all(|_| clamp.look() == Some(Code::ClampShut)));
         contact.0.set(true);
         let said = [(); 3].map(|()| clamp.look());
         assert_eq!(said, [Some(Code::ClampShut), Some(Code::ClampShut), None]);
-        // What its contact says then is nobody's question.
+        // After the release its contact does not matter any more.
         contact.0.set(false);
         assert!((0..100).all(|_| clamp.look().is_none()));
     }
@@ -369,7 +369,7 @@ mod tests {
             clamp.switch(switching);
             assert_eq!(switch.0.get(), on, "{switching:?}");
         }
-        // Behind a reset nothing waits for it, whatever it does.
+        // After a reset nothing waits for the clamp, whatever it does.
         for reset in [Switching::Reset, Switching::ResetInHole] {
             for before in [M10, M11] {
                 clamp.switch(before);
@@ -399,14 +399,14 @@ mod tests {
         };
         let (stops, stands) = (State::Stopping(Outcome::Alarm(alarm)), State::Alarm(alarm));
         assert_eq!(shown(State::Starting, false), (false, false));
-        // The stop circuit is open when it comes up: no drive has been brought up yet, whatever is needed.
+        // The stop circuit is open when the board comes up: no drive has been brought up yet, whatever is needed.
         assert_eq!(shown(stands, true), (false, false));
         assert_eq!(shown(State::Starting, true), (false, false));
         assert_eq!(shown(State::Idle, true), (true, true));
         assert_eq!(shown(State::Running, true), (true, true));
         assert_eq!(shown(stops, true), (true, false));
         assert_eq!(shown(stands, true), (true, false));
-        // It stands; and it stays off, whatever turns then.
+        // The spindle stands; the output stays off, even if the spindle turns later.
         assert_eq!(shown(stands, false), (false, false));
         assert_eq!(shown(stands, true), (false, false));
         assert_eq!(shown(State::Starting, false), (false, false));

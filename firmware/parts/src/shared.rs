@@ -1,7 +1,7 @@
-//! What two contexts share: words and rings. One side of each ring, and either side of a word, may be interrupted by
-//! the other at any access.
+//! Data that two contexts share: words and rings. At any access, the other side may interrupt one side of a ring or
+//! either side of a word.
 //!
-//! In the tests of this crate each access is a place where that happens ([`point`]): so all of them can be tried.
+//! In the tests of this crate each access calls [`point`], where the other side may run. So the tests can try all orders.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -10,7 +10,7 @@ use heapless::spsc::{Consumer, Producer};
 #[cfg(test)]
 pub(crate) use self::tested::{interrupted_by, point};
 
-/// An access to what is shared is about to happen.
+/// An access to shared data comes next.
 #[cfg(not(test))]
 #[inline(always)]
 const fn point() {}
@@ -81,12 +81,12 @@ mod tested {
         static INTERRUPTS: RefCell<Option<Rc<dyn Fn()>>> = const { RefCell::new(None) };
     }
 
-    /// What happens at each access from now on.
+    /// Sets what runs at each access from now on.
     pub(crate) fn interrupted_by(by: Option<Rc<dyn Fn()>>) {
         INTERRUPTS.set(by);
     }
 
-    /// An access to what is shared is about to happen.
+    /// An access to shared data comes next.
     pub(crate) fn point() {
         let by = INTERRUPTS.with_borrow(Clone::clone);
         if let Some(by) = by {

@@ -1,27 +1,27 @@
 //! Segments of a CAN bit.
 
-/// A nominal bit: one quantum of synchronisation, `before` the sample point, `after` it.
+/// A nominal bit: one quantum for the synchronisation, `before` quanta up to the sample point, `after` quanta after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitTiming {
     /// Periods of the controller's clock in a quantum, 1–512.
     pub prescaler: u16,
     /// Quanta between the synchronisation and the sample point, 1–256.
     pub before: u8,
-    /// Quanta behind the sample point, 1–128.
+    /// Quanta after the sample point, 1–128.
     pub after: u8,
     /// Quanta by which a receiver may shift, 1–128.
     pub jump: u8,
 }
 
-/// The finest bit that is tried; finer than 80 quanta nothing is gained at 10 kbit/s to 1 Mbit/s.
+/// The finest division that is tried: more than 80 quanta gain nothing at 10 kbit/s to 1 Mbit/s.
 const MOST_QUANTA: u32 = 80;
-/// Fewer do not place a sample point.
+/// Fewer quanta do not place a sample point well.
 const FEWEST_QUANTA: u32 = 8;
 
 impl BitTiming {
-    /// The finest bit of exactly `kbit` kilobits a second from a clock of `clock_hz`, sampled at seven eighths as CiA 301
-    /// has it (rounded down to a quantum). `None` where no whole number of quanta gives this rate: a rate that is nearly
-    /// right is worse than none.
+    /// The finest bit of exactly `kbit` kilobits a second from a clock of `clock_hz`. The sample point is at seven
+    /// eighths (CiA 301), rounded down to a quantum. `None` where no whole number of quanta gives this rate: a rate
+    /// that is nearly right is worse than none.
     #[must_use]
     pub const fn of(clock_hz: u32, kbit: u32) -> Option<Self> {
         let Some(rate) = kbit.checked_mul(1000) else {
@@ -40,7 +40,7 @@ impl BitTiming {
                     prescaler: (clocks / quanta) as u16,
                     before: (sample - 1) as u8,
                     after: after as u8,
-                    // As far as the sample point lets it: oscillators may then differ most.
+                    // As far as the sample point permits: this tolerates the largest difference of oscillators.
                     jump: after as u8,
                 });
             }
@@ -55,7 +55,7 @@ impl BitTiming {
         self.prescaler as u32 * (1 + self.before as u32 + self.after as u32)
     }
 
-    /// Where the bit is sampled, in thousandths of it.
+    /// The place of the sample point, in thousandths of the bit.
     #[must_use]
     pub const fn sample_permille(&self) -> u32 {
         let before = 1 + self.before as u32;
@@ -85,7 +85,7 @@ mod tests {
         for clock in [24_000_000, 80_000_000, 170_000_000] {
             for kbit in [10, 20, 50, 125, 250, 500, 800, 1000] {
                 let Some(timing) = BitTiming::of(clock, kbit) else {
-                    // 170 MHz is no multiple of 800 kbit/s.
+                    // 170 MHz is not a multiple of 800 kbit/s.
                     assert_eq!(kbit, 800);
                     assert_ne!(clock % 800_000, 0);
                     continue;
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(BitTiming::of(24_000_000, 0), None);
         assert_eq!(BitTiming::of(24_000_000, 700), None);
         assert_eq!(BitTiming::of(24_000_000, u32::MAX), None);
-        // Five clocks make no bit.
+        // Five clocks are too few for a bit.
         assert_eq!(BitTiming::of(5_000_000, 1000), None);
     }
 }

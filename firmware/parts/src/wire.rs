@@ -1,22 +1,23 @@
 //! Frames between a CAN controller and the two sides of a board.
 //!
 //! ```text
-//! controller ──► interrupt ───heard──► tick (what is not a drive's goes on to the background)
+//! controller ──► interrupt ───heard──► tick (passes frames of other nodes on to the background)
 //!                          ──requests─► background
 //! controller ◄── interrupt ◄─setpoints─ tick
 //!                          ◄──others─── background
 //! ```
 //!
-//! The interrupt of the controller, right below the tick, fills its places ([`Gate`] says with what); only SYNC is put in
-//! by the tick itself, so that it leaves at once.
+//! The interrupt of the controller runs right below the tick. It fills the controller's places ([`Gate`] chooses the
+//! frame). Only SYNC is put in by the tick itself, so that SYNC leaves at once.
 //!
-//! The tick may come at any instruction of the interrupt. What that has looked at is void then: a frame that was to go may
-//! have been given up, a place may be taken, SYNC may be missing again. So every tick has a number. The interrupt reads it
-//! first, looks and decides; then it keeps the tick out for the few instructions in which it puts a frame in and
-//! marks its place, and does so only while the number is the one it began with. Frames that are given up are known by
-//! their own number, which is compared with that of the tick behind each look at the ring.
+//! The tick may come at any instruction of the interrupt. Then everything that the interrupt has read is out of date:
+//! the tick may have given up the frame that was to go, a place may be taken, a SYNC may be in the ring. So every tick
+//! has a number. The interrupt reads the number first, then the rings and the controller, and decides. Then it keeps
+//! the tick out for the few instructions in which it puts a frame in and marks its place, and does so only if the
+//! number is unchanged. Each frame carries the number of its tick. The interrupt compares it with the number of the
+//! last tick after each look at the ring: a frame with another number has been given up.
 //!
-//! Knows no register: those are behind [`Chip`].
+//! This module knows no register: a chip provides them through [`Chip`].
 
 use heapless::spsc::Queue;
 use leadscrew_core::board::FRAMES;
@@ -29,81 +30,81 @@ use crate::shared::{In, Out, Word};
 #[cfg(test)]
 mod tests;
 
-// One place of a ring stays empty. In a period come two frames of each drive, and heartbeats.
+// One place of a ring stays empty. A period brings two frames of each drive, and heartbeats.
 const HEARD: usize = 33;
-// While a page of the flash is erased nobody reads them: a transfer that is faster begins its block again.
+// While a page of the flash is erased nothing reads this ring: a faster transfer has to repeat its block.
 const REQUESTS: usize = 33;
 const OTHERS: usize = 9;
 
-/// Places of a controller for frames to be sent, a bit each.
+/// Places of a controller for frames to be sent, one bit for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Places(pub u32);
 
 impl Places {
-    /// How many a controller has.
+    /// The number of places of a controller.
     pub const COUNT: u8 = 3;
     /// All of them.
     pub const ALL: Self = Self((1 << Self::COUNT) - 1);
 
-    /// How many these are.
+    /// The number of these places.
     #[must_use]
     pub const fn count(self) -> u8 {
         self.0.count_ones() as u8
     }
 
-    /// True for none.
+    /// True where there are none.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
 }
 
-/// The controller, and the timer that gives the beat.
+/// The controller, and the timer that gives the period.
 pub trait Chip {
-    /// A frame that has been received.
+    /// The next frame that was received.
     fn take(&self) -> Option<Frame>;
-    /// Puts the words of a frame ([`to_send`]) into the controller; its place comes back, or `None` where there is none.
-    /// Not to be interrupted by itself.
+    /// Puts the words of a frame ([`to_send`]) into the controller. Gives the frame's place, or `None` where no place
+    /// is free. A call must not interrupt another call.
     fn put(&self, words: &[u32; 4]) -> Option<Places>;
     /// Places whose frame has not been sent yet.
     fn pending(&self) -> Places;
-    /// Calls the frames in these places back, but for one that is on the wire already.
+    /// Cancels the frames in these places, except one that is on the wire already.
     fn call_back(&self, places: Places);
-    /// It has left the bus, or is on its way back, or does not send.
+    /// The controller has left the bus, or is on its way back, or does not send.
     fn is_off(&self) -> bool;
-    /// Lets the interrupt run as soon as nothing more urgent does.
+    /// Lets the interrupt run as soon as nothing more urgent runs.
     fn poke(&self);
     /// The length of a period.
     fn period_us(&self) -> u32;
-    /// Microseconds since the last beat.
+    /// Microseconds since the period began.
     fn since_us(&self) -> u32;
-    /// Does this with the tick kept out.
+    /// Does `work` with the tick kept out.
     fn alone(&self, work: impl FnOnce());
 }
 
-/// A frame of a tick on its way, and the number of that tick.
+/// A frame of a tick on its way, and the number of the tick.
 struct Setpoint {
     tick: u32,
     frame: Frame,
 }
 
-/// What tick and interrupt tell each other beside the rings.
+/// The words that tick and interrupt share in addition to the rings.
 struct Shared {
-    /// The number of the last tick that has sent. Written by the tick.
+    /// The number of the last tick that has sent. The tick writes it.
     tick: Word,
-    /// The places of the controller that were filled for a tick last. Written by the tick, and by the interrupt while it
+    /// The controller's places that were filled last for a tick. The tick writes them; so does the interrupt while it
     /// keeps the tick out.
     places: Word,
-    /// How many frames of that tick the interrupt has put in. Written as the places are.
+    /// The number of that tick's frames that the interrupt has put in. The writers are those of `places`.
     done: Word,
 }
 
-/// All that lies between the three.
+/// All rings between tick, background and interrupt.
 pub struct Rings {
     shared: Shared,
     heard: Queue<Frame, HEARD>,
     requests: Queue<Frame, REQUESTS>,
-    // Those of a tick that has been given up, until the interrupt has thrown them away, and those of the next.
+    // Room for the frames of a tick that was given up, until the interrupt drops them, and for those of the next tick.
     setpoints: Queue<Setpoint, { 2 * FRAMES + 1 }>,
     others: Queue<Frame, OTHERS>,
 }
@@ -112,7 +113,7 @@ pub struct Rings {
 pub struct TickEnd<'a> {
     shared: &'a Shared,
     heard: Out<'a, Frame>,
-    /// Frames of the tick before that the interrupt was to put in.
+    /// The number of frames of the previous tick that the interrupt had to put in.
     left: u32,
     setpoints: In<'a, Setpoint>,
 }
@@ -136,7 +137,7 @@ pub struct BusEnd<'a> {
 }
 
 impl Rings {
-    /// All of them empty.
+    /// Empty rings.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -195,8 +196,8 @@ impl TickEnd<'_> {
         self.heard.take()
     }
 
-    /// Sends the frames of a tick, SYNC first; once in each, also where there are none. False where some of the tick before
-    /// have not left: they are called back.
+    /// Sends the frames of a tick, SYNC first. Called once in each tick, even without frames. False where some frames
+    /// of the previous tick have not left: these are called back.
     pub fn send(&mut self, frames: &[Frame], chip: &impl Chip) -> bool {
         let left = Places(chip.pending().0 & self.shared.places.get());
         let in_time = left.is_empty() && self.shared.done.get() == self.left;
@@ -238,7 +239,7 @@ impl BackgroundEnd<'_> {
         self.others.has_room()
     }
 
-    /// Sends a frame behind those of the tick. There is room.
+    /// Sends a frame after those of the tick. There is room.
     pub fn send(&mut self, frame: &Frame, chip: &impl Chip) {
         let _ = self.others.put(*frame);
         chip.poke();
@@ -246,8 +247,9 @@ impl BackgroundEnd<'_> {
 }
 
 impl BusEnd<'_> {
-    /// The interrupt: reads what has come, and fills what is free. False where a frame has come that there was no room for.
-    /// It is lost as on the wire: drives that fall silent are missed, requests are made again.
+    /// The interrupt: reads the received frames, and fills the free places. False where there was no room for a
+    /// received frame. That frame is lost, as on the wire: the board notices a drive that falls silent, and a request
+    /// is repeated.
     pub fn serve(&mut self, chip: &impl Chip) -> bool {
         let mut kept = true;
         while let Some(frame) = chip.take() {
@@ -262,7 +264,7 @@ impl BusEnd<'_> {
         kept
     }
 
-    /// Fills one place. False where nothing has a turn; a tick that has come in between has asked for another run.
+    /// Fills one place. False where no frame may go. A tick that has come in between has asked for another run.
     fn fill(&mut self, chip: &impl Chip) -> bool {
         let period_us = chip.period_us();
         if period_us != self.period_us {
@@ -271,14 +273,15 @@ impl BusEnd<'_> {
         }
         let shared = self.shared;
         let now = shared.tick.get();
-        // The oldest stays the oldest whatever the tick adds, and what was given up stays so: first that, then the number.
+        // The oldest frame stays the oldest, whatever the tick adds, and a frame that was given up stays so. So this
+        // reads the frame first and then the number.
         while let Some(oldest) = self.setpoints.peek()
             && oldest.tick != shared.tick.get()
         {
             let _ = self.setpoints.take();
         }
         if chip.is_off() {
-            // Who asked for it does not wait any more: behind the way back it would answer something else.
+            // The receiver does not wait any more: after the return to the bus this frame would answer another request.
             return self.others.take().is_some();
         }
         let pending = chip.pending();
@@ -296,12 +299,12 @@ impl BusEnd<'_> {
         let words = to_send(&frame);
         let mut done = false;
         chip.alone(|| {
-            // Else all of it is to be looked at again.
+            // Otherwise everything has to be read again.
             if shared.tick.get() == now {
                 done = shared.put(&words, of_tick, chip);
             }
         });
-        // With the tick let in again, for this takes its time: what is in the controller counts by then.
+        // The tick is let in again here, because a removal takes its time. The frame in the controller is counted by then.
         match (done, of_tick) {
             (true, true) => drop(self.setpoints.take()),
             (true, false) => drop(self.others.take()),
@@ -312,7 +315,7 @@ impl BusEnd<'_> {
 }
 
 impl Shared {
-    /// Puts a frame in and marks its place; the tick is kept out. False where there is no place.
+    /// Puts a frame in and marks its place; the caller keeps the tick out. False where no place is free.
     fn put(&self, words: &[u32; 4], of_tick: bool, chip: &impl Chip) -> bool {
         let Some(place) = chip.put(words) else {
             return false;
@@ -328,7 +331,7 @@ impl Shared {
     }
 }
 
-/// True for what only the background answers: everything that is said to a node, and NMT and SYNC, to all.
+/// True for frames that only the background answers: everything that is sent to a node, and NMT and SYNC, sent to all.
 fn is_request(frame: &Frame) -> bool {
     match frame.id().service() {
         None => true,

@@ -1,4 +1,4 @@
-//! The pins of the NUCLEO-G474RE: what its image uses, and what the page about it says.
+//! The pins of the NUCLEO-G474RE: the image must use them as the hardware page says.
 
 use std::path::{Path, PathBuf};
 
@@ -7,11 +7,11 @@ const IMAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../nucleo-g474re/src")
 const PINS: &str = include_str!("../../nucleo-g474re/src/pins.rs");
 const PAGE: &str = include_str!("../../../docs/hardware.md");
 
-/// Pins with an owner of their own: debug probe and its serial line, crystal, boot pin.
+/// Pins that are not free: debug probe and its serial line, crystal, boot pin.
 const TAKEN: [&str; 8] = ["PA2", "PA3", "PA13", "PA14", "PB3", "PB8", "PF0", "PF1"];
 
-/// What pins are connected to within the chip, by the data sheet's table of alternate functions: channels 1 to 3 of
-/// TIM2, and receive and transmit of FDCAN1.
+/// The alternate functions of the pins, by the data sheet's table: channels 1 to 3 of TIM2, and receive and transmit of
+/// FDCAN1.
 const CONNECTED: [(&str, &str); 5] = [
     ("PA0", "TIM2"),
     ("PA1", "TIM2"),
@@ -35,7 +35,7 @@ fn pin(row: &str) -> &str {
         .unwrap_or_default()
 }
 
-/// Every pin that is given a mode.
+/// Every pin whose mode is set.
 fn used(text: &str) -> Vec<String> {
     text.split(".moder().modify(")
         .zip(text.split(".moder().modify(").skip(1))
@@ -50,7 +50,7 @@ fn used(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Every pin that `setter` is called for, with what it is given. A register for half a port says which half.
+/// Every pin with which `setter` is called, and the value. A register for half a port says which half.
 fn given(text: &str, setter: &str) -> Vec<(String, String)> {
     let (mut port, mut first) = ("", 0);
     let mut given = Vec::new();

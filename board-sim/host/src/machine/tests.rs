@@ -12,7 +12,7 @@ use leadscrew_core::bus::{CobId, Emcy, NmtState};
 
 use super::*;
 
-/// An adapter that takes whatever it is told, up to the end of the line; what it was told but for classical frames.
+/// An adapter that accepts every command until the line closes. Gives all commands but those of classical frames.
 fn adapter(mut line: UnixStream) -> JoinHandle<Vec<String>> {
     std::thread::spawn(move || {
         let (mut told, mut text, mut bytes) = (Vec::new(), Vec::new(), [0; 4096]);
@@ -28,7 +28,7 @@ fn adapter(mut line: UnixStream) -> JoinHandle<Vec<String>> {
                     Some(b't' | b'b') => b"z\r",
                     _ => b"\r",
                 };
-                // Behind the end nobody hears it.
+                // After the end of the line nobody reads the answer.
                 let _ = line.write_all(answer);
                 if !said.is_empty() && !said.starts_with('t') {
                     told.push(said);
@@ -39,7 +39,7 @@ fn adapter(mut line: UnixStream) -> JoinHandle<Vec<String>> {
     })
 }
 
-/// Writes a parameter without axes, as a client does, and gives the machine time to take it into force.
+/// Writes a parameter without axes, as a client does, and lets the machine put it into force.
 fn set(machine: &mut Machine, no: u16, bytes: &[u8]) {
     let [low, high] = (0x2000 + no).to_le_bytes();
     let mut request = [
@@ -91,13 +91,13 @@ fn an_adapter_is_told_the_rate_of_can_fd_that_a_set_brings_later() {
         commands,
         ["C", "V", "S8", "O", "C", "Y5", "O", "C", "Y2", "O", "C"]
     );
-    // The first frame comes behind its rate.
+    // The first frame comes after its rate.
     let first = told.iter().position(|said| said.starts_with('b'));
     let rate = told.iter().position(|said| said == "Y5");
     assert!(rate < first);
 }
 
-/// A machine that is up, on a bus of this process; and the other end of that.
+/// A machine that is up, on a bus within this process; and the other end of this bus.
 fn machine_on_pair(name: &str, is_virtual: bool) -> (Machine, End) {
     let path = std::env::temp_dir().join(format!("board-sim-{name}-{}", std::process::id()));
     let listener = UnixListener::bind(&path).expect("a socket");
@@ -115,13 +115,13 @@ fn machine_on_pair(name: &str, is_virtual: bool) -> (Machine, End) {
     for _ in 0..200 {
         machine.tick().expect("a bus");
     }
-    // What was said until then, its first boot-up message too.
+    // The frames sent so far, the first boot-up message included.
     let heard = other.receive(&mut Vec::new(), Duration::ZERO);
     assert!(heard.is_ok_and(|frames| frames > 200));
     (machine, other)
 }
 
-/// The kernel says that the controller is bus-off, or has been started again.
+/// The kernel reports that the controller is bus-off, or was restarted.
 fn tell(machine: &mut Machine, other: &mut End, class: u32) {
     let data = [0, 0, 0, 0, 0, 0, 248, 3];
     let error = ErrorFrame { class, data };
@@ -132,7 +132,7 @@ fn tell(machine: &mut Machine, other: &mut End, class: u32) {
 const BUS_OFF: u32 = 0x040;
 const RESTARTED: u32 = 0x100;
 
-/// Up to `ticks` until the board says by its boot-up message that it is back; the emergencies behind that.
+/// Runs up to `ticks` until the board sends its boot-up message. Gives the emergencies after it.
 fn comes_back(machine: &mut Machine, other: &mut End, ticks: u32) -> Option<Vec<u16>> {
     let (mut back, mut codes) = (false, Vec::new());
     for _ in 0..ticks {

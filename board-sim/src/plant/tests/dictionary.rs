@@ -1,4 +1,4 @@
-//! A drive's objects by SDO: what it tells, what it takes and when, and what it keeps.
+//! A drive's objects by SDO: the values that it gives, those that it takes and when, and those that it keeps.
 
 extern crate std;
 
@@ -122,7 +122,7 @@ fn drives_are_where_the_parameters_say() {
     nodes.sort_unstable();
     assert_eq!(nodes, [5, 6, 17, 32, 70], "boot-up messages");
     let mut second_rpdo = |node| bench.read(NodeId::new(node).unwrap(), 0x1601, 2);
-    // A spindle is one wherever it is, and an axis none.
+    // A spindle has a second RPDO at any node, and an axis has none.
     assert_eq!(second_rpdo(6), Ok(0x60FF_0020));
     assert_eq!(second_rpdo(32), Err(Abort::NoObject));
 }
@@ -155,10 +155,10 @@ fn a_drive_says_what_it_is_and_how() {
     ] {
         assert_eq!(bench.read(x, index, sub), expected, "{index:04X}h:{sub}");
     }
-    // A spindle is told its mode and speed, too.
+    // A spindle also takes its mode and speed.
     assert_eq!(bench.read(NodeId::SPINDLE_1, 0x1601, 2), Ok(0x60FF_0020));
     assert_eq!(bench.read(NodeId::SPINDLE_4, 0x1018, 4), Ok(35));
-    // Block transfer serves other tools.
+    // Other tools use block transfer.
     let mut bytes = [0; 8];
     let mut buffer = SdoBuffer::new(&mut bytes);
     let object = Object::new(0x1000, 0);
@@ -202,12 +202,12 @@ fn limits_change_in_every_state_communication_in_pre_operational_alone() {
     assert_eq!(bench.write(z, 0x1800, 2, 241, 1), Err(Abort::Value));
     assert_eq!(bench.write(z, 0x1800, 2, 2, 1), Ok(()));
     bench.nmt(NmtCommand::Start);
-    // It answers at every second SYNC from now on.
+    // From now on it answers at every second SYNC.
     let answers = (0..8)
         .flat_map(|_| bench.tick())
         .filter(|frame| DriveStatus::decode(frame).is_some_and(|(node, _)| node == z));
     assert_eq!(answers.count(), 4);
-    // The others are as they were.
+    // The other drives have not changed.
     assert_eq!(bench.read(NodeId::DRIVE_X, 0x1800, 2), Ok(4));
 }
 
@@ -231,7 +231,7 @@ fn a_mapping_is_emptied_before_it_is_filled_and_takes_what_belongs_there() {
     assert_eq!(bench.write(x, 0x1400, 1, 0x210, 4), Ok(()));
 }
 
-/// Maps `objects` into RPDO1 of Z, which comes with the identifier `id` then.
+/// Maps `objects` into RPDO1 of Z, whose identifier becomes `id`.
 fn map_z(bench: &mut Bench, id: u32, objects: &[u32]) -> Result<(), Abort> {
     let z = NodeId::DRIVE_Z;
     let now = bench.read(z, 0x1400, 1)?;
@@ -248,7 +248,7 @@ fn map_z(bench: &mut Bench, id: u32, objects: &[u32]) -> Result<(), Abort> {
 fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_it() {
     let mut bench = Bench::new();
     let z = NodeId::DRIVE_Z;
-    // Not while the PDO is used, and no identifier but its own and those of boards.
+    // Refused while the PDO is used, and for identifiers other than its own and those of boards.
     assert_eq!(bench.write(z, 0x1400, 1, 0x481, 4), Err(Abort::Value));
     assert_eq!(
         map_z(&mut bench, 0x212, &[0x6040_0010, 0x607A_0020]),
@@ -281,7 +281,7 @@ fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_i
     let mut content = [0x11; 24];
     content[6..12].copy_from_slice(&[6, 0, 0x78, 0x56, 0x34, 0x12]);
     assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5678));
-    // Other drives hear nothing of it: theirs is another identifier.
+    // Other drives ignore it: they listen to another identifier.
     assert_eq!(bench.read(NodeId::DRIVE_X, 0x6040, 0), Ok(0));
     // Eight bytes are two more than X gets, and four less than Z needs.
     let short = (std::vec![(z, 0x8210)], 6, 0x1234_5678);
@@ -290,7 +290,7 @@ fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_i
     content[8] = 0x79;
     assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5679));
     assert_eq!(told(&mut bench, &content[..8]).0, [(z, 0x8210)]);
-    // Nobody else tells it anything.
+    // A frame of its own identifier no longer commands it.
     let alone = leadscrew_core::bus::DriveCommand {
         control: leadscrew_core::bus::Controlword::ENABLE_OPERATION,
         target: Increments::new(0),
@@ -299,7 +299,7 @@ fn a_drive_takes_its_own_of_a_frame_for_many_and_tells_of_one_that_ends_before_i
     assert_eq!(told(&mut bench, &content), (Vec::new(), 6, 0x1234_5679));
 }
 
-/// What is behind its own bytes is nothing to it; a drive may tell of that all the same, each time.
+/// The bytes after a drive's own do not concern it. Still, a drive may report them, each time.
 #[test]
 fn a_drive_that_is_made_so_tells_of_every_frame_that_is_longer_than_its_mapping() {
     let mut params = Params::slant_bed();
@@ -332,7 +332,7 @@ fn a_drive_that_is_made_so_tells_of_every_frame_that_is_longer_than_its_mapping(
             let told = nodes.iter().filter(|_| tells_longer);
             told.map(|node| (*node, 0x8220)).collect()
         };
-        // Of X, Z, C and spindle 1 the last ends with the frame.
+        // Of X, Z, C and spindle 1 only the last one's bytes end with the frame.
         let short = [(33, 0x8210), (34, 0x8210), (35, 0x8210)];
         assert_eq!(told(24), [longer(&[16, 17, 18]), short.to_vec()].concat());
         for _ in 0..3 {
@@ -341,7 +341,7 @@ fn a_drive_that_is_made_so_tells_of_every_frame_that_is_longer_than_its_mapping(
     }
 }
 
-/// 6007h: what a drive does that is stopped by NMT, without a SYNC.
+/// 6007h: the reaction of a drive to NMT stop, without a SYNC.
 #[test]
 fn a_drive_that_is_stopped_by_nmt_does_what_it_is_set_up_for() {
     let spindle = NodeId::SPINDLE_1;

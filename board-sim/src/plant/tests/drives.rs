@@ -10,7 +10,7 @@ use leadscrew_core::bus::{
 use leadscrew_core::units::{Length, Rpm};
 use std::vec::Vec;
 
-/// A board without motion: masters, SYNC, and where they want the axes.
+/// A board without motion: masters, SYNC, and the demands for the axes.
 struct Bench {
     plant: Plant,
     sync: SyncProducer,
@@ -108,11 +108,11 @@ fn the_master_enables_the_drives_where_they_stand() {
     let before = bench.plant.truth().positions;
     assert_eq!(before.map(Increments::get), [1_500_000, -200_000, 0]);
     let ticks = bench.enable();
-    // Contact, and three changes of state, each told at every 4th SYNC.
+    // The first contact and three changes of state, each reported at a 4th SYNC.
     assert!(ticks <= 4 * 4 + 3, "{ticks}");
     assert_eq!(bench.plant.truth().positions, before);
     assert_eq!(bench.plant.drive(Axis::X).power(), Power::Enabled);
-    // Taken up where it stands; then a demand is where the drive is at the SYNC after it was sent.
+    // The demand begins where the drive stands. From then on the drive is at a demand one SYNC after it was sent.
     bench.tick([Some(Increments::new(1_500_000)), None, None]);
     bench.tick([Some(Increments::new(1_500_003)), None, None]);
     let (_, truth) = bench.tick([None; 3]);
@@ -177,7 +177,7 @@ fn a_drive_that_restarts_says_so() {
     bench.tick([None; 3]);
     assert_eq!(bench.heard[0], NmtState::BootUp.frame(NodeId::DRIVE_X));
     assert_eq!(bench.masters[0].failure(), Some(DriveFailure::Restarted));
-    // Reset, and it can be used again.
+    // After a reset the drive can be used again.
     bench.masters[0].reset();
     bench.masters[0].enable().unwrap();
     for _ in 0..40 {
@@ -201,7 +201,7 @@ fn the_spindle_turns_as_its_drive_is_told() {
     }
     assert_eq!(last.speed.get(), 300_000);
     assert_eq!(last.angle.micro_turns(), 5_375_000);
-    // Its status carries the angle in increments of the drive.
+    // The drive's status carries the angle in its increments.
     let status = (0..4)
         .find_map(|_| {
             bench.tick([None; 3]);
@@ -359,7 +359,7 @@ fn whatever_happens_no_axis_jumps() {
                 before = now;
             }
         }
-        // It was not all standstill.
+        // The drives did move.
         assert!(
             enabled_again > 500 && failures > 1000,
             "{enabled_again}, {failures}"

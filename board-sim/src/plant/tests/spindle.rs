@@ -12,7 +12,7 @@ fn turns(angle: FineTurns) -> f64 {
     angle.raw() as f64 / 2f64.powi(64)
 }
 
-/// The speed and the angle of the formula, in doubles: from rest at t = 0, ramp to `rpm`, ripple of `part` at `hz`.
+/// Speed and angle by the formula, in doubles: from rest at t = 0, ramp to `rpm`, ripple of `part` at `hz`.
 fn formula(t: f64, rpm: f64, ramp_ms: f64, part: f64, hz: f64) -> (f64, f64) {
     let acceleration = 1000.0 / 60.0 / (ramp_ms / 1000.0) * rpm.signum();
     let top = rpm / 60.0;
@@ -57,7 +57,7 @@ fn the_angle_is_that_of_the_formula() {
             let miss = f64::from(s.speed().get()) - speed * 60_000.0;
             assert!(miss.abs() < 1.5, "{rpm} rpm: speed off by {miss} mrpm");
         }
-        // Doubles lose digits themselves where the angle is large.
+        // At large angles the doubles themselves lose digits.
         assert!(worst < 1e-9, "{rpm} rpm, {percent} % at {hz} Hz: {worst:e}");
     }
 }
@@ -66,7 +66,7 @@ fn the_angle_is_that_of_the_formula() {
 fn an_hour_does_not_drift() {
     let mut s = Spindle::new(500, Ripple::new(10_000, 5_000), Turns::ZERO).unwrap();
     s.command(MilliRpm::of(Rpm::new(300), 100));
-    // 300 rpm is 5 turns a second; the ramp of 150 ms costs 0.375 turns. The ripple on the ramp leaves its constant.
+    // 300 rpm is 5 turns a second; the ramp of 150 ms costs 0.375 turns. The ripple during the ramp leaves a constant.
     s.advance(10_000_000_000, |_| ());
     let begin = s.angle();
     for _ in 0..360_000 {
@@ -81,13 +81,13 @@ fn an_hour_does_not_drift() {
 
 #[test]
 fn without_ripple_the_angle_is_exact() {
-    // 600 rpm in 300 ms: 1.5 turns on the ramp, then 10 turns a second, however time is cut up.
+    // 600 rpm in 300 ms: 1.5 turns on the ramp, then 10 turns a second, in steps of any length.
     for step in [1_000_000u64, 250_000, 1, 999_999_937] {
         let mut s = Spindle::new(500, None, Turns::whole(-3)).unwrap();
         s.command(MilliRpm::of(Rpm::new(600), 100));
         let mut left = 2_300_000_000u64;
         if step == 1 {
-            // Single nanoseconds for a while, the rest at once.
+            // Single nanoseconds for a while, then the rest at once.
             for _ in 0..1000 {
                 s.advance(1, |_| ());
             }
@@ -183,7 +183,7 @@ fn encoder_against_truth(zero: i32, angle: Turns) {
         for _ in 0..ticks {
             let mut pulse = None;
             s.advance(1_000_000, |piece| {
-                // The edge, found by halving alone, to a nanosecond.
+                // The edge, found by halving only, to a nanosecond.
                 let (from, to) = (count(piece.angle(0)), count(piece.angle(piece.duration())));
                 if from != to {
                     let (mut early, mut late) = (0, piece.duration());
@@ -197,7 +197,7 @@ fn encoder_against_truth(zero: i32, angle: Turns) {
                     }
                     last_edge = Some(now + late);
                 }
-                // Every count entered on the way.
+                // Every count that was entered between the two samples.
                 if to > from {
                     for c in from + 1..=to {
                         pulse = if c % COUNTS == 0 { Some(c) } else { pulse };

@@ -1,4 +1,4 @@
-//! Drives that stand in for those that are not there yet: a board comes up with them, and they stand.
+//! Drives that stand in for missing ones: a board comes up with them, and they stand still.
 
 extern crate std;
 
@@ -9,15 +9,15 @@ use leadscrew_core::board::{Board, Output, State};
 use leadscrew_core::params::Entry;
 use leadscrew_core::spindle::EncoderSample;
 
-/// What the encoder of a spindle at rest shows.
+/// The sample of the encoder of a spindle at rest.
 const AT_REST: EncoderSample = EncoderSample {
     count: 0,
     edge_age_ns: None,
     index: None,
 };
 
-/// A board with the drives of X and Z that a machine has, and of this many spindles
-/// a stand-in each: its state behind a second.
+/// The state after one second of a board with the drives of X and Z of a machine, and a stand-in for each of this many
+/// spindles.
 fn state_with(params: &Params, spindles: usize) -> State {
     let options = PlantOptions::default();
     let axes = Axis::ALL.map(|axis| axis_drive(params, &options, axis).unwrap());

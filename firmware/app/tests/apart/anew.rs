@@ -15,7 +15,7 @@ fn a_set_that_names_other_nodes_is_followed_from_its_restart_on() {
     let request = CobId::of(Service::SdoRequest, NodeId::BOARD);
     let request = Frame::new(request, &[0x2F, 0x37, 0x43, 1, 50, 0, 0, 0]);
     apart.bench.others.push_back(request.expect("a frame"));
-    // The drive has stayed where it was.
+    // The drive is still on its old node.
     let deadline = 3000;
     assert_eq!(alarm(&mut apart, deadline), Some(Code::DriveNoAnswer));
     let State::Alarm(alarm) = apart.background.snapshot().state else {
@@ -38,7 +38,7 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     apart.steps(100);
     assert_eq!(apart.bench.events, [Event::Ready]);
     assert_eq!(apart.bench.syncs - syncs, 101, "no period without a SYNC");
-    // It stands where it stood, and goes on from there as if nothing had been.
+    // The machine stands where it stood, and goes on from there.
     let mut sim = sim(&params);
     assert_eq!(whole(&mut sim, text, &params), first);
     for text in [text, "G0 X90 Z30\nM30\n"] {
@@ -46,7 +46,7 @@ fn a_restart_of_the_application_hands_the_ticker_over_and_back() {
     }
 }
 
-/// Drives that watch SYNC hear no gap in its counter.
+/// Drives that watch SYNC see no gap in its counter.
 #[test]
 fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
     let mut apart = Apart::new(&Params::slant_bed());
@@ -61,7 +61,7 @@ fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
     };
     for round in 0..3 {
         apart.restart();
-        // Its background takes its time.
+        // The background is slow.
         for _ in 0..10 * round {
             tick(&mut apart);
         }
@@ -73,7 +73,7 @@ fn a_board_that_is_made_anew_goes_on_counting_its_syncs() {
     }
 }
 
-/// Begun anew, the machine knows of no feed hold; a contact that is still pressed holds it again.
+/// After the restart the machine has no feed hold. A contact that is still pressed holds it again.
 #[test]
 fn a_feed_hold_that_stays_pressed_outlives_a_restart_of_the_application() {
     let mut apart = Apart::new(&Params::slant_bed());

@@ -1,4 +1,4 @@
-//! The plant and the pins around a board in two sides; this room knows of no board.
+//! The plant and the pins around a board with two sides. This module knows no board.
 
 use std::collections::VecDeque;
 
@@ -13,23 +13,23 @@ use leadscrew_core::spindle::EncoderSample;
 pub struct Bench {
     pub plant: Plant,
     pub answers: VecDeque<Frame>,
-    /// Frames from others on the bus, for the background.
+    /// Frames of other nodes on the bus, for the background.
     pub others: VecDeque<Frame>,
     pub sent: Vec<Frame>,
     pub syncs: u32,
-    /// The SYNC of the last tick.
+    /// The SYNC frame of the last tick.
     pub given: Option<Frame>,
     pub inputs: Inputs,
-    /// Somebody else turns the spindle: counts beside those of the plant, two a tick.
+    /// Another hand turns the spindle: counts in addition to those of the plant, two a tick.
     pub turned: Option<i32>,
-    /// What the board's switches have been told.
+    /// The calls of the board's switches.
     pub switched: Vec<Switching>,
     pub events: Vec<Event>,
     pub fed: u32,
     pub writing: bool,
     pub controller: Controller,
     pub rejoined: u32,
-    /// The time between two SYNCs, as told at each new beginning.
+    /// The time between two SYNCs, as given at each new beginning.
     pub periods: Vec<u32>,
 }
 

@@ -26,12 +26,12 @@ pub struct Apart {
     pub background: &'static mut BackgroundSide,
     pub bench: Bench,
     hash: SetpointHash,
-    /// Of the last order.
+    /// The number of the last order.
     count: u8,
 }
 
 impl Apart {
-    /// Begins the application anew, as an NMT master can; its events are told from there on.
+    /// Begins the application anew, as an NMT master can. Its events are recorded from there on.
     pub fn restart(&mut self) {
         self.bench.events.clear();
         let anew = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
@@ -39,7 +39,7 @@ impl Apart {
         self.rest();
     }
 
-    /// One that has come up, and then taken tick 0.
+    /// A board that has come up and then run tick 0.
     pub fn new(params: &Params) -> Self {
         let mut apart = Self::off(params);
         for _ in 0..1000 {
@@ -69,7 +69,8 @@ impl Apart {
         u32::from_le_bytes(*value.expect("eight bytes"))
     }
 
-    /// What 5041h says of the last threads, the newest first: number, line, kind, state, passes. Read in segments.
+    /// Reads the records of the last threads (5041h), the newest first: number, line, kind, state, passes. Read in
+    /// segments.
     pub fn threads(&mut self) -> Vec<(u32, u32, ThreadKind, ThreadState, u16)> {
         let (request, reply) = (Service::SdoRequest, Service::SdoReply);
         let (request, reply) = [request, reply]
@@ -110,7 +111,7 @@ impl Apart {
         threads.map(|thread| told(thread.expect("one"))).collect()
     }
 
-    /// An emergency message with this code and the number of this alarm has been sent.
+    /// True where an emergency message with this code and the number of this alarm was sent.
     pub fn has_told(&self, emergency: u16, number: u16) -> bool {
         self.bench.sent.iter().any(|frame| {
             let payload = frame.payload();
@@ -120,13 +121,13 @@ impl Apart {
         })
     }
 
-    /// One that is switched on behind a failure.
+    /// A board that is switched on after a failure.
     pub fn behind(params: &Params, failure: Option<Failure>) -> Self {
         Self::started(params, failure, ResetCause::Power)
     }
 
     pub fn started(params: &Params, failure: Option<Failure>, cause: ResetCause) -> Self {
-        // For good, as in an image.
+        // Leaked, so that they live for ever, as in an image.
         let queues = Box::leak(Box::new(Queues::new()));
         let tick = Box::leak(Box::new(TickPlace::uninit()));
         let ticker = Box::leak(Box::new(TickerPlace::uninit()));
@@ -184,7 +185,7 @@ impl Apart {
             .extend([start, command.frame(NodeId::BOARD)]);
     }
 
-    /// A tick, and all the background can do behind it.
+    /// Runs a tick, and then all work that the background can do.
     pub fn step(&mut self) {
         self.tick.tick(&mut self.bench);
         self.rest();
@@ -196,7 +197,7 @@ impl Apart {
         self.hash.push(setpoint.position, spindle, runs);
     }
 
-    /// So many of them.
+    /// Runs this number of steps.
     pub fn steps(&mut self, count: u32) {
         for _ in 0..count {
             self.step();
@@ -238,7 +239,7 @@ pub fn calls(text: &str, params: &Params) -> Vec<Call> {
         .collect()
 }
 
-/// The alarm the machine stands on, behind so many ticks.
+/// The alarm on which the machine stands, after this number of ticks.
 pub fn alarm(apart: &mut Apart, ticks: u32) -> Option<Code> {
     apart.steps(ticks);
     match apart.background.snapshot().state {

@@ -1,4 +1,4 @@
-//! What is heard on the bus, and what is not.
+//! Which frames a board takes from the bus, and which it ignores.
 
 use leadscrew_app::ResetCause;
 use leadscrew_core::alarm::Code;
@@ -42,7 +42,7 @@ fn leaves(state: BusState, code: Code) {
     assert_eq!(apart.bench.rejoined, 0, "not while it moves");
     assert_eq!(alarm(&mut apart, 1000), Some(code));
     assert_eq!(apart.bench.rejoined, 1);
-    // The drives have been let go, as far as they hear it.
+    // The drives have been let go, as far as they receive the frame.
     for drive in [NodeId::DRIVE_X, NodeId::DRIVE_Z, NodeId::DRIVE_C] {
         let told = CobId::of(Service::Rpdo1, drive);
         let told = apart

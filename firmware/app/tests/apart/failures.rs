@@ -1,4 +1,4 @@
-//! A side that hangs, and what a board that comes up behind a failure does.
+//! A side that hangs, and the start of a board after a failure.
 
 use leadscrew_app::{Failure, FailureKind, ResetCause, VERSION};
 use leadscrew_core::alarm::Code;
@@ -19,9 +19,9 @@ fn a_background_that_hangs_is_not_covered_up() {
         apart.tick.tick(&mut apart.bench);
     }
     let fed = apart.bench.fed - before;
-    // The last sign of life is read in the first of them.
+    // The tick reads the last sign of life in the first of these periods.
     assert_eq!(fed, 1 + 250, "a quarter of a second");
-    // Back again: the tick after it has said so feeds it.
+    // The background runs again: the tick after its sign of life feeds the watchdog.
     apart.step();
     apart.tick.tick(&mut apart.bench);
     assert_eq!(apart.bench.fed, before + fed + 1);
@@ -113,7 +113,7 @@ fn behind_too_many_failures_nothing_lets_it_move() {
     for number in 0..4 {
         match number {
             1 => apart.order(Order::Reset),
-            // The application begins anew, and so it does with other parameters.
+            // The application begins anew; it does so with other parameters too.
             2 => {
                 let anew = NmtCommand::ResetNode.frame(Some(NodeId::BOARD));
                 apart.bench.others.push_back(anew);

@@ -1,5 +1,5 @@
-//! The two sides of a board, joined by their queues only, against the same board in one piece: the same setpoints, whatever
-//! the program; and what only two sides can get wrong.
+//! The two sides of a board, joined by their queues only, against the same board in one piece: any program gives the
+//! same setpoints. Also tests of faults that only two sides can have.
 
 mod anew;
 mod bench;

@@ -1,4 +1,4 @@
-//! What an operator does, by contacts and by orders.
+//! The operator's actions, by contacts and by orders.
 
 use std::collections::VecDeque;
 
@@ -40,7 +40,7 @@ fn the_emergency_stop_stops_by_itself_and_holds_until_it_is_released() {
         panic!("{:?}", apart.background.snapshot().state);
     };
     assert_eq!(alarm.code, Code::EmergencyStop);
-    // A reset with the button still pressed does not help.
+    // A reset while the button is still pressed has no effect.
     for pressed in [true, false] {
         apart.bench.inputs.stop = pressed;
         apart.order(Order::Reset);
@@ -61,14 +61,14 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
             stop,
             ..Inputs::default()
         };
-        // The background hears of it with the report of this tick.
+        // The background gets the contacts with the report of this tick.
         apart.step();
         apart.bench.sent.clear();
         apart.object(0x5060, 0)
     };
     assert_eq!(told(&mut apart, false, false), 0);
     assert_eq!(told(&mut apart, true, false), 0x1000);
-    // Nothing resumes while the contact is pressed, or its wire broken [D192].
+    // Nothing resumes while the contact is pressed, or its wire is broken [D192].
     apart.order(Order::Resume);
     assert_eq!(told(&mut apart, true, false), 0x1000);
     assert!(apart.background.snapshot().operator.hold);
@@ -76,18 +76,18 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     apart.order(Order::Resume);
     apart.steps(2);
     assert_eq!(told(&mut apart, false, false), 0);
-    // Pressed once, it holds until it is resumed.
+    // One press holds the program until it is resumed.
     assert_eq!(told(&mut apart, true, false), 0x1000);
     assert_eq!(told(&mut apart, false, false), 0x1000);
     assert!(apart.background.snapshot().operator.hold);
-    // The emergency stop, until its alarm is reset.
+    // The emergency stop is reported until its alarm is reset.
     assert_eq!(told(&mut apart, false, true), 0x5000);
     assert_eq!(told(&mut apart, false, false), 0x5000);
     apart.order(Order::Reset);
     apart.steps(1000);
     assert_eq!(apart.background.snapshot().state, State::Idle);
     assert_eq!(told(&mut apart, false, false), 0);
-    // Behind another alarm it raises none of its own, and is told all the same.
+    // After another alarm the stop raises no alarm of its own, but its bit is still set.
     apart.bench.inputs.trouble = Some(Code::NetworkStop);
     apart.steps(1000);
     assert_eq!(told(&mut apart, false, false), 0);
@@ -97,7 +97,8 @@ fn contacts_are_mirrored_while_they_are_pressed_and_while_what_they_did_acts() {
     assert_eq!(alarm, Some(Code::NetworkStop));
 }
 
-/// Events come here before the report of their tick: the last error of a thread behind the reset that has ended it.
+/// Events arrive before the report of their tick: so the last error of a thread arrives after the reset that has ended
+/// the thread.
 #[test]
 fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
     let params = Params::slant_bed();
@@ -134,7 +135,7 @@ fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
         apart.steps(100);
         let first = (1, line, kind, ThreadState::CutShort, 1);
         assert_eq!(apart.threads(), [first]);
-        // Another one behind it.
+        // Another cycle after it.
         let (next, second) = if kind == ThreadKind::RigidTap {
             let way_out = (2, 1, kind, ThreadState::Finished, 1);
             ("G30 P99\nM30\n", way_out)
@@ -145,7 +146,7 @@ fn a_reset_in_a_thread_or_a_tap_leaves_one_record_of_it() {
             )
         };
         if kind == ThreadKind::FloatingTap {
-            // Out of the hole first.
+            // First move out of the hole.
             apart.run("G0 Z10\nM30\n", &params);
         }
         apart.run(next, &params);

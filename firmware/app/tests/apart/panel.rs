@@ -51,16 +51,16 @@ impl OutputPin for Pin {
     }
 }
 
-/// A board on its bench, with pins. Circuits are closed where their pin is low.
+/// A board on its bench, with pins. A circuit is closed where its pin is low.
 struct Wired {
     apart: Apart,
     stop: Pin,
     hold: Pin,
     clamped: Pin,
-    /// What the board tells clamp and spindle.
+    /// The outputs to clamp and spindle.
     clamp: Pin,
     spindle: Pin,
-    /// The clamp takes so many ticks, either way; `None`: it does not move.
+    /// The number of ticks that the clamp takes, either way; `None`: it does not move.
     takes: Option<u32>,
     moving: u32,
     contacts: Contacts<Pin, Pin>,
@@ -91,7 +91,7 @@ impl Wired {
         }
     }
 
-    /// One that has come up.
+    /// A board that has come up.
     fn up(params: &Params) -> Self {
         let mut wired = Self::on(params, [false; 2]);
         wired.until(1000, |wired| wired.state() == State::Idle);
@@ -133,7 +133,7 @@ impl Wired {
             parts.0.switch(switching);
         }
         parts.1.show(self.apart.background.snapshot());
-        // Its contact is closed where it holds.
+        // The clamp's contact is closed while the clamp holds.
         if self.clamped.0.get() == self.clamp.0.get() {
             self.moving += 1;
             if self.takes.is_some_and(|takes| self.moving > takes) {
@@ -150,7 +150,7 @@ impl Wired {
         }
     }
 
-    /// So many ticks it has taken.
+    /// Runs ticks until `over`, and gives their number.
     fn until(&mut self, limit: u32, over: impl Fn(&Self) -> bool) -> u32 {
         for ticks in 0..limit {
             if over(self) {
@@ -228,7 +228,7 @@ fn a_hold_circuit_that_opens_holds_and_nothing_resumes_before_it_is_closed() {
     wired.until(10_000, Wired::has_finished);
 }
 
-/// It has a way out of the thread, which a hold must not keep it from.
+/// A reset may have to move out of the thread; a hold must not keep it from that.
 #[test]
 fn a_reset_with_the_hold_circuit_open_comes_to_its_end() {
     let params = Params::slant_bed();
@@ -246,7 +246,7 @@ fn a_reset_with_the_hold_circuit_open_comes_to_its_end() {
         wired.apart.bench.events.contains(&Event::Reset)
     });
     wired.until(10, |wired| wired.state() == State::Idle);
-    // Held again from the next program on.
+    // The hold acts again from the next program on.
     wired.begin("G0 X100 Z20\nM30\n", &params);
     wired.until(100, |wired| wired.state() == State::Held);
     wired.hold.0.set(false);
@@ -269,7 +269,7 @@ fn the_next_move_waits_for_the_clamp_either_way() {
             for on in [true, false] {
                 wired.until(20_000, |wired| wired.clamp.0.get() == on);
                 if hole == 1 && !on {
-                    // The end of the program behind it.
+                    // The program's end waits for the clamp.
                     assert!(!wired.has_finished());
                     let waits = wired.until(1000, Wired::has_finished);
                     assert!(waits >= takes + 3, "{takes}: {waits}");
@@ -277,7 +277,7 @@ fn the_next_move_waits_for_the_clamp_either_way() {
                 }
                 let at = wired.at();
                 let waits = wired.until(1000, |wired| wired.at() != at);
-                // Three looks behind its contact, and its own next tick.
+                // Three samples of its contact, and then the next tick of the program.
                 assert!((takes + 3..=takes + 8).contains(&waits), "{takes}: {waits}");
                 assert_eq!(wired.clamped.0.get(), !on);
             }
@@ -307,7 +307,7 @@ fn a_clamp_that_does_not_answer_is_an_alarm_after_a_second_and_a_reset_lets_go()
             let waits = wired.until(second + 10, |wired| wired.alarm().is_some());
             assert!((second..second + 5).contains(&waits), "{waits}");
             assert_eq!((wired.alarm(), wired.at()), (Some(code), at));
-            // It lets go with the reset, and nothing is asked of it any more.
+            // The clamp lets go at the reset, and nothing waits for it any more.
             wired.calls.clear();
             wired.steps(100);
             wired.apart.order(Order::Reset);
@@ -346,7 +346,7 @@ fn a_reset_lets_the_clamp_go_unless_a_tap_is_in_its_hole() {
             wired.until(2000, |wired| wired.state() == State::Idle);
             assert_eq!(wired.clamp.0.get(), in_hole);
             if in_hole {
-                // It may fail by now: the way out stays possible.
+                // The clamp may fail now: the way out must still be possible.
                 wired.takes = None;
                 wired.clamped.0.set(true);
                 wired.begin("G30 P99\nM30\n", &params);
@@ -368,7 +368,7 @@ fn the_clamp_lets_go_where_the_application_begins_anew() {
     assert_eq!(apart.bench.switched, [Switching::Reset]);
 }
 
-/// What the button gives back when it is released must find the spindle off.
+/// When the button is released, the power that comes back must find the spindle off.
 #[test]
 fn the_spindle_is_enabled_on_an_alarm_until_it_stands() {
     let params = Params::slant_bed();
@@ -403,7 +403,7 @@ fn the_spindle_is_enabled_on_an_alarm_until_it_stands() {
     }
 }
 
-/// One that somebody else keeps turning is let go all the same, twice as late as it may take to stop and a second.
+/// A spindle that another hand keeps turning also loses its enable: after twice the permitted time to stop, and a second.
 #[test]
 fn a_spindle_that_does_not_stop_loses_its_enable_in_time() {
     let params = Params::slant_bed();
@@ -442,7 +442,7 @@ fn a_spindle_with_a_tap_in_its_hole_stays_enabled() {
         assert!(wired.spindle.0.get());
         wired.state() == State::Idle
     });
-    // Out of its hole, it is a spindle like any other.
+    // Outside its hole, the tapping spindle is a spindle like any other.
     wired.begin("G30 P99\nM30\n", &params);
     wired.until(20_000, Wired::has_finished);
     wired.stop.0.set(true);

@@ -1,4 +1,4 @@
-//! The same setpoints as those of a board in one piece.
+//! The setpoints of both kinds of board are the same.
 
 use std::collections::VecDeque;
 
@@ -37,7 +37,7 @@ pub fn sim(params: &Params) -> Sim {
     Sim::new(params, &PlantOptions::default()).expect("the machine starts")
 }
 
-/// One of the programs a user can run at once.
+/// One of the example programs for users.
 fn example(name: &str) -> String {
     let path = format!("{}/../../examples/{name}.nc", env!("CARGO_MANIFEST_DIR"));
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
@@ -55,7 +55,7 @@ fn programs_give_the_same_setpoints_as_on_a_board_in_one_piece() {
     }
 }
 
-/// The drives elsewhere, one of them where another is on the built-in machine.
+/// The drives on other nodes; one of them takes the node of another drive of the built-in machine.
 fn moved() -> Params {
     let mut params = Params::slant_bed();
     let nodes = [("9015.X", 126), ("9015.Z", 16), ("9015.C", 2), ("9016", 99)];

@@ -10,7 +10,7 @@ use leadscrew_core::spindle::EncoderSample;
 
 use super::{Work, until};
 
-/// A program, and what its ticks are told apart by.
+/// A program, and the way to classify its ticks.
 pub struct Program {
     text: &'static str,
     /// Spindles of the machine, each with a drive.
@@ -23,7 +23,7 @@ pub struct Program {
     kind: fn(&Seen) -> usize,
 }
 
-/// What a tick is told apart by.
+/// The state of a tick, to classify it.
 pub struct Seen {
     motion: Motion,
     line: u32,
@@ -31,7 +31,7 @@ pub struct Seen {
     alarm: bool,
 }
 
-/// Every kind of motion without a tap, a block a line.
+/// Every kind of motion without a tap, one block to a line.
 pub const MOVES: Program = Program {
     text: "O0001\n\
         M3 S300 G0 X80 Z10\n\
@@ -55,7 +55,7 @@ pub const MOVES: Program = Program {
     },
 };
 
-/// The same with three more spindles, which stand: seven drives.
+/// The same program with three more spindles, which stand still: seven drives.
 pub const SEVEN_DRIVES: Program = Program {
     spindles: 4,
     kinds: &["/seven-drives"],
@@ -136,7 +136,7 @@ pub const STOP_IN_TAP: Program = Program {
     kind: |seen| usize::from(seen.alarm),
 };
 
-/// By the line of the tap; everything before and behind is the way into rigid mode and out of it.
+/// Classified by the line of the tap; all other lines are the way into rigid mode and out of it.
 fn tap_kind(seen: &Seen) -> usize {
     match seen.line {
         4 => 1,
@@ -150,7 +150,7 @@ const ANSWERS: usize = 16;
 /// More ticks than the program takes.
 const LONGEST: usize = 16_384;
 
-/// The program on a board.
+/// A program on a board.
 pub struct WholeBoard {
     program: Program,
     params: Params,
@@ -260,7 +260,7 @@ impl Work for WholeBoard {
     }
 
     fn finish(&self, machine: &mut Machine, (): &()) {
-        // The storage is done at once.
+        // The storage finishes at once.
         if let Some(request) = machine.board.store() {
             let region = request.region;
             machine.board.stored(region, Ok(()));

@@ -1,4 +1,4 @@
-//! The programs that are counted, as the calls they become.
+//! The calls of the programs that are counted.
 
 use leadscrew_core::alarm::{At, Span};
 use leadscrew_core::program::{
@@ -14,7 +14,7 @@ fn um(micrometres: i64) -> Length {
     Length::from_nm(micrometres * 1000)
 }
 
-/// X as a diameter and Z, in micrometres.
+/// A position from X as a diameter and Z, in micrometres.
 fn position(x: i64, z: i64) -> Position {
     Position {
         x: um(x / 2),

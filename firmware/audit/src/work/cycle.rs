@@ -6,10 +6,10 @@ use leadscrew_core::program::{GrooveCall, ThreadCall};
 
 use super::{Work, calls};
 
-/// G76.
+/// The moves of a G76.
 pub struct Threads(ThreadCall);
 
-/// G75.
+/// The moves of a G75.
 pub struct Grooves(GrooveCall);
 
 impl Threads {
@@ -18,7 +18,7 @@ impl Threads {
         Self(calls::o0013())
     }
 
-    /// What comes before the first move: the check of all passes.
+    /// The work before the first move: the check of all passes.
     pub fn check(&self) -> Result<ThreadMoves, Alarm> {
         ThreadMoves::new(&self.0, Span::default())
     }
@@ -30,7 +30,7 @@ impl Grooves {
         Self(calls::o0008())
     }
 
-    /// What comes before the first move.
+    /// The work before the first move.
     pub fn check(&self) -> Result<GrooveMoves, Alarm> {
         GrooveMoves::new(&self.0, Span::default())
     }

@@ -1,6 +1,6 @@
 //! The steps that are counted, the same on the emulated board and on the host (`tests/examples/tick.rs`).
 //!
-//! A work is a sequence of steps from a state of its own; every step is one tick, or one move.
+//! A work is a sequence of steps with a state of its own. Every step is one tick, or one move.
 
 mod board;
 mod bus;
@@ -17,38 +17,38 @@ use spindle::Tracking;
 
 /// A sequence of steps.
 pub trait Work {
-    /// What the steps go on from.
+    /// The state between the steps.
     type State;
-    /// What a step gives.
+    /// The result of a step.
     type Out;
 
-    /// How many steps there are.
+    /// The number of steps.
     fn steps(&self) -> usize;
 
     /// The state before the first step.
     fn begin(&self) -> Self::State;
 
-    /// What has to happen before step `number` and is not counted.
+    /// Prepares step `number`; not counted.
     fn prepare(&self, _state: &mut Self::State, _number: usize) {}
 
     /// Step `number`, from 0.
     fn step(&self, state: &mut Self::State, number: usize) -> Self::Out;
 
-    /// What has to happen after a step and is not counted.
+    /// Does the work after a step; not counted.
     fn finish(&self, _state: &mut Self::State, _out: &Self::Out) {}
 
-    /// Kinds of steps that are told apart; what is added to the name of each.
+    /// The kinds of steps; each is appended to the name.
     fn kinds(&self) -> &'static [&'static str] {
         &[""]
     }
 
-    /// Which kind the step was that led to this state, as an index into [`Work::kinds`]; not counted.
+    /// The kind of the step that led to this state, as an index into [`Work::kinds`]; not counted.
     fn kind(&self, _state: &Self::State) -> usize {
         0
     }
 }
 
-/// Who counts.
+/// Counts the steps.
 pub trait Counter {
     /// Counts every step of a work.
     fn steps<W: Work>(&mut self, name: &str, work: &W);
@@ -56,8 +56,8 @@ pub trait Counter {
     fn once<R>(&mut self, name: &str, what: impl FnMut() -> R);
 }
 
-/// Everything that is counted: `plan/…` is what the background does once a call or a move, `move/…` a move of an
-/// expansion, `tick/…` a part of a tick, `board/…` a whole one.
+/// Counts everything: `plan/…` is the background's work for a call or a move, `move/…` a move of an expansion, `tick/…`
+/// a part of a tick, `board/…` a whole tick.
 pub fn all(counter: &mut impl Counter) {
     let threads = Threads::o0013();
     counter.once("plan/g76", || threads.check());
@@ -91,7 +91,7 @@ pub fn all(counter: &mut impl Counter) {
     }
 }
 
-/// How many steps of at most `limit` there are until `is_last`.
+/// The number of steps until `is_last`, `limit` at most.
 fn until(limit: usize, mut is_last: impl FnMut(usize) -> bool) -> usize {
     (0..limit).take_while(|number| !is_last(*number)).count()
 }

@@ -14,7 +14,7 @@ use super::{Work, calls, spindle, until};
 /// More ticks than any of these moves takes.
 const LONGEST: usize = 16_384;
 
-/// A move that time drives, with the operator at work.
+/// A move driven by time, with changes of the override.
 pub struct TimedMove {
     limits: Limits,
     target: Move,
@@ -62,7 +62,7 @@ impl TimedMove {
         }
     }
 
-    /// What comes before the first tick.
+    /// The work before the first tick.
     pub fn plan(&self) -> Result<Option<Timed>, Alarm> {
         plan::timed(Position::default(), &self.target, &self.limits)
     }
@@ -72,7 +72,7 @@ fn feed() -> FeedRate {
     FeedRate::PerMinute(Feed::from_nm_per_min(3_000_000_000))
 }
 
-/// As programmed, slower, held, faster.
+/// The override: as programmed, slower, held, faster.
 fn override_at(tick: usize) -> Rate {
     match tick / 100 % 8 {
         2 => Rate::percent(37),
@@ -123,7 +123,7 @@ impl ThreadPass {
         }
     }
 
-    /// What comes before the first tick.
+    /// The work before the first tick.
     pub fn plan(&self) -> Result<ThreadPlan, Alarm> {
         ThreadPlan::new(self.from, &self.moves, &self.params, spindle::speed())
     }

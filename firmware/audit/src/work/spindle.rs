@@ -6,7 +6,7 @@ use leadscrew_core::units::{Rpm, Ticks, TurnRate, Turns};
 
 use super::Work;
 
-/// The speed of all works that have a spindle.
+/// The speed of all works with a spindle.
 const SPINDLE: Rpm = Rpm::new(300);
 const TICKS_PER_TURN: usize = 200;
 
@@ -15,13 +15,13 @@ pub fn speed() -> TurnRate {
     TurnRate::of_rpm(SPINDLE)
 }
 
-/// Its angle at tick `number`.
+/// The spindle's angle at tick `number`.
 pub fn angle(number: usize) -> Turns {
     Turns::from_raw(number as i64 * Turns::ONE.raw() / TICKS_PER_TURN as i64)
 }
 
-/// An encoder with the time of the last edge and one index a turn, at constant speed; the angle is asked for one tick
-/// ahead, as a thread does.
+/// An encoder with the time of the last edge and one index a turn, at constant speed. The angle is asked for one tick
+/// later, as in a thread.
 pub struct Tracking(Params);
 
 impl Tracking {

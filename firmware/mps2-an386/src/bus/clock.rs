@@ -1,11 +1,11 @@
-//! The board's timers: one that goes on, for real time, and one that wakes the thread every millisecond.
+//! The board's timers: one that runs freely, for real time, and one that wakes the thread every millisecond.
 
 use core::ptr::{read_volatile, write_volatile};
 
-/// The interrupt of the one that wakes.
+/// The interrupt of the timer that wakes the thread.
 pub const INTERRUPT: u16 = 9;
 
-/// Both count down at this clock.
+/// Both timers count down at this clock.
 const PER_MS: u32 = 25_000;
 
 const TIMER_0: usize = 0x4000_0000;
@@ -19,12 +19,12 @@ const ENABLE: u32 = 1 << 0;
 const INTERRUPT_ENABLE: u32 = 1 << 3;
 
 fn write(timer: usize, register: usize, value: u32) {
-    // SAFETY: a register of one of the two timers, mapped at this address on the only board this image is for; none of them
-    // touches memory.
+    // SAFETY: a register of one of the two timers, mapped at this address on the only board for which this image is
+    // made; none of them touches memory.
     unsafe { write_volatile((timer + register) as *mut u32, value) }
 }
 
-/// Starts both.
+/// Starts both timers.
 pub fn start() {
     write(TIMER_0, RELOAD, u32::MAX);
     write(TIMER_0, VALUE, u32::MAX);
@@ -34,16 +34,16 @@ pub fn start() {
     write(TIMER_1, CONTROL, ENABLE | INTERRUPT_ENABLE);
 }
 
-/// The timer that wakes has woken.
+/// Acknowledges the interrupt of the timer that wakes the thread.
 pub fn woken() {
     write(TIMER_1, CLEAR, 1);
 }
 
-/// Real time, in milliseconds from its making, as long as it is looked at once a minute.
+/// Real time in milliseconds since the start of this clock. It has to be read at least once a minute.
 #[derive(Debug)]
 pub struct Clock {
     last: u32,
-    /// Counts that make no whole millisecond yet.
+    /// Counts that do not make a whole millisecond yet.
     rest: u32,
     ms: u64,
 }
@@ -57,10 +57,10 @@ impl Clock {
         }
     }
 
-    /// Milliseconds so far.
+    /// Milliseconds since the start.
     pub fn ms(&mut self) -> u64 {
         let now = count();
-        // It counts down.
+        // The timer counts down.
         let passed = u64::from(self.last.wrapping_sub(now)) + u64::from(self.rest);
         self.last = now;
         self.rest = (passed % u64::from(PER_MS)) as u32;

@@ -14,7 +14,7 @@ const WORD: usize = 8;
 const PAGE: usize = 2048;
 const SIZE: usize = 8 * PAGE;
 
-/// What stands in front of a flash that has been erased once; memory at power-up does not look like it.
+/// The mark before a flash that was erased once; memory at power-up does not look like it.
 const MARK: u64 = 0x4C53_464C_4153_4831;
 
 #[repr(C)]
@@ -23,16 +23,16 @@ struct Memory {
     words: [u64; SIZE / WORD],
 }
 
-// Neither loaded nor cleared at start.
+// The start code neither loads nor clears this section.
 #[unsafe(link_section = ".uninit.flash")]
 static mut MEMORY: MaybeUninit<Memory> = MaybeUninit::uninit();
 
-/// The words of the flash. There is one, and the thread owns it.
+/// The words of the flash. There is one flash, and the thread owns it.
 struct Words;
 
 impl Words {
     fn mark() -> *mut u64 {
-        // The place only; what is there is read and written as whatever bits there are.
+        // The address only; its content is read and written as plain bits.
         (&raw mut MEMORY).cast()
     }
 
@@ -41,7 +41,7 @@ impl Words {
     }
 
     fn get(place: *mut u64) -> u64 {
-        // SAFETY: within `MEMORY`, aligned, and any bits are a number; nobody else uses it.
+        // SAFETY: within `MEMORY`, aligned, and any bits are a number; nothing else uses it.
         unsafe { read_volatile(place) }
     }
 
@@ -80,11 +80,11 @@ impl WordDevice for Words {
 pub struct RamFlash(());
 
 impl RamFlash {
-    /// As the reset has left it; erased at power-up.
+    /// The flash as the reset has left it; erased at power-up.
     pub fn power_up() -> Self {
         if Words::get(Words::mark()) != MARK {
             for page in (0..SIZE as u32).step_by(PAGE) {
-                // It cannot be refused.
+                // This erase cannot fail.
                 let _ = Words.erase(page);
             }
             Words::set(Words::mark(), MARK);
@@ -96,7 +96,8 @@ impl RamFlash {
         Store::new(WordFlash(Words))
     }
 
-    /// The entry of the tap journal, if there is one; repairs first what a loss of power has left unfinished.
+    /// The entry of the tap journal, if there is one. Before the read, this repairs what a loss of power has left
+    /// unfinished.
     ///
     /// # Errors
     /// [`Code::TapJournalDamaged`].
@@ -114,7 +115,7 @@ impl RamFlash {
         }
     }
 
-    /// The parameter set to start with. Behind [`tap`](Self::tap).
+    /// The parameter set for the start. Call [`tap`](Self::tap) first.
     ///
     /// # Errors
     /// [`StoreError::Device`].
@@ -130,7 +131,7 @@ impl RamFlash {
         self.store()?.read(region, buffer)
     }
 
-    /// Stores.
+    /// Stores the request's data.
     ///
     /// # Errors
     /// As [`Store::keep`].

@@ -1,10 +1,10 @@
-//! Who is interrupted by what, and what belongs to an interrupt alone.
+//! The interrupts: their priorities, and the data that belongs to one interrupt alone.
 //!
 //! | level | interrupt | owns |
 //! |---|---|---|
 //! | above all | the watchdog's, which cannot be masked | nothing: it waits for the reset |
-//! | 0 | 20, no device's: set by the thread, one for each SYNC period | the tick's side and the plant |
-//! | 32 | 0, a byte on the UART | the end of the byte ring that it fills |
+//! | 0 | 20, of no device: the thread sets it, once for each SYNC period | the tick's side and the plant |
+//! | 32 | 0, a byte on the UART | the end of the ring that takes the bytes |
 //! | 64 | 9, a millisecond has passed | nothing: it wakes the thread |
 
 use core::cell::UnsafeCell;
@@ -19,7 +19,7 @@ use static_cell::ConstStaticCell;
 use crate::shop::Shop;
 use crate::{clock, uart};
 
-/// Bytes between two looks of the thread; the emulated UART waits until each has been taken.
+/// Room for bytes between two reads of the thread. The emulated UART waits until each byte was taken.
 pub const BYTES: usize = 4096;
 
 /// The tick's interrupt.
@@ -28,17 +28,17 @@ const TICK: u16 = 20;
 #[derive(Clone, Copy)]
 struct Number(u16);
 
-// SAFETY: each `Number` is made of a constant that is an interrupt of this processor, and they are all different.
+// SAFETY: each `Number` is made from a constant that is an interrupt of this processor, and all of them differ.
 unsafe impl InterruptNumber for Number {
     fn number(self) -> u16 {
         self.0
     }
 }
 
-/// Something that the thread gives to an interrupt before that is enabled.
+/// A value that the thread gives to an interrupt before the interrupt is enabled.
 struct Owned<T>(UnsafeCell<Option<T>>);
 
-// SAFETY: `give` is called by the thread before `enable`, `with` by one interrupt only after it: never both at a time.
+// SAFETY: the thread calls `give` before `enable`; one interrupt calls `with` only afterwards: never both at a time.
 unsafe impl<T: Send> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
@@ -47,12 +47,12 @@ impl<T> Owned<T> {
     }
 
     fn give(&self, value: T) {
-        // SAFETY: the interrupt that reads it is not enabled yet.
+        // SAFETY: the interrupt that reads the value is not enabled yet.
         unsafe { *self.0.get() = Some(value) }
     }
 
     fn with(&self, work: impl FnOnce(&mut T)) {
-        // SAFETY: only its interrupt calls this, and does not interrupt itself.
+        // SAFETY: only the value's interrupt calls this, and it does not interrupt itself.
         if let Some(value) = unsafe { &mut *self.0.get() } {
             work(value);
         }
@@ -62,12 +62,12 @@ impl<T> Owned<T> {
 static TICK_SIDE: Owned<(&'static mut TickSide, Shop)> = Owned::none();
 static BYTES_IN: Owned<Producer<'static, u8>> = Owned::none();
 
-/// Gives the tick's interrupt what is its own.
+/// Gives the tick's interrupt its own data.
 pub fn own_tick(tick: &'static mut TickSide, shop: Shop) {
     TICK_SIDE.give((tick, shop));
 }
 
-/// Gives the UART's interrupt its end of the ring; the other end comes back.
+/// Gives the UART's interrupt its end of the ring, and the caller the other end.
 pub fn own_uart() -> Consumer<'static, u8> {
     static RING: ConstStaticCell<Queue<u8, BYTES>> = ConstStaticCell::new(Queue::new());
     let (bytes_in, bytes_out) = RING.take().split();
@@ -75,14 +75,14 @@ pub fn own_uart() -> Consumer<'static, u8> {
     bytes_out
 }
 
-/// From here on there are interrupts.
+/// Enables the interrupts.
 pub fn enable() {
     uart::start();
     clock::start();
-    // SAFETY: the only place that touches the interrupt controller's levels; no critical section relies on them.
+    // SAFETY: the only place that sets priorities; no critical section relies on them.
     let mut nvic = unsafe { cortex_m::Peripherals::steal().NVIC };
     for (number, level) in [(TICK, 0), (uart::INTERRUPT, 32), (clock::INTERRUPT, 64)] {
-        // SAFETY: as above; what the handlers own has been given to them.
+        // SAFETY: as above; the handlers have got their data.
         unsafe {
             nvic.set_priority(Number(number), level);
             NVIC::unmask(Number(number));
@@ -90,7 +90,7 @@ pub fn enable() {
     }
 }
 
-/// Lets one SYNC period happen, and returns behind it.
+/// Runs one SYNC period in the tick's interrupt, and returns after it.
 pub fn tick() {
     NVIC::pend(Number(TICK));
     cortex_m::asm::dsb();
@@ -103,7 +103,7 @@ unsafe fn DefaultHandler(number: i16) {
         Ok(TICK) => TICK_SIDE.with(|(tick, shop)| tick.tick(shop)),
         Ok(uart::INTERRUPT) => BYTES_IN.with(|bytes| {
             if let Some(byte) = uart::receive() {
-                // Where the thread is that far behind, a line is damaged and its frame repeated.
+                // Where the thread is this late, a line is damaged and its frame is repeated.
                 let _ = bytes.enqueue(byte);
             }
         }),

@@ -1,7 +1,7 @@
 #![no_std]
 #![no_main]
-//! A board on a bus, on the emulated Cortex-M4F: both contexts of it, the plant around it, and CAN as lines of text (SLCAN)
-//! over the UART, so that a gateway or the kernel's `slcand` can drive it as any board.
+//! A board on a bus, on the emulated Cortex-M4F: both contexts, the plant around the board, and CAN as lines of text
+//! (SLCAN) over the UART. A gateway or the kernel's `slcand` can use this board like any other.
 //!
 //! ```text
 //!                    UART0 (SLCAN)                  queues
@@ -9,9 +9,9 @@
 //!                                      thread                  interrupt
 //! ```
 //!
-//! Time is virtual: the thread lets the tick's interrupt happen when everything it depends on has come ([`pace`]), so a
-//! program gives the same setpoints here as anywhere. On the wire is everything but SYNC and the process data of the
-//! drives; those are there too where the image is started with `traffic=all` in its command line.
+//! Time is virtual: the thread runs the tick's interrupt when everything that the tick depends on is there ([`pace`]).
+//! So a program gives the same setpoints here as anywhere else. The wire carries everything but SYNC and the process
+//! data of the drives; with `traffic=all` in its command line the image sends these too.
 
 mod around;
 mod clock;
@@ -60,8 +60,8 @@ fn main() -> ! {
         leadscrew_fault::guard_stack(&mut core.MPU);
     }
     let left = leadscrew_fault::left();
-    // The emulated board has no flags of a reset: it starts by its power, behind a failure that it has written down, or
-    // else by its watchdog.
+    // The emulated board has no flags of a reset. It starts by its power, after a failure with a record, or else by its
+    // watchdog.
     let cause = if !left.is_kept() {
         ResetCause::Power
     } else if left.failure(ResetCause::Software).is_some() {
@@ -82,7 +82,7 @@ fn main() -> ! {
         .expect("the flash is one");
     let up = PowerUp {
         set: &set,
-        // Behind a reset the drives are asked.
+        // After a reset the drives report their positions.
         remembered: kept.is_none().then_some(begins.at),
         tap,
         node: NodeId::BOARD,

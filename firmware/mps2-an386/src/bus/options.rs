@@ -1,23 +1,23 @@
-//! What the image is told when it is started: words of its command line, through semihosting.
+//! The options of the image: words of its command line, through semihosting.
 
 use leadscrew_app::Failure;
 
 /// The options.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// `traffic=all`: SYNC and the process data of the drives are on the wire, too.
+    /// `traffic=all`: SYNC and the process data of the drives also go to the wire.
     pub traffic: bool,
-    /// `provoke=panic@300`: the image fails like that, if it has not failed before;
-    /// with `*3` behind it so many times in a row.
+    /// `provoke=panic@300`: the image fails in this way, if it has not failed before; with `*3` at the end, three times
+    /// in a row.
     #[cfg(feature = "provoke")]
     pub provoke: Option<crate::provoke::Provoke>,
 }
 
 impl Options {
-    /// Reads them. A word that is none stops the image: it would not do what it was asked.
+    /// Reads the options. An unknown word stops the image, because the image would not do what was asked.
     ///
     /// # Panics
-    /// Then.
+    /// At an unknown word.
     pub fn read(failure: Option<&Failure>) -> Self {
         let mut options = Self::default();
         #[cfg(not(feature = "provoke"))]

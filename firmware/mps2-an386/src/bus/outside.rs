@@ -1,4 +1,4 @@
-//! The world as the background sees it: the wire, and the flash.
+//! The outside world for the background: the wire, and the flash.
 
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
@@ -14,13 +14,13 @@ use crate::log;
 use crate::pace::Times;
 use crate::uart;
 
-/// Bytes on their way out.
+/// The most bytes that wait to be sent.
 const OUT: usize = 4096;
-/// A frame as a line, or the answer to a request.
+/// The longest line: a frame, or the answer to a request.
 const LINE: usize = 32;
-/// Frames that a tick and its drives can say.
+/// The most frames that a tick and its drives send.
 const BURST: usize = 40;
-/// Frames that have come and not been read yet.
+/// The most received frames that wait to be read.
 const IN: usize = 64;
 
 /// The wire and the flash.
@@ -34,9 +34,9 @@ pub struct Outside {
     asked: Producer<'static, Frame>,
     flash: RamFlash,
     result: Option<Result<(), StoreError>>,
-    /// The gateway has been heard since this was asked last.
+    /// The gateway was heard since the last question.
     beat: bool,
-    /// Other parameters have come into force.
+    /// The times of other parameters that have come into force.
     times: Option<Times>,
     ms: u64,
 }
@@ -64,7 +64,7 @@ impl Outside {
         }
     }
 
-    /// Takes what has come and lets go what is to go, at this real time. True where anything has come.
+    /// Reads received bytes and sends waiting ones, at this real time. True where bytes were received.
     pub fn pump(&mut self, ms: u64) -> bool {
         self.ms = ms;
         while self.has_room()
@@ -95,8 +95,8 @@ impl Outside {
         came
     }
 
-    /// True where all that was said before a tick has gone and all that was heard is known: however slow the line is, an
-    /// answer is not behind the status of more than a tick.
+    /// True where everything from before a tick was sent, and everything received was read. So an answer waits
+    /// for the frames of one tick at most, however slow the line is.
     pub fn takes_tick(&self) -> bool {
         const {
             assert!(OUT >= 2 * BURST * LINE, "a tick has room");
@@ -104,17 +104,17 @@ impl Outside {
         self.told.is_empty() && self.out.is_empty() && self.program_buffer.is_empty()
     }
 
-    /// True where all that was said has gone.
+    /// True where everything was sent.
     pub fn is_quiet(&self) -> bool {
         self.out.is_empty()
     }
 
-    /// True where the gateway has been heard since this was asked last.
+    /// True where the gateway was heard since the last question.
     pub const fn has_heard_gateway(&mut self) -> bool {
         core::mem::replace(&mut self.beat, false)
     }
 
-    /// The times of other parameters, once.
+    /// The times of other parameters; each is given once.
     pub const fn new_times(&mut self) -> Option<Times> {
         self.times.take()
     }
@@ -135,7 +135,7 @@ impl Outside {
 
     fn write(&mut self, reply: &Reply) {
         for byte in reply.line().bytes() {
-            // Whoever writes has looked for room.
+            // The caller has checked the room.
             let _ = self.out.push_back(*byte);
         }
     }
@@ -175,7 +175,7 @@ impl Machine for Outside {
         log::event(event);
     }
 
-    /// This wire loses nothing.
+    /// This wire loses nothing, so its controller is always in order.
     fn controller(&mut self) -> Controller {
         Controller::default()
     }

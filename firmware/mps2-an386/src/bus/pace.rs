@@ -1,9 +1,9 @@
-//! Virtual time: when a tick may happen. The same rules as those of the simulated board in lock-step.
+//! Virtual time: when a tick may run. The simulated board in lock-step has the same rules.
 //!
 //! - A tick waits for the program: while more of it is to come and there is room for it, time stands still.
-//! - A tick waits for the gateway's heartbeat, where the machine would outrun it: a gateway that is there is not lost.
-//! - A machine with nothing to do goes on in turns of the SYNC counter, 240 ticks each, one after another in real time; so
-//!   every program begins at the same count, and its frames are the same whenever it is started.
+//! - A tick waits for the gateway's heartbeat where the machine would run ahead of it: a living gateway is not lost.
+//! - A machine with nothing to do runs whole turns of the SYNC counter, 240 ticks each, in real time. So every program
+//!   begins at the same count, and its frames are the same at any time of its start.
 
 use leadscrew_app::BackgroundSide;
 use leadscrew_core::board::State;
@@ -15,17 +15,17 @@ use crate::interrupts;
 use crate::outside::Outside;
 use crate::watchdog;
 
-/// Ticks after which the SYNC counter shows the same again.
+/// The number of ticks in a turn of the SYNC counter.
 const TURN: u64 = SyncProducer::LAST as u64;
 
-/// A program or a gateway that does not go on for so many milliseconds is not waited for any more. The host may be slow.
+/// The longest wait for a program or a gateway, in milliseconds. The host may be slow.
 const LOST_MS: u64 = 10_000;
 
-/// What the parameters say of time.
+/// The times in the parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Times {
     tick_us: u64,
-    /// Ticks without a heartbeat of the gateway after which it counts as lost; 0: never.
+    /// Ticks without a heartbeat after which the gateway counts as lost; 0: never.
     silence: u64,
 }
 
@@ -39,18 +39,18 @@ impl Times {
     }
 }
 
-/// What time depends on.
+/// The state on which time depends.
 pub struct Pace {
     clock: Clock,
     times: Times,
     ticks: u64,
-    /// Ticks up to and with tick 0: the first in which the machine is up and stands.
+    /// Ticks up to and including tick 0: the first tick in which the machine is up and stands.
     up: Option<u64>,
-    /// The tick of the gateway's newest heartbeat, and when that was.
+    /// The tick of the gateway's newest heartbeat, and its real time.
     beat: Option<(u64, u64)>,
-    /// When the program was waited for first.
+    /// The time when the wait for the program began.
     waits_since: Option<u64>,
-    /// When the last tick was.
+    /// The time of the last tick.
     last: u64,
 }
 
@@ -67,7 +67,7 @@ impl Pace {
         }
     }
 
-    /// The thread.
+    /// The main loop of the thread.
     pub fn run(mut self, background: &mut BackgroundSide, outside: &mut Outside) -> ! {
         loop {
             let now = self.clock.ms();
@@ -86,14 +86,14 @@ impl Pace {
                 self.ticks += 1;
                 self.last = now;
                 if self.up.is_none() && background.snapshot().state == State::Idle {
-                    // The tick after the one that brought it up: the axes stand, and nothing has been handed over yet.
+                    // This is the tick after the machine has come up: the axes stand, and nothing was handed over yet.
                     self.up = Some(self.ticks);
                 }
             } else {
-                // Time stands still, and nobody hangs.
+                // Time stands still on purpose: the board does not hang.
                 watchdog::feed();
                 if outside.is_quiet() {
-                    // A byte or the next millisecond ends this.
+                    // A byte or the next millisecond ends this wait.
                     cortex_m::asm::wfi();
                 }
             }
@@ -102,7 +102,7 @@ impl Pace {
 
     fn is_due(&mut self, background: &BackgroundSide, now: u64) -> bool {
         let Some(up) = self.up else {
-            // At the pace of drives.
+            // While the machine comes up, a tick takes a millisecond at least, as the drives need.
             return now > self.last;
         };
         let snapshot = background.snapshot();
@@ -113,7 +113,7 @@ impl Pace {
             if self.waits_for_program(background, now) || outruns {
                 return false;
             }
-            // Nothing but a person ends a hold.
+            // Only a person ends a hold.
             return snapshot.state != State::Held || now > self.last;
         }
         (now - self.last) * 1000 >= TURN * self.times.tick_us

@@ -1,12 +1,12 @@
-//! Failures on purpose, to see what becomes of them: never in an image that is not told to have them.
+//! Failures on purpose, to test how the board handles them. Only an image with the feature `provoke` has them.
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// The source line of the move that has been started last.
+/// The source line of the move that was started last.
 static LINE: AtomicU32 = AtomicU32::new(0);
 
-/// A move of this line has been started.
+/// Notes the line of a move that was started.
 pub fn line(line: u32) {
     LINE.store(line, Ordering::Relaxed);
 }
@@ -15,7 +15,7 @@ pub fn line(line: u32) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     Panic,
-    /// The same from within the library: a division by zero.
+    /// A panic within the library: a division by zero.
     Divide,
     /// An instruction that does not exist.
     Fault,
@@ -29,11 +29,11 @@ pub enum Way {
 #[derive(Clone, Copy, Debug)]
 pub struct Provoke {
     way: Way,
-    /// Counted from the first move of this line; `None`: from power-up.
+    /// The ticks count from the first move of this line; `None`: from power-up.
     line: Option<u32>,
-    /// Ticks that are left.
+    /// Ticks until the failure.
     ticks: u32,
-    /// How often, one run after the other.
+    /// The number of runs that fail, one after the other.
     pub times: u32,
 }
 
@@ -65,7 +65,7 @@ impl Provoke {
         })
     }
 
-    /// A tick begins.
+    /// Counts a tick, and fails at the last one.
     pub fn tick(&mut self) {
         if self
             .line
@@ -94,7 +94,7 @@ impl Provoke {
     }
 }
 
-// Functions of their own: of several panics in one the compiler makes one, which is no line's.
+// Functions of their own: the compiler would merge several panics of one function, and their line would be lost.
 #[inline(never)]
 fn panics(number: u32) {
     assert!(number > 0, "as asked");
@@ -109,7 +109,7 @@ fn divides(number: u32) -> u32 {
 #[expect(unconditional_recursion, reason = "that is how a stack overflows")]
 fn deeper(depth: u32) -> u32 {
     let room = black_box([depth; 64]);
-    // What comes back is needed, so that no call replaces another.
+    // The result is used, so that the compiler keeps every call on the stack.
     let below = deeper(depth.wrapping_add(1));
     below.wrapping_add(room[(depth % 64) as usize])
 }

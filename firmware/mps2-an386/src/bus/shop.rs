@@ -1,4 +1,4 @@
-//! What is around the board, as the tick sees it: the plant, and the wire to the drives.
+//! The surroundings of the board for the tick: the plant, and the wire to the drives.
 
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
@@ -10,7 +10,7 @@ use leadscrew_core::spindle::EncoderSample;
 use crate::options::Options;
 use crate::{around, watchdog};
 
-/// Answers of seven drives to one SYNC, and what they say besides.
+/// Room for the answers of seven drives to one SYNC, and their other frames.
 const ANSWERS: usize = 32;
 
 /// The plant around the board.
@@ -21,7 +21,7 @@ pub struct Shop {
     wire: Wire,
     #[cfg(feature = "provoke")]
     provoke: Option<crate::provoke::Provoke>,
-    /// What others on the wire have said.
+    /// Frames that other nodes on the wire have sent.
     asked: Consumer<'static, Frame>,
 }
 
@@ -46,23 +46,23 @@ impl Shop {
     }
 }
 
-/// The way from the tick and its drives to the wire.
+/// The way from the tick and the drives to the wire.
 struct Wire {
     told: Producer<'static, Frame>,
-    /// Process data, too.
+    /// Process data go to the wire, too.
     all: bool,
 }
 
 impl Wire {
     fn tell(&mut self, frame: &Frame) {
         if self.all || !is_cyclic(frame) {
-            // The thread lets no tick happen before it has room.
+            // The thread runs no tick before there is room.
             let _ = self.told.enqueue(*frame);
         }
     }
 }
 
-/// True for SYNC and process data: what comes in every period.
+/// True for SYNC and process data, which come in every period.
 fn is_cyclic(frame: &Frame) -> bool {
     let id = frame.id();
     id == CobId::SYNC || (0x180..0x580).contains(&id.get())
@@ -93,7 +93,7 @@ impl TickMachine for Shop {
         let (plant, answers, wire) = (&mut self.plant, &mut self.answers, &mut self.wire);
         let mut answer = |frame: Frame| {
             wire.tell(&frame);
-            // Seven drives do not say more in a period.
+            // Seven drives do not send more in a period.
             let _ = answers.push_back(frame);
         };
         while let Some(frame) = self.asked.dequeue() {
@@ -104,7 +104,7 @@ impl TickMachine for Shop {
         true
     }
 
-    /// To the drives in here; the line carries no frames of CAN FD.
+    /// Only to the drives in the plant: the line carries no frames of CAN FD.
     fn send_together(&mut self, setpoints: &Setpoints) -> bool {
         if let Some(frame) = setpoints.frame(NodeId::BOARD) {
             self.plant.tell_together(&frame);

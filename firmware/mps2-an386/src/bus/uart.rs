@@ -1,8 +1,8 @@
-//! UART0 of the board (CMSDK APB UART): one byte in, one byte out.
+//! UART0 of the board (CMSDK APB UART). It holds one received byte and one byte to be sent.
 
 use core::ptr::{read_volatile, write_volatile};
 
-/// Its interrupt for a byte that has come.
+/// The interrupt for a received byte.
 pub const INTERRUPT: u16 = 0;
 
 const BASE: usize = 0x4000_4000;
@@ -15,11 +15,11 @@ const DIVIDER: *mut u32 = (BASE + 0x10) as *mut u32;
 const SEND_FULL: u32 = 1 << 0;
 const RECEIVE_FULL: u32 = 1 << 1;
 const RECEIVE_INTERRUPT: u32 = 1 << 1;
-/// Sending, receiving, and the interrupt for a byte that has come.
+/// Sending, receiving, and the interrupt for a received byte.
 const ON: u32 = 1 << 0 | 1 << 1 | 1 << 3;
 
 fn read(register: *mut u32) -> u32 {
-    // SAFETY: a register of this UART, mapped at this address on the only board this image is for.
+    // SAFETY: a register of this UART, mapped at this address on the only board for which this image is made.
     unsafe { read_volatile(register) }
 }
 
@@ -28,13 +28,13 @@ fn write(register: *mut u32, value: u32) {
     unsafe { write_volatile(register, value) }
 }
 
-/// Switches it on. The emulated one has no bit rate; the divider has to be a possible one.
+/// Switches the UART on. The emulated UART has no bit rate, but the divider must be a valid one.
 pub fn start() {
     write(DIVIDER, 16);
     write(CONTROL, ON);
 }
 
-/// The byte that has come; for its interrupt.
+/// The received byte; called in the interrupt.
 pub fn receive() -> Option<u8> {
     write(CLEAR, RECEIVE_INTERRUPT);
     (read(STATE) & RECEIVE_FULL != 0).then(|| read(DATA) as u8)

@@ -1,5 +1,5 @@
-//! The board's watchdog (CMSDK APB watchdog): after a while without food it asks by an interrupt that nothing can mask, and
-//! after as long again it starts the processor anew.
+//! The board's watchdog (CMSDK APB watchdog). After a time without being fed it raises an interrupt that cannot be
+//! masked. After the same time again it resets the processor.
 
 use core::ptr::write_volatile;
 
@@ -12,32 +12,32 @@ const CLEAR: usize = 0xC;
 
 /// Counting, with its interrupt.
 const COUNTS: u32 = 1 << 0;
-/// The second time in a row is a reset.
+/// The second time-out in a row resets the processor.
 const RESETS: u32 = 1 << 1;
 
-/// It counts down at this clock.
+/// The watchdog counts down at this clock.
 const PER_SECOND: u32 = 25_000_000;
-/// The host may be slow.
+/// A long time, because the host may be slow.
 const SECONDS: u32 = 5;
 
 fn write(register: usize, value: u32) {
-    // SAFETY: a register of the watchdog, mapped at this address on the only board this image is for; none of them touches
-    // memory.
+    // SAFETY: a register of the watchdog, mapped at this address on the only board for which this image is made; none
+    // of them touches memory.
     unsafe { write_volatile((BASE + register) as *mut u32, value) }
 }
 
-/// From here on it has to be fed.
+/// Starts the watchdog: it has to be fed afterwards.
 pub fn start() {
     write(LOAD, SECONDS * PER_SECOND);
     write(CONTROL, COUNTS | RESETS);
 }
 
-/// Feeds it.
+/// Feeds the watchdog.
 pub fn feed() {
     write(CLEAR, 1);
 }
 
-/// It is not fed any more: whatever hangs does not move anything, and waits for the reset.
+/// The watchdog was not fed: the program that hangs stops here, moves nothing, and waits for the reset.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     loop {

@@ -1,8 +1,8 @@
-//! Every way in which tick, interrupt and wire can come in between each other, one after the other.
+//! Tries every order in which tick, interrupt and wire can interrupt each other.
 //!
-//! The tick may come at each access of the interrupt to what is shared, and to the controller; the wire takes frames
-//! whenever the controller is looked at, for what it does between two looks nobody sees. Each run takes another way
-//! through these choices, until there is none left. The tick itself is not interrupted, nor is the interrupt by itself.
+//! The tick may come at each access of the interrupt to shared data, and to the controller. The wire takes frames
+//! whenever the program reads the controller: changes between two reads cannot be seen. Each run makes other choices,
+//! until all of them are tried. Nothing interrupts the tick, and the interrupt does not interrupt itself.
 
 extern crate std;
 
@@ -20,7 +20,7 @@ use crate::shared::{interrupted_by, point};
 /// Microseconds of a period.
 const PERIOD: u32 = 1000;
 
-/// A way through all choices, and the next one.
+/// One series of choices, and the step to the next series.
 #[derive(Default)]
 struct Choices {
     way: Vec<(u8, u8)>,
@@ -28,7 +28,7 @@ struct Choices {
 }
 
 impl Choices {
-    /// One of so many.
+    /// Chooses a number below `count`.
     fn of(&mut self, count: u8) -> u8 {
         if count < 2 {
             return 0;
@@ -42,7 +42,7 @@ impl Choices {
         chosen
     }
 
-    /// False where there is no other way.
+    /// False where all series have been tried.
     fn next(&mut self) -> bool {
         self.way.truncate(self.at);
         self.at = 0;
@@ -57,12 +57,12 @@ impl Choices {
     }
 }
 
-/// What a frame is, by its payload.
+/// Which frame this is, read from its payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Of this tick, and which of its frames.
+    /// A frame of this tick, and its number in the tick.
     Tick(u8, u8),
-    /// Which of the others.
+    /// A frame of the background, and its number.
     Other(u8),
 }
 
@@ -83,48 +83,48 @@ fn kind(frame: &Frame) -> Kind {
     }
 }
 
-/// What is tried.
+/// The case to be tried.
 #[derive(Clone, Copy)]
 struct Scenario {
-    /// Ticks, and how many frames each sends.
+    /// The number of ticks, and of frames in each tick.
     ticks: u8,
     frames: u8,
-    /// Frames of the background, from the beginning on.
+    /// The number of frames of the background, all there from the beginning.
     others: u8,
     /// The controller may leave the bus.
     leaves: bool,
 }
 
-/// The other side of [`Chip`], and what is expected of the rings.
+/// The test's side of [`Chip`], and what the test expects of the rings.
 struct Machine {
     scenario: Scenario,
     choices: RefCell<Choices>,
     tick: RefCell<TickEnd<'static>>,
     bus: RefCell<BusEnd<'static>>,
     background: RefCell<BackgroundEnd<'static>>,
-    /// Who is at work, and whether the tick is kept out.
+    /// Which side runs now, and whether the tick is kept out.
     in_tick: Cell<bool>,
     in_bus: Cell<bool>,
     alone: Cell<bool>,
     poked: Cell<bool>,
     /// Frames in the controller.
     places: RefCell<[Option<Kind>; 3]>,
-    /// The place whose frame is on the wire: it could not be called back.
+    /// The place whose frame is on the wire: this frame could not be called back.
     on_wire: Cell<Option<usize>>,
     off: Cell<bool>,
-    /// Ticks so far, and frames of the last of them and of the others: put in; out on the wire.
+    /// Ticks so far; then (frames of the last tick, other frames): put into the controller, and sent on the wire.
     now: Cell<u8>,
     put: Cell<(u8, u8)>,
     sent: Cell<(u8, u8)>,
-    /// All of the tick before had left when this one looked.
+    /// All frames of the previous tick had left when this tick looked.
     all_left: Cell<bool>,
-    /// Interrupts within interrupts, so that it is known that there were some.
+    /// Counts ticks within the interrupt, so that the test knows that there were some.
     preempted: Cell<u32>,
-    /// Nothing more is chosen.
+    /// No more choices are made.
     rests: Cell<bool>,
 }
 
-/// Both at once: the rings see one, the test the other.
+/// The rings see it as the chip, the test as the machine.
 #[derive(Clone)]
 struct Handle(Rc<Machine>);
 
@@ -133,7 +133,7 @@ impl Machine {
         self.choices.borrow_mut().of(count)
     }
 
-    /// Between two accesses: the tick.
+    /// Between two accesses of the interrupt: the tick may come.
     fn interrupted(self: &Rc<Self>) {
         while self.in_bus.get()
             && !self.in_tick.get()
@@ -146,7 +146,7 @@ impl Machine {
         }
     }
 
-    /// Before a look at the controller: the wire.
+    /// Before the controller is read: the wire may take frames.
     fn moves(&self) {
         if self.scenario.leaves && !self.off.get() && self.choose(2) == 1 {
             self.off.set(true);
@@ -160,7 +160,7 @@ impl Machine {
         self.places.borrow().iter().any(Option::is_some)
     }
 
-    /// What is on the wire already leaves, or the smallest identifier.
+    /// Sends the frame that is on the wire already, else the smallest identifier.
     fn sends(&self) {
         let mut places = self.places.borrow_mut();
         let smallest = places
@@ -178,7 +178,7 @@ impl Machine {
                 assert_eq!(which, tick, "SYNC first, then in their order");
                 self.sent.set((tick + 1, other));
             }
-            // It could not be called back any more.
+            // A late frame of an older tick: it could not be called back any more.
             Some(Kind::Tick(..)) => {}
             Some(Kind::Other(which)) => {
                 assert_eq!(which, other, "in their order");
@@ -209,7 +209,7 @@ impl Machine {
         let kept = self.bus.borrow_mut().serve(&Handle(self.clone()));
         assert!(kept);
         self.in_bus.set(false);
-        // Its marks are those of the frames in the places.
+        // The marked places are those that hold a tick's frame.
         let mut marks = 0;
         for (place, kind) in self.places.borrow().iter().enumerate() {
             marks |= u32::from(matches!(kind, Some(Kind::Tick(..)))) << place;
@@ -227,7 +227,7 @@ impl Machine {
         Places(pending)
     }
 
-    /// All that is left to do, without another choice.
+    /// Does all remaining work, without more choices.
     fn comes_to_rest(self: &Rc<Self>) {
         interrupted_by(None);
         for _ in 0..20 {
@@ -317,7 +317,7 @@ impl Chip for Handle {
                 matches!(kind, Kind::Tick(..)),
                 "what is not the tick's stays"
             );
-            // That which is next may be on the wire already.
+            // The next frame to leave may be on the wire already.
             let next = Some(frame(kind).id().get()) == first;
             let may_go = next && self.0.on_wire.get().is_none();
             if may_go && self.0.choose(2) == 1 {
@@ -357,7 +357,7 @@ impl Chip for Handle {
     }
 }
 
-/// Tries all ways; how many there are, and how many ticks came within the interrupt in all of them.
+/// Tries all series of choices. Gives their number, and the number of ticks within the interrupt in all of them.
 fn try_all(scenario: Scenario) -> (u32, u32) {
     let rings = Box::leak(Box::new(Rings::new()));
     let (tick, background, bus) = rings.split(1000);
@@ -391,7 +391,7 @@ fn try_all(scenario: Scenario) -> (u32, u32) {
     }
 }
 
-/// One way.
+/// Runs one series of choices.
 fn run(machine: &Rc<Machine>) {
     begin(machine);
     let within = machine.clone();
@@ -400,7 +400,7 @@ fn run(machine: &Rc<Machine>) {
     while machine.now.get() < scenario.ticks {
         machine.tick();
         machine.serve();
-        // What has become free tells the interrupt.
+        // A place that has become free raises the interrupt.
         machine.moves();
         machine.serve();
     }
@@ -414,7 +414,7 @@ fn run(machine: &Rc<Machine>) {
     assert_eq!(other, scenario.others, "and all others");
 }
 
-/// As at power-up.
+/// Sets everything as at power-up.
 fn begin(machine: &Machine) {
     interrupted_by(None);
     machine.rests.set(false);
@@ -445,7 +445,7 @@ const OWN: Scenario = Scenario {
     leaves: false,
 };
 
-/// All ways of these, of which there are so many at least.
+/// Tries all series of these scenarios; each has at least the given number of series.
 fn hold(scenarios: &[(Scenario, u32)]) {
     for (scenario, least) in scenarios {
         let (ways, within) = try_all(*scenario);

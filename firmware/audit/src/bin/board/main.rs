@@ -1,7 +1,7 @@
 #![no_std]
 #![no_main]
-//! What a board takes of flash: everything that runs on one, and nothing else of the core. Never run; its size is in the
-//! table, and each step is a function of its own, so that its stack can be read from the image.
+//! The flash that a board takes: everything of the core that runs on a board, and nothing else. This image is never
+//! run. Its size is in the table. Each step is a function of its own, so that its stack can be read from the image.
 
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
@@ -15,7 +15,7 @@ use leadscrew_core::params::Params;
 static mut BOARD: MaybeUninit<Board> = MaybeUninit::uninit();
 static mut OUTPUT: MaybeUninit<Output> = MaybeUninit::uninit();
 
-/// Where the image begins.
+/// The entry of the image.
 #[unsafe(no_mangle)]
 pub extern "C" fn entry() {
     let Some((board, output)) = start() else {
@@ -33,9 +33,9 @@ pub extern "C" fn entry() {
 
 #[inline(never)]
 fn start() -> Option<(&'static mut Board, &'static mut Output)> {
-    // The set a board is delivered with; any other comes over the bus.
+    // The built-in set; any other set comes over the bus.
     let board = Board::new(&Params::slant_bed(), any(), any()).ok()?;
-    // SAFETY: done once, and nothing has a reference to them yet.
+    // SAFETY: done once, and nothing has a reference to the two places yet.
     let (place, output) = unsafe { (&mut *addr_of_mut!(BOARD), &mut *addr_of_mut!(OUTPUT)) };
     Some((place.write(board), output.write(Output::default())))
 }

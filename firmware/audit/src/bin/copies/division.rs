@@ -1,13 +1,13 @@
-//! Division of 64 bits, with and without signs: at the borders of its digits, and of numbers between.
+//! Tests the division of 64-bit numbers, with and without signs: at the limits of their digits, and at numbers between.
 
 use core::hint::black_box;
 
-/// What the digits of 16 bits are made of.
+/// The 16-bit digits of the tested numbers.
 const DIGITS: [u64; 6] = [0, 1, 0x7FFF, 0x8000, 0xFFFE, 0xFFFF];
-/// Numbers of four such digits.
+/// The number of numbers with four such digits.
 const BORDERS: u64 = 6 * 6 * 6 * 6;
 
-/// Divides, and says how often.
+/// Checks all divisions, and gives their number.
 pub fn checks() -> u32 {
     let mut checks = 0;
     for dividend in (0..BORDERS).map(border) {

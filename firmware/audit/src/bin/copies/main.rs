@@ -1,7 +1,7 @@
 #![no_std]
 #![no_main]
-//! Copies, moves, fills and comparisons of every length and alignment on the emulated Cortex-M4F, with the functions the
-//! images of boards have (`leadscrew-memory`), against the same thing done byte by byte; and their division.
+//! Tests the functions of `leadscrew-memory`, which the images of boards use, on the emulated Cortex-M4F: copies,
+//! moves, fills and comparisons of every length and alignment, each against the same work done byte by byte; and divisions.
 
 mod division;
 
@@ -25,14 +25,14 @@ unsafe extern "C" {
     fn __aeabi_memclr(to: *mut u8, bytes: usize);
 }
 
-/// Bytes of the memory that is worked on.
+/// Bytes of the memory under test.
 const ROOM: usize = 160;
-/// More than two turns of the longest step.
+/// More than two passes of the longest step.
 const LONGEST: usize = 40;
-/// Where things begin: all alignments, and far enough from the beginning for what overlaps.
+/// The places where data begins: all alignments, and far enough from the beginning for overlapping data.
 const PLACES: core::ops::Range<usize> = 48..56;
 
-/// Aligned as nothing needs more.
+/// The largest alignment that any data needs.
 #[repr(align(8))]
 #[derive(Clone, Copy)]
 struct Room([u8; ROOM]);
@@ -48,7 +48,7 @@ fn main() -> ! {
                 checks += copy(memcpy, to + 56, from, bytes);
                 checks += copy(__aeabi_memcpy, to + 56, from, bytes);
             }
-            // Into itself, from all places around: also from the same one.
+            // Moves within the memory, from all places around, the same place included.
             for from in to - LONGEST..=to + LONGEST {
                 checks += copy(memmove, to, from, bytes);
                 checks += copy(__aeabi_memmove, to, from, bytes);
@@ -65,11 +65,11 @@ fn main() -> ! {
     leadscrew_console::done()
 }
 
-/// Memory with another value in every byte.
+/// Memory with a different value in every byte.
 fn filled() -> Room {
     let mut room = Room([0; ROOM]);
     for (value, byte) in (1..).zip(&mut room.0) {
-        // Not to be seen through: this is what is tested against.
+        // The optimiser must not know the values that the test compares with.
         *black_box(byte) = value;
     }
     room
@@ -79,7 +79,7 @@ fn copy(function: Copy, to: usize, from: usize, bytes: usize) -> u32 {
     let before = filled();
     let mut room = filled();
     let place = room.0.as_mut_ptr();
-    // SAFETY: both ends lie in the memory, as the ranges above are.
+    // SAFETY: both ranges lie in the memory, by the constants above.
     let returned = unsafe {
         let (to, from) = (place.add(to), place.add(from));
         black_box(function)(black_box(to), black_box(from), black_box(bytes))
@@ -98,12 +98,13 @@ fn copy(function: Copy, to: usize, from: usize, bytes: usize) -> u32 {
     1
 }
 
-/// Equal, and with one byte less or more at every place, behind which all is the contrary.
+/// Compares equal memories, and memories that differ in one byte, less or more, at every place. The next byte then
+/// differs the other way.
 fn compare(one: usize, other: usize, bytes: usize) -> u32 {
     let (a, mut b) = (Room([0x80; ROOM]), Room([0x80; ROOM]));
     let ask = |b: &Room| {
         let (a, b) = (a.0.as_ptr(), b.0.as_ptr());
-        // SAFETY: within the memories, as the ranges above are.
+        // SAFETY: within both memories, by the constants above.
         unsafe { memcmp(a.add(one), black_box(b.add(other)), black_box(bytes)) }
     };
     assert_eq!(ask(&b), 0, "{bytes} bytes at {one}");
@@ -122,7 +123,7 @@ fn fills(to: usize, bytes: usize) -> u32 {
     // Only the lowest byte of the value counts.
     const VALUE: i32 = 0x1234_56A5;
     fill(to, bytes, 0xA5, |place| {
-        // SAFETY: within the memory, as the ranges above are.
+        // SAFETY: within the memory, by the constants above.
         let returned = unsafe { memset(place, black_box(VALUE), black_box(bytes)) };
         assert_eq!(returned, place);
     });

@@ -1,15 +1,13 @@
 #![no_std]
 #![no_main]
-//! The link test. The panic handler calls a function that exists nowhere: this image links only if no panic can be
-//! reached from the entries below, whatever their inputs are.
+//! The link test. The panic handler calls a function that does not exist: so this image links only if no panic can be
+//! reached from the entries, whatever their inputs are.
 
 use core::panic::PanicInfo;
 
 mod entries;
 
-/// Where the image begins.
-///
-/// It is never run.
+/// The entry of the image, which is never run.
 #[unsafe(no_mangle)]
 pub extern "C" fn entry() {
     entries::all();
@@ -17,7 +15,7 @@ pub extern "C" fn entry() {
     audit::any::sink(reachable_panic());
 }
 
-/// Fails for one input in 2³².
+/// Panics for one input in 2³².
 #[cfg(feature = "self-test")]
 #[inline(never)]
 fn reachable_panic() -> u32 {

@@ -1,6 +1,6 @@
-//! The counter. With `-icount shift=0` an instruction takes one nanosecond of the emulator's time, and TIMER0 counts
-//! down at 25 MHz, so one count is 40 instructions. The same sequence of steps is run several times, each time a few
-//! instructions later against the timer; the sum over the runs resolves single steps to a few instructions.
+//! The counter. With `-icount shift=0` an instruction takes one nanosecond of the emulator's time. TIMER0 counts down
+//! at 25 MHz, so one count is 40 instructions. The same sequence of steps runs several times, each time a few
+//! instructions later against the timer. The sum over the runs resolves single steps to a few instructions.
 
 use core::cell::RefCell;
 use core::hint::black_box;
@@ -18,18 +18,18 @@ const RELOAD: *mut u32 = (TIMER0 + 8) as *mut u32;
 
 /// Instructions in one count of the timer.
 const PER_COUNT: u32 = 40;
-/// Runs of each sequence, and how much later each begins.
+/// Runs of each sequence, and the instructions by which each run begins later.
 const RUNS: u32 = 20;
 const SHIFT: u32 = PER_COUNT / RUNS;
 
-/// Longest sequence of steps.
+/// The longest sequence of steps.
 const MAX_STEPS: usize = 16384;
 static SUMS: [AtomicU32; MAX_STEPS] = [const { AtomicU32::new(0) }; MAX_STEPS];
 static KINDS: [AtomicU8; MAX_STEPS] = [const { AtomicU8::new(0) }; MAX_STEPS];
-/// Sum over the runs for a step that does nothing.
+/// The sum over the runs for a step that does nothing.
 static EMPTY: AtomicU32 = AtomicU32::new(0);
 
-/// Starts the timer and measures what measuring costs.
+/// Starts the timer and measures the cost of measuring.
 pub fn start() {
     // SAFETY: the registers of TIMER0, which nothing else uses.
     unsafe {
@@ -62,7 +62,7 @@ pub fn spin(n: u32) {
     }
 }
 
-/// The sums of every step over the runs, less what measuring costs, are in [`SUMS`] afterwards; the kinds in [`KINDS`].
+/// Leaves in [`SUMS`] the sum of every step over the runs, the cost of measuring included, and in [`KINDS`] the kinds.
 fn collect<W: Work>(work: &W, steps: usize) {
     assert!(steps <= MAX_STEPS, "more steps than there is room for");
     for sum in &SUMS {
@@ -101,7 +101,8 @@ impl Counter for Printer {
                     worst = worst.max(sum);
                 }
             }
-            // A sum over the runs of counts of 40 is one of instructions times RUNS / 40.
+            // The sum over the runs is in counts of 40 instructions; times 40 and divided by RUNS it is a mean in
+            // instructions.
             let mean = (total * u64::from(SHIFT))
                 .checked_div(u64::from(count))
                 .unwrap_or(0);
@@ -114,7 +115,7 @@ impl Counter for Printer {
     }
 }
 
-/// Something that happens once, as a work of one step.
+/// A work of one step, for something that happens once.
 struct Once<F>(RefCell<F>);
 
 impl<R, F: FnMut() -> R> Work for Once<F> {
@@ -132,7 +133,7 @@ impl<R, F: FnMut() -> R> Work for Once<F> {
     }
 }
 
-/// A work that does nothing: what it takes is what measuring costs.
+/// A work that does nothing: its time is the cost of measuring.
 struct Nothing;
 
 impl Work for Nothing {

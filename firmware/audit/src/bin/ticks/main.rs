@@ -7,7 +7,7 @@ use core::panic::PanicInfo;
 
 use audit::work::{self, Counter};
 use cortex_m_rt::entry;
-// As the board's image has it.
+// As in the board's image.
 use leadscrew_memory as _;
 
 mod count;

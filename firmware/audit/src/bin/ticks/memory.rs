@@ -1,4 +1,5 @@
-//! What a board takes of the memory: its parts in bytes, and how deep the stack gets, by painting it beforehand.
+//! The memory of a board: its parts in bytes, and the depth of its stack. The test fills the stack with a pattern
+//! beforehand.
 
 use core::hint::black_box;
 use core::mem::size_of;
@@ -31,17 +32,17 @@ pub fn parts() {
     }
 }
 
-/// Prints how deep the stack gets in the steps of every whole board, and in what is done before a step: the background, and
+/// Prints the depth of the stack in the steps of every whole board, and in the work before a step: the background, and
 /// the plant's part of a period.
 pub struct Depths {
-    /// In a tick.
+    /// The depth in a tick.
     tick: usize,
-    /// Before one.
+    /// The depth before a tick.
     background: usize,
 }
 
 impl Depths {
-    /// Nothing seen yet.
+    /// No depth measured yet.
     pub const fn new() -> Self {
         Self {
             tick: 0,
@@ -49,7 +50,7 @@ impl Depths {
         }
     }
 
-    /// The rows.
+    /// Prints the rows.
     pub fn print(&self) {
         for (name, depth) in [("tick", self.tick), ("background", self.background)] {
             print(format_args!("stack/{name} {depth} {depth}\n"));
@@ -79,9 +80,9 @@ impl Counter for Depths {
     fn once<R>(&mut self, _: &str, _: impl FnMut() -> R) {}
 }
 
-/// Words painted below the stack pointer: more than anything here takes.
+/// Words filled with the pattern below the stack pointer: more than any step takes.
 const WORDS: usize = 8 * 1024;
-/// What the painting itself may use of the stack.
+/// Stack that the filling itself may use.
 const GAP: usize = 64;
 const PAINT: u32 = 0x5AA5_C33C;
 

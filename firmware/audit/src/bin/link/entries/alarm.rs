@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_core::alarm::{Alarm, Code};
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     alarm();
 }

@@ -1,4 +1,4 @@
-//! What every image has in common: the two contexts, the queues between them, and what is left of a failure.
+//! The part that all images share: the two contexts, the queues between them, and the memory of a failure.
 
 use audit::any::{any, sink};
 use leadscrew_app::{
@@ -11,14 +11,14 @@ use leadscrew_core::bus::{Controller, Frame, Setpoints};
 use leadscrew_core::params::Params;
 use leadscrew_core::spindle::EncoderSample;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     board();
     left();
     sink(serial_of(any()));
 }
 
-/// Hardware that says anything.
+/// Hardware that gives arbitrary values.
 struct Anything;
 
 impl TickMachine for Anything {
@@ -114,7 +114,7 @@ fn cause() -> ResetCause {
     ResetCause::of(flags, any())
 }
 
-/// A place that is there for good.
+/// A place that lives for ever.
 fn place<T>() -> &'static mut T {
     let address: usize = any();
     // SAFETY: this image is never run.

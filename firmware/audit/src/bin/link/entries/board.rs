@@ -7,7 +7,7 @@ use leadscrew_core::bus::Frame;
 use leadscrew_core::params::Params;
 use leadscrew_core::units::Axis;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     board();
     sink(overridden(any(), any()));

@@ -7,7 +7,7 @@ use leadscrew_core::bus::{
     SyncProducer, is_sync,
 };
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     frames();
     fd_frames();

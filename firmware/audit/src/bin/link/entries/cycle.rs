@@ -1,4 +1,4 @@
-//! Calls to moves.
+//! From calls to moves.
 
 use audit::any::{any, sink};
 use leadscrew_core::cycle::{Context, GrooveMoves, TapMoves, ThreadMoves, expand};
@@ -6,7 +6,7 @@ use leadscrew_core::journal::TapRecord;
 use leadscrew_core::program::{Call, GrooveCall, TapCall, ThreadCall};
 use leadscrew_core::signals::{Signal, Signals};
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     any_call();
     thread();

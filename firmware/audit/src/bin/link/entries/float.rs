@@ -1,11 +1,11 @@
-//! Ordinary taps: the spindle's angle to setpoints and speeds.
+//! Ordinary taps: from the spindle's angle to setpoints and speeds.
 
 use audit::any::{any, sink};
 use leadscrew_core::motion::{Arrival, FloatPlan, FloatRun, FloatTick, float_ticks};
 use leadscrew_core::spindle::Observer;
 use leadscrew_core::units::Ticks;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     sink(float_ticks(&any(), any(), &any()));
     let Ok(plan) = FloatPlan::new(&any(), any(), any(), &any()) else {

@@ -4,7 +4,7 @@ use audit::any::{any, sink};
 use leadscrew_core::checksum::crc32;
 use leadscrew_core::journal::TapRecord;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     record();
 }

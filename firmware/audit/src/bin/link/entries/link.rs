@@ -10,7 +10,7 @@ use leadscrew_core::link::{
 use leadscrew_core::params::Params;
 use leadscrew_core::program::Call;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     batch();
     records();

@@ -1,5 +1,6 @@
-//! Every public entry of the core that a board runs, and of what its images have in common, each once, each with inputs
-//! that nobody knows. One function an entry, never inlined, so that a report can name it; one file a room of the core.
+//! Every public function of the core that a board runs, and of the part that all images share. Each is called once,
+//! with arbitrary inputs. One function for each entry, never inlined, so that a report can name it; one file for each
+//! module of the core.
 //!
 //! Text for people (`Display`, the templates of alarms) is not made on a board and is not here.
 
@@ -18,7 +19,7 @@ mod services;
 mod spindle;
 mod units;
 
-/// Calls them all.
+/// Calls all entries.
 pub fn all() {
     units::all();
     alarm::all();

@@ -1,4 +1,4 @@
-//! Moves to setpoints.
+//! From moves to setpoints.
 
 use audit::any::{any, sink};
 use leadscrew_core::cycle::Move;
@@ -8,7 +8,7 @@ use leadscrew_core::motion::{
 };
 use leadscrew_core::program::Position;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     rates();
     path();

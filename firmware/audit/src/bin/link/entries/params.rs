@@ -3,7 +3,7 @@
 use audit::any::{any, sink};
 use leadscrew_core::params::{Entry, Params};
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     set_and_get();
     check();

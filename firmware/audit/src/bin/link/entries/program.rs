@@ -1,12 +1,12 @@
-//! Text to calls. It runs where the text is, which is not the board; that any bytes at all are read without a panic is
-//! proven here all the same.
+//! From text to calls. This code runs where the text is, which is not the board. The link test still proves that it
+//! reads arbitrary bytes without a panic.
 
 use audit::any::{any, sink};
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Events, Interpreter, Reader};
 use leadscrew_core::units::Decimal;
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     events();
     lines();

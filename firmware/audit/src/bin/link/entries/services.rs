@@ -1,4 +1,5 @@
-//! What a node does on the bus beside its drives: SDO, network management, heartbeats, emergencies, the board's own PDOs.
+//! The services of a node on the bus, apart from its drives: SDO, network management, heartbeats, emergencies, the
+//! board's own PDOs.
 
 use core::time::Duration;
 
@@ -9,7 +10,7 @@ use leadscrew_core::bus::{
     SdoBuffer, SdoDownload, SdoProtocol, SdoServer, SdoUpload, Service,
 };
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     server();
     download();
@@ -20,7 +21,7 @@ pub fn all() {
     communication();
 }
 
-/// Objects nobody knows.
+/// Objects that answer with arbitrary values.
 struct Unknown;
 
 impl Objects for Unknown {

@@ -4,7 +4,7 @@ use audit::any::{any, sink};
 use leadscrew_core::spindle::Observer;
 use leadscrew_core::units::{Ticks, TurnRate};
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     observer();
     rates();

@@ -6,7 +6,7 @@ use leadscrew_core::units::{
     Angle, Diameter, Direction, Divisor, Lead, Length, StartAngle, Turns, mul_div,
 };
 
-/// All of this room.
+/// Calls all entries of this module.
 pub fn all() {
     lead();
     feed();
