@@ -252,8 +252,13 @@ impl Bus {
                 let number = identity(&self.force) ^ u32::from(choice & 1) << (more & 31);
                 let outcome = self.write(COMMIT, &number.to_le_bytes());
                 assert!(outcome.is_err() || choice & 1 == 0);
+                // Without its password a staged set has another number: who commits it by that one takes it from whoever
+                // staged it.
+                let is_taken = self.undisturbed.as_ref().is_some_and(|set| {
+                    identity(set) == number && ImageWriter::with_password(set).checksum() != number
+                });
                 // The board knows the last commit again, and no other.
-                if outcome.is_err() || self.committed {
+                if outcome.is_err() || self.committed || is_taken {
                     self.undisturbed = None;
                 }
                 let same = self.force.clone();
