@@ -395,7 +395,7 @@ impl Machine {
             .any(|frame| frame.id().service() == Some((Service::Tpdo1, node)))
     }
 
-    /// Runs the station and the background until no work is left, and sends their frames.
+    /// Runs the background until no work is left, and sends their frames.
     fn serve(&mut self, elapsed: u32) -> Outcome {
         let mut elapsed = Periods::new(elapsed);
         loop {

@@ -7,7 +7,7 @@ use super::Sim;
 use crate::line::Way;
 
 impl Sim {
-    /// The board joins a network as `node`; from now on every tick runs its station.
+    /// The board joins a network as `node`; from now on every tick runs its device.
     ///
     /// # Errors
     /// As [`Board::join`](leadscrew_core::board::Board::join).

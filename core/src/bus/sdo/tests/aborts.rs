@@ -6,19 +6,19 @@ use super::*;
 use crate::bus::{SdoBuffer, SdoDownload, SdoError, SdoProtocol, SdoUpload};
 
 /// Sends requests, of which the server refuses the last. Checks that answer and the state of the server after it.
-fn refused(requests: &[[u8; 8]], object: Object, code: Abort) -> Shelf {
+fn refused(requests: &[[u8; 8]], object: Object, code: Abort) -> Dictionary {
     let mut server = server();
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     let mut answer = None;
     for bytes in requests {
-        answer = server.receive(&request(*bytes), &mut shelf);
-        while server.poll(&mut shelf).is_some() {}
+        answer = server.receive(&request(*bytes), &mut dictionary);
+        while server.poll(&mut dictionary).is_some() {}
     }
     assert_eq!(answer, Some(abort(object, code)), "{requests:02X?}");
     assert!(!server.is_busy());
-    assert!(!shelf.is_write_open());
-    assert_eq!(shelf.commits, []);
-    shelf
+    assert!(!dictionary.is_write_open());
+    assert_eq!(dictionary.commits, []);
+    dictionary
 }
 
 const READ_NAME: [u8; 8] = [0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0];
@@ -68,26 +68,26 @@ fn what_the_object_refuses() {
 #[test]
 fn a_value_refused_in_the_middle_is_abandoned() {
     let begin = [0x21, 0x10, 0x50, 0x00, 9, 0, 0, 0];
-    let shelf = refused(&[begin, [0x00, 1, 2, 3, 4, 5, 6, 7]], PICKY, Abort::Value);
-    assert_eq!(shelf.abandoned, 1);
+    let dictionary = refused(&[begin, [0x00, 1, 2, 3, 4, 5, 6, 7]], PICKY, Abort::Value);
+    assert_eq!(dictionary.abandoned, 1);
     let begin = [0xC6, 0x10, 0x50, 0x00, 9, 0, 0, 0];
-    let shelf = refused(
+    let dictionary = refused(
         &[begin, [1, 1, 2, 3, 4, 5, 6, 7], [0x82, 8, 9, 0, 0, 0, 0, 0]],
         PICKY,
         Abort::Value,
     );
-    assert_eq!(shelf.abandoned, 1);
+    assert_eq!(dictionary.abandoned, 1);
 }
 
 #[test]
 fn a_value_refused_at_the_end_is_not_abandoned_as_well() {
-    let shelf = refused(
+    let dictionary = refused(
         &[[0x2F, 0x11, 0x50, 0x00, 9, 0, 0, 0]],
         UNWILLING,
         Abort::TooHigh,
     );
-    assert_eq!(shelf.abandoned, 0);
-    let shelf = refused(
+    assert_eq!(dictionary.abandoned, 0);
+    let dictionary = refused(
         &[
             [0x21, 0x11, 0x50, 0x00, 1, 0, 0, 0],
             [0x0D, 9, 0, 0, 0, 0, 0, 0],
@@ -95,8 +95,8 @@ fn a_value_refused_at_the_end_is_not_abandoned_as_well() {
         UNWILLING,
         Abort::TooHigh,
     );
-    assert_eq!(shelf.abandoned, 0);
-    let shelf = refused(
+    assert_eq!(dictionary.abandoned, 0);
+    let dictionary = refused(
         &[
             [0xC2, 0x11, 0x50, 0x00, 1, 0, 0, 0],
             [0x81, 9, 0, 0, 0, 0, 0, 0],
@@ -105,7 +105,7 @@ fn a_value_refused_at_the_end_is_not_abandoned_as_well() {
         UNWILLING,
         Abort::TooHigh,
     );
-    assert_eq!(shelf.abandoned, 0);
+    assert_eq!(dictionary.abandoned, 0);
 }
 
 #[test]
@@ -118,8 +118,8 @@ fn a_toggle_bit_that_stays() {
     let first = [0x60, 0, 0, 0, 0, 0, 0, 0];
     refused(&[READ_NAME, first, first], FIXED, Abort::Toggle);
     let segment = [0x00, 1, 2, 3, 4, 5, 6, 7];
-    let shelf = refused(&[WRITE_TEN, segment, segment], DOMAIN, Abort::Toggle);
-    assert_eq!(shelf.abandoned, 1);
+    let dictionary = refused(&[WRITE_TEN, segment, segment], DOMAIN, Abort::Toggle);
+    assert_eq!(dictionary.abandoned, 1);
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn a_length_that_is_not_the_one_told() {
 
 #[test]
 fn a_wrong_checksum() {
-    let shelf = refused(
+    let dictionary = refused(
         &[
             WRITE_TEN_IN_BLOCKS,
             [1, 1, 2, 3, 4, 5, 6, 7],
@@ -176,7 +176,7 @@ fn a_wrong_checksum() {
         DOMAIN,
         Abort::Crc,
     );
-    assert_eq!(shelf.abandoned, 1);
+    assert_eq!(dictionary.abandoned, 1);
 }
 
 #[test]
@@ -203,9 +203,9 @@ fn block_sizes_and_sequence_numbers_that_do_not_exist() {
         Abort::Sequence,
     );
     let mut server = SdoServer::new(NODE, Periods::new(1000), BlockSize::new(4).unwrap());
-    let mut shelf = Shelf::new();
-    let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
-    let answer = server.receive(&request([5, 0, 0, 0, 0, 0, 0, 0]), &mut shelf);
+    let mut dictionary = Dictionary::new();
+    let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut dictionary);
+    let answer = server.receive(&request([5, 0, 0, 0, 0, 0, 0, 0]), &mut dictionary);
     assert_eq!(answer, Some(abort(DOMAIN, Abort::Sequence)));
 }
 
@@ -262,11 +262,14 @@ fn commands_out_of_place() {
 #[test]
 fn an_object_that_ends_before_its_length() {
     let mut server = server();
-    let mut shelf = Shelf::new();
-    let _ = server.receive(&request([0xA4, 0x12, 0x50, 0, 127, 0, 0, 0]), &mut shelf);
-    let _ = server.receive(&request([0xA3, 0, 0, 0, 0, 0, 0, 0]), &mut shelf);
+    let mut dictionary = Dictionary::new();
+    let _ = server.receive(
+        &request([0xA4, 0x12, 0x50, 0, 127, 0, 0, 0]),
+        &mut dictionary,
+    );
+    let _ = server.receive(&request([0xA3, 0, 0, 0, 0, 0, 0, 0]), &mut dictionary);
     let mut last = None;
-    while let Some(frame) = server.poll(&mut shelf) {
+    while let Some(frame) = server.poll(&mut dictionary) {
         last = Some(frame);
     }
     // 101 bytes are 15 segments, and the last of them cannot be filled.
@@ -283,37 +286,43 @@ fn a_silent_client_is_given_up() {
         (&[WRITE_TEN_IN_BLOCKS, [1, 1, 2, 3, 4, 5, 6, 7]], DOMAIN, 1),
     ] {
         let mut server = server();
-        let mut shelf = Shelf::new();
+        let mut dictionary = Dictionary::new();
         for bytes in requests {
-            let _ = server.receive(&request(*bytes), &mut shelf);
+            let _ = server.receive(&request(*bytes), &mut dictionary);
         }
-        assert_eq!(server.elapse(Periods::new(1000), &mut shelf), None);
+        assert_eq!(server.elapse(Periods::new(1000), &mut dictionary), None);
         assert!(server.is_busy());
         assert_eq!(
-            server.elapse(Periods::new(1), &mut shelf),
+            server.elapse(Periods::new(1), &mut dictionary),
             Some(abort(object, Abort::TimedOut))
         );
         assert!(!server.is_busy());
-        assert_eq!(shelf.abandoned, abandoned);
-        assert_eq!(server.elapse(Periods::new(5000), &mut shelf), None);
+        assert_eq!(dictionary.abandoned, abandoned);
+        assert_eq!(server.elapse(Periods::new(5000), &mut dictionary), None);
     }
 }
 
 #[test]
 fn a_new_beginning_replaces_a_transfer() {
     let mut server = server();
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     let name = reply([0x41, 0x08, 0x10, 0, 26, 0, 0, 0]);
-    let _ = server.receive(&request(WRITE_TEN), &mut shelf);
-    let _ = server.receive(&request([0x00, 1, 2, 3, 4, 5, 6, 7]), &mut shelf);
-    assert_eq!(server.receive(&request(READ_NAME), &mut shelf), Some(name));
-    assert_eq!((shelf.abandoned, shelf.is_write_open()), (1, false));
+    let _ = server.receive(&request(WRITE_TEN), &mut dictionary);
+    let _ = server.receive(&request([0x00, 1, 2, 3, 4, 5, 6, 7]), &mut dictionary);
+    assert_eq!(
+        server.receive(&request(READ_NAME), &mut dictionary),
+        Some(name)
+    );
+    assert_eq!(
+        (dictionary.abandoned, dictionary.is_write_open()),
+        (1, false)
+    );
     // The old transfer is gone.
     assert_eq!(
-        server.receive(&request([0x11, 1, 2, 3, 4, 5, 6, 7]), &mut shelf),
+        server.receive(&request([0x11, 1, 2, 3, 4, 5, 6, 7]), &mut dictionary),
         Some(abort(FIXED, Abort::Specifier))
     );
-    assert_eq!(shelf.commits, []);
+    assert_eq!(dictionary.commits, []);
 }
 
 #[test]
@@ -325,16 +334,16 @@ fn an_abort_or_a_reset_ends_a_transfer_without_a_word() {
         WRITE_TEN_IN_BLOCKS,
     ] {
         let mut server = server();
-        let mut shelf = Shelf::new();
-        let _ = server.receive(&request(begin), &mut shelf);
+        let mut dictionary = Dictionary::new();
+        let _ = server.receive(&request(begin), &mut dictionary);
         assert!(server.is_busy());
-        let answer = server.receive(&request([0x80, 0, 0, 0, 0, 0, 4, 5]), &mut shelf);
+        let answer = server.receive(&request([0x80, 0, 0, 0, 0, 0, 4, 5]), &mut dictionary);
         assert_eq!(answer, None);
-        assert!(!server.is_busy() && !shelf.is_write_open());
+        assert!(!server.is_busy() && !dictionary.is_write_open());
 
-        let _ = server.receive(&request(begin), &mut shelf);
-        server.reset(&mut shelf);
-        assert!(!server.is_busy() && !shelf.is_write_open());
+        let _ = server.receive(&request(begin), &mut dictionary);
+        server.reset(&mut dictionary);
+        assert!(!server.is_busy() && !dictionary.is_write_open());
     }
 }
 
@@ -342,30 +351,30 @@ fn an_abort_or_a_reset_ends_a_transfer_without_a_word() {
 #[test]
 fn the_rest_of_a_broken_block_is_no_command() {
     let mut server = server();
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     let write_long = [0x23, 0x10, 0x20, 0x01, 9, 9, 9, 9];
-    let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
-    let broken = server.receive(&request([0x00; 8]), &mut shelf);
+    let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut dictionary);
+    let broken = server.receive(&request([0x00; 8]), &mut dictionary);
     assert_eq!(broken, Some(abort(DOMAIN, Abort::Sequence)));
-    assert_eq!(server.receive(&request(write_long), &mut shelf), None);
-    assert_eq!(shelf.values[&LONG], [1, 2, 3, 4]);
+    assert_eq!(server.receive(&request(write_long), &mut dictionary), None);
+    assert_eq!(dictionary.values[&LONG], [1, 2, 3, 4]);
     // A read does no harm.
     assert_eq!(
-        server.receive(&request([0x40, 0x10, 0x20, 1, 0, 0, 0, 0]), &mut shelf),
+        server.receive(&request([0x40, 0x10, 0x20, 1, 0, 0, 0, 0]), &mut dictionary),
         Some(reply([0x43, 0x10, 0x20, 1, 1, 2, 3, 4]))
     );
 
     // The last segment ends it, and so do an abort and silence.
     for end in [Some([0xA4; 8]), Some([0x80, 0, 0, 0, 0, 0, 0, 0]), None] {
-        shelf = Shelf::new();
-        let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
-        let _ = server.receive(&request([0x00; 8]), &mut shelf);
+        dictionary = Dictionary::new();
+        let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut dictionary);
+        let _ = server.receive(&request([0x00; 8]), &mut dictionary);
         match end {
-            Some(bytes) => assert_eq!(server.receive(&request(bytes), &mut shelf), None),
-            None => assert_eq!(server.elapse(Periods::new(1001), &mut shelf), None),
+            Some(bytes) => assert_eq!(server.receive(&request(bytes), &mut dictionary), None),
+            None => assert_eq!(server.elapse(Periods::new(1001), &mut dictionary), None),
         }
-        let _ = server.receive(&request(write_long), &mut shelf);
-        assert_eq!(shelf.values[&LONG], [9, 9, 9, 9]);
+        let _ = server.receive(&request(write_long), &mut dictionary);
+        assert_eq!(dictionary.values[&LONG], [9, 9, 9, 9]);
     }
 }
 
@@ -380,29 +389,29 @@ fn who_begins_anew_behind_a_refusal_is_answered() {
     for (most, last) in [(127, 0x82), (2, 0x02)] {
         let block = BlockSize::new(most).unwrap();
         let mut server = SdoServer::new(NODE, Periods::new(1000), block);
-        let mut shelf = Shelf::new();
-        let _ = server.receive(&request(begin), &mut shelf);
-        assert_eq!(server.receive(&request(first), &mut shelf), None);
-        let refused = server.receive(&request([last, 8, 9, 0, 0, 0, 0, 0]), &mut shelf);
+        let mut dictionary = Dictionary::new();
+        let _ = server.receive(&request(begin), &mut dictionary);
+        assert_eq!(server.receive(&request(first), &mut dictionary), None);
+        let refused = server.receive(&request([last, 8, 9, 0, 0, 0, 0, 0]), &mut dictionary);
         assert_eq!(refused, Some(abort(PICKY, Abort::Value)), "{last:02X}h");
-        assert!(!shelf.is_write_open());
-        let done = server.receive(&request(write_long), &mut shelf);
+        assert!(!dictionary.is_write_open());
+        let done = server.receive(&request(write_long), &mut dictionary);
         assert_eq!(done, Some(reply([0x60, 0x10, 0x20, 1, 0, 0, 0, 0])));
     }
     // Refused in the middle, where the rest may still come; and after a silence.
     for silent in [false, true] {
         let mut server = server();
-        let mut shelf = Shelf::new();
-        let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
+        let mut dictionary = Dictionary::new();
+        let _ = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut dictionary);
         if silent {
-            assert!(server.elapse(Periods::new(1001), &mut shelf).is_some());
+            assert!(server.elapse(Periods::new(1001), &mut dictionary).is_some());
         } else {
-            let _ = server.receive(&request([0x00; 8]), &mut shelf);
+            let _ = server.receive(&request([0x00; 8]), &mut dictionary);
         }
-        assert_eq!(server.receive(&request(write_long), &mut shelf), None);
-        let again = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut shelf);
+        assert_eq!(server.receive(&request(write_long), &mut dictionary), None);
+        let again = server.receive(&request(WRITE_TEN_IN_BLOCKS), &mut dictionary);
         assert_eq!(again, Some(reply([0xA4, 0x20, 0x50, 0, 127, 0, 0, 0])));
-        assert_eq!(shelf.values[&LONG], [1, 2, 3, 4]);
+        assert_eq!(dictionary.values[&LONG], [1, 2, 3, 4]);
     }
 }
 
@@ -414,34 +423,39 @@ fn the_last_segment_of_a_broken_block_begins_nothing() {
     let data = [0x20, 0x50, 0, 10, 0, 0, 0];
     for last in [72_u8, 74, 76, 78, 80, 86, 88, 94] {
         let mut server = server();
-        let mut shelf = Shelf::new();
+        let mut dictionary = Dictionary::new();
         let length = (u16::from(last) * 7).to_le_bytes();
         let begin = [0xC6, 0x20, 0x50, 0, length[0], length[1], 0, 0];
         let begun = Some(reply([0xA4, 0x20, 0x50, 0, 127, 0, 0, 0]));
-        assert_eq!(server.receive(&request(begin), &mut shelf), begun);
-        let mut segment = |number: u8, [a, b, c, d, e, f, g]: [u8; 7], shelf: &mut Shelf| {
-            if number == 10 {
-                let late = server.elapse(Periods::new(1001), shelf);
-                assert_eq!(late, Some(abort(DOMAIN, Abort::TimedOut)));
-            }
-            let frame = request([number, a, b, c, d, e, f, g]);
-            assert_eq!(server.receive(&frame, shelf), None, "{number} of {last}");
-        };
+        assert_eq!(server.receive(&request(begin), &mut dictionary), begun);
+        let mut segment =
+            |number: u8, [a, b, c, d, e, f, g]: [u8; 7], dictionary: &mut Dictionary| {
+                if number == 10 {
+                    let late = server.elapse(Periods::new(1001), dictionary);
+                    assert_eq!(late, Some(abort(DOMAIN, Abort::TimedOut)));
+                }
+                let frame = request([number, a, b, c, d, e, f, g]);
+                assert_eq!(
+                    server.receive(&frame, dictionary),
+                    None,
+                    "{number} of {last}"
+                );
+            };
         for number in 1..last {
-            segment(number, [7; 7], &mut shelf);
+            segment(number, [7; 7], &mut dictionary);
         }
-        segment(0x80 | last, data, &mut shelf);
-        assert!(!server.is_busy() && !shelf.is_write_open());
+        segment(0x80 | last, data, &mut dictionary);
+        assert!(!server.is_busy() && !dictionary.is_write_open());
         // A client that begins a new transfer gets its answer.
-        assert_eq!(server.receive(&request(begin), &mut shelf), begun);
-        let first = server.receive(&request([1, 7, 7, 7, 7, 7, 7, 7]), &mut shelf);
+        assert_eq!(server.receive(&request(begin), &mut dictionary), begun);
+        let first = server.receive(&request([1, 7, 7, 7, 7, 7, 7, 7]), &mut dictionary);
         assert_eq!(first, None);
-        server.reset(&mut shelf);
+        server.reset(&mut dictionary);
         // After that the server answers a mistake again.
-        let refused = server.receive(&request([0xC6, 0x99, 0x29, 3, 9, 0, 0, 0]), &mut shelf);
+        let refused = server.receive(&request([0xC6, 0x99, 0x29, 3, 9, 0, 0, 0]), &mut dictionary);
         let nowhere = Object::new(0x2999, 3);
         assert_eq!(refused, Some(abort(nowhere, Abort::NoObject)));
-        assert_eq!(shelf.commits, []);
+        assert_eq!(dictionary.commits, []);
     }
 }
 
@@ -449,27 +463,27 @@ fn the_last_segment_of_a_broken_block_begins_nothing() {
 #[test]
 fn the_last_segment_twice_is_not_the_end() {
     let mut server = server();
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     let data = [0; 65 * 7];
     let begin = [0xC2, 0x20, 0x50, 0x00, 0xC7, 1, 0, 0];
-    let _ = server.receive(&request(begin), &mut shelf);
+    let _ = server.receive(&request(begin), &mut dictionary);
     for number in 1..65 {
         let mut segment = [0; 8];
         segment[0] = number;
-        assert_eq!(server.receive(&request(segment), &mut shelf), None);
+        assert_eq!(server.receive(&request(segment), &mut dictionary), None);
     }
     let last = request([0xC1, 0, 0, 0, 0, 0, 0, 0]);
     let answer = reply([0xA2, 65, 127, 0, 0, 0, 0, 0]);
-    assert_eq!(server.receive(&last, &mut shelf), Some(answer));
-    assert_eq!(server.receive(&last, &mut shelf), None);
-    assert_eq!(shelf.commits, []);
+    assert_eq!(server.receive(&last, &mut dictionary), Some(answer));
+    assert_eq!(server.receive(&last, &mut dictionary), None);
+    assert_eq!(dictionary.commits, []);
     // The real end differs in a byte that is not used here, because this client makes no CRC.
     let end = request([0xC1, 0, 0, 0, 0, 0, 0, 1]);
     assert_eq!(
-        server.receive(&end, &mut shelf),
+        server.receive(&end, &mut dictionary),
         Some(reply([0xA1, 0, 0, 0, 0, 0, 0, 0]))
     );
-    assert_eq!(shelf.commits, [(DOMAIN, data.to_vec())]);
+    assert_eq!(dictionary.commits, [(DOMAIN, data.to_vec())]);
 }
 
 fn write_broken(data: &[u8], protocol: SdoProtocol, replies: &[[u8; 8]], error: SdoError) {

@@ -56,7 +56,7 @@ impl SdoSink for Vec<u8> {
 /// Runs one transfer to its end. Time passes only when no side has a frame to send.
 fn transfer(
     server: &mut SdoServer,
-    shelf: &mut Shelf,
+    dictionary: &mut Dictionary,
     trouble: u64,
     dice: &mut Dice,
     mut poll: impl FnMut(Option<Frame>, Duration) -> (Option<Frame>, Option<Result<(), SdoError>>),
@@ -85,7 +85,7 @@ fn transfer(
             }
         }
         for _ in 0..=dice.below(8) {
-            if let Some(frame) = server.poll(shelf) {
+            if let Some(frame) = server.poll(dictionary) {
                 back.send(frame, dice);
                 idle = false;
             }
@@ -93,7 +93,7 @@ fn transfer(
         for _ in 0..=dice.below(8) {
             if let Some(frame) = there.waiting.pop_front() {
                 idle = false;
-                if let Some(answer) = server.receive(&frame, shelf) {
+                if let Some(answer) = server.receive(&frame, dictionary) {
                     back.send(answer, dice);
                 }
             }
@@ -111,7 +111,7 @@ fn transfer(
             _ => {}
         }
         now += Duration::from_millis(100);
-        if let Some(frame) = server.elapse(Periods::new(100), shelf) {
+        if let Some(frame) = server.elapse(Periods::new(100), dictionary) {
             back.send(frame, dice);
         }
     }
@@ -119,14 +119,14 @@ fn transfer(
 
 fn write(
     server: &mut SdoServer,
-    shelf: &mut Shelf,
+    dictionary: &mut Dictionary,
     data: &[u8],
     protocol: SdoProtocol,
     trouble: u64,
     dice: &mut Dice,
 ) -> Result<(), SdoError> {
     let mut client = SdoDownload::new(NODE, DOMAIN, data, protocol, PATIENCE, Duration::ZERO);
-    transfer(server, shelf, trouble, dice, |frame, now| {
+    transfer(server, dictionary, trouble, dice, |frame, now| {
         if let Some(frame) = frame {
             client.receive(&frame, now);
         }
@@ -136,14 +136,14 @@ fn write(
 
 fn read(
     server: &mut SdoServer,
-    shelf: &mut Shelf,
+    dictionary: &mut Dictionary,
     protocol: SdoProtocol,
     trouble: u64,
     dice: &mut Dice,
 ) -> (Vec<u8>, Result<(), SdoError>) {
     let mut data = Vec::new();
     let mut client = SdoUpload::new(NODE, DOMAIN, &mut data, protocol, PATIENCE, Duration::ZERO);
-    let outcome = transfer(server, shelf, trouble, dice, |frame, now| {
+    let outcome = transfer(server, dictionary, trouble, dice, |frame, now| {
         if let Some(frame) = frame {
             client.receive(&frame, now);
         }
@@ -169,20 +169,22 @@ fn a_good_wire_brings_everything() {
         for size in [1, 2, 3, 127] {
             let mut server =
                 SdoServer::new(NODE, Periods::new(1000), BlockSize::new(size).unwrap());
-            let mut shelf = Shelf::new();
+            let mut dictionary = Dictionary::new();
             for _ in 0..20 {
                 for protocol in PROTOCOLS {
                     let len = length(&mut dice);
                     let data = dice.bytes(len);
-                    let outcome = write(&mut server, &mut shelf, &data, protocol, 0, &mut dice);
+                    let outcome =
+                        write(&mut server, &mut dictionary, &data, protocol, 0, &mut dice);
                     assert_eq!(outcome, Ok(()), "{} bytes, {protocol:?}", data.len());
-                    assert!(shelf.values[&DOMAIN] == data);
-                    let (back, outcome) = read(&mut server, &mut shelf, protocol, 0, &mut dice);
+                    assert!(dictionary.values[&DOMAIN] == data);
+                    let (back, outcome) =
+                        read(&mut server, &mut dictionary, protocol, 0, &mut dice);
                     assert_eq!(outcome, Ok(()));
                     assert!(back == data);
                 }
             }
-            assert_eq!((shelf.commits.len(), shelf.abandoned), (60, 0));
+            assert_eq!((dictionary.commits.len(), dictionary.abandoned), (60, 0));
         }
     });
 }
@@ -193,7 +195,7 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
         let rounds = leadscrew_seed::amount(1000, 10_000);
         let mut dice = Dice(seed);
         let mut server = server();
-        let mut shelf = Shelf::new();
+        let mut dictionary = Dictionary::new();
         let (mut written, mut read_well, mut repeated, mut mistaken) = (0_u32, 0_u32, 0_u32, 0_u32);
         for _ in 0..rounds {
             for protocol in PROTOCOLS {
@@ -205,11 +207,18 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                     dice.below(2000) as usize
                 };
                 let data = dice.bytes(len);
-                let before = shelf.values[&DOMAIN].clone();
-                shelf.commits.clear();
-                let outcome = write(&mut server, &mut shelf, &data, protocol, trouble, &mut dice);
-                assert!(!shelf.is_write_open());
-                for (_, committed) in &shelf.commits {
+                let before = dictionary.values[&DOMAIN].clone();
+                dictionary.commits.clear();
+                let outcome = write(
+                    &mut server,
+                    &mut dictionary,
+                    &data,
+                    protocol,
+                    trouble,
+                    &mut dice,
+                );
+                assert!(!dictionary.is_write_open());
+                for (_, committed) in &dictionary.commits {
                     assert!(
                         *committed == data,
                         "{len} bytes, {protocol:?}: another value"
@@ -218,7 +227,7 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                 match outcome {
                     Ok(()) => {
                         written += 1;
-                        if shelf.commits.is_empty() {
+                        if dictionary.commits.is_empty() {
                             // A confirmation came twice, and that of the next segment overtook the second copy. One
                             // toggle bit distinguishes segments, so the client takes the copy for the confirmation of
                             // the last segment [CiA 301]. Blocks have a CRC.
@@ -228,13 +237,14 @@ fn a_bad_wire_brings_all_of_a_value_or_nothing() {
                         }
                     }
                     // The server may have the value nevertheless: only the last answer was lost.
-                    Err(_) if shelf.commits.is_empty() => {
-                        assert!(shelf.values[&DOMAIN] == before);
+                    Err(_) if dictionary.commits.is_empty() => {
+                        assert!(dictionary.values[&DOMAIN] == before);
                     }
                     Err(_) => {}
                 }
-                let kept = shelf.values[&DOMAIN].clone();
-                let (back, outcome) = read(&mut server, &mut shelf, protocol, trouble, &mut dice);
+                let kept = dictionary.values[&DOMAIN].clone();
+                let (back, outcome) =
+                    read(&mut server, &mut dictionary, protocol, trouble, &mut dice);
                 if outcome == Ok(()) {
                     read_well += 1;
                     assert!(

@@ -12,14 +12,14 @@ const ZERO: Duration = Duration::ZERO;
 /// empty lists.
 type Talk<'a> = &'a [(&'a [[u8; 8]], &'a [[u8; 8]])];
 
-fn serve(talk: Talk, shelf: &mut Shelf) {
+fn serve(talk: Talk, dictionary: &mut Dictionary) {
     let mut server = server();
     for (requests, replies) in talk {
         let mut heard = Vec::new();
         for bytes in *requests {
-            heard.extend(server.receive(&request(*bytes), shelf));
+            heard.extend(server.receive(&request(*bytes), dictionary));
         }
-        while let Some(frame) = server.poll(shelf) {
+        while let Some(frame) = server.poll(dictionary) {
             heard.push(frame);
         }
         let wanted: Vec<Frame> = replies.iter().map(|bytes| reply(*bytes)).collect();
@@ -67,16 +67,16 @@ fn expedited() {
         &[[0x40, 0x10, 0x20, 0x01, 0, 0, 0, 0]],
         &[[0x43, 0x10, 0x20, 0x01, 1, 2, 3, 4]],
     )];
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
     read(talk, LONG, &[1, 2, 3, 4], SdoProtocol::Short);
 
     let talk: Talk = &[(
         &[[0x2B, 0x20, 0x50, 0x00, 0xE8, 0x03, 0, 0]],
         &[[0x60, 0x20, 0x50, 0x00, 0, 0, 0, 0]],
     )];
-    let mut shelf = Shelf::new();
-    serve(talk, &mut shelf);
-    assert_eq!(shelf.commits, [(DOMAIN, [0xE8, 0x03].to_vec())]);
+    let mut dictionary = Dictionary::new();
+    serve(talk, &mut dictionary);
+    assert_eq!(dictionary.commits, [(DOMAIN, [0xE8, 0x03].to_vec())]);
     write(talk, DOMAIN, &[0xE8, 0x03], SdoProtocol::Short);
 
     // Lengths 1 to 4 have their own specifiers.
@@ -99,7 +99,7 @@ fn expedited() {
                 &[[read_head, 0x20, 0x50, 0x00, a, b, c, d]],
             ),
         ];
-        serve(talk, &mut Shelf::new());
+        serve(talk, &mut Dictionary::new());
         write(&talk[..1], DOMAIN, data, SdoProtocol::Short);
         read(&talk[1..], DOMAIN, data, SdoProtocol::Short);
     }
@@ -111,18 +111,18 @@ fn expedited_without_a_length_has_that_of_the_object() {
         &[[0x22, 0x10, 0x20, 0x01, 9, 8, 7, 6]],
         &[[0x60, 0x10, 0x20, 0x01, 0, 0, 0, 0]],
     )];
-    let mut shelf = Shelf::new();
-    serve(talk, &mut shelf);
-    assert_eq!(shelf.values[&LONG], [9, 8, 7, 6]);
-    shelf.values.insert(DOMAIN, [0, 0].to_vec());
+    let mut dictionary = Dictionary::new();
+    serve(talk, &mut dictionary);
+    assert_eq!(dictionary.values[&LONG], [9, 8, 7, 6]);
+    dictionary.values.insert(DOMAIN, [0, 0].to_vec());
     serve(
         &[(
             &[[0x22, 0x20, 0x50, 0x00, 9, 8, 7, 6]],
             &[[0x60, 0x20, 0x50, 0x00, 0, 0, 0, 0]],
         )],
-        &mut shelf,
+        &mut dictionary,
     );
-    assert_eq!(shelf.values[&DOMAIN], [9, 8]);
+    assert_eq!(dictionary.values[&DOMAIN], [9, 8]);
     // The client takes all four bytes.
     read(
         &[(
@@ -160,7 +160,7 @@ fn segmented_read() {
             &[[0x15, 0x69, 0x6E, 0x73, 0x20, 0x21, 0, 0]],
         ),
     ];
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
     read(
         talk,
         FIXED,
@@ -186,9 +186,9 @@ fn segmented_write() {
         ),
     ];
     let data = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
-    let mut shelf = Shelf::new();
-    serve(talk, &mut shelf);
-    assert_eq!(shelf.values[&DOMAIN], data);
+    let mut dictionary = Dictionary::new();
+    serve(talk, &mut dictionary);
+    assert_eq!(dictionary.values[&DOMAIN], data);
     for protocol in [SdoProtocol::Short, SdoProtocol::Segmented] {
         write(talk, DOMAIN, &data, protocol);
     }
@@ -214,14 +214,14 @@ fn an_empty_value_is_a_segment_without_bytes() {
             &[[0x0F, 0, 0, 0, 0, 0, 0, 0]],
         ),
     ];
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
     write(&talk[..2], DOMAIN, &[], SdoProtocol::Short);
     read(&talk[2..], DOMAIN, &[], SdoProtocol::Short);
 }
 
 #[test]
 fn a_write_of_unknown_length() {
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     serve(
         &[
             (
@@ -233,9 +233,9 @@ fn a_write_of_unknown_length() {
                 &[[0x20, 0, 0, 0, 0, 0, 0, 0]],
             ),
         ],
-        &mut shelf,
+        &mut dictionary,
     );
-    assert_eq!(shelf.values[&DOMAIN], [5]);
+    assert_eq!(dictionary.values[&DOMAIN], [5]);
 }
 
 #[test]
@@ -258,9 +258,9 @@ fn block_write() {
             &[[0xA1, 0, 0, 0, 0, 0, 0, 0]],
         ),
     ];
-    let mut shelf = Shelf::new();
-    serve(talk, &mut shelf);
-    assert_eq!(shelf.values[&DOMAIN], b"123456789");
+    let mut dictionary = Dictionary::new();
+    serve(talk, &mut dictionary);
+    assert_eq!(dictionary.values[&DOMAIN], b"123456789");
     write(talk, DOMAIN, b"123456789", SdoProtocol::Block);
 }
 
@@ -288,7 +288,7 @@ fn block_read() {
     ];
     let crc = crc::Crc::<u16>::new(&crc::CRC_16_XMODEM).checksum(b"Tiny Node - Mega Domains !");
     assert_eq!(crc, 0xE140);
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
     read(
         talk,
         FIXED,
@@ -313,7 +313,7 @@ fn an_empty_value_in_blocks() {
             &[[0xA1, 0, 0, 0, 0, 0, 0, 0]],
         ),
     ];
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
     write(talk, DOMAIN, &[], SdoProtocol::Block);
     let talk: Talk = &[
         (
@@ -330,7 +330,7 @@ fn an_empty_value_in_blocks() {
         ),
         (&[[0xA1, 0, 0, 0, 0, 0, 0, 0]], &[]),
     ];
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
 }
 
 #[test]
@@ -339,18 +339,18 @@ fn a_short_value_is_read_the_short_way_where_the_client_allows_it() {
         &[[0xA4, 0x10, 0x20, 0x01, 127, 14, 0, 0]],
         &[[0x43, 0x10, 0x20, 0x01, 1, 2, 3, 4]],
     )];
-    serve(talk, &mut Shelf::new());
+    serve(talk, &mut Dictionary::new());
     read(talk, LONG, &[1, 2, 3, 4], SdoProtocol::Block);
     // 26 bytes are above 25.
     let mut server = server();
-    let mut shelf = Shelf::new();
-    let answer = |server: &mut SdoServer, shelf: &mut Shelf, threshold| {
+    let mut dictionary = Dictionary::new();
+    let answer = |server: &mut SdoServer, dictionary: &mut Dictionary, threshold| {
         let frame = request([0xA4, 0x08, 0x10, 0x00, 127, threshold, 0, 0]);
-        server.receive(&frame, shelf).unwrap().payload()[0]
+        server.receive(&frame, dictionary).unwrap().payload()[0]
     };
-    assert_eq!(answer(&mut server, &mut shelf, 25), 0xC6);
-    assert_eq!(answer(&mut server, &mut shelf, 26), 0x41);
-    assert_eq!(answer(&mut server, &mut shelf, 0), 0xC6);
+    assert_eq!(answer(&mut server, &mut dictionary, 25), 0xC6);
+    assert_eq!(answer(&mut server, &mut dictionary, 26), 0x41);
+    assert_eq!(answer(&mut server, &mut dictionary, 0), 0xC6);
 }
 
 /// Blocks of two; the second segment of the first block and the first of the second block are lost.
@@ -359,7 +359,7 @@ fn lost_segments_are_sent_again() {
     let block = |number| BlockSize::new(number).unwrap();
     let data = b"123456789";
     let mut server = SdoServer::new(NODE, Periods::new(1000), block(2));
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     let mut client = SdoDownload::new(NODE, DOMAIN, data, SdoProtocol::Block, PATIENCE, ZERO);
     let mut sent = 0;
     let mut acknowledged = Vec::new();
@@ -370,7 +370,7 @@ fn lost_segments_are_sent_again() {
         if sent == 2 {
             continue;
         }
-        if let Some(answer) = server.receive(&frame, &mut shelf) {
+        if let Some(answer) = server.receive(&frame, &mut dictionary) {
             if answer.payload()[0] == 0xA2 {
                 acknowledged.push(answer.payload()[1]);
             }
@@ -378,7 +378,7 @@ fn lost_segments_are_sent_again() {
         }
     }
     assert_eq!(acknowledged, [0, 2]);
-    assert_eq!(shelf.commits, [(DOMAIN, data.to_vec())]);
+    assert_eq!(dictionary.commits, [(DOMAIN, data.to_vec())]);
 
     // In a read the client reports the received segments, and the server adds no segment to the checksum twice.
     let mut server = super::server();
@@ -388,12 +388,12 @@ fn lost_segments_are_sent_again() {
     let mut segments = 0;
     while client.outcome().is_none() {
         while let Some(frame) = client.poll(ZERO) {
-            let answer = server.receive(&frame, &mut shelf);
+            let answer = server.receive(&frame, &mut dictionary);
             if let Some(answer) = answer {
                 client.receive(&answer, ZERO);
             }
         }
-        while let Some(frame) = server.poll(&mut shelf) {
+        while let Some(frame) = server.poll(&mut dictionary) {
             segments += 1;
             if segments != 2 {
                 client.receive(&frame, ZERO);
@@ -408,21 +408,21 @@ fn lost_segments_are_sent_again() {
 #[test]
 fn what_is_not_for_the_server_does_nothing() {
     let mut server = server();
-    let mut shelf = Shelf::new();
+    let mut dictionary = Dictionary::new();
     let other = Frame::of(
         CobId::of(Service::SdoRequest, NodeId::DRIVE_X),
         [0x40, 0x10, 0x20, 0x01, 0, 0, 0, 0],
     );
-    assert_eq!(server.receive(&other, &mut shelf), None);
+    assert_eq!(server.receive(&other, &mut dictionary), None);
     let short = Frame::of(
         CobId::of(Service::SdoRequest, NODE),
         [0x40, 0x10, 0x20, 0x01],
     );
-    assert_eq!(server.receive(&short, &mut shelf), None);
+    assert_eq!(server.receive(&short, &mut dictionary), None);
     assert_eq!(
-        server.receive(&reply([0x40, 0x10, 0x20, 1, 0, 0, 0, 0]), &mut shelf),
+        server.receive(&reply([0x40, 0x10, 0x20, 1, 0, 0, 0, 0]), &mut dictionary),
         None
     );
-    assert_eq!(server.poll(&mut shelf), None);
-    assert_eq!(server.elapse(Periods::new(u32::MAX), &mut shelf), None);
+    assert_eq!(server.poll(&mut dictionary), None);
+    assert_eq!(server.elapse(Periods::new(u32::MAX), &mut dictionary), None);
 }

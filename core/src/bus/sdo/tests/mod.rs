@@ -33,25 +33,25 @@ const LIAR: Object = Object::new(0x5012, 0);
 
 /// Objects that check the order of calls.
 #[derive(Default)]
-struct Shelf {
+struct Dictionary {
     values: BTreeMap<Object, Vec<u8>>,
     open: Option<(Object, Option<u32>, Vec<u8>)>,
     commits: Vec<(Object, Vec<u8>)>,
     abandoned: u32,
 }
 
-impl Shelf {
+impl Dictionary {
     fn new() -> Self {
-        let mut shelf = Self::default();
-        shelf.values.insert(DOMAIN, Vec::new());
-        shelf.values.insert(LONG, [1, 2, 3, 4].to_vec());
-        shelf
+        let mut dictionary = Self::default();
+        dictionary.values.insert(DOMAIN, Vec::new());
+        dictionary.values.insert(LONG, [1, 2, 3, 4].to_vec());
+        dictionary
             .values
             .insert(FIXED, b"Tiny Node - Mega Domains !".to_vec());
-        shelf.values.insert(PICKY, [0; 100].to_vec());
-        shelf.values.insert(UNWILLING, [0; 100].to_vec());
-        shelf.values.insert(LIAR, [0; 100].to_vec());
-        shelf
+        dictionary.values.insert(PICKY, [0; 100].to_vec());
+        dictionary.values.insert(UNWILLING, [0; 100].to_vec());
+        dictionary.values.insert(LIAR, [0; 100].to_vec());
+        dictionary
     }
 
     fn is_write_open(&self) -> bool {
@@ -59,7 +59,7 @@ impl Shelf {
     }
 }
 
-impl Objects for Shelf {
+impl Objects for Dictionary {
     fn size(&mut self, object: Object) -> Result<u32, Abort> {
         let value = self.values.get(&object).ok_or(Abort::NoObject)?;
         Ok(value.len() as u32 + u32::from(object == LIAR))

@@ -48,18 +48,18 @@ fn a_server_keeps_its_promises_to_its_objects() {
         let rounds = leadscrew_seed::amount(300_000, 3_000_000);
         let mut dice = Dice(seed);
         let mut server = server();
-        let mut shelf = Shelf::new();
+        let mut dictionary = Dictionary::new();
         let mut number = 0;
         let (mut refused, mut answered) = (0_u32, 0_u32);
         for round in 0..rounds {
             let frame = request(bytes(&mut dice, &mut number));
-            // The shelf itself checks the order of the calls.
-            if let Some(answer) = server.receive(&frame, &mut shelf) {
+            // The dictionary itself checks the order of the calls.
+            if let Some(answer) = server.receive(&frame, &mut dictionary) {
                 assert_eq!(answer.id().get(), 0x581);
                 let bytes = answer.exactly::<8>().unwrap();
                 if bytes[0] == 0x80 {
                     refused += 1;
-                    assert!(!shelf.is_write_open());
+                    assert!(!dictionary.is_write_open());
                     let code = u32::from_le_bytes(*bytes.last_chunk().unwrap());
                     assert!(Abort::from_code(code).is_some());
                 } else {
@@ -67,18 +67,18 @@ fn a_server_keeps_its_promises_to_its_objects() {
                 }
             }
             for _ in 0..dice.below(3) {
-                let _ = server.poll(&mut shelf);
+                let _ = server.poll(&mut dictionary);
             }
-            let _ = server.elapse(Periods::new(dice.below(300) as u32), &mut shelf);
-            assert!(server.is_busy() || !shelf.is_write_open(), "{round}");
+            let _ = server.elapse(Periods::new(dice.below(300) as u32), &mut dictionary);
+            assert!(server.is_busy() || !dictionary.is_write_open(), "{round}");
             // Limits the memory of the test.
-            shelf.commits.clear();
+            dictionary.commits.clear();
         }
         assert!(
             refused > rounds / 10 && answered > rounds / 10,
             "{refused} {answered}"
         );
-        assert!(shelf.abandoned > rounds / 100);
+        assert!(dictionary.abandoned > rounds / 100);
     });
 }
 
