@@ -129,7 +129,7 @@ pub fn generate(tables: &Tables) -> String {
     out
 }
 
-/// A value as [`lengthen`] reads it: its digits, and in the lowest four bits how many zeros are behind them.
+/// A value as [`lengthen`] reads it: its digits, and in the lowest four bits how many zeros follow them.
 fn shorten(value: i64) -> i32 {
     match value {
         i64::MIN => return i32::MIN,

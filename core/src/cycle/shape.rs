@@ -308,8 +308,8 @@ impl Shape {
         Ok(())
     }
 
-    /// True where no pass can fail [`Shape::check_pass`]. The test uses the largest shift that any pass could have, with two
-    /// nanometres to spare for rounding. False decides nothing.
+    /// True where no pass can fail [`Shape::check_pass`]. The test uses the largest shift that any pass could have, with
+    /// two nanometres to spare for rounding. False decides nothing.
     pub(crate) fn is_surely_long_enough(&self) -> bool {
         let most = match self.cut_in {
             CutIn::Centre => 0,

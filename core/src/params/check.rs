@@ -1,4 +1,4 @@
-//! Cross-checks: each value is in its range, and still the set as a whole may not work. Every reason is a condition
+//! Cross-checks: a set may fail as a whole although each value is in its range. Every reason is a condition
 //! with the figures and the parameters to change.
 
 use super::Params;
@@ -21,7 +21,7 @@ const LONGEST_STEP: i64 = 1 << 24;
 /// Increments to a nanometre (µ°) that a drive's scale does not reach.
 const FINEST: i64 = 16;
 
-/// Half a turn in a tick, in rpm·µs: from there on the direction of turning is a guess.
+/// Half a turn in a tick, in rpm·µs: from this speed on the direction of turning is ambiguous.
 const HALF_TURN: u32 = 30_000_000;
 
 /// The lead that every machine for threads can cut: that of an M6.

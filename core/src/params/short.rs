@@ -2,7 +2,7 @@
 //! script holds against it what it writes.
 
 /// A value of the built-in set as it lies in flash, where eight bytes for each would be most of it: its digits, and in the
-/// lowest four bits how many zeros are behind them. An extreme stands for an extreme.
+/// lowest four bits how many zeros follow them. An extreme stands for an extreme.
 pub(super) const fn lengthen(value: i32) -> i64 {
     match value {
         i32::MIN => return i64::MIN,

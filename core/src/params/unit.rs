@@ -203,7 +203,7 @@ impl Unit {
         }
     }
 
-    /// The raw value of `text`: a decimal number and, behind it, any spelling of the unit.
+    /// The raw value of `text`: a decimal number, followed by any spelling of the unit.
     ///
     /// # Errors
     /// What [`ValueError`] says; never a rounded value.

@@ -87,7 +87,7 @@ impl State<'_> {
         }
     }
 
-    /// Behind a return nothing moves: the text does not know where the tool is.
+    /// After a return nothing moves: the text does not know where the tool is.
     pub(super) fn refuse_behind_return(&self, block: &Block) -> Result<(), Alarm> {
         let Some(span) = &self.tapping.away else {
             return Ok(());

@@ -49,7 +49,7 @@ impl State<'_> {
             None if !self.is_rigid_block(block, word) => {
                 let rpm = self.rpm();
                 if by_g_code && rpm == Rpm::STOPPED {
-                    // Rigid mode without S is more likely meant than a spindle that was forgotten.
+                    // The programmer more likely meant rigid mode without S than forgot to start the spindle.
                     return self.tap_speed(None, span).map(rigid);
                 }
                 Ok(Turning {
@@ -181,7 +181,7 @@ impl State<'_> {
         (s, s.saturating_mul(times))
     }
 
-    /// Says so where a J that is written in rigid mode does nothing [D176].
+    /// Warns where a J that is written in rigid mode has no effect [D176].
     pub(super) fn note_j(&self, block: &Block, turning: &Turning, plan: &mut Plan) {
         let Some(word) = block.find(b'J') else {
             return;
