@@ -8,7 +8,7 @@ use crate::journal::TapRecord;
 use crate::program::{Aux, Call, CallKind, Position, SpindleChoice, SpindleMode};
 use crate::signals::Signals;
 
-/// What the moves of a call depend on besides its words.
+/// Everything that the moves of a call depend on in addition to its words.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Context<'a> {
     /// Where the tool stands.

@@ -368,7 +368,7 @@ mod tests {
                 &[("1620.Z", "0.13347")],
             ),
             (
-                // 20 000 °/s² at 5 000 °/s³ are 4 000 ticks, besides the 360 to its speed.
+                // 20 000 °/s² at 5 000 °/s³ are 4 000 ticks, in addition to the 360 to its speed.
                 &[("1622.C", "5000")],
                 Code::RampTooLong,
                 [Arg::Letter(b'C'), Arg::Int(4360), Arg::Int(2048), none],

@@ -210,8 +210,8 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The cycle is over, and rigid mode with it: true where that was on. Its S is cleared ([G84/G88 sheet], note 5); S and
-    /// M03 of an ordinary tap are the spindle's own and stay [D95].
+    /// Ends the cycle, and with it rigid mode. True where that mode was on. Its S is cleared ([G84/G88 sheet], note 5); S
+    /// and M03 of an ordinary tap are the spindle's own and stay [D95].
     pub(super) fn end_taps(&mut self) -> bool {
         self.tapping.armed = None;
         self.tapping.cycle = None;

@@ -1,4 +1,4 @@
-//! How fast a tap turns, and what its lead is: S of rigid mode or that of a turning spindle, the dry run, and the
+//! The speed and the lead of a tap: from S of rigid mode or of a turning spindle, from the dry run, and from the
 //! extraction override ([G84/G88 sheet]).
 
 use super::block::{Block, Letters, Word};
@@ -142,7 +142,7 @@ impl State<'_> {
         (CentiRpm::new(asked.min(limit)), CentiRpm::new(asked))
     }
 
-    /// By 5200.4, 5201.3, 5201.4, 5202.6, 5211 and J [D28]. An ordinary tap has none.
+    /// The extraction override by 5200.4, 5201.3, 5201.4, 5202.6, 5211 and J [D28]. An ordinary tap has none.
     pub(super) fn extraction_override(&self, j: Option<u32>, turning: &Turning) -> Extraction {
         if !self.params.tap_extract_override() || turning.mode == TapMode::Floating {
             return Extraction::NONE;
