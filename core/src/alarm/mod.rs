@@ -1,4 +1,4 @@
-//! What can go wrong, as data: a number, where it is, and the figures that explain it.
+//! Alarms and warnings as data: a number, a place, and the figures that explain the alarm.
 //!
 //! An [`Alarm`] is small and has no text in it, so the board can raise and send one; the text (cause and remedy, English
 //! and Chinese, with the figures put in) is made where a person reads it, from the templates in `table.rs`. Warnings have
@@ -79,7 +79,7 @@ pub enum Arg {
     Hex(u16),
     /// A key or a checksum, printed as eight hexadecimal digits and an `h`.
     Key(u32),
-    /// A CiA 402 statusword, printed like [`Arg::Hex`] with the name of its state behind it.
+    /// A CiA 402 statusword, printed like [`Arg::Hex`], followed by the name of its state.
     Statusword(u16),
 }
 
@@ -108,7 +108,7 @@ impl Alarm {
         }
     }
 
-    /// A condition that is of no place in a text, with the figures of its template.
+    /// An alarm without a place in a text, with the figures of its template.
     #[must_use]
     pub fn of(code: Code, figures: &[Arg]) -> Self {
         let mut alarm = Self::new(code, Span::default());

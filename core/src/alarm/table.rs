@@ -169,10 +169,10 @@ codes! {
     /// `)` without `(`.
     CommentClosed = 4008, "this `)` closes no comment", "write `(` where the comment begins",
         "此 `)` 没有对应的注释", "请在注释开始处写 `(`";
-    /// `/` behind other words.
+    /// `/` after other words.
     SkipNotFirst = 4009, "`/` stands behind words of its block", "write `/` at the front of the block",
         "`/` 在程序段的字之后", "请把 `/` 写在程序段开头";
-    /// `%` behind words.
+    /// `%` after words.
     PercentInBlock = 4010, "`%` stands in a block", "give `%` a line of its own",
         "`%` 在程序段中", "请让 `%` 单独占一行";
     /// A variable or an expression.
@@ -184,7 +184,7 @@ codes! {
     /// A word twice in a block.
     WordTwice = 4013, "{w} stands twice in this block", "remove one, or start a new block",
         "{w} 在此程序段中出现两次", "请去掉一个，或另起程序段";
-    /// N or O behind other words.
+    /// N or O after other words.
     WordNotFirst = 4014, "{w} stands behind other words", "write {w} at the front of its block",
         "{w} 在其他字之后", "请把 {w} 写在程序段开头";
     /// X with U, Z with W, C with H; {0} and {1} the letters.
@@ -321,7 +321,7 @@ codes! {
     /// A clamp code whose successor means something else; {0} and {1} the codes.
     TapClampCode = 4067, "M{0} cannot clamp: its successor M{1}, which would unclamp, means something else", "write another clamp code",
         "M{0} 不能用于夹紧：其后继 M{1}（松开）另有含义", "请写其他夹紧代码";
-    /// K198 and nothing behind it; {0} the line.
+    /// K198 and nothing after it; {0} the line.
     TapLeftInHole = 4068, "the program ends with the tap in its hole", "go on with G84 or G88 to a deeper bottom, without K198",
         "程序结束时丝锥仍在孔内", "请继续写 G84 或 G88 到更深的孔底，不写 K198";
     /// K198 in ordinary tapping; {0} the rigid M code.
@@ -338,7 +338,7 @@ codes! {
     /// G30 P99, and no tap is in a hole.
     TapReturnNothing = 4082, "no tap is in a hole: the tap journal has nothing to return from", "nothing needs to be done; move the axis by hand or by program",
         "没有丝锥在孔内：攻丝记录中没有可返回的信息", "无需处理；可手动或用程序移动该轴";
-    /// Motion behind G30 P99; {0} the line of that.
+    /// Motion after G30 P99; {0} the line of G30 P99.
     TapReturnNotLast = 4083, "after the tapping return in line {0} only the board knows where the tool is: nothing moves here",
         "end the program behind G30 P99, and start another", "第 {0} 行刚性攻丝返回之后，程序不知道刀具位置，不能移动",
         "请在 G30 P99 之后结束程序，再启动另一个程序";
@@ -935,7 +935,7 @@ codes! {
     ObserverNoisy = 4963, "an observer of {0} Hz smooths little on samples {1} µs apart",
         "set 9005 to {2} Hz or less, or make the tick (9000) shorter",
         "采样间隔 {1} µs 时 {0} Hz 的观测器几乎不起平滑作用", "9005 设为 {2} Hz 以下，或缩短周期（9000）";
-    /// A write of the tap journal failed inside a hole, or behind it.
+    /// A write of the tap journal failed inside a hole, or after the hole.
     TapJournalStale = 4970, "the tap journal could not be written: after a loss of power it would tell of an earlier moment of this hole",
         "finish the hole, then check the board's storage",
         "攻丝记录写入失败：断电后其内容为本孔较早时刻的信息", "请完成该孔，然后检查控制板的存储器";

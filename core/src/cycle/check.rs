@@ -1,5 +1,5 @@
-//! What the types of a call allow but its documentation excludes: lengths that are negative, zero or out of range. The
-//! arithmetic of the cycles relies on it. Knows nothing of geometry.
+//! Refuses lengths that the types of a call allow and its documentation excludes: negative, zero or out of range. The
+//! arithmetic of the cycles relies on these checks. Knows nothing of geometry.
 
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::program::{GrooveCall, Position, TapCall, TapForm, ThreadCall};
@@ -22,7 +22,7 @@ enum Sign {
     Positive,
 }
 
-/// Refuses lengths of a thread call that cannot be.
+/// Refuses a thread call with an impossible length.
 pub(crate) fn thread_ranges(call: &ThreadCall, block: Span) -> Result<(), Alarm> {
     let mut words = Words::new(block);
     words.place(&call.start);
@@ -42,8 +42,8 @@ pub(crate) fn thread_ranges(call: &ThreadCall, block: Span) -> Result<(), Alarm>
     words.first
 }
 
-/// Refuses lengths of a groove call that cannot be. P and Q of zero are left to the groove: they have a number of their
-/// own.
+/// Refuses a groove call with an impossible length. The groove itself checks P and Q of zero: they have an alarm number
+/// of their own.
 pub(crate) fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm> {
     let mut words = Words::new(block);
     words.place(&call.start);
@@ -59,7 +59,7 @@ pub(crate) fn groove_ranges(call: &GrooveCall, block: Span) -> Result<(), Alarm>
     words.first
 }
 
-/// Refuses lengths of a tap call that cannot be.
+/// Refuses a tap call with an impossible length.
 pub(crate) fn tap_ranges(call: &TapCall, block: Span) -> Result<(), Alarm> {
     let mut words = Words::new(block);
     words.place(&call.start);
@@ -74,7 +74,7 @@ pub(crate) fn tap_ranges(call: &TapCall, block: Span) -> Result<(), Alarm> {
     words.first
 }
 
-/// The words of a block one after the other, and the first that cannot be.
+/// Checks the words of a block in turn and keeps the first impossible one.
 struct Words {
     block: Span,
     first: Result<(), Alarm>,

@@ -7,7 +7,7 @@ use core::num::NonZero;
 use crate::program::{Infeed, ThreadCall};
 use crate::units::{Length, div_wide, mul_wide, product, root_wide};
 
-/// Rough passes of one cycle at most; more is an alarm.
+/// The most rough passes of one cycle; more of them raise an alarm.
 pub(crate) const MOST_PASSES: u32 = 9999;
 
 /// The rough depths of a thread, one after the other, each larger than the one before; the last is height − allowance.
@@ -19,7 +19,7 @@ pub(crate) const MOST_PASSES: u32 = 9999;
 pub(crate) struct Depths {
     /// Where the sequence ends: k − d.
     limit: u64,
-    /// Depth of the pass before; `limit` at the end.
+    /// Depth of the previous pass; `limit` at the end.
     previous: u64,
     /// From this pass on the step is constant.
     constant_from: u32,
@@ -45,11 +45,11 @@ enum Root {
 struct NearRoot {
     /// `4·n·Δd²` for the next n.
     value: u64,
-    /// What it grows by.
+    /// The increase of `4·n·Δd²` from one n to the next.
     growth: u64,
-    /// Where the root is expected.
+    /// The estimate of the next root.
     guess: NonZero<u64>,
-    /// The root before.
+    /// The previous root.
     root: u64,
 }
 
@@ -94,14 +94,14 @@ impl Depths {
         }
     }
 
-    /// True where the passes of `call` are certainly no more than [`MOST_PASSES`]: they are never shallower than `√n·Δd`
-    /// less half an increment, and √9999 > 99.99 (those of equal infeed are deeper).
+    /// True where `call` certainly has no more passes than [`MOST_PASSES`]. A pass is never shallower than `√n·Δd` less
+    /// half an increment, and √9999 > 99.99. Passes of equal infeed are deeper.
     pub(crate) fn are_surely_few(call: &ThreadCall) -> bool {
         let limit = magnitude(call.height.value - call.allowance.value);
         limit <= magnitude(call.first_depth.value).saturating_mul(99)
     }
 
-    /// The depth of the next pass, which is number `n` (from 1, one after the other); `None` after the one at the limit.
+    /// The depth of the next pass. `n` is its number: 1, 2, 3 and so on. `None` after the pass at the limit.
     #[inline]
     pub(crate) fn next_depth(&mut self, n: u32) -> Option<Length> {
         if self.previous >= self.limit {
@@ -112,7 +112,7 @@ impl Depths {
         } else {
             let root = match &mut self.root {
                 Root::Near(near) => {
-                    // floor(2x) decides to which side x is rounded; a half goes up.
+                    // floor(2x) decides whether x is rounded up or down; a half goes up.
                     let rounded = near.next_root().wrapping_add(1) >> 1;
                     rounded.wrapping_mul(self.increment.get())
                 }
@@ -127,18 +127,18 @@ impl Depths {
 }
 
 impl NearRoot {
-    /// `floor(√value)` for the next pass, by Newton's steps: one division nearly always.
+    /// `floor(√value)` for the next pass by Newton's method. Nearly always one division is enough.
     #[inline]
     fn next_root(&mut self) -> u64 {
         let value = self.value;
-        // After one step x is the root or above it; from there the steps only fall until they have it.
+        // After one step x is the root or above it. From there every step falls, until x is the root.
         let mut x = mean(value, self.guess);
         while x.get().wrapping_mul(x.get()) > value {
             x = mean(value, x);
         }
         let root = x.get();
         self.value = value.wrapping_add(self.growth);
-        // The roots bend: the next step is a little shorter than this one.
+        // The root grows more slowly with each pass: the next step is a little shorter than this step.
         let ahead = root.wrapping_mul(2).wrapping_sub(self.root);
         self.guess = NonZero::new(ahead).unwrap_or(x);
         self.root = root;
@@ -167,7 +167,7 @@ fn wide_depth(first: u64, n: u32, increment: NonZero<u64>) -> u64 {
     (twice.wrapping_add(1) >> 1).wrapping_mul(increment.get())
 }
 
-/// The first n > 1 with `(√n − √(n−1))·Δd < Δdmin`; beyond every pass where there is none.
+/// The first n > 1 with `(√n − √(n−1))·Δd < Δdmin`. Where no such n exists, a number above that of every pass.
 ///
 /// `Δd·√n < Δdmin + Δd·√(n−1)`; squared (both sides are positive) `Δd² − Δdmin² < 2·Δd·Δdmin·√(n−1)`; squared again where
 /// the left side is positive `Δdmin⁴ < ((4·n − 2)·Δdmin² − Δd²)·Δd²`. The steps decrease, so once true it stays true.
@@ -180,14 +180,14 @@ fn first_clamped(first: u64, min_step: u64) -> u32 {
         return 2;
     }
     let (whole, part) = (product(first, first), product(min_step, min_step));
-    // The first n with Δd² < (4·n − 2)·Δdmin². The quotient of a quotient is that by the product, rounded down once.
+    // The first n with Δd² < (4·n − 2)·Δdmin². Two divisions, each rounded down, equal one division by the product.
     let ratio = div_wide(div_wide(whole, min_step), min_step);
     let ratio = ratio.min(u128::from(4 * MOST_PASSES)) as u32;
     let n = (ratio.wrapping_add(6) >> 2).max(2);
     if n > MOST_PASSES {
         return u32::MAX;
     }
-    // Now the bracket is positive. From Δdmin² on there is no doubt; below it is this pass or the next one.
+    // Now the bracket is positive. From Δdmin² on this pass is certain; below, the answer is this pass or the next.
     let parts = n.wrapping_mul(4).wrapping_sub(2);
     let over = mul_wide(part, u64::from(parts)).wrapping_sub(whole);
     if over >= part || long_product(part, part) < long_product(over, whole) {
@@ -242,7 +242,8 @@ mod tests {
         wide(&[left, left]) < wide(&[right, right, u128::from(n - 1)])
     }
 
-    /// Holds what is found against the definition; the steps decrease, so two passes tell. Gives it back.
+    /// Compares the pass that was found with the definition and returns the pass. The steps decrease, so checking two
+    /// passes is enough.
     #[track_caller]
     fn check(first: u64, least: u64) -> u32 {
         let n = first_clamped(first, least);
@@ -293,7 +294,7 @@ mod tests {
         ];
         for least in leasts.into_iter().chain(long) {
             for n in [2, 3, 4, 10, 100, 5000, MOST_PASSES - 1, MOST_PASSES] {
-                // The longest first step that comes down to the least one by pass n.
+                // The longest first step for which the steps have fallen to the least step by pass n.
                 let (mut inside, mut outside) = (least + 1, LONGEST + 1);
                 while outside - inside > 1 {
                     let middle = inside.midpoint(outside);

@@ -1,4 +1,4 @@
-//! Any call to its moves.
+//! Turns any call into its moves.
 
 use super::refuse::{refuse_groove, refuse_tap};
 use super::tap_return::tap_return;
@@ -8,12 +8,12 @@ use crate::journal::TapRecord;
 use crate::program::{Aux, Call, CallKind, Position, SpindleChoice, SpindleMode};
 use crate::signals::Signals;
 
-/// What the moves of a call depend on besides its words.
+/// Everything that the moves of a call depend on in addition to its words.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Context<'a> {
     /// Where the tool stands.
     pub at: Position,
-    /// The inputs when the call is taken up.
+    /// The inputs at the moment when the call begins.
     pub signals: Signals,
     /// The newest entry of the tap journal, if there is one.
     pub tap: Option<&'a TapRecord>,
@@ -31,7 +31,7 @@ impl Context<'_> {
     }
 }
 
-/// The moves of one call. Constant memory, whatever the call; nothing can fail once it is made.
+/// The moves of one call. Their memory is constant for every call. Nothing can fail after they are made.
 #[derive(Clone, Copy, Debug)]
 #[expect(
     clippy::large_enum_variant,
@@ -48,18 +48,19 @@ pub enum Moves {
     Tap(TapMoves),
 }
 
-/// The moves of `call` in a context. A straight move of no length is none. Dwells, spindle commands and
-/// machine functions carry the standing position; the end of the program is a machine function too.
+/// The moves of `call` in a context. A straight move of zero length is left out. Dwells, spindle commands and machine
+/// functions carry the position at which the tool stands; the end of the program is a machine function too.
 ///
 /// # Errors
-/// What the geometry of a cycle or the signals forbid, before any of its moves.
+/// The cycle is forbidden by its geometry or by the signals. The error comes before any move.
 pub fn expand(call: &Call, context: &Context<'_>) -> Result<Moves, Alarm> {
     let mut moves = Moves::One(None);
     moves.begin(call, context)?;
     Ok(moves)
 }
 
-/// Makes `next`, which stands where the tool does, the move of a call that is no cycle. False where it has none.
+/// Changes `next` into the move of a call that is no cycle; `next` must stand at the tool's position. False where the
+/// call has no move.
 #[inline(never)]
 fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, Alarm> {
     let at = next.to;
@@ -102,10 +103,10 @@ fn single(next: &mut Move, call: &Call, context: &Context<'_>) -> Result<bool, A
 }
 
 impl Moves {
-    /// Makes these the moves of `call`, as [`expand`] does: in place, for they are large.
+    /// Makes these the moves of `call`, as [`expand`] does, but in place: the moves are a large value.
     ///
     /// # Errors
-    /// As [`expand`]; these are as they were.
+    /// As [`expand`]; then these moves are unchanged.
     pub fn begin(&mut self, call: &Call, context: &Context<'_>) -> Result<(), Alarm> {
         let span = call.span;
         match &call.kind {

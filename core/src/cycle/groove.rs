@@ -1,4 +1,4 @@
-//! G75: one call to its moves, lazily and in constant memory ([G75 sheet]).
+//! G75: turns one call into its moves, lazily and in constant memory ([G75 sheet]).
 
 use super::check::blame;
 use super::refuse::refuse_groove;
@@ -9,9 +9,9 @@ use crate::units::Length;
 
 /// The moves of a G75 cycle.
 ///
-/// Column by column: pecks along X with a retract of e between them, Δd aside at the bottom, back to the start level, on
-/// to the next column. Targets are absolute, whatever the retract was. Moves of no length are left out. The last one ends
-/// at A. Nothing can fail once it is made.
+/// In each column the tool pecks along X with a retract of e between pecks, moves Δd aside at the bottom, returns to the
+/// start level and goes on to the next column. Targets are absolute and independent of the retract. Moves of zero length
+/// are left out. The last move ends at A. Nothing can fail after the value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct GrooveMoves {
     pub(super) call: GrooveCall,
@@ -23,7 +23,7 @@ pub struct GrooveMoves {
     pub(super) retract: Length,
     /// Δd with its direction.
     pub(super) relief: Length,
-    /// The last move: it ends where the tool is.
+    /// The last move. It ends at the tool's position.
     pub(super) made: Move,
     next: Next,
     /// Deepest target of the column so far.
@@ -34,7 +34,7 @@ pub struct GrooveMoves {
     pecks: u32,
 }
 
-/// What comes next.
+/// The next step of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     Peck,
@@ -50,14 +50,14 @@ impl GrooveMoves {
     /// The moves of `call`, whose G word stands at `span`.
     ///
     /// # Errors
-    /// No depth (4109), no P, or no Q where the last column is not the first (0319), lengths out of range (4110), more
-    /// infeeds (4112) or a longer retract (4113) than a groove has.
+    /// No depth (4109); no P, or no Q where the last column is not the first (0319); lengths out of range (4110); more
+    /// infeeds (4112) or a longer retract (4113) than a groove may have.
     pub fn new(call: &GrooveCall, span: Span) -> Result<Self, Alarm> {
         refuse_groove(call, span)?;
         Ok(Self::of(call, span))
     }
 
-    /// The moves of a call that [can be](refuse_groove).
+    /// The moves of a call that [`refuse_groove`] has accepted.
     pub(crate) fn of(call: &GrooveCall, span: Span) -> Self {
         let infeed = (call.end_x.value - call.start.x).signum();
         let across = (call.end_z.value - call.start.z).signum();
@@ -96,7 +96,7 @@ impl GrooveMoves {
         }
     }
 
-    /// The warning that belongs to the cycle: Δd has no room in the first column of a groove.
+    /// The warning of this cycle: the first column of a groove has no room for Δd.
     #[must_use]
     pub fn warning(&self) -> Option<Alarm> {
         let relief = &self.call.relief;
@@ -115,7 +115,7 @@ impl GrooveMoves {
         self.go(x, z, stage, 0)
     }
 
-    /// The last move is this one now; its kind is in it.
+    /// Completes the last move, which already has its kind.
     fn go(&mut self, x: Length, z: Length, stage: Stage, peck: u32) -> bool {
         self.made.to.x = x;
         self.made.to.z = z;
@@ -128,7 +128,7 @@ impl GrooveMoves {
         true
     }
 
-    /// The next move, where it lies: [`Iterator::next`] without the copy.
+    /// The next move by reference: [`Iterator::next`] without the copy.
     pub fn advance(&mut self) -> Option<&Move> {
         loop {
             let level = self.call.start.x;
@@ -196,7 +196,7 @@ impl Iterator for GrooveMoves {
 
 impl core::iter::FusedIterator for GrooveMoves {}
 
-/// `value`, or `bound` where going in `direction` (not zero, or `value` is the bound) has passed it.
+/// `value`, or `bound` where `value` lies beyond it in `direction`. `direction` is zero only where `value` is `bound`.
 pub(super) fn clip(value: Length, bound: Length, direction: Length) -> Length {
     if direction < Length::ZERO {
         value.max(bound)

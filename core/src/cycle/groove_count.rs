@@ -1,5 +1,5 @@
-//! How much a G75 cycle does, without doing it: how many columns and infeeds, and each move that differs from the others
-//! once, with how often it comes. A check takes as long for a thousand columns as for three.
+//! Counts the work of a G75 cycle without making its moves: the columns, the infeeds, and each different move once with
+//! its number of repeats. So a check takes as long for a thousand columns as for three.
 
 use core::num::NonZero;
 
@@ -19,7 +19,7 @@ pub struct GrooveCount {
 }
 
 impl GrooveCount {
-    /// Those of a call that has its steps.
+    /// The columns and infeeds of a call that has its steps.
     pub(crate) fn of(call: &GrooveCall) -> Self {
         let steps = |way, step: &Option<At<Length>>| step.map_or(0, |step| steps(way, step.value));
         Self {
@@ -29,7 +29,7 @@ impl GrooveCount {
     }
 }
 
-/// How many steps a way takes, the last of which may be a shorter one.
+/// The number of steps that cover a distance. The last step may be shorter.
 fn steps(way: Length, step: Length) -> u64 {
     let way = way.nm().unsigned_abs();
     match NonZero::new(step.nm().unsigned_abs()) {
@@ -38,7 +38,7 @@ fn steps(way: Length, step: Length) -> u64 {
     }
 }
 
-/// Where the tool is, one move from there, and how often such a move comes.
+/// The tool's position, one move from this position, and how often such a move comes.
 type Each<'a> = &'a mut dyn FnMut(&Position, &Move, u64) -> Result<(), Alarm>;
 
 impl GrooveMoves {
@@ -48,12 +48,12 @@ impl GrooveMoves {
         GrooveCount::of(&self.call)
     }
 
-    /// Hands each move that differs in kind or length to `each`, with where it begins and how often such a move comes, in
-    /// the order in which they come first. Together they are all moves of the cycle; there are never more than a few dozen,
-    /// whatever the infeeds and columns, since a retract takes back ten infeeds at most.
+    /// Hands each move that differs in kind or length to `each`, with its start and how often such a move comes. The order
+    /// is that of first appearance. Together these are all moves of the cycle. There are never more than a few dozen of
+    /// them, however many infeeds and columns there are: a retract takes back ten infeeds at most.
     ///
     /// # Errors
-    /// The first that `each` gives.
+    /// The first error that `each` returns.
     pub fn tally(&self, each: Each<'_>) -> Result<(), Alarm> {
         let mut tally = Tally {
             groove: self,
@@ -78,7 +78,7 @@ impl GrooveMoves {
         z + self.relief
     }
 
-    /// Where infeed `n` of a column ends; beyond the last it is the bottom.
+    /// Where infeed `n` of a column ends. Beyond the last infeed this is the bottom.
     pub(crate) fn infeed_end(&self, n: u64) -> Length {
         let end = self.call.start.x + self.peck.times(n as i64);
         clip(end, self.call.end_x.value, self.peck)
@@ -89,18 +89,18 @@ impl GrooveMoves {
         clip(x - self.retract, self.call.start.x, -self.peck)
     }
 
-    /// Where column `n` stands, from 0; beyond the last it is that one.
+    /// The position of column `n`, from 0. Beyond the last column this is the last column's position.
     pub(crate) fn column_at(&self, n: u64) -> Length {
         let z = self.call.start.z + self.step.times(n as i64);
         clip(z, self.call.end_z.value, self.step)
     }
 
-    /// Which infeed is the first to go beyond `bound`, from 1.
+    /// The number, from 1, of the first infeed that goes beyond `bound`.
     pub(crate) fn infeed_beyond(&self, bound: Length) -> u64 {
         beyond(self.call.start.x, bound, self.peck)
     }
 
-    /// Which column is the first beyond `bound`, from 1.
+    /// The number, from 1, of the first column beyond `bound`.
     pub(crate) fn column_beyond(&self, bound: Length) -> u64 {
         beyond(self.call.start.z, bound, self.step)
     }
@@ -116,7 +116,7 @@ fn beyond(start: Length, bound: Length, step: Length) -> u64 {
     }
 }
 
-/// A tally being made.
+/// A tally that is still being counted.
 struct Tally<'g, 'e> {
     groove: &'g GrooveMoves,
     at: Position,
@@ -139,7 +139,7 @@ impl Tally<'_, '_> {
         self.rapid(groove.call.start.x, groove.call.start.z, 1)
     }
 
-    /// From the start level to the bottom, aside and back to the level: one column is as the other.
+    /// From the start level to the bottom, aside and back to the start level. All columns are alike here.
     fn column(&mut self, infeeds: u64, columns: u64) -> Result<(), Alarm> {
         let groove = self.groove;
         let level = groove.call.start.x;
@@ -153,7 +153,7 @@ impl Tally<'_, '_> {
             let whole = (groove.infeed_end(n) - level).abs() >= groove.retract.abs();
             n = n.wrapping_add(1);
             if whole && n < infeeds {
-                // No retract from here on ends at the start level: the infeeds are alike up to the last but one.
+                // From here on no retract ends at the start level, so the infeeds are alike up to the last but one.
                 let alike = columns.saturating_mul(infeeds.wrapping_sub(n));
                 self.infeed(n, alike)?;
                 self.back(alike)?;

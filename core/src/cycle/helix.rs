@@ -1,4 +1,4 @@
-//! Where an exact helix stands after a way along the thread.
+//! The angle of an exact helix after a distance along the thread.
 //!
 //! Knows leads and distances, nothing of passes.
 
@@ -15,8 +15,8 @@ pub(crate) struct Helix {
     /// Lead: `nm` nanometres per `turns` turns.
     nm: NonZero<u64>,
     turns: u64,
-    /// Turns per nanometre with 128 fractional bits, rounded up, whole turns left out: (high, low). `None` for leads so
-    /// large or so uneven that this is not exact enough.
+    /// Turns per nanometre with 128 fractional bits, rounded up, without the whole turns: (high, low). `None` where the
+    /// lead is so large or so uneven that this figure is not exact enough.
     per_nm: Option<(u64, u64)>,
 }
 
@@ -42,8 +42,9 @@ impl Helix {
     #[inline]
     pub(crate) fn angle(&self, distance: u64) -> u32 {
         match self.per_nm {
-            // Exact: the part of a turn comes out too large, by no more than 2⁻⁶⁴ + 2⁻⁸⁴ turns, which is less than 2⁻³⁵·⁵
-            // millionths of a degree; a true value below a half is below it by at least 1/(2·nm) > 2⁻³⁵ of one.
+            // This rounds exactly. The computed part of a turn is too large by no more than 2⁻⁶⁴ + 2⁻⁸⁴ turns, which is
+            // less than 2⁻³⁵·⁵ millionths of a degree. A true value below a half is below the half by at least
+            // 1/(2·nm) > 2⁻³⁵ of a millionth.
             Some((high, low)) => {
                 let carried = product(distance, low) >> 64;
                 let part = distance
@@ -57,7 +58,7 @@ impl Helix {
         }
     }
 
-    /// The same by division.
+    /// The same angle by division.
     #[cold]
     fn wide_angle(&self, distance: u64) -> u32 {
         let nm = self.nm.get();
@@ -75,7 +76,7 @@ mod tests {
 
     fn angle(nm: i64, turns: i64, distance: u64) -> u32 {
         let helix = Helix::new(Lead::new(nm, turns).unwrap());
-        // Both ways must agree wherever the fast one is taken.
+        // Both computations must agree wherever the fast one is used.
         assert_eq!(helix.angle(distance), helix.wide_angle(distance));
         helix.angle(distance)
     }
@@ -100,7 +101,7 @@ mod tests {
         assert_eq!(angle(3_600_000_000, 1, 3_600_000_000 - 6), 359_999_999);
     }
 
-    /// Leads at the edge of the fast way, distances at the edge of the range, halves all along.
+    /// Leads at the edge of the fast computation, distances at the edge of the range, and halves everywhere.
     #[test]
     fn both_ways_agree() {
         leadscrew_seed::volume(1, |seed| {

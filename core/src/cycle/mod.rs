@@ -1,7 +1,8 @@
-//! Calls in, moves out: what each cycle does with its words, move by move.
+//! Calls in, moves out: each cycle turns its words into single moves.
 //!
-//! One file a family; each is a lazy iterator of [`Move`]s with constant memory, and [`expand`] is the door to all of
-//! them. Refuses what geometry forbids before the first move. Knows nothing of program text, motion or the bus.
+//! Each family of cycles has a file with a lazy iterator of [`Move`]s in constant memory. [`expand`] makes all of these
+//! iterators. A call with an impossible geometry is refused before the first move. Knows nothing of program text, motion
+//! or the bus.
 
 mod check;
 mod depth;

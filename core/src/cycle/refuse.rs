@@ -1,4 +1,4 @@
-//! Calls that geometry forbids: words that contradict each other. Knows nothing of passes and moves.
+//! Refuses calls that geometry forbids because their words contradict each other. Knows nothing of passes and moves.
 
 use super::check::{blame, groove_ranges, tap_ranges, thread_ranges};
 use super::groove_count::GrooveCount;
@@ -12,16 +12,16 @@ use crate::program::{
 use crate::signals::Signals;
 use crate::units::{Diameter, Length, signed_product};
 
-/// Most infeeds of a hole.
+/// The most infeeds of a hole.
 const INFEEDS: i64 = 9999;
 
-/// Most infeeds of a groove, those of all its columns together.
+/// The most infeeds of a groove, counted over all its columns.
 const GROOVE_INFEEDS: u64 = 99_999;
 
-/// How many infeeds a retract of a groove takes back at most.
+/// The most infeeds that a retract of a groove takes back.
 const RETRACT_INFEEDS: i64 = 10;
 
-/// Refuses a thread that cannot be, whatever its passes.
+/// Refuses a thread that is impossible whatever its passes are.
 #[inline(never)]
 pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> {
     thread_ranges(call, span)?;
@@ -88,7 +88,7 @@ pub(crate) fn refuse_thread(call: &ThreadCall, span: Span) -> Result<(), Alarm> 
     Ok(())
 }
 
-/// Refuses a tap that cannot be; the spindle that turns it.
+/// Refuses an impossible tap; otherwise gives the spindle that turns the tap.
 #[inline(never)]
 pub(crate) fn refuse_tap(
     call: &TapCall,
@@ -112,7 +112,7 @@ pub(crate) fn refuse_tap(
     let total = way.abs();
     let from = (axis.of(call.start) - level).times(inward);
     let no_depth = call.continues && (from <= Length::ZERO || from >= total);
-    // Only a spindle in speed mode can be found standing, and only in position mode can a tap stay in its hole.
+    // Only in speed mode can the spindle be standing. Only in position mode can a tap stay in its hole.
     let slowest = match call.mode {
         TapMode::Rigid => 1,
         TapMode::Floating => 0,
@@ -134,7 +134,7 @@ pub(crate) fn refuse_tap(
     Ok(spindle)
 }
 
-/// Refuses a groove that cannot be.
+/// Refuses an impossible groove.
 #[inline(never)]
 pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> {
     groove_ranges(call, span)?;
@@ -172,7 +172,7 @@ pub(crate) fn refuse_groove(call: &GrooveCall, span: Span) -> Result<(), Alarm> 
     Ok(())
 }
 
-/// Refuses a peck or step that has to be there and is not.
+/// Refuses a missing peck or step.
 fn step(written: &Option<At<Length>>, letter: u8, span: Span) -> Result<(), Alarm> {
     match written {
         Some(step) if step.value > Length::ZERO => Ok(()),

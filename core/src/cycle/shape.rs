@@ -1,8 +1,8 @@
 //! Where the points of a thread pass lie: pure geometry of one depth.
 //!
 //! Every coordinate is one closed expression of the pass's depth, rounded once to the nearest nanometre on the radius.
-//! Displacements are rounded, halves away from zero, and counted from D and A in the thread's own directions, so a mirrored
-//! program gives mirrored points wherever its zero is. Knows nothing of the order of passes' moves.
+//! Displacements count from D and A in the thread's own directions, and their halves are rounded away from zero. So a
+//! mirrored program gives mirrored points wherever its zero is. Knows nothing of the order of the moves in a pass.
 
 use super::Stage;
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
@@ -20,7 +20,7 @@ pub(crate) struct Pass {
     pub(crate) stroke: Stage,
 }
 
-/// A point of a thread in nanometres, as the thread sees it: mirrored threads have the same.
+/// A point of a thread in nanometres, in the thread's own directions. Mirrored threads have the same points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Point {
     /// From D's X towards A, on the radius.
@@ -41,9 +41,9 @@ pub(crate) struct Place {
 pub(crate) struct Corners {
     /// Where the synchronous motion begins: B, or the run-in's start.
     pub(crate) begin: Point,
-    /// Where the pass's line is met: the end of the run-in, else `begin`.
+    /// Where the tool reaches the pass's line: the end of the run-in, or `begin` without a run-in.
     pub(crate) line: Point,
-    /// Where the line is left: the run-out's start, else `end`.
+    /// Where the tool leaves the line: the start of the run-out, or `end` without a run-out.
     pub(crate) leave: Point,
     /// Where the synchronous motion ends.
     pub(crate) end: Point,
@@ -77,21 +77,21 @@ pub(crate) struct Shape {
     run_out: Option<Leave>,
 }
 
-/// What a run-out needs.
+/// The figures of a run-out.
 #[derive(Clone, Copy, Debug)]
 struct Leave {
     /// Its start: out from the pass's own D, and along.
     out: i64,
     along: i64,
-    /// Its end on the short axis, J away from its start and rounded once. With Z long: out from the pass's own D, not
-    /// clipped at A yet. With X long: along, clipped, for all passes alike.
+    /// The run-out's end on the short axis, J away from its start and rounded once. With Z long: out from the pass's own
+    /// D, not yet clipped at A. With X long: along, clipped, and the same for all passes.
     end: i64,
     /// K.
     long: i64,
 }
 
 impl Shape {
-    /// The shape of a cycle that [can be](super::refuse::refuse_thread).
+    /// The shape of a cycle that [`refuse_thread`](super::refuse::refuse_thread) has accepted.
     #[inline]
     pub(crate) fn of(call: &ThreadCall) -> Self {
         let (x, z) = (call.end_x.value, call.start.z);
@@ -126,8 +126,8 @@ impl Shape {
     /// A point in machine coordinates.
     #[inline]
     pub(crate) fn place(&self, at: &Point) -> Place {
-        // Saturates nowhere: coordinates are far inside the integer's range, and this is the innermost arithmetic of the
-        // cycles.
+        // Needs no saturation: coordinates are far inside the integer's range, and this is the innermost arithmetic of
+        // the cycles.
         let x = self.x.nm().wrapping_add(flip(at.out, self.side));
         let z = self.z.nm().wrapping_add(flip(at.along, self.sigma));
         Place {
@@ -209,12 +209,12 @@ impl Shape {
         }
     }
 
-    /// How far a pass's start is shifted along Z, as the number `u` of nanometres of depth whose `u·tan(a/2)` is the shift
+    /// The shift of a pass's start along Z, as a depth of `u` nanometres: the shift is `u·tan(a/2)`
     /// ([G78 sheet], P(r); [D6]). Never negative: depths of rough passes end at k − d.
     #[inline]
     fn shifted(&self, pass: &Pass) -> u64 {
         let depth = pass.depth.nm();
-        // Along one flank: what most threads are cut by.
+        // Infeed along one flank: most threads are cut this way.
         if self.cut_in == CutIn::Trailing {
             return depth as u64;
         }
@@ -238,8 +238,8 @@ impl Shape {
         }
     }
 
-    /// Start and end of the run-in to a line that begins there: E out from it, or to A where that is nearer; then at 45°
-    /// to the line.
+    /// Start and end of the run-in to a line that begins at the given point. The run-in starts E out from this point, or
+    /// at A where A is nearer, and goes to the line at 45°.
     #[cold]
     fn run_in(&self, at_line: Point, above: i64, u: u64) -> (Point, Point) {
         let (mut begin, mut line) = (at_line, at_line);
@@ -308,8 +308,8 @@ impl Shape {
         Ok(())
     }
 
-    /// True where no pass can fail [`Shape::check_pass`], judged by the largest shift any pass could have, two nanometres
-    /// to spare for rounding. False decides nothing.
+    /// True where no pass can fail [`Shape::check_pass`]. The test uses the largest shift that any pass could have, with
+    /// two nanometres to spare for rounding. False decides nothing.
     pub(crate) fn is_surely_long_enough(&self) -> bool {
         let most = match self.cut_in {
             CutIn::Centre => 0,
@@ -334,7 +334,7 @@ impl Shape {
         travel > taken && taper.size > lost.saturating_add(out).saturating_add(2)
     }
 
-    /// Way on the long axis from the pass's start to D.
+    /// Distance on the long axis from the pass's start to D.
     pub(crate) fn stroke(&self, corners: &Corners) -> Length {
         let way = if self.long_x {
             let out = self.run_out.as_ref().map_or(0, |out| out.out);

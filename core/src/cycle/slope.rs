@@ -17,7 +17,7 @@ pub(crate) const FINE_BITS: u32 = 80;
 /// module stay below 2¹²⁷ for inputs within [`Length::INPUT_LIMIT`](crate::units::Length::INPUT_LIMIT).
 pub(crate) type Fine = u128;
 
-/// What a slope makes of a way.
+/// The product of a slope and a distance.
 pub(crate) const fn after(way: u64, slope: Fine) -> Fine {
     (way as Fine).wrapping_mul(slope)
 }

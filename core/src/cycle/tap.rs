@@ -1,4 +1,4 @@
-//! G84 and G88: one call to its moves, lazily and in constant memory ([G84/G88 sheet]).
+//! G84 and G88: turns one call into its moves, lazily and in constant memory ([G84/G88 sheet]).
 
 use super::refuse::refuse_tap;
 use super::{Cycle, Move, MoveKind, Stage, Tag, TapMove};
@@ -12,18 +12,18 @@ use crate::units::{CentiRpm, Length, TurnRatio};
 /// The moves of a tapping cycle, hole by hole.
 ///
 /// Rapid to the hole, clamp, rapid to R; the strokes of the form; dwell; out to R; rapid to the initial level, unclamp.
-/// Targets are absolute, R ± n·q, clipped at the bottom. Moves of no length are left out. A hole with K198 ends at its
-/// bottom; the call that goes on begins with the infeed. Nothing can fail once it is made.
+/// Targets are absolute, R ± n·q, clipped at the bottom. Moves of zero length are left out. A hole with K198 ends at its
+/// bottom; the call that continues the hole begins with the infeed. Nothing can fail after the value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct TapMoves {
     call: TapCall,
     hand: Hand,
     spindle: TapSpindle,
-    /// The way in along the tap axis: −1 or +1.
+    /// The direction into the hole along the tap axis: −1 or +1.
     inward: i64,
     /// From R to the bottom.
     total: Length,
-    /// The last move: it ends where the tool is.
+    /// The last move. It ends at the tool's position.
     made: Move,
     /// How far below R the tool is.
     depth: Length,
@@ -33,12 +33,12 @@ pub struct TapMoves {
     place: Position,
     hole: u8,
     infeeds: u32,
-    /// No stroke of the hole has been made, and it starts at R.
+    /// True while the hole starts at R and has had no stroke.
     fresh: bool,
     next: Next,
 }
 
-/// What comes next.
+/// The next step of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     Approach,
@@ -65,7 +65,7 @@ impl TapMoves {
         Ok(Self::of(call, signals.hand(call.hand), spindle, span))
     }
 
-    /// The moves of a call that [can be](refuse_tap), with this spindle and the tap turning this way.
+    /// The moves of a call that [`refuse_tap`] has accepted, with this spindle and this direction of the tap.
     pub(crate) fn of(call: &TapCall, hand: Hand, spindle: TapSpindle, span: Span) -> Self {
         let level = call.level.value;
         let way = call.bottom.value - level;
@@ -135,7 +135,7 @@ impl TapMoves {
         matches!(self.call.form, TapForm::Deep(_))
     }
 
-    /// The last move is this one now; its kind and its end are in it.
+    /// Completes the last move, which already has its kind and its end.
     fn make(&mut self, stage: Stage, peck: u32) -> bool {
         if let Some(tag) = &mut self.made.tag {
             tag.pass = u32::from(self.hole);
@@ -156,14 +156,14 @@ impl TapMoves {
         self.make(stage, 0)
     }
 
-    /// A stroke to `depth` below R at a spindle speed, unless the tap is there.
+    /// A stroke to `depth` below R at a spindle speed; none where the tap is already there.
     fn stroke(&mut self, depth: Length, speed: CentiRpm, stage: Stage) -> bool {
         let travel = depth - self.depth;
         if travel == Length::ZERO {
             return false;
         }
         let outward = travel < Length::ZERO;
-        // Plus is the way in of a right-hand tap.
+        // A right-hand tap goes in with a plus.
         let turns = TurnRatio::of_travel(travel, self.call.lead.value);
         let left = matches!(self.hand, Hand::Left);
         self.depth = depth;
@@ -215,7 +215,7 @@ impl TapMoves {
         self.stroke(to, self.call.extract, Stage::Retract)
     }
 
-    /// d above what is cut, R at the most.
+    /// d above the depth that is cut, but not above R.
     fn gap(&self) -> Length {
         let back = self.peck().map_or(Length::ZERO, |peck| peck.back.value);
         (self.cut - back).max(Length::ZERO)
@@ -252,7 +252,7 @@ impl TapMoves {
         self.next = Next::Approach;
     }
 
-    /// The next move, where it lies: [`Iterator::next`] without the copy.
+    /// The next move by reference: [`Iterator::next`] without the copy.
     pub fn advance(&mut self) -> Option<&Move> {
         loop {
             let made = match self.next {

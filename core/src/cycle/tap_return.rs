@@ -5,8 +5,8 @@ use crate::alarm::{Alarm, Arg, Code};
 use crate::program::{Hand, LengthUnit, TapMode, TapReturn};
 use crate::units::{Length, TurnRatio};
 
-/// Makes `next`, which stands where the tool does, the one move of a tapping return: outwards and in phase from there to R
-/// and `beyond` (5382) further. False where the tool stands there already, or further out.
+/// Changes `next`, which must stand at the tool's position, into the only move of a tapping return. The move goes outwards
+/// and in phase to R and `beyond` (5382) further. False where the tool already stands at this end or further out.
 ///
 /// # Errors
 /// [`Code::TapReturnNothing`] where no tap is in a hole; [`Code::TapReturnUnit`] where the unit has changed since.
@@ -31,7 +31,7 @@ pub(super) fn tap_return(
     if travel >= Length::ZERO {
         return Ok(false);
     }
-    // Plus is the way in of a right-hand tap.
+    // A right-hand tap goes in with a plus.
     let turns = TurnRatio::of_travel(travel, hole.lead);
     let written = call.speed.unwrap_or(hole.speed);
     let speed = hole.notes.extraction.of(written).min(call.highest);

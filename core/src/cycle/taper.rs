@@ -1,11 +1,11 @@
 //! Slopes of a tapered thread, and how its points are rounded.
 //!
-//! Knows one pass's depth at a time, nothing of passes.
+//! Knows one depth at a time and nothing of passes.
 
 use super::slope::{FINE_BITS, FINE_HALF, Fine, HalfAngle, after};
 use crate::units::{Length, Remainder, div_wide, narrow_div, product};
 
-/// What a taper adds.
+/// The figures that a taper adds to a thread.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Taper {
     /// Sign of s·i: +1 where the thread gets nearer to A towards its start.
@@ -43,8 +43,9 @@ impl Taper {
         })
     }
 
-    /// What is left of s·i after `lost` of its magnitude, in nanometres, rounded once. The slopes are rounded down, so an
-    /// exact half in `lost` never shows as more; taking it down leaves the larger remainder: halves away from zero.
+    /// The rest of s·i after its magnitude has lost `lost`, in nanometres, rounded once. The slopes are rounded down, so an
+    /// exact half in `lost` never looks like more than a half. Rounding this half down leaves the larger rest, so halves
+    /// go away from zero.
     #[inline]
     pub(crate) fn left_after(&self, lost: Fine) -> i64 {
         let lost = lost.wrapping_add(FINE_HALF.wrapping_sub(1)) >> FINE_BITS;

@@ -1,6 +1,7 @@
-//! G76 and G78: one call to its moves, lazily and in constant memory ([G76 sheet], [G78 sheet]).
+//! G76 and G78: turns one call into its moves, lazily and in constant memory ([G76 sheet], [G78 sheet]).
 //!
-//! The order of passes and of the moves in a pass; where their corners lie is `shape`, how deep they are is `depth`.
+//! This module knows the order of the passes and of the moves in a pass. `shape` gives their corners, `depth` their
+//! depths.
 
 use super::depth::{Depths, MOST_PASSES};
 use super::helix::{Helix, TURN_UDEG};
@@ -14,7 +15,8 @@ use crate::units::{Length, StartAngle};
 /// The moves of a G76 or G78 cycle.
 ///
 /// For each depth, for each start: rapid to the pass's start, synchronous run-in (E), stroke and run-out, rapid X to
-/// X_A, rapid Z to Z_A. Moves of no length are left out. The last one ends at A. Nothing can fail once it is made.
+/// X_A, rapid Z to Z_A. Moves of zero length are left out. The last move ends at A. Nothing can fail after the
+/// value is made.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadMoves {
     helix: Helix,
@@ -25,10 +27,10 @@ pub struct ThreadMoves {
     shape: Shape,
     passes: Passes,
     step: Step,
-    /// What comes behind the approach, and behind the stroke.
+    /// The step after the approach, and the step after the stroke.
     after_approach: Step,
     after_stroke: Step,
-    /// A, and where the pass under way has its corners.
+    /// A, and the corners of the pass under way.
     home: Place,
     pass: Places,
     /// Rough or finish.
@@ -38,13 +40,13 @@ pub struct ThreadMoves {
     to_leave: u32,
     /// Start angle in millionths of a degree.
     angle: u32,
-    /// The last rapid and the last synchronous move: most of the next one is already in them, and changing three fields
-    /// before a plain copy takes half the instructions of putting a move together.
+    /// The last rapid and the last synchronous move. They already hold most of the next move. Changing three fields before
+    /// a plain copy takes half the instructions of building a new move.
     rapid: Move,
     thread: Move,
 }
 
-/// The corners of a pass as its moves go to them.
+/// The corners of a pass in the order of its moves.
 #[derive(Clone, Copy, Debug, Default)]
 struct Places {
     begin: Place,
@@ -53,7 +55,7 @@ struct Places {
     end: Place,
 }
 
-/// What comes next in a pass.
+/// The next step of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Approach,
@@ -73,7 +75,7 @@ struct Passes {
     number: u32,
 }
 
-/// What a thread cycle amounts to, for reports and for checks of physics.
+/// The counts and extremes of a thread cycle, for reports and for checks of physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadSummary {
     /// Rough passes, each counted once however many starts there are.
@@ -82,9 +84,9 @@ pub struct ThreadSummary {
     pub passes: u32,
     /// Largest shift of a pass's start along Z, `|Z_n − Z_A|`.
     pub z_shift_max: Length,
-    /// Shortest way on the long axis from a pass's start to D (X: on the radius).
+    /// The shortest distance on the long axis from a pass's start to D (X: on the radius).
     pub shortest_stroke: Length,
-    /// The first pass with it, from 0.
+    /// The first pass with this shortest distance, from 0.
     pub shortest: u32,
     /// True where X is the long axis.
     pub long_x: bool,
@@ -107,13 +109,13 @@ impl ThreadMoves {
         Ok(moves)
     }
 
-    /// What `call` amounts to; refused as in [`ThreadMoves::new`].
+    /// The counts and extremes of `call`; refuses the same calls as [`ThreadMoves::new`].
     pub(crate) fn survey(call: &ThreadCall, span: Span) -> Result<ThreadSummary, Alarm> {
         refuse_thread(call, span)?;
         Self::of(call, span).examine(span)
     }
 
-    /// Refuses passes that cannot be, and too many of them.
+    /// Refuses impossible passes, and too many passes.
     fn examine(&self, span: Span) -> Result<ThreadSummary, Alarm> {
         let mut room = Ok(());
         let summary = self.walk(|pass, corners| {
@@ -128,7 +130,8 @@ impl ThreadMoves {
         room.map(|()| summary)
     }
 
-    /// The moves of a call that [`refuse_thread`] has let pass; [`ThreadMoves::examine`] tells whether its passes can be.
+    /// The moves of a call that [`refuse_thread`] has accepted. [`ThreadMoves::examine`] tells whether its passes are
+    /// possible.
     #[inline]
     pub(crate) fn of(call: &ThreadCall, span: Span) -> Self {
         let shape = Shape::of(call);
@@ -200,14 +203,14 @@ impl ThreadMoves {
         self.start == self.starts && self.passes.finish_left == 0
     }
 
-    /// Leaves out the first `passes` depths; to be asked before the first move.
+    /// Leaves out the first `passes` depths. Call this before the first move.
     pub(crate) fn leave_out(&mut self, passes: u32) {
         for _ in 0..passes {
             self.passes.next();
         }
     }
 
-    /// The next move, where it lies: [`Iterator::next`] without the copy.
+    /// The next move by reference: [`Iterator::next`] without the copy.
     #[inline]
     pub fn advance(&mut self) -> Option<&Move> {
         loop {
@@ -256,14 +259,14 @@ impl ThreadMoves {
         }
     }
 
-    /// Counts and extremes over the passes that have not begun yet; ask before the first move for all of them. Takes a
-    /// time that grows with their number.
+    /// Counts and extremes over the passes that have not begun yet. Call this before the first move to cover all passes.
+    /// The time grows with the number of passes.
     #[must_use]
     pub fn summary(&self) -> ThreadSummary {
         self.walk(|_, _| {})
     }
 
-    /// Shows every pass with its corners; no more rough ones than one too many.
+    /// Shows every pass with its corners. Stops at the first rough pass above the limit.
     fn walk(&self, mut show: impl FnMut(&Pass, &Corners)) -> ThreadSummary {
         let mut summary = ThreadSummary {
             rough: 0,
@@ -328,7 +331,7 @@ impl ThreadMoves {
         true
     }
 
-    /// Takes up start number `start` of a depth.
+    /// Begins start number `start` of a depth.
     #[cold]
     fn turn_to(&mut self, start: u8) {
         self.start = start;
@@ -501,7 +504,7 @@ mod tests {
         }
     }
 
-    /// What the short cut lets pass, a look at every pass lets pass, too; and both happen in plenty.
+    /// Every call that the short cut accepts is also accepted by a look at every pass. Both outcomes happen often.
     #[test]
     fn no_thread_is_let_pass_that_a_look_at_every_pass_refuses() {
         leadscrew_seed::volume(0x9e37_79b9_7f4a_7c15, |seed| {

@@ -1,4 +1,4 @@
-//! Cross-checks: each value is in its range, and still the set as a whole may not work. Every reason is a condition
+//! Cross-checks: a set may fail as a whole although each value is in its range. Every reason is a condition
 //! with the figures and the parameters to change.
 
 use super::Params;
@@ -21,7 +21,7 @@ const LONGEST_STEP: i64 = 1 << 24;
 /// Increments to a nanometre (µ°) that a drive's scale does not reach.
 const FINEST: i64 = 16;
 
-/// Half a turn in a tick, in rpm·µs: from there on the direction of turning is a guess.
+/// Half a turn in a tick, in rpm·µs: from this speed on the direction of turning is ambiguous.
 const HALF_TURN: u32 = 30_000_000;
 
 /// The lead that every machine for threads can cut: that of an M6.
@@ -368,7 +368,7 @@ mod tests {
                 &[("1620.Z", "0.13347")],
             ),
             (
-                // 20 000 °/s² at 5 000 °/s³ are 4 000 ticks, besides the 360 to its speed.
+                // 20 000 °/s² at 5 000 °/s³ are 4 000 ticks, in addition to the 360 to its speed.
                 &[("1622.C", "5000")],
                 Code::RampTooLong,
                 [Arg::Letter(b'C'), Arg::Int(4360), Arg::Int(2048), none],

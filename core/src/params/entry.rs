@@ -1,4 +1,4 @@
-//! Definitions as data: what each number is, and how to find it by number, alias or name.
+//! Definitions as data: the meaning of each number, and how to find a definition by number, alias or name.
 
 use core::fmt;
 
@@ -178,7 +178,7 @@ impl Entry {
             Some((head, tail)) => (head, Some(tail)),
             None => (key.trim(), None),
         };
-        // A part that is none at all is looked for all the same: an unknown number is the graver mistake.
+        // A part that is not valid does not stop the search: an unknown number is the graver mistake.
         let part = tail.map(|tail| parse_part(tail).unwrap_or(Part::Bit(u8::MAX)));
         match parse_number(head) {
             Some(no) => Self::find(no, part),

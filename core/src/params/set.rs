@@ -57,7 +57,7 @@ impl Entry {
 }
 
 impl Params {
-    /// The value in a place of the set: what an image of the set is made of.
+    /// The value in a place of the set. An image of the set consists of these values.
     pub(crate) fn slot(&self, place: usize) -> Option<i64> {
         self.raw.get(place).copied()
     }

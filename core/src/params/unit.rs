@@ -53,7 +53,7 @@ pub enum Unit {
 pub enum ValueError {
     /// It does not begin with a decimal number.
     NoNumber,
-    /// There is a unit behind the number, but none of this kind.
+    /// A unit follows the number, but not a unit of this kind.
     WrongUnit,
     /// There is no unit, and the place asks for one.
     UnitMissing,
@@ -203,7 +203,7 @@ impl Unit {
         }
     }
 
-    /// The raw value of `text`: a decimal number and, behind it, any spelling of the unit.
+    /// The raw value of `text`: a decimal number, followed by any spelling of the unit.
     ///
     /// # Errors
     /// What [`ValueError`] says; never a rounded value.
@@ -323,7 +323,7 @@ fn decimal(text: &str) -> Result<(i64, u32), ValueError> {
     {
         count = count.saturating_add(1);
         if count > MAX_DIGITS {
-            // Digits that far behind the point are finer than any step; before the point they are beyond any range.
+            // Digits that far after the point are finer than any step; before the point they are beyond any range.
             return Err(if is_decimal {
                 ValueError::TooFine
             } else {

@@ -5,7 +5,7 @@
 use crate::units::Length;
 
 /// How far the end may lie off the circle given by start and centre. Input increments of 1 µm on I, K and the end
-/// add up to less than 3 µm; more than this is a slip of the pen.
+/// add up to less than 3 µm; a larger error is a mistake in the program.
 pub const ARC_END_TOLERANCE: Length = Length::from_nm(10_000);
 
 /// A way in the plane.
@@ -34,14 +34,14 @@ impl Way {
     }
 }
 
-/// How far the end lies off the circle: the difference of the radii at start and end, if above the tolerance.
+/// The distance of the end from the circle: the difference of the radii at start and end, if above the tolerance.
 pub(super) fn end_error(way: Way, centre: Way) -> Option<Length> {
     let at_end = Way {
         x: centre.x - way.x,
         z: centre.z - way.z,
     };
     let (first, second) = (centre.square(), at_end.square());
-    // |r₁ − r₂| = |r₁² − r₂²| / (r₁ + r₂): the bound by the longer sides spares most circles the roots.
+    // |r₁ − r₂| = |r₁² − r₂²| / (r₁ + r₂): the bound by the longer sides avoids the roots for most circles.
     let sum = centre.longer_side().saturating_add(at_end.longer_side());
     let allowed = u128::from(sum).wrapping_mul(u128::from(ARC_END_TOLERANCE.nm().unsigned_abs()));
     if first.abs_diff(second) <= allowed {

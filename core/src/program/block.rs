@@ -7,7 +7,7 @@ use super::codes::{Group, Known, MGroup, g_code, m_code};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::units::Decimal;
 
-/// A word as found: its letter, number and place.
+/// A word of the program text: its letter, number and place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Word {
     pub(super) letter: u8,
@@ -91,10 +91,10 @@ impl Letters {
 const ADDRESSES: Letters = Letters::of(b"CDEFHIJKLNOPQRSTUWXZ");
 /// Letters that name a block or a program.
 const NAMES: Letters = Letters::of(b"NO");
-/// Words that may not stand together: absolute and increment of one axis.
+/// Words that exclude each other: absolute and increment of one axis.
 const PAIRS: [(u8, u8); 3] = [(b'X', b'U'), (b'Z', b'W'), (b'C', b'H')];
 
-/// What the slot of a letter or a group holds.
+/// The content of the slot of a letter or a group.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slot {
     value: Decimal,
@@ -102,7 +102,7 @@ struct Slot {
     end: u16,
 }
 
-/// The words of one block. Slots keep stale content; the sets say which are filled, so that clearing costs nothing.
+/// The words of one block. Slots keep old content. The sets say which slots are filled, so clearing a block costs nothing.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     line: u32,
@@ -119,7 +119,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// An empty one; `rigid` is the M code of rigid tapping.
+    /// An empty block; `rigid` is the M code of rigid tapping.
     pub(super) const fn new(rigid: u8) -> Self {
         const EMPTY: Slot = Slot {
             value: Decimal::new(0, 0),
@@ -139,7 +139,7 @@ impl Block {
         }
     }
 
-    /// Makes it the empty block of `line`.
+    /// Turns this block into the empty block of `line`.
     #[inline]
     pub(super) fn clear(&mut self, line: u32) {
         self.line = line;
@@ -211,7 +211,7 @@ impl Block {
         Ok(())
     }
 
-    /// Takes in a word that fills no free slot of a letter: G, M, or one to refuse.
+    /// Takes in a word that fills no free slot of a letter: a G word, an M word, or a word to refuse.
     fn add_code(&mut self, letter: u8, slot: Slot) -> Result<(), Alarm> {
         self.mark(slot.column, slot.end);
         match letter {

@@ -1,8 +1,8 @@
-//! What leaves the text: one [`Call`] for each thing a machine is to do.
+//! The output of the program text: one [`Call`] for each action of the machine.
 //!
 //! All coordinates are machine coordinates, X as a radius. Word-level mistakes (missing, negative, out of the printed
-//! range, twice) have been refused before a call exists; what follows from geometry is refused by `cycle`, what follows
-//! from physics by `feasible`.
+//! range, twice) have been refused before a call exists. `cycle` refuses mistakes of geometry, `feasible` refuses
+//! mistakes of physics.
 
 use core::num::NonZeroU8;
 
@@ -36,18 +36,18 @@ impl Position {
     };
 }
 
-/// One thing to do, and where in the text it stands.
+/// One action of the machine, and its place in the text.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Call {
     /// The G (or other leading) word; its line is the block's.
     pub span: Span,
     /// Work coordinates = machine coordinates − origin; for printing only.
     pub origin: Position,
-    /// What to do.
+    /// The action.
     pub kind: CallKind,
 }
 
-/// What a call asks for.
+/// The action that a call asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub enum CallKind {
     /// Straight rapid to a point (G00, G53).
@@ -72,8 +72,8 @@ pub enum CallKind {
     TapReturn(TapReturn),
     /// M30, M02: the program is over. Also an [`Aux`] for the machine; no call follows.
     End(u16),
-    /// The text is over without one of them: no move, and no call follows. Made by whoever feeds the board, not by the
-    /// interpreter: only the reader of the text knows that nothing more comes.
+    /// The text is over without M30 or M02: no move, and no call follows. The program that feeds the board makes this
+    /// call, not the interpreter: only the reader of the text knows that nothing more comes.
     Over,
 }
 
@@ -112,7 +112,7 @@ pub struct ArcCall {
     pub feed: FeedRate,
 }
 
-/// What a spindle does with its speed.
+/// How a spindle uses its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum SpindleMode {
     /// It turns at it.
@@ -133,7 +133,7 @@ pub struct SpindleCall {
 }
 
 impl SpindleCall {
-    /// Standing, in speed mode.
+    /// A spindle that stands, in speed mode.
     pub const STOPPED: Self = Self::speed(Rpm::STOPPED);
 
     /// Turning at `rpm`.
@@ -206,9 +206,9 @@ pub struct RunOut {
     pub short: At<Length>,
     /// Length on the long axis (K), positive.
     pub long: At<Length>,
-    /// What a J computed from the lead has beyond whole nanometres.
+    /// The part below a nanometre of a J that was computed from the lead.
     pub short_rest: Remainder,
-    /// The same of K.
+    /// The part below a nanometre of such a K.
     pub long_rest: Remainder,
 }
 
@@ -351,7 +351,7 @@ pub enum TapRepeat {
     Stay,
 }
 
-/// What ties a tap's axis to its spindle.
+/// How a tap's axis is tied to its spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum TapMode {
     /// Rigid: the spindle is in position mode, and one master moves both.

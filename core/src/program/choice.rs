@@ -1,12 +1,12 @@
-//! What a tapping program may leave to the machine's signals: hand and spindle ([G84/G88 sheet]). What the signals say to
-//! it is [`Signals`](crate::signals::Signals)'.
+//! The choices that a tapping program may leave to the machine's signals: hand and spindle ([G84/G88 sheet]). The answers
+//! of the signals are in [`Signals`](crate::signals::Signals).
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use super::tapper::{Hand, TapSpindle};
 
-/// Who says which hand a tap has.
+/// The source that decides the hand of a tap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum HandChoice {
     /// The program does: S is negative.
@@ -26,7 +26,7 @@ pub enum Selection {
     Rgtsp,
 }
 
-/// Who says which spindle taps.
+/// The source that selects the tapping spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub enum SpindleChoice {
     /// E does.

@@ -10,16 +10,16 @@ use super::tap_mode::rigid_code;
 use crate::alarm::{Alarm, Code};
 use crate::params::Params;
 
-/// What a program yields, in the order it is to be done.
+/// The output of a program, in the order in which the machine acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
     reason = "nearly every event is a call, and the core has no heap to put one on"
 )]
 pub enum Event {
-    /// One thing to do.
+    /// One action of the machine.
     Call(Call),
-    /// Something to tell, in its place; the program goes on.
+    /// A message to the operator, in its place in the order; the program goes on.
     Warning(Alarm),
 }
 

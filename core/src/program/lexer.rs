@@ -1,8 +1,8 @@
 //! Bytes in, blocks out: one pass over the line, words straight into the slots of a [`Block`].
 //!
 //! A word is a letter and a number without a space between. `( … )`, also in full-width characters as the Chinese sheets
-//! print it, is a comment and nests; it may go on over the line where no block is open in front of it, since the sheets
-//! print long remarks behind the `;` so. Columns count bytes from 1.
+//! print it, is a comment and nests; it may go on past the end of the line where no block is open in front of it, since
+//! the sheets print long remarks after the `;` this way. Columns count bytes from 1.
 
 use super::block::Block;
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -11,7 +11,7 @@ use crate::units::Decimal;
 /// Longest line in bytes, its line feed not counted.
 pub const MAX_LINE: usize = 1024;
 
-/// What ended a block.
+/// The end of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ended {
     /// `;`: more may follow in the line.
@@ -177,7 +177,7 @@ impl<'t> Cursor<'t> {
         self.end()
     }
 
-    /// Reads what is neither word nor space nor the end of a block.
+    /// Reads anything other than a word, a space or the end of a block.
     #[cold]
     fn sign(
         &mut self,
@@ -302,7 +302,7 @@ impl<'t> Cursor<'t> {
     #[cold]
     fn bad_number(&self, letter: u8, value: Decimal, column: u16, rest: &[u8]) -> Alarm {
         let code = if value.digits() == 0 {
-            // `X#100`, `X[…]`: a macro, not a slip.
+            // `X#100`, `X[…]`: a macro, not a typing mistake.
             if matches!(rest, [b'#' | b'[', ..]) {
                 Code::MacroNotAvailable
             } else if matches!(rest, [0, ..]) {

@@ -8,7 +8,7 @@ use super::state::{AXES, Motion, PLANE_AXES, State, needs_words};
 use crate::alarm::{Alarm, Arg, Code, Span};
 use crate::units::{Angle, Diameter, Length};
 
-/// Words of an arc besides the end point.
+/// Words of an arc in addition to the end point.
 const CENTRE: Letters = Letters::of(b"IK");
 
 impl State<'_> {

@@ -1,8 +1,8 @@
-//! What the operator's panel and the command line decide about reading a program.
+//! The options for reading a program, set by the operator's panel or the command line.
 
 use super::call::Position;
 
-/// Which control's meaning the words have that the two families share.
+/// The family of controls that gives its meaning to a word which both families have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Dialect {
     /// GSK 980TD: P and Q of G75 and G76 by parameter 182.7; the run-out of G76 has 45°.

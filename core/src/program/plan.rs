@@ -1,4 +1,4 @@
-//! What one block does, in the order it is done.
+//! The actions of one block, in the order in which the machine does them.
 
 use super::call::{Aux, Call, CallKind, Position, SpindleCall};
 use super::interpreter::Event;
@@ -65,7 +65,7 @@ impl Plan {
         }
     }
 
-    /// Forgets everything.
+    /// Clears the plan.
     #[inline]
     pub(super) fn clear(&mut self) {
         self.pending = 0;

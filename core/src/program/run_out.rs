@@ -4,7 +4,7 @@ use super::call::RunOut;
 use crate::alarm::At;
 use crate::units::{Lead, Length, Remainder};
 
-/// Where a run-out comes from when its words do not say.
+/// The source of a run-out that its words leave open.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chamfer {
     /// Length in tenths of the lead: P(r), 019, 5130.
@@ -55,7 +55,7 @@ impl Chamfer {
         })
     }
 
-    /// `tenths · 0.1 · lead · tangent`, to the nearest nanometre, and what that takes away.
+    /// `tenths · 0.1 · lead · tangent`, to the nearest nanometre, and the remainder of this rounding.
     fn length(&self, lead: Lead, tangent: i64) -> (Length, Remainder) {
         // Far below 2¹²⁷: 2⁷ tenths, a lead of 2⁶³, a tangent of 2⁴⁶.
         let above = i128::from(self.tenths.value)

@@ -1,6 +1,6 @@
 //! The modal state and what a block does to it: units, coordinate systems, tool offsets, dwell.
 //!
-//! Blocks that tapping has to do with take a way of their own (`tap_mode`).
+//! `tap_mode` handles the blocks that belong to tapping.
 //!
 //! Power-on: G00 G18 G21 G40 G54 G64 G80 G97 G98, no feed, spindle standing, no shift, no tool offset. G17–G19 matter to
 //! arcs alone; G40, G61, G64, G80 and G97 are accepted and change nothing, since nothing they would end exists.
@@ -228,7 +228,7 @@ impl<'p> State<'p> {
         if let Some(word) = block.g(Group::FeedMode) {
             let per_turn = word.value.mantissa() == 99;
             if per_turn != self.per_turn {
-                // A number meant for millimetres a minute is none for millimetres a turn.
+                // A feed in millimetres a minute must not be read as millimetres a turn.
                 self.per_turn = per_turn;
                 self.feed = ModalFeed::None;
                 self.tapping.forget_feed();

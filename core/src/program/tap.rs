@@ -21,7 +21,7 @@ use super::tapper::{Hand, TapSpindle};
 use crate::alarm::{Alarm, Arg, At, Code, Span};
 use crate::units::{Angle, CentiRpm, Feed, FeedPerTurn, Length, Millis, Rpm};
 
-/// Words of a tapping block besides the axes.
+/// Words of a tapping block in addition to the axes.
 const WORDS: Letters = Letters::of(b"RQPKDJE");
 
 /// Where the bottom is, as it was written.

@@ -1,5 +1,5 @@
-//! Around tapping cycles: when rigid mode begins and ends, and what may stand in between ([G84/G88 sheet]).
-//! The words of the cycles themselves are `tap`'s.
+//! The blocks around tapping cycles: when rigid mode begins and ends, and which words may stand in between
+//! ([G84/G88 sheet]). The words of the cycles themselves are `tap`'s.
 //!
 //! Rigid mode begins with the M code of 5210 and its S in the block right before the cycle (5200.0 = 0), or with S in the
 //! cycle's block (5200.0 = 1). It ends with the cycle: G80, a G code of group 01, M02, M30. Ending it clears S. A cycle
@@ -58,7 +58,7 @@ impl Tapping {
         self.rigid.is_some() || self.cycle.is_some()
     }
 
-    /// True where a block has to take the way of [`State::around_taps`].
+    /// True where [`State::around_taps`] must handle a block.
     #[inline]
     pub(super) fn concerns(&self, block: &Block) -> bool {
         const CODES: u8 = MGroup::Rigid.bit() | MGroup::Clamp.bit();
@@ -82,7 +82,7 @@ impl Tapping {
         }
     }
 
-    /// Refuses the end of the text while a tap stands in its hole, or right behind the rigid M code [D141].
+    /// Refuses the end of the text while a tap stands in its hole, or right after the rigid M code [D141].
     pub(super) fn refuse_left(&self) -> Result<(), Alarm> {
         match (&self.locked, self.armed) {
             (Some((_, span)), _) => Err(Alarm::new(Code::TapLeftInHole, *span)),
@@ -210,8 +210,8 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The cycle is over, and rigid mode with it: true where that was on. Its S is cleared ([G84/G88 sheet], note 5); S and
-    /// M03 of an ordinary tap are the spindle's own and stay [D95].
+    /// Ends the cycle, and with it rigid mode. True where that mode was on. Its S is cleared ([G84/G88 sheet], note 5); S
+    /// and M03 of an ordinary tap are the spindle's own and stay [D95].
     pub(super) fn end_taps(&mut self) -> bool {
         self.tapping.armed = None;
         self.tapping.cycle = None;
@@ -223,7 +223,8 @@ impl State<'_> {
         rigid
     }
 
-    /// With the tap in its hole: only what keeps it in phase [D25]. What a cycle that goes on may say, `tap` checks.
+    /// With the tap in its hole: accepts only what keeps the tap in phase [D25]. `tap` checks the words of a cycle that
+    /// goes on.
     fn refuse_out_of_phase(&self, block: &Block, codes: &Codes) -> Result<(), Alarm> {
         let Some((_, span)) = &self.tapping.locked else {
             return Ok(());
@@ -309,7 +310,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// Who says which spindle taps: E, else the signals of 5200.7, else M24–M27 [D85].
+    /// The source that selects the tapping spindle: E, else the signals of 5200.7, else M24–M27 [D85].
     pub(super) fn spindle_choice(&self, written: Option<TapSpindle>) -> SpindleChoice {
         match written {
             Some(spindle) => SpindleChoice::Written(spindle),

@@ -1,4 +1,4 @@
-//! What the tap journal keeps of the program around a hole: unit, plane, extraction override.
+//! The facts about the program that the tap journal keeps for a hole: unit, plane, extraction override.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! G30 P99: the way out of a hole in which a tap was stopped ([G84/G88 sheet]).
 //!
-//! Where the tool is then, only the board knows: unless the text itself has left the tap in the hole (K198), no motion
-//! follows in the program.
+//! After the return only the board knows where the tool is. So no motion follows in the program, unless the text itself
+//! has left the tap in the hole (K198).
 
 use super::block::{Block, Letters, Word};
 use super::call::{CallKind, TapReturn};
@@ -87,7 +87,7 @@ impl State<'_> {
         }
     }
 
-    /// Behind a return nothing moves: the text does not know where the tool is.
+    /// After a return nothing moves: the text does not know where the tool is.
     pub(super) fn refuse_behind_return(&self, block: &Block) -> Result<(), Alarm> {
         let Some(span) = &self.tapping.away else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! How fast a tap turns, and what its lead is: S of rigid mode or that of a turning spindle, the dry run, and the
+//! The speed and the lead of a tap: from S of rigid mode or of a turning spindle, from the dry run, and from the
 //! extraction override ([G84/G88 sheet]).
 
 use super::block::{Block, Letters, Word};
@@ -49,7 +49,7 @@ impl State<'_> {
             None if !self.is_rigid_block(block, word) => {
                 let rpm = self.rpm();
                 if by_g_code && rpm == Rpm::STOPPED {
-                    // Rigid mode without S is more likely meant than a spindle that was forgotten.
+                    // The programmer more likely meant rigid mode without S than forgot to start the spindle.
                     return self.tap_speed(None, span).map(rigid);
                 }
                 Ok(Turning {
@@ -142,7 +142,7 @@ impl State<'_> {
         (CentiRpm::new(asked.min(limit)), CentiRpm::new(asked))
     }
 
-    /// By 5200.4, 5201.3, 5201.4, 5202.6, 5211 and J [D28]. An ordinary tap has none.
+    /// The extraction override by 5200.4, 5201.3, 5201.4, 5202.6, 5211 and J [D28]. An ordinary tap has none.
     pub(super) fn extraction_override(&self, j: Option<u32>, turning: &Turning) -> Extraction {
         if !self.params.tap_extract_override() || turning.mode == TapMode::Floating {
             return Extraction::NONE;
@@ -181,7 +181,7 @@ impl State<'_> {
         (s, s.saturating_mul(times))
     }
 
-    /// Says so where a J that is written in rigid mode does nothing [D176].
+    /// Warns where a J that is written in rigid mode has no effect [D176].
     pub(super) fn note_j(&self, block: &Block, turning: &Turning, plan: &mut Plan) {
         let Some(word) = block.find(b'J') else {
             return;

@@ -65,7 +65,7 @@ impl Length {
     }
 }
 
-/// What rounding a computed length to nanometres took away: 2⁻¹⁵ nm, −½ nm … +½ nm. Two computed lengths that make one
+/// The remainder of rounding a computed length to nanometres: 2⁻¹⁵ nm, −½ nm … +½ nm. Two computed lengths that make one
 /// coordinate keep it, so that the coordinate is rounded once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, Schema)]
 pub struct Remainder(i16);

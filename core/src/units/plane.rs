@@ -1,4 +1,4 @@
-//! Vectors in a plane, exact: how long they are, and how they lie to each other.
+//! Exact vectors in a plane: their lengths, and their directions relative to each other.
 
 use super::root::root_wide;
 use super::wide::{product, signed_product};

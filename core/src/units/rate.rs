@@ -1,4 +1,4 @@
-//! How fast the spindle turns ([`TurnRate`]), and a span of ticks with a fraction ([`Ticks`]).
+//! The speed of the spindle ([`TurnRate`]), and a span of ticks with a fraction ([`Ticks`]).
 
 use fixed::types::{I32F32, U16F16};
 

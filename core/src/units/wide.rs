@@ -142,7 +142,7 @@ mod tests {
     extern crate std;
     use super::*;
 
-    /// Numbers with long runs of ones and zeros beside ordinary ones.
+    /// Numbers with long runs of ones and zeros, in addition to ordinary numbers.
     fn samples(seed: u64) -> impl Iterator<Item = u64> {
         let mut state = seed;
         (0..2_000).map(move |i| {

@@ -5,7 +5,7 @@ use crate::alarm::{Arg, Code, Lang};
 use std::collections::BTreeSet;
 use std::string::String;
 
-/// A G76 whose words are right, behind an approach.
+/// A G76 whose words are right, after an approach.
 const AT: &str = "G0 X80 Z10\n";
 
 /// Text, number, line, first column, column after the last, letter (`-` for none).

@@ -1,4 +1,4 @@
-//! K198: a hole that goes on in phase, and what may stand behind it.
+//! K198: a hole that goes on in phase, and the blocks that may follow K198.
 
 use super::taps::{holes, taps_on};
 use super::*;

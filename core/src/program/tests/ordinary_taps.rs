@@ -157,7 +157,7 @@ fn what_belongs_to_rigid_mode_does_not_apply() {
         events[1],
         Event::Call(Call { kind: CallKind::Tap(tap), .. }) if tap.speed == rpm(500)
     ));
-    // K198, and a cycle that goes on behind it.
+    // K198, and a cycle that goes on after it.
     assert_eq!(
         alarm("M3 S500\nG84 Z-20 F600 K198").code,
         Code::TapStayNotRigid

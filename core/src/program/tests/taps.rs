@@ -18,7 +18,7 @@ pub(super) fn taps_on(values: &[(&str, &str)], text: &str) -> Vec<TapCall> {
     kinds.into_iter().filter_map(tap).collect()
 }
 
-/// The last tap behind [`READY`].
+/// The last tap after [`READY`].
 pub(super) fn tap_on(values: &[(&str, &str)], text: &str) -> TapCall {
     let text = String::from_iter([READY, text]);
     *taps_on(values, &text).last().expect("a tap")
