@@ -19,9 +19,9 @@
 //! movement: the angle goes on as before for that tick, and the observer reports the counts that were lost or gained
 //! [D128].
 //!
-//! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the
-//! point, speed and acceleration have 48, so no rounding accumulates that a lead could show. Products of them are rounded to
-//! the nearest, which the operators of `fixed` do not do: they are made of the bits.
+//! The tick is constant work on integers: no division of 64 bits, no loop. Angles have 32 bits after the point, speed and
+//! acceleration have 48. With these units no rounding error grows until a lead could show it. Products are rounded to the
+//! nearest; the operators of `fixed` round down, so the products are made of the bits.
 
 use fixed::types::{I16F48, I32F32, U1F63, U8F56, U32F32, U48F16};
 

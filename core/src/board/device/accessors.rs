@@ -81,7 +81,8 @@ impl ObjectValues {
         u8::from(self.snapshot.operator.single_block) | u8::from(self.dry_run) << 1
     }
 
-    /// The identifier of the frame with all setpoints; `unused` is the one on node 0 while the parameters do not ask for it.
+    /// The identifier of the frame with all setpoints. `unused` is its identifier on node 0 while the parameters do not ask
+    /// for the frame.
     pub(super) fn setpoints_cob_id(&self, unused: u32, params: &Params) -> u32 {
         let own = unused.saturating_add(self.node.get().into());
         if params.setpoint_frame() == 1 {

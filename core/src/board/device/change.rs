@@ -251,8 +251,8 @@ impl ObjectValues {
         })
     }
 
-    /// See [`ParameterStore::loaded`](super::parameter_store::ParameterStore::loaded). It was good when it was stored, on a board that may have had
-    /// another number then.
+    /// See [`ParameterStore::loaded`](super::parameter_store::ParameterStore::loaded). The set was good when it was stored,
+    /// but the board may have had another number then.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
         let progress = self.parameter_store.loaded(held, &mut self.draft);
         if self.parameter_store.is_busy()

@@ -1,12 +1,12 @@
 //! The objects of a board that are no parameters: one row for each.
 //!
-//! A row is all there is of an object: its constant, index and sub-index, name, kind, access and value after power-up, and
-//! what reading (`get` a number, `bytes` of a domain) and writing it (`set`) do. The dictionary, the EDS, the answers of the
-//! board and the constants of whoever asks for them come from here. A row that lacks what its access promises does not
+//! A row is the whole definition of an object: its constant, index and sub-index, name, kind, access and value after
+//! power-up, and what a read (`get` for a number, `bytes` for a domain) and a write (`set`) do. The dictionary, the EDS, the
+//! answers of the board and the gateway's constants come from here. A row without a clause that its access promises does not
 //! compile.
 //!
-//! A number of the PDO communication (1400h, 1800h–1802h) is read and written by the PDO itself, the image of the parameter
-//! set and a batch of calls piece by piece (`served`).
+//! Exceptions: the PDOs themselves read and write their communication objects (1400h, 1800h–1802h), and `served` reads and
+//! writes the image of the parameter set and a batch of calls piece by piece.
 
 use super::item::{Access, Kind};
 use super::program_buffer::PROGRAM_BYTES;
