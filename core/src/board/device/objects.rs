@@ -1,9 +1,9 @@
 //! The objects of a board that are no parameters: one row for each.
 //!
 //! A row is the whole definition of an object: its constant, index and sub-index, name, kind, access and value after
-//! power-up, and what a read (`get` for a number, `bytes` for a domain) and a write (`set`) do. The dictionary, the EDS, the
-//! answers of the board and the gateway's constants come from here. A row without a clause that its access promises does not
-//! compile.
+//! power-up, and what a read (`get` for a number, `bytes` for a domain) and a write (`set`) do. The dictionary, the EDS,
+//! the board's answers and the gateway's constants come from here. A row without a clause that its access promises
+//! does not compile.
 //!
 //! Exceptions: the PDOs themselves read and write their communication objects (1400h, 1800h–1802h), and `served` reads and
 //! writes the image of the parameter set and a batch of calls piece by piece.
