@@ -1,35 +1,35 @@
-//! Ways the program does not know: out of a thread and back, after a reset or a feed hold in mid-stroke [D11].
+//! Ways that are not in the program: out of a thread and back, after a reset or a feed hold in a stroke [D11].
 //!
-//! The tick knows where to go; planning the way is the background's work. The tick asks with a [`Route`], the background
-//! answers with segments through a queue of their own, the last of them a mark ([`Action::End`](crate::motion::Action)).
+//! The tick knows the targets, and the background plans the way. The tick asks with a [`Route`]. The background answers
+//! with segments in a queue of their own; the last of them is a mark ([`Action::End`](crate::motion::Action)).
 
 use crate::motion::Epoch;
 use crate::program::Position;
 
-/// Straight rapids from where the machine stands through up to two points.
+/// Straight rapids from the present position through up to two points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Route {
-    /// Where the machine stands.
+    /// The present position.
     pub from: Position,
-    /// Where it goes, in this order.
+    /// The points, in this order.
     pub via: [Option<Position>; 2],
-    /// What is planned for it is marked with this.
+    /// The segments of this way carry this epoch.
     pub epoch: Epoch,
 }
 
-/// How far a detour has come.
+/// The stages of a detour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Detour {
-    /// There is none.
+    /// No detour.
     #[default]
     None,
-    /// Feed hold: the short axis is on its way out of the stroke.
+    /// Feed hold: the short axis leaves the stroke.
     Leaving,
     /// Feed hold: to the start level, then to the start of the cycle.
     Home,
     /// Feed hold: at rest at the start of the cycle.
     AtHome,
-    /// Resumed: to the start of the pass, which is then done again.
+    /// Resumed: on the way to the start of the pass, which is then repeated.
     Back,
     /// Reset: out of the stroke along the short axis until it is clear of the crests.
     Clearing,

@@ -1,6 +1,6 @@
-//! The board's drives together: brought up, watched, told where to be.
+//! All drives of the board: enables them, supervises them and sends them their targets.
 //!
-//! Knows positions, scales and the masters of the drives; knows nothing of segments or of why a position is demanded.
+//! Knows positions, scales and the masters of the drives; knows nothing of segments or of the reason for a position.
 
 use heapless::Vec;
 
@@ -16,38 +16,38 @@ use crate::params::Params;
 use crate::program::{Position, TapSpindle};
 use crate::units::{Angle, Axis, Length};
 
-/// Frames a board sends in one period at most: SYNC, for each of three axes a start and an RPDO1, and for each of two
-/// spindles those and an RPDO2.
+/// The most frames that a board sends in one period: SYNC, a start and an RPDO1 for each of three axes, and a start, an
+/// RPDO1 and an RPDO2 for each of two spindles.
 pub const FRAMES: usize = 16;
 
-/// Drives that a board has at most: of three axes and four spindles.
+/// The most drives of a board: three axes and four spindles.
 const DRIVES: usize = 7;
 
-/// Silence is so many statuses missing, one after the other: one that is lost on the wire stops nothing.
+/// A drive is silent after this many missing statuses in a row: one status that is lost on the wire stops nothing.
 const MISSING: u32 = 3;
 
-/// And so many periods at least, where a status comes more often than at every fourth SYNC.
+/// A drive is silent after this many periods at least, also where its status comes more often than at every fourth SYNC.
 const SILENCE: u32 = 12;
 
-/// A silent spindle in a tap is braked with its axis within this part of a turn from where it was last heard: what it turns
-/// in the periods of [`SILENCE`] at 1250 rpm and 1 ms, and a jump of a quarter of the lead at most [D124].
+/// A silent spindle in a tap is braked with its axis within this part of a turn from its last known angle. This covers its
+/// turn in the periods of [`SILENCE`] at 1250 rpm and 1 ms, and limits a jump to a quarter of the lead [D124].
 const SPINDLE_REACH: u32 = 4;
 
-/// What the parameters say of the axes' drives, once it is known to be possible.
+/// Values of the axes' drives from the parameters, checked.
 pub(super) struct Figures {
-    /// Of X, Z and C.
+    /// Scales of X, Z and C.
     scales: [Scale; 3],
     step: Periods,
-    /// After so many without a status a drive is silent.
+    /// A drive without a status for this long is silent.
     silence: Periods,
-    /// For how long a following error is tolerated.
+    /// The longest time for which a following error is tolerated.
     patience: Periods,
-    /// From a setpoint of the spindle to its effect at most.
+    /// The longest time from a setpoint of the spindle to its effect.
     latency: Periods,
 }
 
 impl Figures {
-    /// `None` for a tick or a scale of nothing.
+    /// `None` for a tick or a scale of zero.
     pub(super) fn of(params: &Params) -> Option<Self> {
         let tick_us = params.tick_us();
         let scale = |axis| Scale::new(params.drive_numerator(axis), params.drive_denominator(axis));
@@ -83,22 +83,24 @@ impl Figures {
 #[derive(Debug)]
 pub(super) struct Drives {
     axes: [DriveMaster; 3],
-    /// What a drive counts more than its axis' position says, in increments: an axis whose reference was lost, and whose
-    /// place is known from elsewhere.
+    /// Increments that a drive counts in addition to its axis' position: for an axis whose reference was lost and whose
+    /// position is known from elsewhere.
     offsets: [i32; 3],
-    /// Where each axis was told to be last.
+    /// The last target of each axis.
     last: [Told; 3],
     spindles: Spindles,
     sync: SyncProducer,
     nodes: DriveNodes,
-    /// All have come up since they were last asked to, and are told where to be. Until then each holds where it is.
+    /// True once all drives have come up since they were last asked to. From then on they get targets; until then each
+    /// drive holds its position.
     are_up: bool,
-    /// What all of them are told in one frame, where the parameters say so; otherwise each has one of its own.
+    /// The targets of all drives in one frame, where the parameters ask for it; otherwise each drive has a frame of its
+    /// own.
     together: Option<Setpoints>,
 }
 
 impl Drives {
-    /// Drives that have not been spoken to yet.
+    /// Drives that have received no frame yet.
     #[inline(never)]
     pub(super) fn new(params: &Params, figures: &Figures) -> Self {
         let [x, z, c] = figures.scales;
@@ -112,7 +114,7 @@ impl Drives {
             silence: figures.silence,
             following: Some(FollowingLimit {
                 increments: per_turn / SPINDLE_REACH,
-                // Its statuses tell of what it was told some time ago.
+                // The spindle's statuses answer targets of some time ago.
                 time: figures.patience.plus(figures.latency).plus(figures.silence),
                 standing: true,
             }),
@@ -135,11 +137,11 @@ impl Drives {
         }
     }
 
-    /// As [`new`](Self::new), but that the places of axes whose reference was lost stay, and the error codes that drives
-    /// have told, and that SYNC goes on counting.
+    /// As [`new`](Self::new), with three exceptions: the positions of axes whose reference was lost stay, the error codes
+    /// of the drives stay, and SYNC goes on counting.
     pub(super) fn begin_anew(&mut self, params: &Params, figures: &Figures) {
         let (offsets, sync) = (self.offsets, self.sync);
-        // Of each drive, by its node.
+        // Error codes by node number.
         let mut told = [None; DRIVES];
         for (place, drive) in told.iter_mut().zip(self.all()) {
             *place = Some((drive.config().node, drive.error_code()));
@@ -154,12 +156,12 @@ impl Drives {
         self.sync = sync;
     }
 
-    /// The SYNC that the board gives.
+    /// The producer of the board's SYNC.
     pub(super) const fn sync(&mut self) -> &mut SyncProducer {
         &mut self.sync
     }
 
-    /// Where they are on the bus.
+    /// The drives' node numbers.
     pub(super) const fn nodes(&self) -> DriveNodes {
         self.nodes
     }
@@ -168,9 +170,9 @@ impl Drives {
         self.axes.iter_mut().chain(self.spindles.drives_mut())
     }
 
-    /// A frame from the bus.
+    /// Takes a frame from the bus.
     pub(super) fn hear(&mut self, frame: &Frame) {
-        // Whose it could be shows in seven bits; the drive itself looks closer.
+        // Seven bits tell which drive it may concern; the drive's master looks closer.
         let node = (frame.id().get() & 0x7F) as u8;
         let [x, z, c] = &mut self.axes;
         let drive = if node == x.config().node.get() {
@@ -187,8 +189,8 @@ impl Drives {
         drive.receive(frame);
     }
 
-    /// Asks every drive for operation enabled; true once all are. A failure stays latched and is told by
-    /// [`failure`](Self::failure).
+    /// Asks every drive for operation enabled. True once all are enabled. A failure stays latched;
+    /// [`failure`](Self::failure) returns it.
     pub(super) fn enable(&mut self) -> bool {
         self.are_up = if self.together.is_some() {
             self.enable_in_turn()
@@ -211,7 +213,7 @@ impl Drives {
         }
     }
 
-    /// Nothing reaches the drives any more: whatever they hear when they can be reached again, it moves none of them.
+    /// The drives cannot be reached any more. When they can be reached again, no frame may move them.
     #[cold]
     #[inline(never)]
     pub(super) fn cut_off(&mut self) {
@@ -220,17 +222,16 @@ impl Drives {
         }
     }
 
-    /// While the machine stops on an alarm, or stands on one (`at_rest`): drives that have
-    /// failed lose their torque once all axes stand; until then they are braked with the
-    /// others [D62]. Where more than one has fallen silent, the wire is broken: these do not
-    /// hear how the others brake, and must not be pulled there when it is whole again [D124].
+    /// Acts while the machine stops on an alarm, or stands on it (`at_rest`). A failed drive is braked with the others and
+    /// loses its torque once all axes stand [D62]. If more than one drive is silent, the wire is broken: silent drives do
+    /// not hear how the others brake, and must not be pulled there when the wire is whole again [D124].
     #[cold]
     #[inline(never)]
     pub(super) fn let_go(&mut self, at_rest: bool) {
         if !self.all().any(|drive| drive.has_failed()) {
             return;
         }
-        // Silent from the first, or since something else failed.
+        // The drive was silent first, or became silent after another failure.
         let silent = |drive: &DriveMaster| {
             drive.failure() == Some(DriveFailure::Silent) || drive.has_failed() && drive.is_silent()
         };
@@ -242,7 +243,7 @@ impl Drives {
         }
     }
 
-    /// Forgets failures and resets faults; the drives have to be enabled again.
+    /// Clears failures and resets faults. The drives must be enabled again.
     pub(super) fn reset(&mut self) {
         self.are_up = false;
         for drive in self.all() {
@@ -250,8 +251,8 @@ impl Drives {
         }
     }
 
-    /// Where the machine is: `remembered` to the nanometre if the drives agree with it to their increment, else what
-    /// they say.
+    /// The machine's position: `remembered` to the nanometre if the drives agree with it to their increment, otherwise the
+    /// drives' position.
     pub(super) fn position(&self, remembered: Option<Position>) -> Position {
         let demands = remembered.map(|remembered| self.demands(figures(remembered)));
         if let (Some(remembered), Some(demands)) = (remembered, &demands) {
@@ -266,7 +267,7 @@ impl Drives {
             *read = drive.config().scale.position(Increments::new(own));
         }
         match (remembered, demands) {
-            // Where increments are finer than nanometres.
+            // For increments finer than a nanometre.
             (Some(remembered), Some(demands)) if demands == self.demands(read) => remembered,
             _ => {
                 let [x, z, c] = read;
@@ -279,7 +280,7 @@ impl Drives {
         }
     }
 
-    /// What each axis' drive would be told for a place ([`figures`]).
+    /// The target of each axis' drive for a position ([`figures`]).
     #[inline(never)]
     fn demands(&self, places: [i64; 3]) -> [Option<Increments>; 3] {
         let mut demands = [None; 3];
@@ -295,8 +296,8 @@ impl Drives {
         &mut self.spindles
     }
 
-    /// From now on the machine stands at `to`, and not at `from` as its drives say: the references of the axes that differ
-    /// were lost. False, and nothing changes, where a drive cannot count that far.
+    /// Declares that the machine stands at `to`, although its drives say `from`: the references of the axes that differ
+    /// were lost. Returns false and changes nothing where a drive cannot count that far.
     pub(super) fn place(&mut self, from: Position, to: Position) -> bool {
         let mut offsets = self.offsets;
         let demands = (self.demands(figures(from)), self.demands(figures(to)));
@@ -310,22 +311,22 @@ impl Drives {
         true
     }
 
-    /// The drives' own positions count again. True where they did not.
+    /// The drives' own positions count again. True where they did not count before.
     pub(super) fn forget_places(&mut self) -> bool {
         core::mem::take(&mut self.offsets) != [0; 3]
     }
 
-    /// The frames of a period: SYNC, then what each drive is told. An axis whose
-    /// position its drive cannot count comes back; its drive is held where it is. So are all until they have come
-    /// up: a drive that is enabled before the others stands where it stands, and nobody demands anything of it yet.
+    /// Makes the frames of a period: SYNC, then the target of each drive. Returns an axis whose position its drive cannot
+    /// count; this drive holds its position. Until all drives have come up, every drive holds its position: a drive that is
+    /// enabled before the others gets no demand yet.
     pub(super) fn send(
         &mut self,
         position: Position,
         spindle: Spindle,
         frames: &mut Vec<Frame, FRAMES>,
     ) -> Option<Axis> {
-        // FRAMES is more than one SYNC, two frames for each of three axes and three
-        // for each of two spindles: there is room.
+        // FRAMES is more than one SYNC, two frames for each of three axes and three for each of two spindles, so there is
+        // room.
         let mut put = |frame: Frame| {
             let _ = frames.push(frame);
         };
@@ -335,7 +336,7 @@ impl Drives {
             let [x, z, c] = &mut self.axes;
             let [off_x, off_z, off_c] = self.offsets;
             let [last_x, last_z, last_c] = &mut self.last;
-            // One after another: a loop over so much side by side costs as much as what it does.
+            // Three calls in a row: a loop over these four lists costs as much as the calls themselves.
             if !send_to(x, off_x, last_x, position.x.nm(), &mut put) {
                 beyond = Some(Axis::X);
             }
@@ -359,15 +360,15 @@ impl Drives {
 }
 
 impl Drives {
-    /// What all drives are told in this period, where that is one frame.
+    /// The targets of all drives in this period, where they travel in one frame.
     pub(super) const fn together(&self) -> Option<&Setpoints> {
         self.together.as_ref()
     }
 
-    /// As [`enable`](Self::enable), one behind the other. In a frame for all a drive finds its
-    /// setpoint by its place, and what it says is known by its node: one that listens at
-    /// another's place shows by what it says only while nobody else is on the way. Two on the
-    /// way at once would each take the other's steps for its own, and then go where that one is.
+    /// As [`enable`](Self::enable), but one drive after the other. In a common frame, a drive finds its setpoint by its
+    /// place, while its answers are known by its node. A drive that listens at the place of another drive shows this by its
+    /// answers only while no other drive is being enabled. Two drives that are enabled at the same time would each follow
+    /// the steps of the other, and then its positions.
     fn enable_in_turn(&mut self) -> bool {
         let mut drives = self.axes.iter_mut().chain(self.spindles.drives_mut());
         let Some(first) = drives.find(|drive| !drive.is_enabled()) else {
@@ -386,10 +387,10 @@ impl Drives {
         false
     }
 
-    /// Takes the commands out of the frames of a period and puts them together; everything else stays a frame of its own. A
-    /// spindle whose turn it is not in this period is told what it was told last.
-    // Behind the sending of the frames, and not another way of it: the compiler
-    // would have each of them twice, and the usual one would be the slower for it.
+    /// Moves the commands from the frames of a period into the common frame. All other frames stay as they are. A spindle
+    /// that gets no command in this period gets its last one again.
+    // A step after the sending, not a variant of it: the compiler would make two copies of the sending, and the usual copy
+    // would be slower.
     #[inline(never)]
     fn put_together(&mut self, frames: &mut Vec<Frame, FRAMES>) {
         let Some(together) = &mut self.together else {
@@ -413,7 +414,7 @@ impl Drives {
     }
 }
 
-/// What one axis is told; false where its drive cannot count so far.
+/// Sends the target of one axis. False where its drive cannot count that far.
 // Three calls would cost each tick 36 instructions.
 #[inline(always)]
 fn send_to(
@@ -431,18 +432,18 @@ fn send_to(
     demand.is_some()
 }
 
-/// After so many periods without a status a drive is silent, where it sends one at every so many SYNCs (9021) [D180].
+/// A drive is silent after so many periods without a status; it sends a status at every n-th SYNC (9021) [D180].
 fn silence(params: &Params) -> Periods {
     let missing = params.drive_status_syncs().saturating_mul(MISSING);
     Periods::new(missing.max(SILENCE))
 }
 
-/// A position as its drives count it, in the order X, Z, C: nanometres, and for C millionths of a degree.
+/// A position in the units of its drives, in the order X, Z, C: nanometres, and for C millionths of a degree.
 const fn figures(position: Position) -> [i64; 3] {
     [position.x.nm(), position.z.nm(), position.c.udeg()]
 }
 
-/// What a drive is told for increments of its own axis.
+/// The target of a drive for increments of its axis.
 fn told(own: Option<Increments>, offset: i32) -> Option<Increments> {
     own?.get().checked_add(offset).map(Increments::new)
 }

@@ -1,4 +1,4 @@
-//! What the board tells the outside, as data.
+//! What the board tells, as data.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -8,8 +8,8 @@ use crate::alarm::{Alarm, Code};
 use crate::program::Aux;
 use crate::units::Rpm;
 
-/// Something that happened.
-// A tag of a word: what is behind it lies on words then, and is copied by the word.
+/// An event.
+// With a tag of one word, the content lies on word boundaries and is copied word by word.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub enum Event {
@@ -34,14 +34,14 @@ pub enum Event {
     Alarm(Alarm),
     /// Feed hold or single block has brought the axes to rest.
     Held,
-    /// A reset is done: everything handed over before has been forgotten. Who feeds a program stops doing so.
+    /// A reset is done: everything handed over before is forgotten. The sender of a program stops sending.
     Reset,
     /// The last call has been carried out.
     Finished,
 }
 
-/// What a tick has for the switches of a board: told in the tick itself, for the next move may hang on it, and an [`Event`]
-/// may find its queue full [D191].
+/// What a tick asks of the board's switches. This is part of the tick's output, because the next move may depend on it and
+/// the queue of [`Event`]s may be full [D191].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Switching {
     /// Nothing.
@@ -49,28 +49,28 @@ pub enum Switching {
     Nothing,
     /// A machine function is switched.
     Function(Aux),
-    /// What programs have switched is forgotten: a reset is done, or the application begins anew.
+    /// The functions that programs have switched are forgotten: a reset is done, or the application starts again.
     Reset,
-    /// The same with a tap in its hole: what holds the work piece goes on to, and nothing waits for it any more.
+    /// As `Reset`, with a tap in its hole: the clamp of the work piece stays on, and nothing waits for a function any more.
     ResetInHole,
 }
 
-/// What the operator asks for. Takes effect in the next tick; never waits behind a transfer.
+/// An operator's command. It acts in the next tick and never waits for a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Feed hold.
     Hold,
-    /// Go on after feed hold or single block.
+    /// Continue after feed hold or single block.
     Resume,
-    /// Stop, forget everything that is queued, clear an alarm.
+    /// Stop, empty the queue, clear an alarm.
     Reset,
-    /// Emergency stop: both axes of a synchronised move decelerate together [D18]; everything queued is forgotten, the
-    /// alarm stays until reset.
+    /// Emergency stop: both axes of a synchronised move decelerate together [D18]. The queue is emptied, and the alarm
+    /// stays until reset.
     Stop,
-    /// A stop as by [`Stop`](Self::Stop), with an alarm of its own: what watches the board asks for it.
+    /// A stop like [`Stop`](Self::Stop) with another alarm, from the supervision of the board.
     Halt(Code),
-    /// The same for what is wrong with the bus. Drives that cannot be reached are told to let go, so that nothing pulls
-    /// them when they can be reached again [D124].
+    /// A stop for a trouble of the bus. Drives that cannot be reached are told to let go, so that nothing pulls them when
+    /// they can be reached again [D124].
     Trouble(BusTrouble),
     /// Single block on or off.
     SingleBlock(bool),

@@ -1,4 +1,4 @@
-//! What the operator has set, and what he asks for next.
+//! The operator's settings and requests.
 
 use super::event::Command;
 use super::trouble::BusTrouble;
@@ -7,32 +7,32 @@ use crate::motion::Rate;
 use crate::signals::Signals;
 use crate::units::Rpm;
 
-/// The operator's settings. They hold for the next tick.
+/// The operator's settings. They act in the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Operator {
     /// Feed hold is on.
     pub hold: bool,
     /// Single block is on.
     pub single_block: bool,
-    /// The inputs, as they were set last.
+    /// The inputs as last set.
     pub signals: Signals,
     feed: Override,
     rapid: Override,
     spindle: u8,
-    /// An emergency stop, or a stop with an alarm of its own, for the next tick.
+    /// An emergency stop, or a stop with another alarm, for the next tick.
     stop: Option<Code>,
-    /// The same for what is wrong with the bus.
+    /// A trouble of the bus, for the next tick.
     trouble: Option<BusTrouble>,
-    /// The drives cannot be reached any more; the tick has not heard of it.
+    /// The drives cannot be reached any more, and the tick does not know it yet.
     cut_off: bool,
-    /// A reset; it waits while the machine comes to rest on an alarm [D110].
+    /// A reset. It waits while the machine comes to rest on an alarm [D110].
     reset: bool,
-    /// Go on, in the next tick.
+    /// Continue in the next tick.
     resume: bool,
 }
 
 impl Operator {
-    /// As at power-up: nothing held, all overrides at 100 %.
+    /// The state at power-up: no hold, all overrides at 100 %.
     // [D146]
     #[inline(always)]
     pub(super) const fn new() -> Self {
@@ -51,7 +51,8 @@ impl Operator {
         }
     }
 
-    /// Takes a command. Those of one tick act in the order stop, reset, resume; what was asked for last counts.
+    /// Takes a command. The commands of one tick act in the order stop, reset, resume; a later one replaces an earlier one
+    /// of its kind.
     pub(super) const fn take(&mut self, command: Command) {
         match command {
             Command::Hold => {
@@ -77,45 +78,45 @@ impl Operator {
         }
     }
 
-    /// A reset that was asked for before is void: it was for another stop.
+    /// An earlier reset is void, because it was meant for another stop.
     const fn ask_for_stop(&mut self, code: Code) {
         self.stop = Some(code);
         self.reset = false;
     }
 
-    /// The stop asked for, once.
+    /// The requested stop, once.
     pub(super) const fn takes_stop(&mut self) -> Option<Code> {
         self.stop.take()
     }
 
-    /// Something is wrong with the bus that the tick has not heard of.
+    /// True where the tick does not know of a trouble of the bus yet.
     #[inline]
     pub(super) const fn has_trouble(&self) -> bool {
         self.trouble.is_some()
     }
 
-    /// What is wrong with the bus, once.
+    /// The trouble of the bus, once.
     pub(super) const fn takes_trouble(&mut self) -> Option<BusTrouble> {
         self.trouble.take()
     }
 
-    /// True, once, where the drives cannot be reached any more.
+    /// True, once, after the drives cannot be reached any more.
     pub(super) const fn takes_cut_off(&mut self) -> bool {
         core::mem::replace(&mut self.cut_off, false)
     }
 
-    /// True where to go on was asked for, once.
+    /// True, once, after a resume.
     pub(super) const fn takes_resume(&mut self) -> bool {
         core::mem::replace(&mut self.resume, false)
     }
 
-    /// Something waits to be carried out: a stop, a trouble of the bus, a reset or a resume.
+    /// True while a stop, a trouble of the bus, a reset or a resume waits for the tick.
     #[must_use]
     pub(super) const fn asks(&self) -> bool {
         self.stop.is_some() || self.trouble.is_some() || self.reset || self.resume
     }
 
-    /// A reset has been asked for and is not done.
+    /// True while a requested reset is not done.
     #[must_use]
     pub const fn reset_waits(&self) -> bool {
         self.reset
@@ -156,7 +157,7 @@ impl Operator {
     }
 }
 
-/// An override as it was set, and the rate that is, which every tick asks for.
+/// An override, and its rate, which every tick needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Override {
     percent: u8,
@@ -184,7 +185,7 @@ const fn clamp(percent: u8, low: u8, high: u8) -> u8 {
     }
 }
 
-/// A spindle speed at an override, ties away from zero.
+/// A spindle speed with an override, rounded to the nearest, ties away from zero.
 #[must_use]
 pub fn overridden(rpm: Rpm, percent: u8) -> Rpm {
     let scaled = i64::from(rpm.get()).saturating_mul(i64::from(percent));

@@ -58,27 +58,27 @@ use crate::signals::Signals;
 use crate::spindle::{EncoderSample, Observer, SpindleEvent};
 use crate::units::{Axis, Ticks};
 
-/// What the tick has to say to the background.
+/// A message of the tick to the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// Forget everything and go on from here; what is planned from now on is marked with this epoch.
+    /// Drop all plans and start again from this position. Segments planned from now on carry this epoch.
     Restart(Position, Epoch),
     /// Plan this way.
     Route(Route),
 }
 
-/// What one tick gives. Made once and filled in every tick: nothing as large is copied about in it.
+/// The result of one tick. It is made once and filled in every tick, because it is too large to copy in a tick.
 #[derive(Clone, Debug, Default)]
 pub struct Output {
-    /// To be sent in this order; SYNC first.
+    /// Frames to send, in this order; SYNC first.
     pub frames: Vec<Frame, FRAMES>,
     /// The setpoint, effective at the next SYNC plus the drives' latency.
     pub setpoint: Setpoint,
-    /// To be stored, instead of any entry before.
+    /// An entry of the tap journal to store. It replaces any entry given before.
     pub journal: Option<TapRecord>,
-    /// For the switches of the board.
+    /// What the board's switches have to do.
     pub switching: Switching,
-    /// What all drives are told in one frame of CAN FD (9031), behind the other frames of the period.
+    /// The setpoints of all drives in one frame of CAN FD (9031). This frame follows the other frames of the period.
     pub together: Option<Setpoints>,
 }
 
@@ -88,7 +88,7 @@ pub struct Ends<'a, 'q> {
     pub segments: &'a mut SegmentOut<'q>,
     /// The answer to a [`Route`].
     pub detours: &'a mut DetourOut<'q>,
-    /// What happened.
+    /// Events.
     pub events: &'a mut EventIn<'q>,
 }
 
@@ -96,39 +96,39 @@ pub struct Ends<'a, 'q> {
 #[derive(Debug)]
 pub struct Ticker {
     state: State,
-    /// The encoder has slipped, and the index still stands for the old count.
+    /// The encoder has lost or gained counts, and the index still belongs to the old count.
     slipped: bool,
-    /// A machine function is not answered yet: the next segment waits.
+    /// A machine function has not been answered yet, so the next segment waits.
     awaits: bool,
     /// For the output of this tick.
     switching: Switching,
     course: Course,
     away: Away,
     spindle: SpindleMode,
-    /// What was found of the stored parameters at power-up.
+    /// The state of the stored parameters at power-up.
     found: Found,
-    /// Ticks it has stood on its alarm.
+    /// Ticks since the machine came to rest on its alarm.
     stood: u32,
     operator: Operator,
     given: Given,
     observer: Observer,
-    /// Where the machine stood when the power went.
+    /// The position of the machine when the power went.
     remembered: Option<Position>,
-    /// What the background has not heard yet.
+    /// A message that the background has not read yet.
     notice: Option<Notice>,
     journal: Journal,
     drives: Drives,
     executor: Executor,
 }
 
-/// What the parameters say.
+/// Values from the parameters.
 #[derive(Clone, Copy, Debug)]
 struct Given {
-    /// How far ahead of the sample a setpoint takes effect, on X and on Z.
+    /// Time from the sample to the instant at which a setpoint takes effect, on X and on Z.
     ahead_x: Ticks,
     ahead_z: Ticks,
     arrival: Arrival,
-    /// Ticks of a second.
+    /// Ticks in a second.
     second: u32,
     /// Leaving position mode waits for RGTAP = 0 (5200.2).
     waits_for_rgtap: bool,
@@ -137,14 +137,14 @@ struct Given {
 }
 
 impl Given {
-    /// `None` for a tick of nothing.
+    /// `None` for a tick of zero length.
     fn of(params: &Params) -> Option<Self> {
         let tick_us = params.tick_us();
         let ticks_per_minute = 60_000_000_u32.checked_div(tick_us)?;
         let ramp_ms = u64::from(params.spindle_ramp_ms())
             .saturating_mul(u64::from(params.spindle_max_rpm()))
             / 1000;
-        // Twice the time from rest to the greatest speed, and a second.
+        // Twice the time from rest to the highest speed, plus a second.
         let speed_ticks = ramp_ms
             .saturating_mul(2)
             .saturating_add(1000)
@@ -168,8 +168,8 @@ impl Given {
 }
 
 impl Ticker {
-    /// A tick side for a parameter set; `None` where it cannot work (a scale or tick of nothing): such a set does not
-    /// pass its own checks.
+    /// A tick side for a parameter set. `None` where the set cannot work (a scale or a tick of zero); the checks of the
+    /// parameter set refuse such a set.
     #[must_use]
     pub fn new(
         params: &Params,
@@ -181,7 +181,7 @@ impl Ticker {
         Some(Self::made(params, &given, &figures, remembered, tap))
     }
 
-    /// The same, put into its place.
+    /// The same, written to its place.
     pub fn put<'a>(
         place: &'a mut MaybeUninit<Self>,
         params: &Params,
@@ -195,8 +195,8 @@ impl Ticker {
         Some(place.write(Self::made(params, given, figures, remembered, tap)))
     }
 
-    // Written straight to where it will be, which the caller says: as a function of
-    // its own it would be copied there [D146].
+    // Written straight to the place that the caller names. As a function of its own, the value would be copied there
+    // [D146].
     #[inline(always)]
     fn made(
         params: &Params,
@@ -241,13 +241,13 @@ impl Ticker {
         self.course.begin_program();
     }
 
-    /// Where its drives are on the bus.
+    /// The node numbers of its drives.
     #[must_use]
     pub const fn drive_nodes(&self) -> DriveNodes {
         self.drives.nodes()
     }
 
-    /// What is planned in this epoch counts.
+    /// Segments of this epoch count.
     #[must_use]
     pub const fn epoch(&self) -> Epoch {
         self.course.epoch()
@@ -258,12 +258,12 @@ impl Ticker {
         self.operator.take(command);
     }
 
-    /// A machine function that has been switched is not answered yet, or is: until then no other segment begins.
+    /// `awaits`: a machine function has been switched and not answered yet. Until it is answered, no other segment begins.
     pub const fn await_machine(&mut self, awaits: bool) {
         self.awaits = awaits;
     }
 
-    /// Ticks of a second.
+    /// Ticks in a second.
     #[must_use]
     pub const fn second(&self) -> u32 {
         self.given.second
@@ -274,7 +274,7 @@ impl Ticker {
         self.operator.signals = signals;
     }
 
-    /// The SYNC that the board gives, for an owner who goes on giving it while the ticker is made anew.
+    /// The producer of the board's SYNC, for an owner who sends SYNC while the ticker is made anew.
     pub const fn sync(&mut self) -> &mut SyncProducer {
         self.drives.sync()
     }
@@ -312,16 +312,16 @@ impl Ticker {
         output.frames.clear();
         self.send(&mut output.frames, ends);
         let together = self.drives.together();
-        // Nearly always there is none, and it is long.
+        // There is nearly never a common frame, and copying it takes long.
         if together.is_some() || output.together.is_some() {
             output.together = together.copied();
         }
     }
 
-    /// A segment that is done leaves its queue.
+    /// A finished segment leaves its queue.
     fn release(&mut self, ends: &mut Ends<'_, '_>) {
         if self.executor.is_free() {
-            // The pass that was left stays: it is done again.
+            // A pass that feed hold has left stays in the queue, because it is repeated.
             let is_left = self.away.stage() == Detour::Leaving;
             let is_whole = !matches!(self.state, State::Stopping(_));
             self.course.release(is_left, is_whole, ends);
@@ -336,7 +336,7 @@ impl Ticker {
             feed: self.operator.feed(),
             rapid: self.operator.rapid(),
             hold: self.operator.hold,
-            // Asked for where a stroke waits.
+            // Only a waiting stroke needs to know.
             more: self.executor.is_waiting()
                 && self.course.is_in_program_segment()
                 && ends.segments.has_second(),
@@ -351,15 +351,15 @@ impl Ticker {
         if !self.given.edge_time {
             sample.edge_age_ns = None;
         }
-        // Of one before, in a tap that is over by now.
+        // For a slip during a tap that has ended since.
         self.begin_new_count();
         if let Some(SpindleEvent::Slipped { counts }) = self.observer.tick(sample) {
             self.slip(counts, ends);
         }
     }
 
-    /// Where counts were lost or gained the pulse is right, the counts are not, and the next pulse begins a new count. That
-    /// moves the angle by up to half a turn, so not while an axis follows it as it stands: as soon as none does.
+    /// After lost or gained counts the next index pulse begins a new count. This moves the angle by up to half a turn, so
+    /// it waits until no axis follows the angle.
     const fn begin_new_count(&mut self) {
         if self.slipped && !self.executor.is_floating() {
             self.slipped = false;
@@ -367,7 +367,7 @@ impl Ticker {
         }
     }
 
-    // What happens seldom is kept out of the tick's own code, which is leaner by it [D140].
+    // Rare work stays out of the tick's own code, which is shorter without it [D140].
 
     #[cold]
     #[inline(never)]
@@ -437,7 +437,7 @@ impl Ticker {
     }
 
     fn send(&mut self, frames: &mut Vec<Frame, FRAMES>, ends: &mut Ends<'_, '_>) {
-        // Frozen in a thread cycle, also while a reset leaves it.
+        // Frozen in a thread cycle, and also while a reset leaves that cycle.
         let frozen = match self.state {
             State::Running | State::Held | State::Stopping(_) => self.executor.stops().frozen,
             State::Starting | State::Idle | State::Alarm(_) => None,
@@ -460,9 +460,9 @@ impl Ticker {
     }
 }
 
-/// A reader that does not keep up loses the newest events, not the machine its tick; states and alarms are also in the
-/// tick's output.
+/// Reports an event. If the reader of the queue is too slow, the newest events are lost, but the tick keeps its time.
+/// States and alarms are also in the tick's output.
 fn emit(events: &mut EventIn<'_>, event: Event) {
-    // Full: nothing to be done, the queue is bounded and the tick does not wait.
+    // The queue is full: the tick does not wait.
     let _ = put(events, event);
 }

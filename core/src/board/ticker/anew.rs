@@ -1,4 +1,4 @@
-//! The application begins anew with another parameter set, the power being on.
+//! Starts the application again with another parameter set while the power stays on.
 
 use super::away::Away;
 use super::spindle::SpindleMode;
@@ -11,18 +11,18 @@ use crate::params::Params;
 use crate::program::Position;
 
 impl Ticker {
-    /// Begins anew with `params`: the drives are brought up again, and what was known of taps in holes stays. Where it
-    /// stood comes back, as far as that is known. `None`, and nothing changes, for a set that does not pass its own
-    /// checks, and where nothing may move any more. `found`: what is known of the stored parameters now.
+    /// Starts again with `params`: the drives are enabled again, and the knowledge of taps in holes stays. Returns the last
+    /// position, if it is known. Returns `None` and changes nothing for a set that does not pass its own checks, or where
+    /// the machine may not move any more. `found`: the present state of the stored parameters.
     ///
-    /// The machine has to stand; whoever owns the queues empties them.
+    /// The machine must stand. The owner of the queues empties them.
     pub fn begin_anew(&mut self, params: &Params, found: Found) -> Option<Option<Position>> {
         if self.state.stays_at_rest() {
             return None;
         }
         let told = self.executor.position();
         let position = match self.state {
-            // It has not come to know it yet, or not again.
+            // The position is not known yet, or not known again.
             State::Starting => self.remembered,
             _ => Some(told),
         };
@@ -30,7 +30,8 @@ impl Ticker {
         let (Some(given), Some(figures)) = &figures else {
             return None;
         };
-        // Field by field: as a whole it would be on the stack twice, and most of it is the memory of a profile that stands.
+        // Field by field: a whole new value would be on the stack twice, and most of it is the memory of a profile that
+        // stands.
         let Self {
             state,
             slipped,
@@ -70,7 +71,7 @@ impl Ticker {
         journal.begin_anew(given.second);
         drives.begin_anew(params, figures);
         executor.begin_anew(given.arrival);
-        // Until the drives have come up it is told to be where it was told to be.
+        // Until the drives are enabled, the last commanded position stays in force.
         executor.set_position(told);
         Some(position)
     }

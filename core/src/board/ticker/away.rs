@@ -1,6 +1,6 @@
-//! Out of a stroke and back: feed hold with immediate retract [D11], and the ways the background plans for it.
+//! The way out of a stroke and back: feed hold with immediate retract [D11], and the ways that the background plans for it.
 //!
-//! Knows the pass that was left and the way out of it. Must not know why it was left.
+//! Knows the pass that was left and the way out of it. Must not know why the pass was left.
 
 use super::super::detour::{Detour, Route};
 use super::super::queue::take;
@@ -10,7 +10,7 @@ use crate::alarm::Span;
 use crate::motion::{Action, Epoch, Phase, Retract, Task, WaysOut};
 use crate::program::Position;
 
-/// What the ways out of a pass need of it, also when it is over.
+/// The data of a pass that its ways out need, also after the pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LastPass {
     /// Number of its move.
@@ -27,9 +27,9 @@ pub(super) struct LastPass {
 #[derive(Debug)]
 pub(super) struct Away {
     stage: Detour,
-    /// Reset: the tool has to be brought clear of the crests.
+    /// A reset has left a stroke, and the tool must get clear of the crests.
     clearing: bool,
-    /// Of the way asked for last; legs of another epoch do not count.
+    /// Epoch of the way asked for last. Legs of another epoch do not count.
     epoch: Epoch,
     /// The last pass begun.
     pass: Option<LastPass>,
@@ -56,18 +56,18 @@ impl Away {
         self.stage != Detour::None
     }
 
-    /// No way out is taken any more.
+    /// Gives up every way out.
     pub(super) const fn forget(&mut self) {
         self.stage = Detour::None;
         self.clearing = false;
     }
 
-    /// A reset has left a stroke: the tool goes on until it is clear of the crests.
+    /// A reset has left a stroke: the tool moves on until it is clear of the crests.
     pub(super) const fn clear_crests(&mut self) {
         self.clearing = true;
     }
 
-    /// True, once, where a reset has left a stroke.
+    /// True, once, after a reset has left a stroke.
     pub(super) const fn takes_clearing(&mut self) -> bool {
         core::mem::replace(&mut self.clearing, false)
     }
@@ -82,7 +82,7 @@ impl Away {
         self.pass.as_ref()
     }
 
-    /// Drops a leg of a way that was asked for before the last one: one a tick.
+    /// Drops a leg of a way asked for earlier. One leg per tick.
     pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
         let leg = ends.detours.peek().map(|oldest| oldest.epoch);
         if leg.is_some_and(|epoch| epoch != self.epoch) {
@@ -92,7 +92,7 @@ impl Away {
 }
 
 impl Ticker {
-    /// Feed hold with immediate retract [D11]; where the stroke is all but over it is finished instead.
+    /// Feed hold with immediate retract [D11]. A stroke that is nearly over is finished instead.
     pub(super) fn leave_stroke(&mut self, ends: &Ends<'_, '_>) {
         if self.away.is_under_way() || !matches!(self.state, State::Running) {
             return;
@@ -109,7 +109,7 @@ impl Ticker {
         }
     }
 
-    /// Resume: back to the start of the pass that was left, where the machine waits at the start of its cycle.
+    /// Resume: from the start of the cycle back to the start of the pass that was left.
     pub(super) fn go_back(&mut self) {
         if self.away.stage == Detour::AtHome
             && let Some(pass) = &self.away.pass
@@ -119,7 +119,7 @@ impl Ticker {
         }
     }
 
-    /// The next leg of a detour; its mark ends it.
+    /// Begins the next leg of a detour. The mark after the last leg ends the detour.
     pub(super) fn go_on_with_detour(&mut self, ends: &mut Ends<'_, '_>) {
         if self.away.stage == Detour::Leaving {
             let Some(pass) = &self.away.pass else {
@@ -143,7 +143,7 @@ impl Ticker {
             });
             self.course.take_from(Source::Detour);
             if let Some(pass) = &self.away.pass {
-                // It belongs to the pass that was left.
+                // The leg is reported as the pass that was left.
                 self.executor.tell_as(pass.number, pass.span, pass.frozen);
             }
             return;
@@ -162,7 +162,7 @@ impl Ticker {
         };
     }
 
-    /// Begins a stage whose way the background has to plan; what is left of the way before is dropped.
+    /// Begins a stage and asks the background to plan its way. What is left of an earlier way is dropped.
     pub(super) fn route(&mut self, stage: Detour, via: [Option<Position>; 2]) {
         let away = &mut self.away;
         away.stage = stage;

@@ -1,4 +1,4 @@
-//! Where a segment may begin and what that does, and the states that follow from motion having come to rest.
+//! Begins segments, and changes the state after a motion has come to rest.
 
 use super::away::LastPass;
 use super::course::Source;
@@ -8,7 +8,7 @@ use crate::board::event::{Event, Switching};
 use crate::motion::{Action, Motion};
 
 impl Ticker {
-    /// Begins the next segment where one may begin. Number and line of one that is over at once come back, or of one that
+    /// Begins the next segment if it may begin now. Returns number and line of a segment that is over at once, or that
     /// waits for the spindle.
     pub(super) fn take_up(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
         if !self.executor.is_free() {
@@ -65,7 +65,7 @@ impl Ticker {
                     self.ask_for_rigid(tap.hole.spindle, number, line);
                     return Some((number, line, Motion::Wait));
                 }
-                // No program asks for this: its rigid mode comes first.
+                // Only a way out may enter rigid mode by itself. For any other tap the program has to command it first.
                 let alarm = Alarm::new(Code::TapModePlace, segment.span);
                 ends.segments.take();
                 self.raise(&alarm, ends);
@@ -75,7 +75,7 @@ impl Ticker {
                 if let Some(tap) = task.tap()
                     && tap.hole.spindle != self.spindle.taps_with() =>
             {
-                // E of the cycle: it changes over at standstill, and the hole begins then.
+                // The E word names another spindle. The change happens at standstill, and the hole begins after it.
                 let spindle = tap.hole.spindle;
                 self.enter_with(spindle, number, line);
                 return Some((number, line, Motion::Wait));
@@ -94,7 +94,7 @@ impl Ticker {
                 }
                 emit(events, Event::Started { number, line });
                 self.executor.begin(task);
-                // It stays where it is until it is done.
+                // The segment stays in its queue until it is done.
                 self.course.take_from(Source::Program);
                 return None;
             }
@@ -134,7 +134,7 @@ impl Ticker {
         Some((number, line, Motion::Run))
     }
 
-    /// State changes that follow from motion having come to rest; `moved`: a segment was under way in this tick.
+    /// Changes the state after a motion has come to rest. `moved`: a segment was under way in this tick.
     pub(super) fn settle(&mut self, motion: Motion, moved: bool, ends: &mut Ends<'_, '_>) {
         match self.state {
             State::Stopping(_) => {
@@ -171,7 +171,7 @@ impl Ticker {
                     self.transition_to_held(ends.events);
                 }
             }
-            // A program that is held before its first block.
+            // The program is held before its first block.
             State::Idle => {
                 if self.operator.hold
                     && self.course.next(ends).is_some()

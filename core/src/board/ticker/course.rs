@@ -21,16 +21,16 @@ pub(super) enum Source {
 /// How far the program has come.
 #[derive(Debug)]
 pub(super) struct Course {
-    /// The program has begun and not ended: until its end an empty queue is a wait, not idleness.
+    /// A program has begun and not ended. Until its end, an empty queue is a wait, not idleness.
     in_program: bool,
     source: Source,
     /// Single block has stopped between two segments.
     paused: bool,
     /// Single block stops before the next segment unless that segment belongs to a hole.
     pauses_unless_hole: bool,
-    /// Segments of another epoch were queued before the last restart and do not count.
+    /// Segments of this epoch count. Others were queued before the last restart.
     epoch: Epoch,
-    /// The thread or hole of the last segment of the program that was carried to its end.
+    /// The thread or hole of the program's last segment that was carried to its end.
     done: Cut,
 }
 
@@ -47,7 +47,7 @@ impl Course {
         }
     }
 
-    /// The application begins anew: the program is forgotten. What has been cut stays cut.
+    /// The application starts again: the program is forgotten. The last thread or hole stays.
     pub(super) fn begin_anew(&mut self) {
         *self = Self {
             done: self.done,
@@ -60,7 +60,7 @@ impl Course {
         self.in_program = true;
     }
 
-    /// The program is over, or is given up.
+    /// The program has ended, or is given up.
     pub(super) const fn end_program(&mut self) {
         self.in_program = false;
     }
@@ -70,7 +70,7 @@ impl Course {
         self.in_program
     }
 
-    /// The thread or hole of the last segment that was carried to its end, with nothing that stopped it.
+    /// The thread or hole of the last segment that was carried to its end without a stop.
     pub(super) const fn done(&self) -> Cut {
         self.done
     }
@@ -80,13 +80,14 @@ impl Course {
         self.epoch
     }
 
-    /// All segments that are queued now, or are planned before the background has heard of this, do not count any more.
+    /// Segments that are queued now do not count any more, nor those planned before the background has heard of this.
+    /// Returns the new epoch.
     pub(super) fn drop_queued(&mut self) -> Epoch {
         self.epoch = self.epoch.next();
         self.epoch
     }
 
-    /// Drops a segment that does not count any more: one a tick.
+    /// Drops a segment that does not count any more. One segment per tick.
     pub(super) fn drop_stale(&self, ends: &mut Ends<'_, '_>) {
         let epoch = ends.segments.head().map(|oldest| oldest.epoch);
         if epoch.is_some_and(|epoch| epoch != self.epoch) {
@@ -100,7 +101,7 @@ impl Course {
         ends.segments.head().filter(|next| next.epoch == epoch)
     }
 
-    /// The retract of a stroke is next: the machine must not rest here.
+    /// The next segment is the retract of a stroke, so the machine must not rest here.
     pub(super) fn must_go_on(&self, ends: &Ends<'_, '_>) -> bool {
         !self.paused
             && ends
@@ -114,7 +115,7 @@ impl Course {
         self.source = source;
     }
 
-    /// The segment under way is the program's.
+    /// The segment under way belongs to the program.
     pub(super) fn is_in_program_segment(&self) -> bool {
         self.source == Source::Program
     }
@@ -131,8 +132,8 @@ impl Course {
         }
     }
 
-    /// The segment under way is over and leaves its queue. `is_left`: the program's segment stays, for it is done again.
-    /// `is_whole`: nothing stopped it.
+    /// Removes the finished segment from its queue. `is_left`: a segment of the program stays, because it is repeated.
+    /// `is_whole`: nothing has stopped the segment.
     pub(super) fn release(&mut self, is_left: bool, is_whole: bool, ends: &mut Ends<'_, '_>) {
         match core::mem::take(&mut self.source) {
             Source::None => {}
@@ -161,13 +162,13 @@ impl Course {
         self.paused = false;
     }
 
-    /// A reset: no stop of single block is left.
+    /// A reset: single block stops nothing any more.
     pub(super) const fn forget_pauses(&mut self) {
         self.paused = false;
         self.pauses_unless_hole = false;
     }
 
-    /// Stops after a segment where single block is on and the segment allows it.
+    /// Stops after a segment if single block is on and the segment allows a stop.
     pub(super) const fn pause_after(&mut self, stops: Stops, single_block: bool) {
         if stops.single_block && single_block {
             self.pauses_unless_hole = stops.stops_after_last_hole;
@@ -175,7 +176,8 @@ impl Course {
         }
     }
 
-    /// Stops before `next` where the segment before it was the last hole of its cycle. True where it does.
+    /// Stops before `next` if single block is on and the segment before it was the last hole of its cycle. Returns true
+    /// while stopped.
     pub(super) fn pauses_before(&mut self, next: Stops, single_block: bool) -> bool {
         if core::mem::take(&mut self.pauses_unless_hole) && !next.tap_cycle {
             self.paused = single_block;

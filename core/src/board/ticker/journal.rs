@@ -1,9 +1,9 @@
-//! The tap journal in the tick: an entry before a hole, at every reversal, behind the hole, and at every stop in between
+//! The tap journal in the tick: an entry before a hole, at every reversal, after the hole, and at every stop in between
 //! ([G84/G88 sheet], G30 P99).
 //!
-//! Only the newest entry matters. The tick puts it into its output; the owner of the storage writes it and says so
-//! ([`Ticker::stored`]). Before a hole the tap waits for that word, inside it nothing waits: the way out must stay
-//! possible. Knows entries; knows nothing of flash.
+//! Only the newest entry matters. The tick puts it into its output. The owner of the storage writes it and reports the
+//! result ([`Ticker::stored`]). Before a hole, the tap waits for this report. Inside a hole nothing waits, so that the way
+//! out stays possible. Knows entries; knows nothing of flash.
 
 use super::super::event::Event;
 use super::super::store::StoreError;
@@ -14,34 +14,35 @@ use crate::motion::{Motion, Tap, TapPart, Task};
 use crate::program::Position;
 use crate::units::Turns;
 
-/// What the tick keeps of it.
+/// The journal's state in the tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Journal {
     /// The newest entry.
     record: Option<TapRecord>,
-    /// It has not been given out yet.
+    /// The entry is not in an output yet.
     fresh: bool,
-    /// The entry that first named the hole, and whether it or a later one is known to be stored.
+    /// Number of the entry that first named the hole, and whether this entry or a later one is known to be stored.
     named: u32,
     confirmed: bool,
     /// The last write was refused.
     failed: bool,
-    /// The tap has begun the hole of the entry, or is said to be in it since power-up.
+    /// The tap has begun the hole of the entry, or the entry says so since power-up.
     begun: bool,
-    /// Power went while it was in the hole: where its axis stands is not known, and the bottom is taken for it [D26].
+    /// The power went while the tap was in the hole. The position of its axis is unknown, and the bottom is taken for it
+    /// [D26].
     assumed: bool,
-    /// The tap under way.
+    /// The part of a tap under way.
     part: Option<TapPart>,
-    /// A return has arrived: the spindle leaves position mode.
+    /// The tap is out of its hole: the spindle leaves position mode.
     returned: bool,
     /// Ticks for which a hole has waited.
     waited: u32,
-    /// A hole waits at most so many.
+    /// The most ticks for which a hole waits.
     patience: u32,
 }
 
 impl Journal {
-    /// The newest entry is `record`; a hole waits for a second at most.
+    /// `record`: the newest entry. A hole waits for a second at most.
     // [D146]
     #[inline(always)]
     pub(super) fn new(record: Option<TapRecord>, ticks_per_second: u32) -> Self {
@@ -64,7 +65,7 @@ impl Journal {
         }
     }
 
-    /// An entry waits for the end of the next tick.
+    /// An entry is not in an output yet.
     pub(super) const fn has_entry(&self) -> bool {
         self.fresh
     }
@@ -74,14 +75,14 @@ impl Journal {
         matches!(&self.record, Some(TapRecord { in_hole: true, .. }))
     }
 
-    /// The tick begins anew, the power being on: what is known of a hole stays.
+    /// The tick side starts again while the power stays on. The knowledge of a hole stays.
     pub(super) const fn begin_anew(&mut self, ticks_per_second: u32) {
         self.part = None;
         self.returned = false;
         self.patience = ticks_per_second;
     }
 
-    /// A hole is about to begin, or to go deeper.
+    /// A new entry: a hole is about to begin, or to go deeper.
     fn name(&mut self, hole: &TapHole, stand: &Stand) {
         let last = self.record.as_ref().map_or(0, |record| record.sequence);
         let sequence = last.wrapping_add(1);
@@ -99,7 +100,7 @@ impl Journal {
         self.waited = 0;
     }
 
-    /// Another entry for the same hole. False where there is none yet. In place: an entry is large, and the tick is short.
+    /// Changes the entry of the same hole, in place, because an entry is large. False where there is none.
     fn renew(&mut self, in_hole: bool, stand: &Stand) -> bool {
         let Some(record) = &mut self.record else {
             return false;
@@ -113,7 +114,7 @@ impl Journal {
         true
     }
 
-    /// The hole is written down as the newest entry.
+    /// The newest entry names this hole.
     #[inline(always)]
     fn knows(&self, hole: &TapHole) -> bool {
         self.record
@@ -122,7 +123,7 @@ impl Journal {
     }
 }
 
-/// Where axes and spindle stand.
+/// The position of axes and spindle.
 struct Stand {
     position: Position,
     angle: Turns,
@@ -135,15 +136,15 @@ impl Ticker {
         self.journal.record.as_ref()
     }
 
-    /// The newest entry, as it is.
+    /// A copy of the newest entry.
     pub(in crate::board) const fn tap_entry(&self) -> Option<TapRecord> {
         self.journal.record
     }
 
-    /// The owner has stored the entry with this number, or could not.
+    /// The owner has stored the entry with this number, or has failed to.
     pub fn stored(&mut self, sequence: u32, result: Result<(), StoreError>) {
         match result {
-            // Not one of before: the difference wraps.
+            // An older entry does not count. The difference wraps.
             Ok(()) => {
                 let behind = sequence.wrapping_sub(self.journal.named);
                 self.journal.confirmed |= behind <= u32::MAX / 2;
@@ -152,8 +153,8 @@ impl Ticker {
         }
     }
 
-    /// Drops the entry: the tap is said to be out. False, and nothing changes, where there is none or the machine moves.
-    /// A position that was taken from the entry goes with it: that of the drive counts again.
+    /// Drops the entry: the operator says that the tap is out. Returns false and changes nothing where there is no entry or
+    /// the machine moves. A position taken from the entry is dropped too; the drive's position counts again.
     pub fn discard_tap(&mut self) -> bool {
         let stands = matches!(self.state, State::Starting | State::Idle | State::Alarm(_));
         let record = self.journal.record.as_ref();
@@ -191,8 +192,8 @@ impl Ticker {
         }
     }
 
-    /// The drives have just come up: with a tap in its hole since before the power
-    /// went, its axis stands at the bottom [D26]. That is told.
+    /// The drives have just been enabled. If a tap is in its hole since before the power went, its axis stands at the
+    /// bottom [D26]. A warning tells so.
     pub(super) fn place_tap(&mut self, position: &mut Position, ends: &mut Ends<'_, '_>) {
         if !core::mem::take(&mut self.journal.assumed) {
             return;
@@ -209,7 +210,7 @@ impl Ticker {
         emit(ends.events, Event::Warning(warning));
     }
 
-    /// A hole may begin when it is known that its entry is stored. `Some`: it waits, or has failed.
+    /// A hole may begin once its entry is known to be stored. `Some`: the hole waits, or has failed.
     pub(super) fn wait_for_journal(
         &mut self,
         ends: &mut Ends<'_, '_>,
@@ -247,8 +248,8 @@ impl Ticker {
         self.journal.begun = true;
     }
 
-    /// At the end of a tick: entries for reversals and for the end of a hole, and
-    /// the one of a hole that comes next, so that it need not wait.
+    /// At the end of a tick: writes entries for reversals and for the end of a hole, and the entry of the next hole, so
+    /// that this hole need not wait.
     pub(super) fn keep_journal(&mut self, ends: &mut Ends<'_, '_>, output: &mut Output) {
         if self.executor.has_turned() {
             self.note();
@@ -297,7 +298,7 @@ impl Ticker {
         }
     }
 
-    /// The entry is cleared.
+    /// Clears the entry.
     pub(super) fn tap_is_out(&mut self) {
         let stand = self.stand();
         if self.journal.renew(false, &stand) {
@@ -305,7 +306,7 @@ impl Ticker {
         }
     }
 
-    /// A reversal in the hole.
+    /// Notes a reversal in the hole.
     fn note(&mut self) {
         if self.journal.begun {
             let stand = self.stand();
@@ -313,7 +314,7 @@ impl Ticker {
         }
     }
 
-    /// A stop: where it stands, if the hole has begun; else nothing is in it.
+    /// Notes a stop: the position, if the hole has begun; otherwise that no tap is in it.
     pub(super) fn note_stop(&mut self) {
         self.journal.part = None;
         let record = self.journal.record.as_ref();

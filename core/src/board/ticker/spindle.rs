@@ -1,7 +1,7 @@
-//! What the tick tells the spindle: a speed, or one spindle in position mode (rigid mode), into it at standstill, out of it
-//! with the next speed.
+//! The commands to the spindles: a speed, or position mode of one spindle (rigid mode). A spindle enters position mode at
+//! standstill and leaves it with the next speed.
 //!
-//! [`SpindleMode`] knows what is commanded. What becomes of it is the drives' and the executor's.
+//! [`SpindleMode`] knows the commands. Drives and executor carry them out.
 
 use super::{Ends, Ticker};
 use crate::alarm::{Alarm, Arg, Code, Span};
@@ -16,25 +16,25 @@ use crate::units::Rpm;
 enum Rigid {
     /// Speed mode.
     Off,
-    /// Coming to a stand; the move that asked for it, its line, and the ticks it has taken.
+    /// Coming to a stand: the move that asked for position mode, its line, and the ticks since.
     Entering { number: u32, line: u32, ticks: u32 },
-    /// In position mode: it turns with the tap axis only.
+    /// In position mode: the spindle turns only with the tap axis.
     On,
-    /// Speed mode as soon as it stands.
+    /// Back to speed mode as soon as the spindle stands.
     Leaving,
 }
 
-/// What the spindles are told.
+/// The commands to the spindles.
 #[derive(Debug)]
 pub(super) struct SpindleMode {
     rigid: Rigid,
-    /// The spindle that is in position mode, or on the way.
+    /// The spindle in position mode, or on its way there.
     taps_with: TapSpindle,
-    /// Percent in force; frozen inside a thread cycle.
+    /// Override in force, in per cent; frozen inside a thread cycle.
     percent: u8,
     /// S with M03/M04, before override.
     speed: Rpm,
-    /// Ticks that leaving position mode has waited.
+    /// Ticks for which leaving position mode has waited.
     waited: u32,
 }
 
@@ -60,17 +60,17 @@ impl SpindleMode {
         overridden(self.speed, self.percent)
     }
 
-    /// What it is told in speed mode.
+    /// The speed command in speed mode.
     pub(super) fn velocity(&self) -> MilliRpm {
         MilliRpm::of(self.speed, u16::from(self.percent))
     }
 
-    /// The override in force.
+    /// Sets the override in force.
     pub(super) const fn set_percent(&mut self, percent: u8) {
         self.percent = percent;
     }
 
-    /// No speed is commanded any more.
+    /// The commanded speed is zero from now on.
     pub(super) const fn stop(&mut self) {
         self.speed = Rpm::STOPPED;
     }
@@ -94,14 +94,15 @@ impl SpindleMode {
         matches!(self.rigid, Rigid::Entering { .. })
     }
 
-    /// The way out of a hole is over: back to speed mode as soon as the spindle stands.
+    /// A tap is out of its hole: back to speed mode as soon as the spindle stands.
     pub(super) const fn leave(&mut self) {
         if let Rigid::On = self.rigid {
             self.rigid = Rigid::Leaving;
         }
     }
 
-    /// A stop: a spindle in position mode stays there, for a tap may be in its hole; one on the way there just stops.
+    /// A stop: a spindle in position mode stays there, because a tap may be in its hole. A spindle on its way there just
+    /// stops.
     pub(super) const fn stay_rigid(&mut self) {
         self.rigid = match self.rigid {
             Rigid::Off | Rigid::Entering { .. } => Rigid::Off,
@@ -116,7 +117,7 @@ impl SpindleMode {
 }
 
 impl Ticker {
-    /// Asks for position mode of `spindle`, for a move. True where it is, or still is, in it.
+    /// True if `spindle` is in position mode already. It then stays there.
     fn stays_with(&mut self, spindle: TapSpindle) -> bool {
         let mode = &mut self.spindle;
         let stays = matches!(mode.rigid, Rigid::On | Rigid::Leaving) && spindle == mode.taps_with;
@@ -126,7 +127,8 @@ impl Ticker {
         stays
     }
 
-    /// Position mode of `spindle` for a move of the program, or for a way out of a hole that no program has asked for.
+    /// Asks for position mode of `spindle`: for a move of the program, or for a way out of a hole, which no program has
+    /// asked for.
     pub(super) fn ask_for_rigid(&mut self, spindle: TapSpindle, number: u32, line: u32) {
         self.spindle.stop();
         if !self.stays_with(spindle) {
@@ -134,7 +136,8 @@ impl Ticker {
         }
     }
 
-    /// Begins position mode of `spindle`, for a move; another one that was in it goes back to speed mode, where it stands.
+    /// Begins position mode of `spindle` for a move. Another spindle that was in position mode goes back to speed mode
+    /// where it stands.
     pub(super) const fn enter_with(&mut self, spindle: TapSpindle, number: u32, line: u32) {
         self.executor.set_spindle(None);
         self.drives.spindles().select(TapSpindle::First);
@@ -146,7 +149,8 @@ impl Ticker {
         };
     }
 
-    /// Spindle 1 and the one that taps stand, and its drive has said where: from here on it is where it is told to be.
+    /// Enters position mode once spindle 1 and the tapping spindle stand and the drive has told its position. From then on
+    /// the spindle is at its commanded angle.
     pub(super) fn enter_rigid(&mut self, ends: &mut Ends<'_, '_>) -> Option<(u32, u32, Motion)> {
         let taps_with = self.spindle.taps_with;
         let Rigid::Entering {
@@ -184,8 +188,8 @@ impl Ticker {
         Some((number, line, Motion::Wait))
     }
 
-    /// Back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more: its angle is
-    /// lost then.
+    /// Goes back to speed mode as soon as the spindle stands, or at once where its drive is not enabled any more, because
+    /// its angle is lost then.
     pub(super) fn leave_rigid(&mut self) {
         if matches!(self.spindle.rigid, Rigid::Off) || self.executor.is_tapping() {
             return;
@@ -202,8 +206,8 @@ impl Ticker {
         }
     }
 
-    /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, a second
-    /// at most [D92]. While it does, its move and line come back.
+    /// 5200.2 = 1: the command that ends rigid mode waits for RGTAP = 0, for a second at most [D92]. Returns number and
+    /// line of its move while it waits.
     pub(super) fn wait_for_release(
         &mut self,
         ends: &mut Ends<'_, '_>,
@@ -223,8 +227,8 @@ impl Ticker {
         Some((number, span.line, Motion::Wait))
     }
 
-    /// What the spindle is told in speed mode: by an ordinary tap while one is under way, else the program's speed with its
-    /// override.
+    /// The speed command of the spindle: from an ordinary tap while one is under way, otherwise the program's speed with
+    /// its override.
     pub(super) fn velocity(&self) -> MilliRpm {
         match self.executor.spindle_speed() {
             Some(rate) => MilliRpm::of_rate(rate),
