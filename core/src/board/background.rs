@@ -1,14 +1,15 @@
-//! The background half of a board: it plans, stores, and speaks on the bus.
+//! The background half of a board: it plans, stores parameters, and communicates on the bus.
 //!
 //! ```text
 //! frames ◄─► Device ─ calls ─► Planner ─ segments ─► (the tick side)
-//!               │                    ▲                        │
-//!               └── orders ──────────┼───► TickPort ──────────┘
-//!                                    └──── notices, entries, snapshots
+//!              │                  ▲                        │
+//!              └── orders ────────┼───► TickPort ──────────┘
+//!                                 └──── notices, entries, snapshots
 //! ```
 //!
-//! The owner runs the background in turn with the tick side, or in a context of its own. What the background wants of the
-//! tick goes through a [`TickPort`]; what the tick has to say, the owner hands in. Knows nothing of how either travels.
+//! The owner runs the background in turn with the tick side, or in a context of its own. The background's requests to the
+//! tick go through a [`TickPort`]; the owner hands the tick's messages to the background. Knows nothing of how either
+//! travels.
 
 use super::device::Device;
 use super::event::{Command, Event};
@@ -30,13 +31,13 @@ use crate::params::Params;
 use crate::program::{Call, Position};
 use crate::signals::Signals;
 
-/// What the background asks of the tick side. Everything acts in the next tick, in the order in which it was asked for.
+/// Requests of the background to the tick side. Each acts in the next tick, in the order of the requests.
 pub trait TickPort {
-    /// True where there is room for a [`command`](Self::command) and two more wishes.
+    /// True where there is room for a [`command`](Self::command) and two more requests.
     fn has_room(&self) -> bool;
     /// As [`Ticker::takes_calls`](super::Ticker::takes_calls).
     fn takes_calls(&self) -> bool;
-    /// As [`Ticker::program_begins`](super::Ticker::program_begins), if what is planned in this epoch still counts.
+    /// As [`Ticker::program_begins`](super::Ticker::program_begins), if segments of this epoch still count.
     fn program_begins(&mut self, epoch: Epoch);
     /// As [`Ticker::command`](super::Ticker::command).
     fn command(&mut self, command: Command);
@@ -64,13 +65,13 @@ pub struct Background {
 struct Entries {
     /// The newest entry.
     newest: Option<TapRecord>,
-    /// It has not been asked for yet.
+    /// The entry has not been given to the storage yet.
     wanted: bool,
     /// The entry that is being stored.
     under_way: Option<u32>,
 }
 
-/// Puts a call on its way. False, and nothing changes, where that does not go.
+/// Hands a call over to the planner. Returns false and changes nothing where that is not possible.
 fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call) -> bool {
     let taken = port.takes_calls() && port.has_room() && calls.enqueue(*call).is_ok();
     if taken {
@@ -80,9 +81,9 @@ fn offer(port: &mut impl TickPort, calls: &mut Calls, epoch: Epoch, call: &Call)
 }
 
 impl Background {
-    /// As at power-up: at `position`, with the stored entry of the tap journal, and `snapshot` of the tick side.
-    // Written straight to where it will be, which the caller says: as a function of
-    // its own it would be copied there [D146].
+    /// The state at power-up: at `position`, with the stored entry of the tap journal and a `snapshot` of the tick side.
+    // Written straight to the place that the caller names. As a function of its own, the value would be copied there
+    // [D146].
     #[must_use]
     #[inline(always)]
     pub fn new(
@@ -105,8 +106,8 @@ impl Background {
         }
     }
 
-    /// Takes what was found of the parameters at power-up; the tick side is to
-    /// [withhold](super::Ticker::withhold) motion by it, now and whenever it begins anew.
+    /// Takes what was found of the parameters at power-up. The tick side must [withhold](super::Ticker::withhold) motion
+    /// accordingly, now and whenever it starts again.
     pub fn power_up(&mut self, up: &PowerUp) {
         self.device.power_up(up);
     }
@@ -116,13 +117,13 @@ impl Background {
         self.device.set_serial(serial);
     }
 
-    /// Says whether the controller sends frames of CAN FD. A board whose controller does not takes no set that asks for
+    /// Says whether the controller sends frames of CAN FD. A board without such a controller refuses a set that asks for
     /// them.
     pub const fn set_fd(&mut self, sends_fd: bool) {
         self.device.set_fd(sends_fd);
     }
 
-    /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
+    /// Joins a network as `node`: from now on the board hears and sends frames. An NMT master starts it.
     ///
     /// # Errors
     /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus;
@@ -132,7 +133,8 @@ impl Background {
         self.device.join(&self.params)
     }
 
-    /// What the tick has said; it comes before everything else the background does, and after the entry of the same tick.
+    /// Takes a message of the tick. The background obeys it before any other work, and after the journal's entry of the
+    /// same tick.
     pub fn heed(&mut self, notice: &Notice, detours: &mut DetourIn<'_>) {
         let (_, mut calls) = self.calls.split();
         let tap = self.journal.newest.as_ref();
@@ -140,21 +142,21 @@ impl Background {
             .heed(notice, &mut calls, detours, &self.limits, tap);
     }
 
-    /// A new entry of the tap journal: of those not yet stored only the newest counts.
+    /// Takes a new entry of the tap journal. Of the entries that are not stored yet, only the newest counts.
     pub const fn enter(&mut self, record: TapRecord) {
         self.journal.newest = Some(record);
         self.journal.wanted = true;
     }
 
-    /// Hands a call over. False, and nothing changes, where there is no room for it now, or while the machine starts, stops
-    /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
+    /// Hands a call over. Returns false and changes nothing where there is no room now, or while the machine starts, stops
+    /// or stands on an alarm, because such a call would have to be dropped.
     #[must_use]
     pub fn offer(&mut self, call: &Call, port: &mut impl TickPort) -> bool {
         !self.device.is_changing() && offer(port, &mut self.calls, self.planner.epoch(), call)
     }
 
-    /// One piece of planning: false where there is none that can be done now. A warning comes back too. `begun`: the oldest
-    /// of the segments is under way.
+    /// Does one piece of planning. False where no planning can be done now. Returns a warning too. `begun`: the oldest
+    /// segment is under way.
     pub fn plan(
         &mut self,
         segments: &mut SegmentIn<'_>,
@@ -173,8 +175,8 @@ impl Background {
         self.planner.step(&mut calls, segments, &settings)
     }
 
-    /// Takes a frame from the bus. True where it is not for the board as a node: it belongs to the tick side. What it asks
-    /// for waits for [`carry_out`](Self::carry_out).
+    /// Takes a frame from the bus. True for a frame of the tick side. Requests of the frame wait for
+    /// [`carry_out`](Self::carry_out).
     #[must_use]
     pub fn receive(&mut self, frame: &Frame) -> bool {
         !self.device.receive(frame, &self.params)
@@ -185,9 +187,8 @@ impl Background {
         self.device.receive_fd(frame, &self.params);
     }
 
-    /// Lets the device go on: `elapsed` periods after the last call; `measured` as
-    /// the [`Reference`](super::Reference) says of the last of them. True where a call
-    /// went to the planner. What it asks for waits for [`carry_out`](Self::carry_out).
+    /// Runs the device, `elapsed` periods after the last call. `measured`: what the [`Reference`](super::Reference) says of
+    /// the last period. True where a call went to the planner. Requests wait for [`carry_out`](Self::carry_out).
     pub fn serve(
         &mut self,
         elapsed: Periods,
@@ -204,8 +205,8 @@ impl Background {
             .poll(elapsed, snapshot, &self.params, &mut offer)
     }
 
-    /// Carries out what the device asks for. True where a parameter set came with it: it is in force here, and the owner
-    /// restarts the tick side with [`params`](Self::params), then says so with [`begin_anew`](Self::begin_anew).
+    /// Carries out the device's requests. True where a parameter set came with them: the set is in force here. The owner
+    /// then restarts the tick side with [`params`](Self::params) and calls [`begin_anew`](Self::begin_anew).
     #[must_use]
     pub fn carry_out(&mut self, port: &mut impl TickPort) -> bool {
         while port.has_room()
@@ -219,7 +220,7 @@ impl Background {
             port.signals(signals);
         }
         if port.has_room() && self.device.drops_tap() {
-            // Refused at the bus where that does not go.
+            // Where this is not possible, the device has refused it already.
             port.discard_tap();
         }
         let Some(params) = self.device.take_params() else {
@@ -230,15 +231,15 @@ impl Background {
         true
     }
 
-    /// The tick side has begun anew: from `position`, as far as that is known.
+    /// The tick side has started again, at `position` if it is known.
     pub fn begin_anew(&mut self, position: Option<Position>) {
         self.calls = Calls::new();
         self.planner
             .begin_anew(position.unwrap_or_default(), Epoch::default());
     }
 
-    /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
-    /// write has not been answered yet; of entries that come meanwhile only the newest counts.
+    /// The next write for the storage; the owner answers it with [`stored`](Self::stored). `None` where nothing is to be
+    /// stored, or where the last write has not been answered yet. Of entries that come meanwhile, only the newest counts.
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
         match self.journal.newest.as_ref() {
             Some(record) if self.journal.wanted && self.journal.under_way.is_none() => {
@@ -253,18 +254,18 @@ impl Background {
         }
     }
 
-    /// A region that is to be read now: what it holds is to be given back by [`loaded`](Self::loaded).
+    /// The next region to read; the owner answers with [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
         self.device.load()
     }
 
-    /// What the region holds that [`load`](Self::load) asked for.
+    /// The content of the region that [`load`](Self::load) asked for.
     pub fn loaded(&mut self, held: Held<'_>) {
         self.device.loaded(held);
     }
 
-    /// The last write that [`store`](Self::store) asked for has been done, or could not be. A parameter set may come
-    /// with it: [`carry_out`](Self::carry_out) says so.
+    /// The last write of [`store`](Self::store) has been done, or has failed. A parameter set may come into force with it:
+    /// [`carry_out`](Self::carry_out) says so.
     pub fn stored(
         &mut self,
         region: Region,
@@ -289,7 +290,7 @@ impl Background {
         self.journal.newest.as_ref()
     }
 
-    /// Takes what has happened: every event, in order.
+    /// Takes an event. The owner hands over every event, in order.
     pub fn note(&mut self, event: &Event) {
         self.device.note(event);
     }
@@ -299,7 +300,7 @@ impl Background {
         self.device.transmit()
     }
 
-    /// True while a call has not been planned and handed over.
+    /// True while a call has not been planned and queued.
     #[must_use]
     pub fn is_planning(&self) -> bool {
         self.planner.is_busy() || !self.calls.is_empty()
@@ -317,25 +318,25 @@ impl Background {
         self.device.is_transferring()
     }
 
-    /// True where a program runs whose next call has not come, and there would be room for it, or whose gateway has to take
-    /// what would be overwritten. In lock-step, time waits.
+    /// True where the next call of a running program has not come and would have room, or where the gateway must read what
+    /// would be overwritten. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
         self.device.awaits_program() && !self.calls.is_full() || self.device.awaits_reader()
     }
 
-    /// Says how many setpoints have come late for their SYNC since power-up.
+    /// Sets the number of setpoints that were late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
         self.device.set_late(late);
     }
 
-    /// Says how the CAN controller is; see [`Device::set_controller`]. What it asks for waits for
+    /// Sets the state of the CAN controller; see [`Device::set_controller`]. Requests wait for
     /// [`carry_out`](Self::carry_out).
     pub fn set_controller(&mut self, controller: Controller) {
         self.device.set_controller(controller, &self.params);
     }
 
-    /// The board as a node.
+    /// The board as a CANopen device.
     #[must_use]
     pub const fn device(&self) -> &Device {
         &self.device

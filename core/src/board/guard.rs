@@ -1,20 +1,20 @@
-//! While a tap is in a hole, nothing moves but the way out [D88], or deeper where K198 has left it
+//! The guard of a tap in its hole: only the way out may move [D88], or the same hole deeper where K198 has left the tap
 //! there in phase [D25].
 //!
-//! Set when the machine has come to rest with a tap in its hole: after power-up, a reset, an emergency stop or an alarm.
-//! All that was queued before has been forgotten then; so it is enough to look at calls as they are taken up. Behind K198 a
-//! reader of programs refuses the same by word and line; a board need not have been fed by one.
+//! The guard is set when the machine has come to rest with a tap in its hole: after power-up, a reset, an emergency stop or
+//! an alarm. The queue is empty then, so it is enough to check calls when they are opened. After K198 a reader of programs
+//! refuses the same calls by word and line; but a board need not get its calls from such a reader.
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::cycle::{MoveKind, Moves};
 use crate::journal::{TapHole, TapRecord};
 use crate::program::{Call, CallKind};
 
-/// The hole that is guarded, if one is.
+/// The guarded hole, if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard {
     hole: Option<TapHole>,
-    /// The program has left the tap there, and goes on.
+    /// The program has left the tap there and goes on.
     in_phase: bool,
 }
 
@@ -28,7 +28,7 @@ impl Guard {
         }
     }
 
-    /// By the newest entry of the tap journal.
+    /// A guard from the newest entry of the tap journal.
     #[must_use]
     pub fn of(tap: Option<&TapRecord>) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl Guard {
         }
     }
 
-    /// Behind a call with K198.
+    /// A guard after a call with K198.
     #[must_use]
     pub const fn in_phase(hole: TapHole) -> Self {
         Self {
@@ -46,11 +46,11 @@ impl Guard {
         }
     }
 
-    /// Lets a call in; a return opens the way for what comes behind it, and so does a tap in phase that goes on.
+    /// Admits a call. A return opens the way for the calls after it; so does a tap in phase that continues.
     ///
     /// # Errors
     /// [`Code::TapInHole`] for a call that moves an axis or commands a spindle, and for the end of a program that has left
-    /// the tap there.
+    /// the tap in its hole.
     #[inline(never)]
     pub fn admit(&mut self, call: &Call, moves: &Moves) -> Result<(), Alarm> {
         let Some(hole) = &self.hole else {

@@ -1,16 +1,15 @@
-//! The parameter sets that a board keeps: their bytes, and which of them counts at power-up.
+//! The parameter sets that a board keeps: their bytes, and the choice between them at power-up.
 //!
 //! ```text
 //! format (u16) · schema (u16) · number (u32) · image of the set (its table's key, values) · CRC-32 of all before
 //! ```
 //!
-//! Two places are used in turn. A set is stored beside the one in force, under the next number, and then a *mark* says
-//! which number is the newest. So a cut of the power leaves the old set or the new one, the set before it stays where it
-//! is, and a newest set that has been damaged is noticed, although what stored it may then show an older one in its
-//! place [D114].
+//! The board uses two places in turn. It stores a new set in the other place under the next number. Then it stores a *mark*
+//! with the number of the newest set. So a loss of power leaves the old set or the new one, and the set before stays in its
+//! place. A newest set that is damaged is noticed, although the storage may then return an older set in its place [D114].
 //!
-//! What is found wrong is never passed over: the board starts with the last good set, or with the built-in one, so that it
-//! can be talked to, and moves nothing until somebody has decided [D115]. A set of another parameter table is not read.
+//! A fault is never passed over. The board starts with the last good set, or with the built-in set, so that it can
+//! communicate; but it moves nothing until an operator has decided [D115]. A set of another parameter table is not read.
 //!
 //! Pure: bytes in, a decision out. Knows nothing of flash, of writing, or of the bus.
 
@@ -28,14 +27,14 @@ const SUM: usize = 4;
 /// One of the two places for a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
-    /// The one.
+    /// The first place.
     A,
-    /// The other.
+    /// The second place.
     B,
 }
 
 impl Slot {
-    /// The other one.
+    /// The other place.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {
@@ -44,7 +43,7 @@ impl Slot {
         }
     }
 
-    /// Where it is stored.
+    /// The region of the storage.
     #[must_use]
     pub const fn region(self) -> Region {
         match self {
@@ -54,7 +53,7 @@ impl Slot {
     }
 }
 
-/// A set on its way into a place.
+/// A set on its way to its place.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptSet<'a> {
     /// Its number: the highest is the newest.
@@ -66,9 +65,9 @@ pub struct KeptSet<'a> {
 /// Bytes that are no set of this table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeptError {
-    /// Damaged, or no set at all.
+    /// Damaged, or not a set at all.
     Damaged,
-    /// A whole one of another table: its number, schema and key.
+    /// A whole set of another table: its number, schema and key.
     Foreign {
         /// Number of the set.
         number: u32,
@@ -83,7 +82,7 @@ impl KeptSet<'_> {
     /// Bytes of a set.
     pub const BYTES: usize = HEAD + ImageWriter::BODY + SUM;
 
-    /// Puts the bytes at the beginning of `into`; how many there were and had room comes back.
+    /// Writes the bytes to the beginning of `into`. Returns the number of bytes that had room.
     pub fn fill(&self, into: &mut [u8]) -> usize {
         let [a, b] = FORMAT.to_le_bytes();
         let [c, d] = SCHEMA.to_le_bytes();
@@ -105,8 +104,8 @@ impl KeptSet<'_> {
         Self::BYTES.min(into.len())
     }
 
-    /// The number of the set that `bytes` are, which `params` is then; it has every value in its range, and has passed its
-    /// own checks.
+    /// Decodes `bytes` into `params` and returns the number of the set. Every value is then in its range, and the set has
+    /// passed its own checks.
     ///
     /// # Errors
     /// [`KeptError`]; `params` is then no usable set.
@@ -156,10 +155,10 @@ fn open(bytes: &[u8]) -> Result<(&[u8], u32), KeptError> {
 pub struct Mark(pub u32);
 
 impl Mark {
-    /// Bytes of it.
+    /// Number of bytes.
     pub const BYTES: usize = 8;
 
-    /// As bytes: the number and its CRC-32.
+    /// The bytes: the number and its CRC-32.
     #[must_use]
     pub fn encode(self) -> [u8; Self::BYTES] {
         let [a, b, c, d] = self.0.to_le_bytes();
@@ -167,7 +166,7 @@ impl Mark {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// The mark of `bytes`; `None` for what is none.
+    /// The mark in `bytes`; `None` where they are no mark.
     #[must_use]
     pub fn decode(bytes: &[u8]) -> Option<Self> {
         let bytes = <[u8; Self::BYTES]>::try_from(bytes).ok()?;
@@ -177,10 +176,10 @@ impl Mark {
     }
 }
 
-/// What a region held at power-up; `None`: nothing was ever stored in it.
+/// Content of a region at power-up. `None`: nothing was ever stored in it.
 pub type Held<'a> = Result<Option<&'a [u8]>, StoreError>;
 
-/// What a board has found of its parameters.
+/// The state of a board's stored parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Found {
     /// The newest set, whole.
@@ -188,11 +187,11 @@ pub enum Found {
     Newest,
     /// Nothing was ever stored.
     Nothing,
-    /// The newest is damaged; the one before is whole, and loaded.
+    /// The newest set is damaged. The set before is whole and loaded.
     Older,
-    /// What was stored is damaged; the built-in set is loaded.
+    /// The stored sets are damaged. The built-in set is loaded.
     Lost,
-    /// A set of another table; the built-in set is loaded.
+    /// A set of another table. The built-in set is loaded.
     Foreign {
         /// Number of its table.
         schema: u16,
@@ -202,7 +201,7 @@ pub enum Found {
 }
 
 impl Found {
-    /// Why nothing may move; `None` where it may.
+    /// The alarm that forbids motion; `None` where motion is allowed.
     #[must_use]
     pub fn alarm(self) -> Option<Alarm> {
         let (code, args) = match self {
@@ -222,28 +221,28 @@ impl Found {
         Some(Alarm::of(code, &args))
     }
 
-    /// What is told and stops nothing.
+    /// A warning that stops nothing.
     #[must_use]
     pub fn warning(self) -> Option<Alarm> {
         (self == Self::Nothing).then(|| Alarm::of(Code::ParametersBuiltIn, &[]))
     }
 }
 
-/// What is stored, as far as it is known.
+/// The known state of the storage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Shelved {
     /// The highest number given.
     pub number: u32,
-    /// Where the set that counts is, and its identity.
+    /// Place and identity of the set that counts.
     pub stored: Option<(Slot, u32)>,
-    /// Where the last good one before it is, and its identity.
+    /// Place and identity of the last good set before it.
     pub before: Option<(Slot, u32)>,
-    /// Where a set of another table is.
+    /// Place of a set of another table.
     pub foreign: Option<Slot>,
 }
 
 impl Shelved {
-    /// Where the next set goes: never over the one that has to stay.
+    /// The place for the next set: never the place of a set that must stay.
     pub fn next(&self) -> Slot {
         match (self.stored, self.before, self.foreign) {
             (Some((slot, _)), ..) | (None, Some((slot, _)), _) | (None, None, Some(slot)) => {
@@ -254,18 +253,18 @@ impl Shelved {
     }
 }
 
-/// What a board starts with: its parameter set, and what is to be said about it.
+/// The result of power-up: the parameter set of the board and the state of the storage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PowerUp {
-    /// The set to start with. Where [`found`](Self::found) is an alarm, to be talked to and no more.
+    /// The set to start with. Where [`found`](Self::found) is an alarm, it serves for communication only.
     pub params: Params,
-    /// What was found.
+    /// The state of the storage.
     pub found: Found,
     pub(super) shelved: Shelved,
 }
 
 impl PowerUp {
-    /// A board that is told its set and has none stored: simulations and tests that begin with a machine of their own.
+    /// For a board that is given its set and has none stored: simulations and tests that begin with a machine of their own.
     #[must_use]
     pub fn given(params: &Params) -> Self {
         Self {
@@ -275,7 +274,7 @@ impl PowerUp {
         }
     }
 
-    /// The decision over what the regions hold; `built_in` makes what the board has of its own.
+    /// Decides from the contents of the regions. `built_in` makes the board's built-in set.
     #[must_use]
     pub fn of(built_in: impl Fn() -> Params, mark: Held<'_>, a: Held<'_>, b: Held<'_>) -> Self {
         let mut up = Self {
@@ -312,7 +311,7 @@ fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
     let number = [a.number(), b.number(), mark.map(|mark| mark.0)];
     let number = number.into_iter().flatten().max().unwrap_or(0);
 
-    // None is below every number.
+    // `None` is below every number.
     let (newest, slot, other) = if b.number() > a.number() {
         (b, Slot::B, a)
     } else {
@@ -320,7 +319,7 @@ fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
     };
     let whole = |place: Place, slot: Slot| place.identity().map(|identity| (slot, identity));
     let (first, second) = (whole(newest, slot), whole(other, slot.other()));
-    // A set that is stored and not yet marked is stored.
+    // A set that is stored and not marked yet counts as stored.
     let is_newest = match mark {
         Some(mark) => newest.number() >= Some(mark.0),
         None => other != Place::Damaged,
@@ -349,7 +348,7 @@ fn decide(mark: Held<'_>, [a, b]: [Place; 2]) -> (Shelved, Found) {
     (shelved, found)
 }
 
-/// What one of the two places holds.
+/// Content of one of the two places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Empty,
@@ -436,7 +435,7 @@ mod tests {
             (one, Empty, Empty, (Found::Lost, [None, None], A)),
             (bad, Empty, Empty, (Found::Lost, [None, None], A)),
             (gone, Empty, Empty, (Found::Lost, [None, None], A)),
-            // Stored, and the power went before the mark.
+            // The set was stored, and the power went before the mark.
             (NONE, whole(1), Empty, (Found::Newest, [Some(1), None], B)),
             (
                 two,

@@ -1,10 +1,10 @@
-//! A board on a bus, for owners with one thread: routes frames, lets the device go on, carries out what it asks for.
+//! A board on a bus, for owners with one thread: routes frames, runs the device, and carries out the device's requests.
 //!
 //! ```text
 //! each frame ─► receive() ─► true: a drive's, keep it for tick()
 //! tick(), then send its frames
 //! event() until there is none; serve(); background() until there is no work
-//! transmit() as often as the bus has room: behind the frames of the tick, they come first
+//! transmit() as often as the bus has room, after the frames of the tick
 //! ```
 
 use super::queue::{Detours, Segments};
@@ -17,7 +17,7 @@ use crate::motion::Setpoint;
 use crate::params::Params;
 
 impl Board {
-    /// Joins a network as `node`: from now on it hears and says something. An NMT master starts it.
+    /// Joins a network as `node`: from now on the board hears and sends frames. An NMT master starts it.
     ///
     /// # Errors
     /// [`Code::BusOverload`](crate::alarm::Code::BusOverload) where the cycle leaves no room on the bus;
@@ -32,8 +32,7 @@ impl Board {
         self.background.params()
     }
 
-    /// Takes a frame from the bus. True where it is not for the board as a node: it belongs to the next
-    /// [`tick`](Self::tick).
+    /// Takes a frame from the bus. True for a frame of a drive: keep it for the next [`tick`](Self::tick).
     #[must_use]
     pub fn receive(&mut self, frame: &Frame) -> bool {
         let not_taken = self.background.receive(frame);
@@ -47,8 +46,8 @@ impl Board {
         self.carry_out();
     }
 
-    /// Lets the device go on: `elapsed` periods after the last call, after the tick that gave `setpoint`. True where a
-    /// call went to the planner.
+    /// Runs the device, `elapsed` periods after the last call, after the tick that gave `setpoint`. True where a call went
+    /// to the planner.
     pub fn serve(&mut self, elapsed: Periods, setpoint: &Setpoint) -> bool {
         // Before any call goes to the planner.
         self.heed();
@@ -78,18 +77,18 @@ impl Board {
         self.background.is_transferring()
     }
 
-    /// True where a program runs whose next call has not come, and there would be room for it. In lock-step, time waits.
+    /// True where the next call of a running program has not come and would have room. In lock-step, time waits.
     #[must_use]
     pub fn awaits_program(&self) -> bool {
         self.background.awaits_program()
     }
 
-    /// Says how many setpoints have come late for their SYNC since power-up.
+    /// Sets the number of setpoints that were late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
         self.background.set_late(late);
     }
 
-    /// Says how the CAN controller is; see [`Device::set_controller`](super::Device::set_controller).
+    /// Sets the state of the CAN controller; see [`Device::set_controller`](super::Device::set_controller).
     pub fn bus_state(&mut self, controller: Controller) {
         self.background.set_controller(controller);
         self.carry_out();
@@ -101,7 +100,7 @@ impl Board {
         self.background.device().may_rejoin()
     }
 
-    /// The board as a node.
+    /// The board as a CANopen device.
     #[must_use]
     pub const fn device(&self) -> &super::Device {
         self.background.device()
@@ -113,11 +112,11 @@ impl Board {
         }
     }
 
-    /// The application begins anew with the parameter set as it is now. Nothing moves; the drives are brought up again.
+    /// Starts the application again with the present parameter set. Nothing moves; the drives are enabled again.
     fn restart(&mut self) {
         let found = self.background.device().found();
         let Some(position) = self.ticker.begin_anew(self.background.params(), found) else {
-            // It has been checked before it was staged; or the board stays at rest [D148].
+            // The set was checked before it was staged; otherwise the board stays at rest [D148].
             return;
         };
         self.background.begin_anew(position);

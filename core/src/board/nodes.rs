@@ -1,4 +1,4 @@
-//! Where the drives are on the bus: the node numbers of a parameter set.
+//! Node numbers of the drives in a parameter set.
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::NodeId;
@@ -6,22 +6,22 @@ use crate::params::Params;
 use crate::program::TapSpindle;
 use crate::units::Axis;
 
-/// The node numbers of a machine's drives: one for each axis, and one after the other those of its spindles.
-// Copied in words.
+/// The node numbers of a machine's drives: one for each axis, and consecutive numbers for its spindles.
+// Copied word by word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(4))]
 pub struct DriveNodes {
     x: u8,
     z: u8,
     c: u8,
-    /// Of spindle 1.
+    /// Node of spindle 1.
     first: u8,
-    /// How many spindles there are, 1–4.
+    /// Number of spindles, 1–4.
     spindles: u8,
 }
 
 impl DriveNodes {
-    /// Those of a parameter set (9014–9016).
+    /// The node numbers in a parameter set (9014–9016).
     #[must_use]
     #[inline(never)]
     pub const fn of(params: &Params) -> Self {
@@ -34,8 +34,8 @@ impl DriveNodes {
         }
     }
 
-    /// That of an axis.
-    // The ranges of the parameters are within those of nodes.
+    /// The node of an axis.
+    // The parameters' ranges lie within the range of node numbers.
     #[must_use]
     pub const fn axis(&self, axis: Axis) -> NodeId {
         NodeId::nearest(match axis {
@@ -45,13 +45,13 @@ impl DriveNodes {
         })
     }
 
-    /// That of a spindle, whether the machine has it or not.
+    /// The node of a spindle, also where the machine does not have it.
     #[must_use]
     pub const fn spindle(&self, spindle: TapSpindle) -> NodeId {
         NodeId::nearest(self.first.wrapping_add(spindle.number()).wrapping_sub(1))
     }
 
-    /// The letter in messages of the drive that has this node, all spindles being S; `None` where none has.
+    /// The letter that messages use for the drive with this node; all spindles are S. `None` where no drive has it.
     #[must_use]
     pub const fn letter(&self, node: NodeId) -> Option<u8> {
         let node = node.get();
@@ -68,7 +68,7 @@ impl DriveNodes {
         }
     }
 
-    /// The place of the drive that has this node, in the order X, Z, C and the spindles; `None` where none has.
+    /// The place of the drive with this node in the order X, Z, C, spindles; `None` where no drive has it.
     pub(super) fn place(&self, node: NodeId) -> Option<usize> {
         let node = node.get();
         let spindle = node.wrapping_sub(self.first);
@@ -81,10 +81,10 @@ impl DriveNodes {
         }
     }
 
-    /// A board of this number can be the master of the drives.
+    /// Checks that a board with this number can be the master of the drives.
     ///
     /// # Errors
-    /// [`Code::DriveNodeOfBoard`] where one of them has it.
+    /// [`Code::DriveNodeOfBoard`] where a drive has this number.
     pub(super) fn spare(&self, board: NodeId) -> Result<(), Alarm> {
         let Some(letter) = self.letter(board) else {
             return Ok(());

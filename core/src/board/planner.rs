@@ -1,9 +1,9 @@
-//! The background: calls in, segments out.
+//! The planner: calls in, segments out.
 //!
-//! Expands one call after another, refuses what cannot be done before any of its moves, plans each move from where the
-//! one before ends. A pass of a thread is queued together with its retract. Unbounded only in how often it is called:
-//! one call of [`Planner::step`] does one small piece of work. Taking up a call, passes, holes and detours have files of
-//! their own. Knows nothing of ticks, drives or frames.
+//! It expands one call after another, refuses an impossible call before any of its moves, and plans each move from the end
+//! of the move before. A pass of a thread is queued together with its retract. One call of [`Planner::step`] does one small
+//! piece of work; only the number of steps is unbounded. Opening a call, passes, holes and detours have files of their own.
+//! Knows nothing of ticks, drives or frames.
 
 mod hole;
 mod open;
@@ -27,16 +27,16 @@ use crate::program::{CallKind, Position, SpindleCall, SpindleMode, TapNotes};
 use crate::signals::Signals;
 use crate::units::CentiRpm;
 
-/// What planning depends on besides the program.
+/// The inputs of planning in addition to the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
     /// The parameter set.
     pub params: &'a Params,
-    /// The limits made of it.
+    /// The limits that follow from it.
     pub limits: &'a Limits,
-    /// Spindle override in percent, as the operator has set it.
+    /// Spindle override in per cent, as the operator has set it.
     pub spindle_percent: u8,
-    /// The oldest segment in the queue is under way: it is there until it is done.
+    /// The oldest segment in the queue is under way. It stays in the queue until it is done.
     pub begun: bool,
     /// The inputs.
     pub signals: Signals,
@@ -51,49 +51,49 @@ struct Collecting {
     span: Span,
 }
 
-/// The state of the background.
+/// The state of the planner.
 #[derive(Debug)]
 pub struct Planner {
     moves: Option<Moves>,
     epoch: Epoch,
     /// The thread or hole being expanded, or the last one.
     cut: Cut,
-    /// The spindle override with which the call under expansion is planned.
+    /// The spindle override for which the call under expansion is planned.
     percent: u8,
-    /// The inputs when the last hole began: one that goes on after K198 keeps them.
+    /// The inputs at the start of the last hole. A hole that continues after K198 keeps them.
     hole_signals: Signals,
-    /// The call under expansion asks for the end of the program.
+    /// The call under expansion ends the program.
     ending: Option<Span>,
-    /// Where the last planned move ends.
+    /// End of the last planned move.
     position: Position,
-    /// Where the call under expansion starts: A of a cycle.
+    /// Start of the call under expansion: A of a cycle.
     home: Position,
     /// Moves so far.
     number: u32,
-    /// The synchronous moves of the pass being collected, and where it starts.
+    /// The synchronous moves of the pass being collected, and the start of this pass.
     pass: Vec<Move, 3>,
     pass_start: Position,
     pass_number: u32,
-    /// The plan being made, or waiting to be queued; that of an ordinary tapping call stays for all its holes.
+    /// The plan being made, or waiting for the queue. The plan of an ordinary tapping call stays for all its holes.
     plan: Option<Plan>,
-    /// A tap is being collected in it: from R until it is back there.
+    /// A tap is being collected in this plan: from R until the tap is back at R.
     tap: Option<Collecting>,
     /// The number of the first stroke of the ordinary hole being collected.
     float_number: Option<u32>,
-    /// The move being taken is the last of its hole.
+    /// The move being planned is the last of its hole.
     hole_ends: bool,
-    /// Planned and not queued yet; a pass waits here for its retract.
+    /// Segments that are planned and not queued yet. A pass waits here for its retract.
     planned: Vec<Segment, 4>,
     complete: bool,
     failed: bool,
     guard: Guard,
-    /// For the tap journal: S of the call under expansion, and what else it keeps of the program.
+    /// For the tap journal: S of the call under expansion, and other values of the program.
     infeed: CentiRpm,
     notes: TapNotes,
 }
 
 impl Planner {
-    /// Nothing to do, at a position.
+    /// No work, at a position.
     // Part of the background, which is written where it will be [D146].
     #[must_use]
     #[inline(always)]
@@ -129,16 +129,16 @@ impl Planner {
         }
     }
 
-    /// Forgets everything; the machine stands at `position`, and what is planned from now on is marked with `epoch`.
+    /// Drops everything. The machine stands at `position`, and segments planned from now on carry `epoch`.
     pub fn begin_anew(&mut self, position: Position, epoch: Epoch) {
-        // What is planned from now on is none of what was planned before: its number goes on.
+        // Segments planned from now on are new, so the number goes on.
         let number = self.cut.number;
         *self = Self::starting(position, epoch);
         self.cut.number = number;
     }
 
-    /// What the tick has to say: to forget everything, the calls not yet taken up too, or to plan a way out of the program.
-    /// `tap`: the newest entry of the tap journal, that of the same tick included.
+    /// Obeys the tick's message: drops everything, including calls that wait, or plans a way that is not in the program.
+    /// `tap`: the newest entry of the tap journal, including an entry of the same tick.
     pub fn heed(
         &mut self,
         notice: &Notice,
@@ -159,7 +159,7 @@ impl Planner {
         }
     }
 
-    /// What it plans is marked with this.
+    /// New segments carry this epoch.
     pub(super) const fn epoch(&self) -> Epoch {
         self.epoch
     }
@@ -170,7 +170,7 @@ impl Planner {
         self.moves.is_some() || !self.planned.is_empty() || self.ending.is_some()
     }
 
-    /// One piece of work. False where there is none that can be done now. A warning of the call just taken up comes back.
+    /// Does one piece of work. False where no work can be done now. Returns a warning of the call that was just opened.
     pub fn step(
         &mut self,
         calls: &mut CallOut<'_>,
@@ -199,7 +199,7 @@ impl Planner {
         {
             return (false, None);
         }
-        // Where a return begins is known when everything before it has been done.
+        // The start of a return is known once all earlier segments are done.
         if calls
             .peek()
             .is_some_and(|call| matches!(call.kind, CallKind::TapReturn(_)))
@@ -220,7 +220,7 @@ impl Planner {
         (true, warning)
     }
 
-    /// The next move of the call under expansion, or its end.
+    /// Plans the next move of the call under expansion, or ends this call.
     #[inline(never)]
     fn go_on(&mut self, settings: &Settings<'_>) {
         let Some(moves) = &mut self.moves else {
@@ -233,7 +233,7 @@ impl Planner {
             }
         } else {
             self.moves = None;
-            // A hole that stays locked ends at its bottom, and nothing stops there.
+            // A hole that stays locked ends at its bottom, and the machine does not stop there.
             self.hole_ends = false;
             if let Some(tap) = self.collected()
                 && !tap.part.returns
@@ -265,7 +265,7 @@ impl Planner {
         if segments.room() < self.planned.len() || (needs_plan && !segments.takes_plan()) {
             return false;
         }
-        // There is room; the answer is always yes.
+        // The queue has room, so the answer is always yes.
         if needs_plan && let Some(plan) = &self.plan {
             self.failed |= !segments.put_plan(plan);
         }
@@ -277,10 +277,10 @@ impl Planner {
         true
     }
 
-    // What is large on the stack is kept out of each other's frames here and in the
-    // files below: the planner of a pass is at the bottom of all of them [D140].
+    // Large values stay out of each other's stack frames, here and in the files below: the planner of a pass is at the
+    // bottom of all of them [D140].
 
-    /// Puts a segment behind what is planned and lets it all go to the queue.
+    /// Appends a segment to the planned ones and moves them all into the queue.
     fn queue(&mut self, span: Span, stops: Stops, action: Action) {
         self.put(self.number, span, stops, action);
         self.complete = true;
@@ -353,7 +353,7 @@ impl Planner {
         Ok(())
     }
 
-    /// A move that time drives.
+    /// A move driven by time.
     #[inline(never)]
     fn take_timed(
         &mut self,
@@ -384,7 +384,7 @@ impl Planner {
         Stops {
             hold_not_inside: behind_stroke,
             hold_not_before: behind_stroke,
-            // Threads stop at the end of each pass, a groove after every move (section 5 and 7 of the cycles' rules).
+            // Threads stop at the end of each pass, a groove stops after every move.
             single_block: !thread_cycle || tag.stage == Stage::Return,
             frozen: thread_cycle.then_some(self.percent),
             ..Stops::default()
@@ -392,7 +392,7 @@ impl Planner {
     }
 }
 
-/// Lets the oldest call go. Its copy, which the queue gives back, lies in no other frame.
+/// Drops the oldest call. The queue gives back a copy, which lies in no other stack frame.
 #[inline(never)]
 fn drop_oldest(calls: &mut CallOut<'_>) {
     take(calls);

@@ -1,4 +1,4 @@
-//! The strokes of a hole: collected from R until it is back there, and queued as one segment.
+//! The strokes of a hole: collected from R until the tap is back at R, and queued as one segment.
 
 use super::{Collecting, Planner, Settings};
 use crate::alarm::{Alarm, Code};
@@ -9,8 +9,8 @@ use crate::params::Params;
 use crate::program::TapMode;
 
 impl Planner {
-    /// True for a stroke of an ordinary tap, and for the dwell between two: the whole hole is one segment, planned when its
-    /// call was opened. It goes to the queue with its last stroke.
+    /// True for a stroke of an ordinary tap and for the dwell between two strokes. The whole hole is one segment, which was
+    /// planned when its call was opened. It is queued with the last stroke.
     pub(super) fn take_float(&mut self, next: &Move, settings: &Settings<'_>) -> bool {
         let closes = match &next.kind {
             MoveKind::Tap(tap) if tap.mode == TapMode::Floating => tap.closes,
@@ -35,7 +35,7 @@ impl Planner {
         true
     }
 
-    /// A stroke of a tap. Back at R the way through the hole is complete and goes to the queue as one segment.
+    /// Takes a stroke of a tap. Back at R the way through the hole is complete, and is queued as one segment.
     #[inline(never)]
     pub(super) fn take_stroke(
         &mut self,
@@ -50,7 +50,7 @@ impl Planner {
             Err(alarm) => return Err(*alarm),
         };
         if self.tap.is_none() {
-            // What is left of a hole, behind its pecks or in another block, is part of it.
+            // What remains of a hole after its pecks, or in another block, belongs to the hole.
             if self.cut.last {
                 self.cut = self.cut.next();
             }
@@ -79,7 +79,7 @@ impl Planner {
         }
         let taken = self.collected().is_some_and(|tap| tap.push(step));
         if !taken {
-            // Not reached: whatever the pecks, the way in and out has seven different steps at most.
+            // Not reached: with any pecks, the way in and out has at most seven different steps.
             return Err(Alarm::new(Code::TapCallRange, next.span));
         }
         if let Some(collected) = self.collected() {
@@ -103,7 +103,7 @@ impl Planner {
         }
     }
 
-    /// Lets the collected tap go to the queue.
+    /// Queues the collected tap.
     pub(super) fn close_tap(&mut self, settings: &Settings<'_>) {
         let Some(collecting) = self.tap.take() else {
             return;
@@ -115,7 +115,7 @@ impl Planner {
         self.put(collecting.number, collecting.span, stops, Action::Planned);
     }
 
-    /// Single block stops behind each hole with 5200.6 = 1, else behind the last one only ([G84/G88 sheet], its table).
+    /// With 5200.6 = 1 single block stops after each hole, otherwise after the last hole only ([G84/G88 sheet], its table).
     pub(super) fn tap_stops(&self, params: &Params) -> Stops {
         Stops {
             single_block: self.hole_ends,
@@ -126,14 +126,14 @@ impl Planner {
     }
 }
 
-/// True for the way out of a hole by itself.
+/// True for a way out of a hole without the way in.
 pub(super) fn is_return(next: &Move) -> bool {
     next.tag
         .as_ref()
         .is_some_and(|tag| tag.cycle == Cycle::G30P99)
 }
 
-/// True for the last move of a hole: never inside it, and the single block of a tapping cycle stops nowhere else.
+/// True for the last move of a hole. Single block in a tapping cycle stops only there, never inside a hole.
 pub(super) fn ends_hole(next: &Move, rest: &Moves) -> bool {
     let Some(tag) = next.tag.as_ref().filter(|tag| is_tap(tag)) else {
         return false;

@@ -1,4 +1,4 @@
-//! Taking up a call: when it may be, and refusing what cannot be done before any of its moves.
+//! Opens a call: decides when it may be opened, and refuses an impossible call before any of its moves.
 
 use super::{Planner, Settings};
 use crate::alarm::{Alarm, Span};
@@ -14,7 +14,7 @@ use crate::program::{
 use crate::signals::Signals;
 
 impl Planner {
-    /// Checks a call and makes it the one under expansion; `warning` becomes that of it.
+    /// Checks a call and makes it the call under expansion. `warning` receives its warning.
     #[inline(never)]
     pub(super) fn open(
         &mut self,
@@ -45,7 +45,7 @@ impl Planner {
             *warning = groove.warning();
         }
         self.guard.admit(call, moves)?;
-        // Before anything of the call moves; what has expanded once expands a second time to the same.
+        // Before any move of the call. A call that has expanded once expands again to the same moves.
         within_limits(moves, self.position, settings.params)?;
         self.home = self.position;
         self.percent = settings.spindle_percent;
@@ -114,7 +114,7 @@ impl Planner {
         Ok(())
     }
 
-    /// The way out of a hole, which the journal knows.
+    /// The way out of the hole in the journal.
     #[inline(never)]
     fn prepare_return(&mut self, call: &Call, settings: &Settings<'_>) -> Result<(), Alarm> {
         if let Some(record) = settings.tap {
@@ -125,13 +125,13 @@ impl Planner {
                 kind: MoveKind::Tap(out),
                 ..
             }))) => feasible::tap_return(out, call.span, settings.params)?,
-            // It was stopped where it is out.
+            // The tap was stopped where it is out of the hole.
             _ => self.put(self.number, call.span, Stops::default(), Action::TapOut),
         }
         Ok(())
     }
 
-    /// The inputs with which a call is carried out, whatever they do meanwhile.
+    /// The inputs for a call. Later changes of the inputs do not affect it.
     pub(super) const fn latch(&mut self, call: &Call, now: Signals) -> Signals {
         if let CallKind::Tap(tap) = &call.kind {
             if tap.continues {
@@ -143,7 +143,7 @@ impl Planner {
     }
 }
 
-/// A thread at the speed of its block, and at the override's where that makes it faster.
+/// Checks a thread at the speed of its block, and also with the override where that makes the spindle faster.
 #[inline(never)]
 fn can_cut(thread: &ThreadCall, span: Span, settings: &Settings<'_>) -> Result<(), Alarm> {
     let (rpm, percent) = (thread.rpm, settings.spindle_percent);
@@ -159,9 +159,9 @@ fn within_limits(moves: &Moves, from: Position, params: &Params) -> Result<(), A
     feasible::within_limits(moves, from, params)
 }
 
-/// How many segments may be left in the queue when a call is taken up. The override of a thread cycle is that of its
-/// beginning: only the move before it may be, and that under way. The signals of a hole are those of its beginning, too:
-/// nothing may be left.
+/// The most segments that may be left in the queue when a call is opened. The override of a thread cycle is the override at
+/// its beginning, so only the move before it and the move under way may be left. The signals of a hole are the signals at
+/// its beginning too: no segment may be left.
 pub(super) fn before(call: &Call, settings: &Settings<'_>) -> usize {
     const fn by_signal(spindle: SpindleChoice) -> bool {
         matches!(spindle, SpindleChoice::Signals { .. })

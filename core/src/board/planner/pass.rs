@@ -1,4 +1,4 @@
-//! A pass of a thread: planned with all its strokes, queued together with its retract.
+//! A pass of a thread: planned with all its strokes, and queued together with its retract.
 
 use super::{Planner, Settings};
 use crate::alarm::Alarm;
@@ -9,7 +9,7 @@ use crate::program::Position;
 use crate::units::{Length, Rpm, TurnRate};
 
 impl Planner {
-    /// Plans the strokes collected, of which `last` is the last.
+    /// Plans the collected strokes. `last` is the last of them.
     #[inline(never)]
     pub(super) fn plan_pass(
         &mut self,
@@ -24,7 +24,7 @@ impl Planner {
             settings.params,
             TurnRate::of_rpm(rpm),
         );
-        // A plan is large, and stays where it is made until it lies where it waits.
+        // A plan is large, so it stays where it was made until it is copied to the place where it waits.
         let plan = match &made {
             Ok(plan) => plan,
             Err(alarm) => return Err(*alarm),
@@ -49,7 +49,7 @@ impl Planner {
             rpm,
         }));
         self.put(self.pass_number, last.span, stops, Action::Planned);
-        // Where the short axis could not make up its lag inside K, time brings it to the end of the run-out.
+        // Where the short axis could not make up its lag within K, a move by time brings it to the end of the run-out.
         if end != last.to {
             let stops = Stops {
                 hold_not_before: true,

@@ -1,4 +1,4 @@
-//! The ways the tick asks for: planned into a queue of their own.
+//! Plans the ways that the tick asks for, into a queue of their own.
 
 use crate::alarm::Span;
 use crate::board::detour::Route;
@@ -6,7 +6,8 @@ use crate::board::queue::{DetourIn, put};
 use crate::cycle::{Move, MoveKind};
 use crate::motion::{Action, Cut, Limits, Segment, Stops, plan};
 
-/// Plans a detour into its own queue, a mark behind it. A leg that cannot be planned ends it there: the tool stands.
+/// Plans a detour into its own queue, with a mark after the last leg. A leg that cannot be planned ends the detour before
+/// it: the tool stands there.
 pub(super) fn plan_route(route: &Route, limits: &Limits, queue: &mut DetourIn<'_>) {
     let mut at = route.from;
     let stops = Stops {
