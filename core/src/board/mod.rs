@@ -1,17 +1,17 @@
 //! The board: calls, frames and encoder samples in; frames, events and setpoints out. Sans-IO.
 //!
-//! Two contexts. The **tick** ([`Ticker`], one SYNC period, bounded) observes the spindle, watches the drives, executes
-//! segments and makes frames. The **background** ([`Background`]) speaks on the bus ([`Device`]), stores parameters, and
-//! expands and plans calls ([`Planner`]). Single-producer queues join the two contexts. The other way goes one message:
-//! start afresh from here, or plan this way. A planned segment carries the [`Epoch`] in which it was planned, and the tick
-//! drops segments that are older than its last start, so the two contexts need not agree on the moment. The background
-//! obeys the tick's message before it takes further calls.
+//! Two contexts. The **tick** ([`Ticker`], one SYNC period, bounded) observes the spindle, supervises the drives, executes
+//! segments and makes frames. The **background** ([`Background`]) communicates on the bus ([`Device`]), stores parameters,
+//! and expands and plans calls ([`Planner`]). Single-producer queues join the two contexts. In the other direction goes one
+//! message: start again from here, or plan this way. A planned segment carries the [`Epoch`] in which it was planned, and
+//! the tick drops segments that are older than its last start, so the two contexts need not agree on the moment. The
+//! background obeys the tick's message before it takes further calls.
 //!
 //! ```text
 //!          calls          segments                       SYNC, RPDOs
-//! gateway ──────► Planner ──────► Ticker ──────────────────────► drives
-//!                      ▲               │ ▲
-//!                      └─── notice ────┘ └── encoder sample, TPDOs
+//! gateway ──────► Planner ────────► Ticker ────────────────────► drives
+//!                    ▲                │ ▲
+//!                    └──── notice ────┘ └── encoder sample, TPDOs
 //! ```
 //!
 //! Terms: a *period* is the time between two SYNCs; a *setpoint* computed in period k takes effect at SYNC(k+1) plus the
@@ -66,8 +66,8 @@ use crate::signals::Signals;
 use crate::spindle::EncoderSample;
 pub use queue::{Calls, DetourIn, DetourOut, Detours, Events, SegmentIn, SegmentOut, Segments};
 
-/// A motion board with both its contexts, called in turn from one thread (simulation, tests). Firmware takes the same
-/// two halves apart.
+/// A motion board with both contexts, called in turn from one thread (simulation, tests). Firmware runs the same two halves
+/// in two contexts.
 #[derive(Debug)]
 pub struct Board {
     segments: Segments,
@@ -75,11 +75,11 @@ pub struct Board {
     events: Events,
     ticker: Ticker,
     background: Background,
-    /// What the next measured angle is judged by.
+    /// The data for judging the next measured angle.
     reference: Reference,
 }
 
-/// With one thread there is nothing in between.
+/// With one thread there is no queue between the two halves.
 impl TickPort for Ticker {
     fn has_room(&self) -> bool {
         true
@@ -104,7 +104,7 @@ impl TickPort for Ticker {
     }
 
     fn discard_tap(&mut self) {
-        // Where that does not go, nothing changes.
+        // Where this is not possible, nothing changes.
         let _ = Self::discard_tap(self);
     }
 
@@ -114,9 +114,9 @@ impl TickPort for Ticker {
 }
 
 impl Board {
-    /// A board at power-up. `remembered`: where the machine stood, if known; it counts where the drives' positions agree
-    /// with it to their increment. `tap`: the stored entry of the tap journal. Where it says that a tap is in its hole, the
-    /// reference of the tap axis counts as lost: wherever its drive says it is, it stands at the bottom [D26].
+    /// A board at power-up. `remembered`: the last position of the machine, if known; it counts where the drives' positions
+    /// agree with it to their increment. `tap`: the stored entry of the tap journal. If it says that a tap is in its hole,
+    /// the reference of the tap axis counts as lost: whatever its drive says, the axis stands at the bottom [D26].
     ///
     /// # Errors
     /// [`Code::ParametersUnusable`] for a set that does not pass its own checks.
@@ -139,8 +139,8 @@ impl Board {
         })
     }
 
-    /// A board at power-up with what it has kept. It starts with that set, and where something is wrong with it, an alarm
-    /// withholds all motion until a set has been taken. `remembered` and `tap`: as for [`new`](Self::new).
+    /// A board at power-up with its stored parameters. It starts with that set. If the set is faulty, an alarm withholds
+    /// all motion until the board has accepted a set. `remembered` and `tap`: as for [`new`](Self::new).
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -155,15 +155,15 @@ impl Board {
         Ok(board)
     }
 
-    /// Hands a call over. False, and nothing changes, where there is no room for it now, or while the machine starts, stops
-    /// or stands on an alarm: whatever it is given then belongs to what has to be forgotten.
+    /// Hands a call over. Returns false and changes nothing where there is no room now, or while the machine starts, stops
+    /// or stands on an alarm, because such a call would have to be dropped.
     #[must_use]
     pub fn offer(&mut self, call: &Call) -> bool {
         self.heed();
         self.background.offer(call, &mut self.ticker)
     }
 
-    /// One piece of background work. False where there is none that can be done now.
+    /// Does one piece of background work. False where no work can be done now.
     pub fn background(&mut self) -> bool {
         self.heed();
         let (operator, begun) = (self.ticker.operator(), self.ticker.has_begun());
@@ -172,7 +172,7 @@ impl Board {
         if let Some(warning) = warning
             && self.events.enqueue(Event::Warning(warning)).is_err()
         {
-            // The reader is behind; `check` has shown it before.
+            // The queue of events is full; `check` has shown this before.
         }
         worked
     }
@@ -193,7 +193,7 @@ impl Board {
         }
     }
 
-    /// What the tick has said comes before everything else the background does.
+    /// The background obeys the tick's message before any other work.
     fn heed(&mut self) {
         if let Some(notice) = self.ticker.notice() {
             let (mut detours, _) = self.detours.split();
@@ -207,28 +207,28 @@ impl Board {
         self.ticker.command(command);
     }
 
-    /// Sets the inputs; they act in the next tick, and on the next call that is taken up.
+    /// Sets the inputs. They act in the next tick, and on the next call that is opened.
     pub const fn signals(&mut self, signals: Signals) {
         self.ticker.signals(signals);
     }
 
-    /// What is to be stored now: to be given back by [`stored`](Self::stored). `None` where nothing is, or where the last
-    /// write has not been answered yet; of entries that come meanwhile only the newest counts.
+    /// The next write for the storage; the owner answers it with [`stored`](Self::stored). `None` where nothing is to be
+    /// stored, or where the last write has not been answered yet. Of entries that come meanwhile, only the newest counts.
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
         self.background.store()
     }
 
-    /// A region that is to be read now: what it holds is to be given back by [`loaded`](Self::loaded).
+    /// The next region to read; the owner answers with [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
         self.background.load()
     }
 
-    /// What the region holds that [`load`](Self::load) asked for.
+    /// The content of the region that [`load`](Self::load) asked for.
     pub fn loaded(&mut self, held: Held<'_>) {
         self.background.loaded(held);
     }
 
-    /// The last write that [`store`](Self::store) asked for has been done, or could not be.
+    /// The last write of [`store`](Self::store) has been done, or has failed.
     pub fn stored(&mut self, region: Region, result: Result<(), StoreError>) {
         self.background.stored(region, result, &mut self.ticker);
         self.carry_out();
@@ -240,8 +240,8 @@ impl Board {
         self.background.tap_record()
     }
 
-    /// Drops the entry of a tap that is in its hole: there is none, says who calls this. It acts with the next tick. False,
-    /// and nothing changes, where there is none, or while the machine moves.
+    /// Drops the entry of a tap in its hole: the caller says that the tap is out. It acts with the next tick. Returns false
+    /// and changes nothing where there is no entry, or while the machine moves.
     pub fn discard_tap(&mut self) -> bool {
         self.ticker.discard_tap()
     }
@@ -253,7 +253,7 @@ impl Board {
         Some(event)
     }
 
-    /// True while anything handed over has not been carried out.
+    /// True while a call that was handed over has not been carried out.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         let forgotten = matches!(self.ticker.notice(), Some(Notice::Restart(..)));
@@ -264,7 +264,7 @@ impl Board {
             || !matches!(self.ticker.state(), State::Idle | State::Alarm(_))
     }
 
-    /// The tick side, for what it can tell.
+    /// The tick side, to read from.
     #[must_use]
     pub const fn ticker(&self) -> &Ticker {
         &self.ticker
@@ -279,7 +279,7 @@ impl Board {
         }
     }
 
-    /// The line on which axis and spindle of a rigid tap under way are; `None` outside.
+    /// The line that axis and spindle of a rigid tap under way follow; `None` outside.
     #[must_use]
     pub fn tap_line(&self) -> Option<TapLine> {
         match self.law()? {

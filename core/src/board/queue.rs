@@ -1,9 +1,9 @@
 //! The single-producer queues between the two contexts.
 //!
-//! What is bound to the spindle has a plan several times as large as a segment, and few of the segments queued at a time
-//! are such: so there are two queues, one of segments and one of [plans](Plan), in the same order [D139]. A plan is put in
-//! before the segment it belongs to and goes with it: where the oldest segment is [`Action::Planned`], the oldest plan is
-//! its own.
+//! A segment that follows the spindle has a plan, which is several times as large as a segment, and only few segments in
+//! the queue have one. So there are two queues in the same order: one of segments and one of [plans](Plan) [D139]. A plan
+//! is put in before its segment and removed together with it: if the oldest segment is [`Action::Planned`], the oldest plan
+//! belongs to it.
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
@@ -11,26 +11,26 @@ use super::event::Event;
 use crate::motion::{Action, Plan, Segment, Task};
 use crate::program::Call;
 
-/// Calls a board holds; one place of a ring stays empty.
+/// Calls in the queue of a board. One place of a ring stays empty.
 pub const CALLS: usize = 4;
-/// Segments planned ahead, the one under way and the place that stays empty.
+/// Segments: those planned ahead, the one under way, and the place that stays empty.
 pub const SEGMENTS: usize = 9;
-/// Plans among them: one under way, the next, and the place that stays empty. A stroke begins when what follows it is in
-/// the queue: for strokes of a thread that follow each other without a move between them, the next one.
+/// Plans: the one under way, the next, and the place that stays empty. A stroke begins only when the segment after it is in
+/// the queue. For strokes of a thread without a move between them, this is the next stroke.
 pub const PLANS: usize = 3;
-/// Segments of a detour: two legs and the mark behind them, what may be left of the detour before, and the place that
-/// stays empty. The tick drops what is left before it begins a leg.
+/// Segments of a detour: two legs and the mark after them, the rest of an earlier detour, and the place that stays empty.
+/// The tick drops the rest before it begins a leg.
 pub const DETOURS: usize = 7;
-/// Events not yet read, and the place that stays empty. Each segment makes two at
-/// most, and while the background plans, which is the longest it does without
-/// reading, no more than the segments queued are begun; what is left is for a stop.
+/// Events that are not read yet, and the place that stays empty. A segment makes at most two events. The longest time
+/// without reading is while the background plans; in this time, only segments that are already in the queue begin. The
+/// other places are for a stop.
 pub const EVENTS: usize = 2 * (SEGMENTS - 1) + 4;
 
-/// Calls on their way to the background.
+/// Calls on their way to the planner.
 pub type Calls = Queue<Call, CALLS>;
-/// Segments of a detour on their way to the tick; none of them has a plan.
+/// Segments of a detour on their way to the tick. None of them has a plan.
 pub type Detours = Queue<Segment, DETOURS>;
-/// Events on their way out.
+/// Events on their way to the owner.
 pub type Events = Queue<Event, EVENTS>;
 
 /// The background's end of the calls.
@@ -62,7 +62,7 @@ pub struct SegmentOut<'a> {
 }
 
 impl Segments {
-    /// None yet.
+    /// Empty queues.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -87,14 +87,14 @@ impl Segments {
         )
     }
 
-    /// The oldest one.
+    /// The oldest segment, with its plan.
     #[must_use]
     pub fn peek(&self) -> Option<Task<'_>> {
         let segment = self.segments.peek()?;
         Some(task(segment, || self.plans.peek()))
     }
 
-    /// True where there is none.
+    /// True where there is no segment.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.segments.is_empty()
@@ -108,31 +108,31 @@ impl Default for Segments {
 }
 
 impl SegmentIn<'_> {
-    /// How many segments still have room.
+    /// Free places for segments.
     #[must_use]
     pub fn room(&self) -> usize {
         room(&self.segments)
     }
 
-    /// True where a plan has room, too.
+    /// True where there is a free place for a plan.
     #[must_use]
     pub fn takes_plan(&self) -> bool {
         room(&self.plans) > 0
     }
 
-    /// How many segments there are.
+    /// Number of segments.
     #[must_use]
     pub fn filled(&self) -> usize {
         filled(&self.segments)
     }
 
-    /// Puts a plan in: that of the next segment that has one. False where there is no room.
+    /// Appends a plan. It belongs to the next segment that has a plan. False where there is no room.
     #[must_use]
     pub fn put_plan(&mut self, plan: &Plan) -> bool {
         put(&mut self.plans, *plan).is_ok()
     }
 
-    /// Puts a segment in. False where there is no room.
+    /// Appends a segment. False where there is no room.
     #[must_use]
     pub fn put(&mut self, segment: &Segment) -> bool {
         put(&mut self.segments, *segment).is_ok()
@@ -140,16 +140,16 @@ impl SegmentIn<'_> {
 }
 
 impl SegmentOut<'_> {
-    /// The oldest one.
+    /// The oldest segment, with its plan.
     #[must_use]
     pub fn peek(&self) -> Option<Task<'_>> {
         let segment = self.segments.peek()?;
         Some(task(segment, || self.plans.peek()))
     }
 
-    /// Lets the oldest one go, its plan with it.
+    /// Removes the oldest segment and its plan.
     pub fn take(&mut self) {
-        // Looked at before it goes: taken out to be looked at it would be copied.
+        // Looked at while it is in the queue: after removal it would be a copy.
         let planned = self
             .head()
             .is_some_and(|oldest| matches!(oldest.action, Action::Planned));
@@ -159,19 +159,19 @@ impl SegmentOut<'_> {
         }
     }
 
-    /// The oldest one, without its plan.
+    /// The oldest segment without its plan.
     #[must_use]
     pub fn head(&self) -> Option<&Segment> {
         self.segments.peek()
     }
 
-    /// Lets all of them go, and every plan. Nothing is put in meanwhile.
+    /// Removes all segments and all plans. Nobody may append meanwhile.
     pub fn clear(&mut self) {
         while take(&mut self.segments).is_some() {}
         while take(&mut self.plans).is_some() {}
     }
 
-    /// True where something waits behind the oldest one.
+    /// True where the oldest segment is not the only one.
     #[must_use]
     pub fn has_second(&self) -> bool {
         self.segments.capacity() != usize::MAX && self.segments.len() > 1
@@ -186,10 +186,11 @@ fn task<'a>(segment: &'a Segment, plan: impl FnOnce() -> Option<&'a Plan>) -> Ta
     Task { segment, plan }
 }
 
-// The ends do not carry the size of their ring in their type, and heapless divides by it. Each function below first says
-// that it is not zero (a ring of no places would have a capacity of −1), so that no panic is left to be reached.
+// The ends do not have the size of their ring in their type, and heapless divides by this size. Each function below first
+// makes sure that the size is not zero (a ring without places would have a capacity of −1), so that no panic can be
+// reached.
 
-/// Puts `value` into a queue, or gives it back where there is no room.
+/// Appends `value`, or returns it where there is no room.
 pub fn put<T>(queue: &mut Producer<'_, T>, value: T) -> Result<(), T> {
     if queue.capacity() == usize::MAX {
         return Err(value);
@@ -197,12 +198,12 @@ pub fn put<T>(queue: &mut Producer<'_, T>, value: T) -> Result<(), T> {
     queue.enqueue(value)
 }
 
-/// How many entries a producer's queue holds.
+/// Number of entries in a producer's queue.
 pub fn filled<T>(queue: &Producer<'_, T>) -> usize {
     queue.capacity().saturating_sub(room(queue))
 }
 
-/// Takes the oldest entry.
+/// Removes and returns the oldest entry.
 pub fn take<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
     if queue.capacity() == usize::MAX {
         return None;
@@ -210,7 +211,7 @@ pub fn take<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
     queue.dequeue()
 }
 
-/// Lets the oldest entry go where it is.
+/// Removes the oldest entry in place.
 #[inline(always)]
 fn drop_oldest<T: Copy>(queue: &mut Consumer<'_, T>) {
     if queue.ready() && queue.capacity() != usize::MAX {
@@ -218,7 +219,7 @@ fn drop_oldest<T: Copy>(queue: &mut Consumer<'_, T>) {
     }
 }
 
-/// How many entries still have room.
+/// Number of free places.
 pub fn room<T>(queue: &Producer<'_, T>) -> usize {
     let capacity = queue.capacity();
     if capacity == usize::MAX {

@@ -1,5 +1,4 @@
-//! How far an axis that is held to the spindle is from where it should be, found out one tick later: at the angle that has
-//! been measured since.
+//! The error of an axis that is held to the spindle. It is found one tick later, from the angle measured since.
 
 use super::ticker::Ticker;
 use crate::link::ThreadKind;
@@ -7,24 +6,24 @@ use crate::motion::{Cut, Law, Setpoint, Task};
 use crate::program::{Position, TapAxis, TapSpindle};
 use crate::units::Length;
 
-/// What the next measured angle is judged by; nothing at first.
+/// The data for judging the next measured angle. At first there are none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reference(Option<Held>);
 
-/// How far an axis that is held to the spindle was from where it should have been, and what it was cutting.
+/// The error of an axis that was held to the spindle, and the cut it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measured {
-    /// Where it was, less where it should have been.
+    /// Actual setpoint minus ideal setpoint.
     pub error: Length,
     /// Source line.
     pub line: u32,
-    /// By what it was held.
+    /// How the axis was held.
     pub kind: ThreadKind,
-    /// In which thread or hole.
+    /// The thread or hole.
     pub cut: Cut,
 }
 
-/// The law an axis follows, where it was told to be, and for what.
+/// The law of an axis, its setpoint, and the cut.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     law: Law,
@@ -67,8 +66,9 @@ impl Held {
 }
 
 impl Reference {
-    /// Behind a tick that gave `setpoint`: the error of the setpoint before, which has taken effect by now, at the
-    /// angle just measured; `None` where no axis was held to the spindle. `head`: the head of the program's queue.
+    /// The error of the setpoint before `setpoint`. That setpoint has taken effect by now, and the error is judged at the
+    /// angle just measured. `None` where no axis was held to the spindle. `head`: the head of the program's queue. Call
+    /// this after the tick.
     pub fn error(
         &mut self,
         ticker: &Ticker,
@@ -80,13 +80,13 @@ impl Reference {
         measured
     }
 
-    /// The same where ticks were missed, or none was taken: nothing is judged.
+    /// As [`error`](Self::error), without judging: for missed ticks, or where no tick was taken.
     pub fn renew(&mut self, ticker: &Ticker, head: Option<Task<'_>>, setpoint: &Setpoint) {
         self.0 = None;
         if setpoint.locked
             && let Some(task) = head
             && let Some(law) = ticker.law(head)
-            // No encoder on the board measures the spindles that only tap [D91].
+            // The board has no encoder for the spindles that only tap [D91].
             && (ticker.tap_spindle() == TapSpindle::First || !matches!(law, Law::Tap(_)))
         {
             self.0 = Some(Held {

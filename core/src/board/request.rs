@@ -1,17 +1,17 @@
 //! Writes and reads that the board asks for and its owner carries out: storage as an effect.
 //!
-//! The board says which bytes belong in which region, and is told when they are there; or which region it wants, and is
-//! told what that holds. Knows nothing of flash.
+//! For a write, the board names bytes and region, and the owner reports when it is done. For a read, the board names a
+//! region, and the owner returns its content. Knows nothing of flash.
 
 use super::kept::{KeptSet, Mark};
 use super::store::{Region, copy};
 use crate::journal::TapRecord;
 
 impl Region {
-    /// The most bytes that any of them holds.
+    /// The most bytes of a region.
     pub const LONGEST: usize = KeptSet::BYTES;
 
-    /// The bytes it holds.
+    /// Bytes of the region.
     #[must_use]
     pub const fn bytes(self) -> usize {
         match self {
@@ -30,15 +30,16 @@ const _: () = {
     }
 };
 
-/// Bytes to be stored. They are put into a buffer of the owner's, who keeps it until the write is done and says so.
+/// A request to store bytes. They are copied into a buffer of the owner, who keeps the buffer until the write is done and
+/// reports the result.
 #[derive(Clone, Copy, Debug)]
 pub struct StoreRequest<'a> {
-    /// Where they belong.
+    /// The region.
     pub region: Region,
     pub(super) content: Content<'a>,
 }
 
-/// What a request is made of.
+/// The sources of a request's bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Content<'a> {
     Tap([u8; TapRecord::BYTES]),
@@ -47,8 +48,8 @@ pub(super) enum Content<'a> {
 }
 
 impl StoreRequest<'_> {
-    /// Puts the bytes at the beginning of `into`, which has room for [`Region::bytes`]; what there is no room for is left
-    /// out. Those put there come back.
+    /// Writes the bytes to the beginning of `into` and returns them. `into` needs [`Region::bytes`]; bytes without room are
+    /// left out.
     pub fn fill<'b>(&self, into: &'b mut [u8]) -> &'b [u8] {
         let length = match &self.content {
             Content::Tap(bytes) => copy(bytes, into),

@@ -1,4 +1,4 @@
-//! What the tick looks like from outside, at one instant: made between two ticks, never in one.
+//! The state of the tick side at one instant, for readers outside. It is made between two ticks, never in a tick.
 
 use super::operator::Operator;
 use super::ticker::{Outcome, State, Ticker};
@@ -10,7 +10,7 @@ use crate::program::TapSpindle;
 use crate::signals::Signals;
 use crate::units::{Rpm, TurnRate, Turns};
 
-/// The operator's contacts, on a board that has pins for them. Only what is told of them: what follows from them are
+/// The operator's contacts on a board with pins for them. This is their state only; their effects are
 /// [commands](super::Command).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Contacts {
@@ -23,34 +23,34 @@ pub struct Contacts {
 /// The tick side of a board between two ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapshot {
-    /// Where the machine is.
+    /// The state of the machine.
     pub state: State,
     /// The last setpoint.
     pub setpoint: Setpoint,
     /// A program is under way.
     pub in_program: bool,
-    /// Of the last segment that was carried to its end.
+    /// The thread or hole of the last segment that was carried to its end.
     pub done: Cut,
     /// Angle of the spindle at the last SYNC.
     pub spindle: Turns,
-    /// Its measured speed.
+    /// Measured speed of the spindle.
     pub speed: TurnRate,
-    /// Its commanded speed, override included.
+    /// Commanded speed of the spindle, override included.
     pub command: Rpm,
-    /// Its power stage is needed: see [`Ticker::needs_spindle`].
+    /// The spindle's power stage is needed: see [`Ticker::needs_spindle`].
     pub needs_spindle: bool,
-    /// The spindle that is in position mode while one is.
+    /// The spindle in position mode, or the last one.
     pub spindle_in_use: TapSpindle,
     /// The newest entry of the tap journal.
     pub tap: Option<TapRecord>,
-    /// What the operator has set.
+    /// The operator's settings.
     pub operator: Operator,
-    /// His contacts: as in [`Contacts::default`] where the board has none.
+    /// The operator's contacts; [`Contacts::default`] where the board has none.
     pub contacts: Contacts,
 }
 
 impl Snapshot {
-    /// As it is after the tick that gave `setpoint`, with contacts like these.
+    /// The state after the tick that gave `setpoint`, with these contacts.
     #[must_use]
     pub fn new(ticker: &Ticker, setpoint: &Setpoint, contacts: Contacts) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl Snapshot {
         }
     }
 
-    /// What the machine is doing, in one word.
+    /// The state of the machine in one word.
     #[must_use]
     pub const fn board_state(&self) -> BoardState {
         match (self.state, self.setpoint.motion) {
@@ -80,14 +80,14 @@ impl Snapshot {
             (_, Motion::Dwell) => BoardState::Dwell,
             (_, Motion::Wait) => BoardState::Wait,
             (_, Motion::Run) => BoardState::Run,
-            // The next segment is not there yet.
+            // The next segment is not in the queue yet.
             (State::Running, Motion::Idle) => BoardState::Wait,
             (State::Idle, Motion::Idle) if self.in_program => BoardState::Wait,
             (State::Idle, Motion::Idle) => BoardState::Idle,
         }
     }
 
-    /// The alarm it stops or stands on.
+    /// The alarm on which it stops or stands.
     #[must_use]
     pub const fn alarm(&self) -> Option<&Alarm> {
         match &self.state {
@@ -96,10 +96,10 @@ impl Snapshot {
         }
     }
 
-    /// Object 5060h: the [bits](Signals::bits) of the inputs, and what is mirrored behind them [D164]. Feed hold and
-    /// emergency stop are told while their contact says so or while they act: the hold until it is resumed or reset, the
-    /// stop until its alarm is.
-    // Two ask for it.
+    /// Object 5060h: the [bits](Signals::bits) of the inputs, and mirrored bits after them [D164]. Feed hold and emergency
+    /// stop are 1 while their contact is active or while they act: the hold until resume or reset, the stop until the reset
+    /// of its alarm.
+    // Two functions call it.
     #[inline(never)]
     #[must_use]
     pub fn signals(&self) -> u16 {
@@ -118,7 +118,7 @@ impl Snapshot {
         bits
     }
 
-    /// Nothing moves, and nothing is about to: parameters may change.
+    /// Nothing moves or is about to move: parameters may change.
     #[must_use]
     pub const fn is_at_rest(&self) -> bool {
         match self.state {

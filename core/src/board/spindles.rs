@@ -1,8 +1,8 @@
-//! The drives of the spindles: spindle 1, which turns and taps, and those from 2 on, which only tap.
+//! The drives of the spindles: spindle 1 turns and taps, the spindles from 2 on only tap.
 //!
-//! One of them is *selected*: it is commanded in every period. The others stand in speed mode and are looked after in turn,
-//! one in a period, so that the bus and the tick carry one more drive and not three [D91]. Spindle 1 has its encoder on the
-//! board; for the others what their drive tells counts. Knows nothing of taps or programs.
+//! One spindle is *selected*: its drive gets a command in every period. The others stand in speed mode and are served in
+//! turn, one in a period, so that bus and tick carry one more drive and not three [D91]. The board has an encoder for
+//! spindle 1. For the other spindles, the position that their drive reports counts. Knows nothing of taps or programs.
 
 use crate::alarm::Alarm;
 use crate::bus::{
@@ -12,35 +12,35 @@ use crate::bus::{
 use crate::program::TapSpindle;
 use crate::units::{Divisor, Turns, signed_product};
 
-/// What the spindle is to do at the next SYNC.
+/// The command to the spindle for the next SYNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spindle {
     /// Turn at a speed.
     Speed(MilliRpm),
-    /// Be at an angle.
+    /// Stand at an angle.
     Angle(Turns),
 }
 
-/// Periods from one turn of a spindle that is not selected to its next.
+/// Periods between two commands to a spindle that is not selected.
 const ROUND: u32 = 4;
 
 /// All spindles of a machine.
 #[derive(Debug)]
 pub(super) struct Spindles {
-    /// The first `present` of them count.
+    /// Only the first `present` of them exist.
     masters: [SpindleMaster; 4],
     present: u8,
     selected: TapSpindle,
-    /// Whose turn it is next.
+    /// The spindle that is served next.
     turn: TapSpindle,
-    /// Increments of a drive to a turn.
+    /// Increments of a drive per turn.
     per_turn: Divisor,
-    /// Of the spindles from 2 on: the last angle each was told, in increments that do not wrap.
+    /// For the spindles from 2 on: the last commanded angle, in increments that do not wrap.
     counts: [i64; 3],
 }
 
 impl Spindles {
-    /// `present` spindles (1–4) whose drives are like `config`, that of the first; their nodes follow each other.
+    /// `present` spindles (1–4). `config` is that of the first drive; the others are like it, with consecutive nodes.
     pub(super) fn new(config: &DriveConfig, present: u8, per_turn: u32) -> Self {
         let mut masters = [SpindleMaster::new(*config); 4];
         for (master, before) in masters.iter_mut().zip(0..) {
@@ -57,13 +57,13 @@ impl Spindles {
         }
     }
 
-    /// The drives there are.
+    /// The drives of the machine.
     pub(super) fn drives(&self) -> impl Iterator<Item = &DriveMaster> {
         let present = usize::from(self.present);
         self.masters.iter().take(present).map(SpindleMaster::drive)
     }
 
-    /// The same, to enable and to reset.
+    /// The same, for enabling and reset.
     pub(super) fn drives_mut(&mut self) -> impl Iterator<Item = &mut DriveMaster> {
         let present = usize::from(self.present);
         let masters = self.masters.iter_mut().take(present);
@@ -88,7 +88,7 @@ impl Spindles {
 
     /// The first latched failure.
     pub(super) fn failure(&self) -> Option<Alarm> {
-        // Those that are not there do not fail.
+        // Spindles that the machine does not have cannot fail.
         if !self
             .masters
             .iter()
@@ -99,7 +99,7 @@ impl Spindles {
         self.drives().find_map(DriveMaster::alarm)
     }
 
-    /// From here on `spindle` is commanded in every period.
+    /// From now on `spindle` gets a command in every period.
     pub(super) const fn select(&mut self, spindle: TapSpindle) {
         self.selected = spindle;
     }
@@ -109,14 +109,14 @@ impl Spindles {
         pick(&self.masters, self.selected).drive().is_enabled()
     }
 
-    /// True where the drive of a spindle has told the same position twice.
+    /// True where the drive of a spindle has reported the same position twice.
     pub(super) const fn rests(&self, spindle: TapSpindle) -> bool {
         pick(&self.masters, spindle).drive().has_told_the_same(2)
     }
 
-    /// Takes a spindle up where it stands, for position mode: its angle. The drive counts in 32 bits; of all angles it can
-    /// mean the one nearest to what the board's encoder says is taken (`observed`, spindle 1), or to the last one told.
-    /// `None` while the drive is not enabled or has not come to rest.
+    /// Begins position mode of a spindle at its present angle and returns this angle. A drive counts in 32 bits, so its
+    /// count means many angles. For spindle 1 the angle nearest to the board's encoder (`observed`) is taken, for the
+    /// others the angle nearest to the last command. `None` while the drive is not enabled or has not come to rest.
     pub(super) fn engage(&mut self, spindle: TapSpindle, observed: Turns) -> Option<Turns> {
         let told = pick_mut(&mut self.masters, spindle).engage()?;
         let near = match self.count(spindle) {
@@ -131,9 +131,9 @@ impl Spindles {
         Some(self.angle(count))
     }
 
-    /// The angle of a count, to the nearest. By the reciprocal: the tick asks.
+    /// The angle of a count, to the nearest. It uses the reciprocal, because the tick calls it.
     fn angle(&self, count: i64) -> Turns {
-        // Whole turns downwards, then the rest of a turn.
+        // Whole turns rounded down, then the rest of a turn.
         let per_turn = self.per_turn.get();
         let (turns, rest) = if count < 0 {
             let (turns, rest) = self.per_turn.divide(!count as u64);
@@ -147,7 +147,7 @@ impl Spindles {
         Turns::from_raw(turns.wrapping_shl(32).wrapping_add(part as i64))
     }
 
-    /// The frames of a period: what the selected spindle is told, and the one whose turn it is.
+    /// Makes the frames of a period: the command to the selected spindle, and to the spindle that is served next.
     pub(super) fn tick(&mut self, spindle: Spindle, put: &mut impl FnMut(Frame)) {
         let demand = match spindle {
             Spindle::Speed(velocity) => SpindleDemand::Speed(velocity),
@@ -188,7 +188,7 @@ impl Spindles {
         (wide.wrapping_add(1 << 31) >> 32) as i64
     }
 
-    /// The last angle told, of a spindle without an encoder on the board.
+    /// The last commanded angle of a spindle without an encoder on the board.
     const fn count(&mut self, spindle: TapSpindle) -> Option<&mut i64> {
         let [second, third, fourth] = &mut self.counts;
         match spindle {

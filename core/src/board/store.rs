@@ -1,22 +1,22 @@
-//! Where what outlives the power is kept, and what can go wrong with it.
+//! The regions of the storage that outlives a loss of power, and its errors.
 //!
-//! Knows nothing of what is kept there, nor of flash.
+//! Knows nothing of the content, nor of flash.
 
-/// What is kept over a loss of power, each by itself: the newest bytes replace all before.
+/// A region of the storage. New bytes replace all bytes before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Region {
-    /// The entry of the hole a tap is in ([`TapRecord`](crate::journal::TapRecord)).
+    /// The entry of the hole that a tap is in ([`TapRecord`](crate::journal::TapRecord)).
     TapJournal,
-    /// A parameter set with its number; this place and the next are used in turn, so that the last good set is there.
+    /// A parameter set with its number. This region and the next are used in turn, so that the last good set stays.
     ParametersA,
-    /// The other one.
+    /// The other region for a parameter set.
     ParametersB,
-    /// The number of the newest of the two: what tells that it has been lost.
+    /// The number of the newest of the two sets. It shows when that set is lost.
     ParametersMark,
 }
 
 impl Region {
-    /// All of them.
+    /// All regions.
     pub const ALL: [Self; 4] = [
         Self::TapJournal,
         Self::ParametersA,
@@ -24,7 +24,7 @@ impl Region {
         Self::ParametersMark,
     ];
 
-    /// Its number in a storage; never used again for another region.
+    /// Its number in a storage; never reused for another region.
     #[must_use]
     pub const fn key(self) -> u8 {
         match self {
@@ -36,18 +36,18 @@ impl Region {
     }
 }
 
-/// A write or a read that did not come about. After a write the region then holds what it held before.
+/// A write or a read that has failed. After a failed write, the region holds its old content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreError {
     /// The device refuses or does not answer.
     Device,
     /// There is no room.
     Full,
-    /// What the device holds makes no sense any more, and could not be repaired.
+    /// The content of the device makes no sense any more and could not be repaired.
     Damaged,
 }
 
-/// Copies as many bytes as there are and have room; so many they are.
+/// Copies as many bytes as there are and have room. Returns their number.
 #[inline(never)]
 pub(super) fn copy(bytes: &[u8], into: &mut [u8]) -> usize {
     for (place, &byte) in into.iter_mut().zip(bytes) {

@@ -1,4 +1,4 @@
-//! What can be wrong with the bus as a whole, and how it is told.
+//! Troubles of the bus as a whole, and their alarms.
 
 use super::nodes::DriveNodes;
 use crate::alarm::{Alarm, Arg, Code};
@@ -8,38 +8,38 @@ use crate::bus::{
 };
 use crate::units::Axis;
 
-/// What is wrong with the bus. Each is a controlled stop with an alarm.
+/// A trouble of the bus. Each is a controlled stop with an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusTrouble {
-    /// The controller has left the bus: nothing reaches the drives.
+    /// The controller is bus-off: no frame reaches the drives.
     Off(ErrorCounts),
-    /// The controller has stopped sending for want of its own memory: nothing reaches the drives either.
+    /// The controller cannot read its own memory in time and sends nothing: no frame reaches the drives either.
     Restricted,
     /// The controller is error passive.
     Passive(ErrorCounts),
     /// More setpoints than allowed came late for their SYNC.
     Late {
-        /// How many within a second.
+        /// Late setpoints within a second.
         count: u32,
-        /// How many may.
+        /// The most that are allowed.
         limit: u32,
     },
     /// A second master.
     Intruder(Intrusion),
 }
 
-/// What only the board may say, said by somebody else.
+/// A frame that only the board may send, sent by another node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intrusion {
     /// SYNC.
     Sync,
     /// A setpoint for one of the board's drives.
     Setpoint(Victim),
-    /// An NMT command by which one of the board's drives ceases to follow.
+    /// An NMT command that stops one of the board's drives from following.
     Network(Victim),
 }
 
-/// One of the board's drives, to which somebody else speaks.
+/// One of the board's drives that another node sends to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Victim {
     /// Its letter in messages.
@@ -49,8 +49,8 @@ pub struct Victim {
 }
 
 impl Intrusion {
-    /// What a frame from the bus is of these, where the board's drives have these nodes. What the board sends itself does
-    /// not come back to it.
+    /// The intrusion in a frame from the bus, where the board's drives have these nodes. The board does not receive its own
+    /// frames.
     #[must_use]
     pub fn of(frame: &Frame, drives: &DriveNodes) -> Option<Self> {
         if is_sync(frame) {
@@ -76,8 +76,9 @@ impl Intrusion {
         })
     }
 
-    /// Setpoints by their identifier, classical or in a frame of CAN FD: those of one drive, or those of all in the one
-    /// frame of `board`, where that sends one (9031). Who speaks to all is told by the first of them, X.
+    /// Setpoints are known by their identifier, in a classical frame or one of CAN FD: setpoints of one drive, or of all
+    /// drives in the one frame of `board`, where the board sends such a frame (9031). For a frame to all drives, the first
+    /// drive, X, is named.
     #[must_use]
     pub fn of_setpoints(id: CobId, drives: &DriveNodes, board: Option<NodeId>) -> Option<Self> {
         let node = match id.service()? {
@@ -91,7 +92,7 @@ impl Intrusion {
 }
 
 impl BusTrouble {
-    /// That of a controller; `None` for one that is well.
+    /// The trouble of a controller; `None` for a controller in the normal state.
     #[must_use]
     pub const fn of(controller: Controller) -> Option<Self> {
         match controller.state {
@@ -162,7 +163,7 @@ mod tests {
                 Some(Intrusion::Network(X)),
             ),
             (NmtCommand::Start.frame(Some(X.node)), None),
-            // To all: the board hears that as a node.
+            // To all nodes: the board hears this as a node.
             (NmtCommand::ResetNode.frame(None), None),
             (NmtCommand::ResetNode.frame(Some(NodeId::BOARD)), None),
         ];
@@ -171,7 +172,7 @@ mod tests {
         for (frame, expected) in cases {
             assert_eq!(Intrusion::of(&frame, &drives), expected, "{frame:?}");
         }
-        // Where the drives have other nodes, others may speak to that one.
+        // Where the drives have other nodes, other nodes may be spoken to.
         let entry = Entry::find_text("9015.Z").unwrap();
         params.set(entry, 48).unwrap();
         let drives = DriveNodes::of(&params);
@@ -189,7 +190,7 @@ mod tests {
         for (id, board, victim) in [
             (0x481, first, Some(X)),
             (0x482, second, Some(X)),
-            // Of another board, or where each drive has a frame of its own; and a drive's own fourth one.
+            // A frame of another board, a board whose drives have a frame each, and the fourth PDO of a drive.
             (0x482, first, None),
             (0x481, None, None),
             (0x490, first, None),

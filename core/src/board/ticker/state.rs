@@ -1,4 +1,4 @@
-//! Where the machine is, and what else can be asked of the tick's side from outside.
+//! The state of the machine, and other values of the tick side for readers outside.
 
 use super::{Notice, Ticker};
 use crate::alarm::{Alarm, Code};
@@ -8,12 +8,12 @@ use crate::program::TapSpindle;
 use crate::spindle::Observer;
 use crate::units::{Rpm, Turns};
 
-/// Where the machine is.
+/// The state of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum State {
     /// The drives are being enabled.
     Starting,
-    /// Enabled, and nothing to do.
+    /// Enabled, without work.
     Idle,
     /// Carrying out segments.
     Running,
@@ -25,7 +25,7 @@ pub enum State {
     Alarm(Alarm),
 }
 
-/// What a stop ends in.
+/// The result of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// Ready again.
@@ -50,14 +50,14 @@ impl State {
         matches!(self, Self::Idle | Self::Running | Self::Held)
     }
 
-    /// Failed too often: neither a reset nor other parameters let it move any more.
+    /// True after too many failures: neither a reset nor other parameters let the machine move any more.
     pub(super) const fn stays_at_rest(&self) -> bool {
         matches!(self, Self::Alarm(alarm) if matches!(alarm.code, Code::FailsAgain))
     }
 }
 
 impl Ticker {
-    /// Where the machine is.
+    /// The state of the machine.
     #[must_use]
     pub const fn state(&self) -> State {
         self.state
@@ -75,9 +75,9 @@ impl Ticker {
         self.state.alarm().is_some()
     }
 
-    /// What the background has to hear, until it [has heard it](Self::notice_heard). A restart makes what was said
-    /// before it void; nothing else is said while a way is still to be planned. What was asked for between two ticks is
-    /// told after the journal's entry that belongs to it.
+    /// A message for the background, until [it has read it](Self::notice_heard). A restart replaces an earlier message. No
+    /// other message is made while a way is still to be planned. A message that was made between two ticks is told after
+    /// the journal's entry that belongs to it.
     #[must_use]
     pub const fn notice(&self) -> Option<&Notice> {
         if self.journal.has_entry() {
@@ -86,7 +86,7 @@ impl Ticker {
         self.notice.as_ref()
     }
 
-    /// The background has heard what there was to hear.
+    /// The background has read the message.
     pub const fn notice_heard(&mut self) {
         self.notice = None;
     }
@@ -97,31 +97,31 @@ impl Ticker {
         &self.operator
     }
 
-    /// The executor, for what it can tell.
+    /// The executor, to read from.
     #[must_use]
     pub const fn executor(&self) -> &Executor {
         &self.executor
     }
 
-    /// The spindle, as observed.
+    /// The observed spindle.
     #[must_use]
     pub const fn observer(&self) -> &Observer {
         &self.observer
     }
 
-    /// By what an axis is held to the spindle, if one is; `head` is the head of the program's queue.
+    /// The law by which an axis is held to the spindle, if one is. `head`: the head of the program's queue.
     #[must_use]
     pub fn law(&self, head: Option<Task<'_>>) -> Option<Law> {
         self.executor.law(head.filter(|_| self.has_begun()))
     }
 
-    /// The head of the program's queue is under way: it has begun, and is not done.
+    /// True while the head of the program's queue is under way.
     #[must_use]
     pub fn has_begun(&self) -> bool {
         self.course.is_in_program_segment()
     }
 
-    /// The spindle's angle when the setpoint of the tick before takes effect, on X or on Z.
+    /// The spindle's angle at the instant when the setpoint of the tick before takes effect, on X or on Z.
     #[must_use]
     pub fn effective_angle(&self, on_x: bool) -> Turns {
         let ahead = if on_x {
@@ -132,7 +132,7 @@ impl Ticker {
         self.observer.predict(ahead.less_one())
     }
 
-    /// The spindle whose angle a setpoint has.
+    /// The spindle whose angle is in the setpoint.
     #[must_use]
     pub const fn tap_spindle(&self) -> TapSpindle {
         self.spindle.taps_with()
@@ -144,8 +144,9 @@ impl Ticker {
         self.spindle.commanded()
     }
 
-    /// The spindle's power stage is needed: the machine is up or comes to rest, the spindle still turns on an alarm (no
-    /// longer than it may take to stop), or a tap is in its hole, which must not lose its spindle [D190].
+    /// True where the spindle's power stage is needed. This is so while the machine is up or comes to rest; while the
+    /// spindle still turns on an alarm, for no longer than it may take to stop; and while a tap is in its hole, which must
+    /// not lose its spindle [D190].
     #[must_use]
     pub const fn needs_spindle(&self) -> bool {
         let brakes = match self.state {
@@ -164,7 +165,7 @@ impl Ticker {
         self.course.in_program()
     }
 
-    /// The thread or hole of the last segment that was carried to its end, with nothing that stopped it.
+    /// The thread or hole of the last segment that was carried to its end without a stop.
     #[must_use]
     pub const fn done(&self) -> Cut {
         self.course.done()
