@@ -1,6 +1,6 @@
-//! The values behind the objects: what reading a row gives, and what writing one does.
+//! The values of the objects: the result of a read, and the effect of a write.
 //!
-//! Which row asks for what stands in `objects`; how a value travels, in `served`.
+//! `objects` says which row uses which function, `served` how a value travels.
 
 use super::change::Change;
 use super::dictionary::{self, Place};
@@ -16,16 +16,16 @@ use crate::link::{encode_alarm, encode_changes};
 use crate::params::Params;
 use crate::signals::Signals;
 
-/// A percentage that stays as it is.
+/// A percentage that means no change.
 const AS_IT_IS: u8 = 255;
 
 impl ObjectValues {
-    /// Puts what an object of no fixed length holds into the buffer; how many bytes that are comes back.
+    /// Puts the content of an object without a fixed length into the buffer. Returns the number of bytes.
     pub(super) fn domain(&mut self, object: Object, params: &Params) -> Result<usize, Abort> {
         objects::bytes(self, object, params)
     }
 
-    /// The number an object is now.
+    /// The present number of an object.
     pub(super) fn number(
         &self,
         object: Object,
@@ -47,7 +47,7 @@ impl ObjectValues {
         Ok(number.unwrap_or_else(|| row.number(self.node)))
     }
 
-    /// Puts a number into effect. Its kind and range are right.
+    /// Puts a number into effect. Its kind and range have been checked.
     pub(super) fn take_number(
         &mut self,
         object: Object,
@@ -61,9 +61,9 @@ impl ObjectValues {
     }
 }
 
-/// What is read.
+/// Reads.
 impl ObjectValues {
-    /// A fact of 5001h: where it stands in its PDO, and what is behind it.
+    /// A value of 5001h, taken from the PDO that has it.
     pub(super) fn fact(&self, sub: u8) -> i64 {
         let (told, mapping) = match sub {
             ..=7 => (Told::Status, &BoardStatus::MAPPING[..]),
@@ -76,7 +76,7 @@ impl ObjectValues {
         raw.wrapping_shr(bits) as i64
     }
 
-    /// Single block and dry run, as 5000h:03 has them.
+    /// Single block and dry run in the form of 5000h:03.
     pub(super) fn switches_now(&self) -> u8 {
         u8::from(self.snapshot.operator.single_block) | u8::from(self.dry_run) << 1
     }
@@ -121,9 +121,9 @@ impl ObjectValues {
     }
 }
 
-/// What is written.
+/// Writes.
 impl ObjectValues {
-    /// The last good set comes into force.
+    /// Takes the last good set into force.
     pub(super) fn recall(&mut self, params: &Params) -> Result<(), Abort> {
         self.admit(params, Change::Recall)?;
         self.parameter_store.recall()
@@ -144,7 +144,7 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// The count of the order that comes next.
+    /// The count of the next order.
     pub(super) fn put_count(&mut self, count: u32) -> Result<(), Abort> {
         self.count = count as u8;
         Ok(())
@@ -192,7 +192,7 @@ impl ObjectValues {
         self.dry_run = dry_run.unwrap_or(self.dry_run);
     }
 
-    /// The entry of the tap journal is to be dropped.
+    /// Requests that the entry of the tap journal be dropped.
     pub(super) fn discard_tap(&mut self, value: u32) -> Result<(), Abort> {
         if value != DROP {
             return Err(Abort::Value);

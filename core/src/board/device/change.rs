@@ -1,7 +1,7 @@
-//! A change of the parameter set: who may begin one, what it is made of, and what has become of it.
+//! A change of the parameter set: who may begin it, how it is put together, and its result.
 //!
-//! It is put together in the draft and looked at as a whole; what comes then is the
-//! [`ParameterStore`](super::parameter_store::ParameterStore)'s. Must not know how a value travels.
+//! The change is put together in the draft and checked as a whole. The
+//! [`ParameterStore`](super::parameter_store::ParameterStore) does the rest. Must not know how a value travels.
 
 use super::dictionary;
 use super::parameter_store::Progress;
@@ -17,12 +17,12 @@ use crate::link::{ImageError, ImageWriter, identity};
 use crate::params::{Entry, PASSWORD, PASSWORD_KEPT, PASSWORD_SLOT, Params, Part, TABLE_KEY};
 
 impl ObjectValues {
-    /// A change of the set is under way: no call goes to the planner.
+    /// True while a change of the set is under way. No call goes to the planner in this time.
     pub fn is_changing(&self) -> bool {
         self.staged || self.parameter_store.is_busy()
     }
 
-    /// A change of parameters is refused, and why.
+    /// Refuses a change of parameters and keeps the reason.
     fn refuse(&mut self, code: Code, abort: Abort) -> Result<(), Abort> {
         self.refuse_with(&Alarm::of(code, &[]), abort)
     }
@@ -32,19 +32,19 @@ impl ObjectValues {
         Err(abort)
     }
 
-    /// Whether parameters may change now.
+    /// Checks whether parameters may change now.
     pub(super) fn admit(&mut self, params: &Params, change: Change) -> Result<(), Abort> {
-        // Whatever comes between, the last value is not repeated any more.
+        // The last value cannot be repeated after another change.
         self.wrote = None;
         if !self.snapshot.is_at_rest() || self.program_buffer.awaits_more() || self.is_changing() {
             return self.refuse(Code::ParametersAtWork, Abort::State);
         }
-        // What is loaded only to be talked to is no set to change: it is decided on as a whole.
+        // A set that was loaded for communication only cannot be changed by single values: it must be replaced as a whole.
         let undecided = self.parameter_store.found().alarm();
         if let (Change::Value | Change::Switch, Some(alarm)) = (change, undecided) {
             return self.refuse_with(&alarm, Abort::State);
         }
-        // The switch itself can be turned back, and what is loaded already can be taken as it is.
+        // The write enable itself can be switched back, and a set that is loaded already can be accepted as it is.
         let free = change == Change::Switch || change == Change::Recall && undecided.is_some();
         if !free && !params.parameter_write_enable() {
             return self.refuse(Code::ParametersProtected, Abort::LocalControl);
@@ -64,7 +64,7 @@ impl ObjectValues {
         core::mem::take(&mut self.staged).then_some(&self.draft)
     }
 
-    /// The set in force comes into force once more.
+    /// The set in force comes into force again.
     pub fn begin_anew(&mut self, params: &Params) {
         self.draft.clone_from(params);
         self.staged = true;
@@ -103,10 +103,10 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// The value that was taken last comes once more, and nobody has asked for another change in between: its answer was
-    /// lost, or its frame came twice. What it asks for is done, or under way. It may be this very value that protects the
-    /// board now, so it is looked for before it is asked who may change anything. Nobody finds a password by trying so:
-    /// whoever names another one has asked for another change [D184].
+    /// True where the last accepted value comes again and no other change was requested in between: its answer was lost, or
+    /// its frame came twice. Its request is done or under way. This is checked before the question who may change
+    /// parameters, because this very value may protect the board now. A password cannot be found by trial this way: another
+    /// password is another change [D184].
     fn repeats(&mut self, place: usize, number: i64, params: &Params) -> bool {
         if self.wrote != Some(place) || self.draft.slot(place) != Some(number) {
             return false;
@@ -121,7 +121,8 @@ impl ObjectValues {
         there
     }
 
-    /// Whether the draft can work on this board; a password that is only named is the one there is.
+    /// Checks whether the draft can work on this board. A draft that only says that there is a password keeps the present
+    /// one.
     fn look(&mut self, params: &Params) -> Result<(), Abort> {
         if self.draft.slot(PASSWORD_SLOT) == Some(PASSWORD_KEPT) {
             let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
@@ -138,7 +139,7 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// The controller of this board sends the frames that the draft asks for.
+    /// Checks whether this board's controller can send the frames that the draft asks for.
     fn can_send(&self) -> Result<(), Alarm> {
         if self.draft.setpoint_frame() == 1 && !self.sends_fd {
             return Err(Alarm::of(Code::NoFd, &[]));
@@ -146,12 +147,12 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// The draft is in force already, and stored.
+    /// True where the draft is in force and stored already.
     fn is_there(&self, params: &Params) -> bool {
         self.draft == *params && self.parameter_store.is_stored()
     }
 
-    /// The draft, which has been looked at, is stored and comes into force.
+    /// Stores the checked draft and takes it into force.
     fn stage(&mut self, params: &Params) {
         if self.is_there(params) {
             self.parameter_store.nothing_to_do();
@@ -166,15 +167,14 @@ impl ObjectValues {
         Ok(())
     }
 
-    /// The set that was staged is stored and comes into force, if it is still the one whose image ended with this
-    /// checksum: whatever has been put together here since has another. What is asked for twice, because the answer was
-    /// lost, is done once.
+    /// Stores the staged set and takes it into force, if the image it came in ended with this checksum. A draft that was
+    /// changed since has another checksum. A repeated request, because the answer was lost, is done once.
     pub(super) fn commit(&mut self, checksum: u32, params: &Params) -> Result<(), Abort> {
         let same = self.is_draft(checksum, params);
         if same && self.is_changing() {
             return Ok(());
         }
-        // Before it is asked who may change anything: it may be this very set that protects the board now.
+        // This comes before the question who may change parameters, because this very set may protect the board now.
         if same && self.is_there(params) {
             self.parameter_store.nothing_to_do();
             return Ok(());
@@ -186,9 +186,9 @@ impl ObjectValues {
         self.look_and_stage(params)
     }
 
-    /// Whether the image that the draft was sent as ends with this checksum. Where it
-    /// held the password that is in force, it can be named until somebody names anything
-    /// else: nobody finds a password by trying, without the waits after a wrong one [D163].
+    /// True where the image that brought the draft ended with this checksum. A draft that holds the password in force can
+    /// be named until another checksum is named; so a password cannot be found by trial without the waiting times after a
+    /// wrong one [D163].
     fn is_draft(&mut self, checksum: u32, params: &Params) -> bool {
         let stays = self.draft.slot(PASSWORD_SLOT) == params.slot(PASSWORD_SLOT);
         self.named = (self.named || !stays)
@@ -196,7 +196,7 @@ impl ObjectValues {
         self.named || stays && identity(&self.draft) == checksum
     }
 
-    /// The draft, which has come as an image, waits for its commit.
+    /// Keeps the draft, which came as an image, for its commit.
     pub(super) fn put_aside(&mut self, params: &Params) -> Result<(), Abort> {
         self.named = self.draft.slot(PASSWORD_SLOT) != Some(PASSWORD_KEPT);
         self.look(params)
@@ -215,7 +215,7 @@ impl ObjectValues {
         self.refuse_with(&alarm, abort)
     }
 
-    /// 1010h: every change is stored by itself; only the built-in set of a new board can be left.
+    /// 1010h: every change is stored by itself. Only the built-in set of a new board remains to be stored.
     pub(super) fn save(&mut self, signature: u32, params: &Params) -> Result<(), Abort> {
         if signature != SAVE {
             return Err(Abort::NotStored);
@@ -238,7 +238,7 @@ impl ObjectValues {
         }
         self.admit(params, Change::Whole)?;
         self.draft = Params::slant_bed();
-        // A password is not taken away by this.
+        // This does not remove a password.
         let kept = params.slot(PASSWORD_SLOT).unwrap_or(0);
         self.draft.put_slot(PASSWORD_SLOT, kept);
         self.look_and_stage(params)
@@ -282,16 +282,16 @@ impl ObjectValues {
     }
 }
 
-/// What somebody wants to change.
+/// A kind of change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// One value.
     Value,
-    /// The write enable itself.
+    /// The write enable.
     Switch,
-    /// All of them.
+    /// The whole set.
     Whole,
-    /// Back to the last good set.
+    /// The last good set again.
     Recall,
 }
 

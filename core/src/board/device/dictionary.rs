@@ -1,9 +1,8 @@
-//! The object dictionary as data: every object of a board, what it is and what it takes. The server answers from it, and
-//! the EDS is printed from it.
+//! The object dictionary as data: every object of a board with its properties. The SDO server answers from it, and the EDS
+//! is printed from it.
 //!
-//! Two parts: the objects of CANopen and of the board itself, written down in `table`, and the
-//! parameters, made of the parameter table: No. is index 2000h + No., an axis is a sub-index (1 X, 2 Z, 3 C), the bits of
-//! a number are one byte.
+//! It has two parts. The objects of CANopen and of the board are in `objects`. The parameters come from the parameter
+//! table: parameter No. has index 2000h + No.; an axis is a sub-index (1 X, 2 Z, 3 C); the bits of a number are one byte.
 
 use super::item::Name;
 pub use super::item::{Access, Initial, Item, Kind};
@@ -12,7 +11,7 @@ use crate::bus::{Abort, Object};
 use crate::params::{Entry, Part};
 use crate::units::Axis;
 
-/// Name of sub-index 0 of an object with several.
+/// Name of sub-index 0 of an object with several sub-indices.
 const HIGHEST: &str = "highest sub-index";
 
 /// Index of parameter 0.
@@ -30,8 +29,8 @@ impl Kind {
 }
 
 impl Item {
-    /// What it is, in English; of a parameter, its axis or its key in machine files. A board does not ask: its image is
-    /// without the texts.
+    /// Its meaning in English; for a parameter, its axis or its key in machine files. A board does not ask for it: its
+    /// image has no texts.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self.name {
@@ -44,7 +43,7 @@ impl Item {
         }
     }
 
-    /// Sub-index 0 of an object with several: the highest there is.
+    /// Sub-index 0 of an object with several: the highest sub-index.
     const fn count(index: u16, highest: u8) -> Self {
         Self {
             object: Object::new(index, 0),
@@ -59,14 +58,14 @@ impl Item {
     }
 }
 
-/// What stands behind an object: enough for a board, which asks for one thing after the other.
+/// The source of an object. A board asks for one property after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
-    /// A line of the table.
+    /// A row of the table.
     Row(&'static Row),
     /// The highest sub-index of an object with several.
     Highest(u8),
-    /// A parameter; of a number with bits, the first of them.
+    /// A parameter. For a number with bits, its first bit.
     Parameter(&'static Entry),
 }
 
@@ -87,7 +86,7 @@ impl Place {
         }
     }
 
-    /// Whether a number is one that may be written, of those that the kind has.
+    /// Checks whether this number, which fits the kind, may be written.
     ///
     /// # Errors
     /// [`Abort::TooLow`], [`Abort::TooHigh`].
@@ -105,7 +104,7 @@ impl Place {
     }
 }
 
-/// What stands behind an object.
+/// The source of an object.
 ///
 /// # Errors
 /// [`Abort::NoObject`], [`Abort::NoSubIndex`].
@@ -118,7 +117,7 @@ pub(super) fn find(object: Object) -> Result<Place, Abort> {
             if sub == object.sub {
                 return Ok(Place::Parameter(entry));
             }
-            // The tables are in their order.
+            // The tables are sorted.
             highest = Some(sub);
         }
     }
@@ -137,7 +136,7 @@ pub(super) fn find(object: Object) -> Result<Place, Abort> {
     }
 }
 
-/// All items by index and sub-index. Parameters with two numbers are listed under the first.
+/// All items by index and sub-index. A parameter with two numbers is listed under the first.
 pub fn items() -> impl Iterator<Item = Item> {
     let before = table().filter(|item| item.object.index < PARAMETERS);
     let behind = table().filter(|item| item.object.index >= PARAMETERS);
@@ -155,7 +154,7 @@ fn table() -> impl Iterator<Item = Item> {
     })
 }
 
-/// Every parameter, each number at its first entry.
+/// All parameters; a number with several values is listed once, at its first entry.
 fn parameters() -> impl Iterator<Item = Item> {
     let entries = Entry::all();
     entries.iter().enumerate().flat_map(|(place, entry)| {
@@ -191,8 +190,8 @@ fn of_entry(index: u16, entry: &'static Entry) -> Item {
     }
 }
 
-/// The numbers a parameter takes; the one that stands for "none" among them: it is the next one beyond the others, so
-/// that two limits say all of them [D197].
+/// The range of a parameter, including the number for "none". That number is the next one outside of the other values, so
+/// that two limits describe all of them [D197].
 fn range_of(entry: &Entry) -> (i64, i64) {
     match entry.part {
         Part::Whole | Part::Axis(_) => {
@@ -206,7 +205,7 @@ fn range_of(entry: &Entry) -> (i64, i64) {
     }
 }
 
-/// What stands for "none" in an object: one step beyond the values. In a set it is the largest integer or the smallest.
+/// The number for "none" in an object: one step outside of the values. In a set it is the largest or the smallest integer.
 fn none_of(entry: &Entry) -> Option<i64> {
     entry.none().map(|none| {
         if none > entry.max() {
@@ -217,7 +216,7 @@ fn none_of(entry: &Entry) -> Option<i64> {
     })
 }
 
-/// What a value of the set is as the object.
+/// The object's number for a value of the set.
 pub(super) fn told(entry: &Entry, raw: i64) -> i64 {
     match none_of(entry) {
         Some(none) if entry.none() == Some(raw) => none,
@@ -225,7 +224,7 @@ pub(super) fn told(entry: &Entry, raw: i64) -> i64 {
     }
 }
 
-/// What a number that was written to the object is in the set.
+/// The set's value for a number written to the object.
 pub(super) fn taken(entry: &Entry, number: i64) -> i64 {
     match entry.none() {
         Some(none) if none_of(entry) == Some(number) => none,

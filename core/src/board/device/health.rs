@@ -1,4 +1,4 @@
-//! How the bus is: the controller, setpoints that come late, and who else speaks to the drives. What is wrong becomes a
+//! The health of the bus: the controller, late setpoints, and other nodes that send to the drives. A fault becomes a
 //! [`BusTrouble`] for the tick.
 
 use super::Device;
@@ -10,14 +10,15 @@ use crate::bus::CobId;
 use crate::bus::{Controller, Periods};
 use crate::params::Params;
 
-/// Setpoints that come late are counted against their limit for so long.
+/// Late setpoints within this time count against their limit.
 const LATE_MS: u32 = 1000;
 
 impl Device {
-    /// Says how the CAN controller is: whenever that changes, or as often as one likes. One that is error passive or
-    /// bus-off or restricted is a controlled stop with an alarm, which no reset clears before it is well again. One that
-    /// has left the bus, or does not send, must not be started again before [`may_rejoin`](Self::may_rejoin), and never
-    /// by itself; back on the bus the node says so, with the counters, and waits to be started anew [D124].
+    /// Sets the state of the CAN controller. Call it at every change, or more often. An error-passive, bus-off or
+    /// restricted controller is a controlled stop with an alarm, and no reset clears the alarm before the controller is
+    /// well again. A controller that has left the bus, or does not send, must not be started again before
+    /// [`may_rejoin`](Self::may_rejoin), and never by itself. Back on the bus, the device sends an emergency message with
+    /// the counters and waits for an NMT start [D124].
     pub fn set_controller(&mut self, controller: Controller, params: &Params) {
         let before = core::mem::replace(&mut self.controller, controller).state;
         if !self.has_joined() || before == controller.state {
@@ -34,27 +35,27 @@ impl Device {
         self.tell_trouble(BusTrouble::of(controller));
     }
 
-    /// True where a controller that has left the bus, or does not send, may be started again: the
-    /// machine stands on an alarm, and the drives have been let go.
+    /// True where a controller that has left the bus, or does not send, may be started again: the machine stands on an
+    /// alarm, and the drives have been let go.
     #[must_use]
     pub const fn may_rejoin(&self) -> bool {
         self.controller.state.is_cut_off() && matches!(self.values.snapshot.state, State::Alarm(_))
     }
 
-    /// Somebody else speaks to the drives. What keeps one from following is told by its own failure where nothing moves.
+    /// Another node sends to the drives. While nothing moves, a drive that stops following reports its own failure.
     pub(super) fn resist(&mut self, intrusion: Intrusion) {
         if !matches!(intrusion, Intrusion::Network(_)) || !self.values.snapshot.is_at_rest() {
             self.tell_trouble(Some(BusTrouble::Intruder(intrusion)));
         }
     }
 
-    /// What a frame of this identifier from somebody else tells the board's drives.
+    /// The setpoints in a frame with this identifier from another node to the board's drives.
     pub(super) fn setpoints_of_others(&self, id: CobId, params: &Params) -> Option<Intrusion> {
         let together = (params.setpoint_frame() == 1).then(|| self.node());
         Intrusion::of_setpoints(id, &DriveNodes::of(params), together)
     }
 
-    /// The first trouble stays until it is reset; what is still there then is told again.
+    /// Reports a trouble. The first trouble stays until a reset; a trouble that is still present then is reported again.
     fn tell_trouble(&mut self, trouble: Option<BusTrouble>) {
         if let Some(trouble) = trouble {
             self.values.command(Command::Trouble(trouble));
@@ -65,7 +66,7 @@ impl Device {
         let (from, since) = &mut self.lateness;
         *since = since.plus(elapsed);
         let over = Periods::from_ms(LATE_MS, params.tick_us()).is_none_or(|all| *since > all);
-        // What is late while nothing moves does no harm.
+        // Late setpoints do no harm while nothing moves.
         if over || self.values.snapshot.is_at_rest() {
             *since = Periods::new(0);
             *from = self.values.late;

@@ -1,12 +1,12 @@
-//! What is said of one object of the dictionary: how it travels, who may do what with it, what it begins with.
+//! The properties of one item of the dictionary: data type, access and initial value.
 //!
-//! Plain values; which objects there are, the table and the parameters know.
+//! Plain values. The table and the parameters know which objects exist.
 
 use crate::bus::Object;
 use crate::params::Entry;
 use crate::units::Axis;
 
-/// How a value travels.
+/// Data type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// UNSIGNED8.
@@ -46,7 +46,7 @@ impl Kind {
         }
     }
 
-    /// Bytes of a number; `None` where the length is the value's own.
+    /// Bytes of a number; `None` for a value with a length of its own.
     #[must_use]
     pub const fn bytes(self) -> Option<usize> {
         match self {
@@ -58,7 +58,7 @@ impl Kind {
         }
     }
 
-    /// The number that `raw`, little-endian with zeros behind, means.
+    /// The number in `raw`: little-endian, with zeros at the end.
     #[must_use]
     pub const fn number(self, raw: [u8; 8]) -> i64 {
         let raw = i64::from_le_bytes(raw);
@@ -70,10 +70,10 @@ impl Kind {
     }
 }
 
-/// Who may read and write.
+/// Access rights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Never changes.
+    /// A constant.
     Const,
     /// Read only.
     Read,
@@ -84,7 +84,7 @@ pub enum Access {
 }
 
 impl Access {
-    /// The word for it in an EDS.
+    /// The word in an EDS.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -96,48 +96,48 @@ impl Access {
     }
 }
 
-/// The value after power-up, where it is known beforehand.
+/// The value after power-up, if it is known beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initial {
     /// Not known beforehand.
     Unknown,
     /// A number.
     Number(i64),
-    /// The node's number plus this.
+    /// The node number plus this.
     OfNode(u32),
     /// A text.
     Text(&'static str),
 }
 
-/// Where the name of an item is found.
+/// Source of an item's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Name {
-    /// With this line of the table.
+    /// This row of the table.
     Line(usize),
-    /// It is the highest sub-index of an object.
+    /// The item is the highest sub-index of an object.
     Highest,
-    /// It is an axis of a parameter.
+    /// The item is an axis of a parameter.
     Axis(Axis),
-    /// With the parameter.
+    /// The parameter.
     Parameter,
 }
 
 /// One sub-index of the dictionary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
-    /// Where.
+    /// Index and sub-index.
     pub object: Object,
     pub(super) name: Name,
-    /// How it travels.
+    /// Data type.
     pub kind: Kind,
-    /// Who may do what.
+    /// Access rights.
     pub access: Access,
-    /// The smallest and the largest number; `None`: all that the kind has.
+    /// The smallest and the largest number; `None`: all numbers of the data type.
     pub range: Option<(i64, i64)>,
     /// The value after power-up.
     pub initial: Initial,
-    /// It stands in a PDO, or may.
+    /// The item may stand in a PDO.
     pub mappable: bool,
-    /// The parameter behind it; of a number with bits, the first of them.
+    /// The parameter; for a number with bits, its first bit.
     pub entry: Option<&'static Entry>,
 }

@@ -1,4 +1,4 @@
-//! The last events, numbered, for whoever reads them later: object 5040h.
+//! The event log: the last events with their numbers. Object 5040h.
 
 use super::ring::Ring;
 use crate::board::Event;
@@ -7,7 +7,7 @@ use crate::link::encode_event;
 /// Bytes of events kept.
 const LOG_BYTES: usize = 1024;
 
-/// No event is longer: an alarm with four figures.
+/// The longest event: an alarm with four figures.
 const ENTRY_BYTES: usize = 128;
 
 /// The event log.
@@ -17,7 +17,7 @@ pub struct Log {
     count: u32,
     /// Number of the newest.
     newest: u32,
-    /// Each entry behind its length in one byte.
+    /// Each entry follows its length, which takes one byte.
     ring: Ring<LOG_BYTES>,
 }
 
@@ -36,7 +36,7 @@ impl Log {
         self.newest
     }
 
-    /// Takes an event; the oldest ones go where there is no room.
+    /// Adds an event. The oldest events are dropped where there is no room.
     pub fn push(&mut self, tick: u64, event: &Event) {
         self.newest = self.newest.saturating_add(1);
         let mut bytes = [0; ENTRY_BYTES];
@@ -57,7 +57,7 @@ impl Log {
         self.count = self.count.saturating_sub(1);
     }
 
-    /// Length of the entry that begins `ahead` bytes behind the oldest.
+    /// Length of the entry that begins `ahead` bytes after the oldest byte.
     fn length(&self, ahead: usize) -> usize {
         let mut length = [0];
         self.ring.copy(ahead, &mut length);
@@ -65,7 +65,7 @@ impl Log {
         usize::from(length)
     }
 
-    /// Copies whole entries, from number `from` or the oldest there is, as many as fit; the bytes used come back.
+    /// Copies whole entries, from number `from` or from the oldest entry, as many as fit. Returns the number of bytes.
     pub fn read(&self, from: u32, into: &mut [u8]) -> usize {
         let mut number = self.newest.saturating_sub(self.count).saturating_add(1);
         let (mut ahead, mut used) = (0_usize, 0_usize);

@@ -1,4 +1,4 @@
-//! The board as a CANopen node: objects, process data, heartbeats, emergencies. Sans-IO, and in the background: the tick
+//! The board as a CANopen device: objects, process data, heartbeats, emergencies. Sans-IO, and in the background: the tick
 //! knows nothing of it.
 //!
 //! ```text
@@ -9,17 +9,17 @@
 //!                            Ticker
 //! ```
 //!
-//! - What an operator wants (RPDO1, 5000h) becomes [`Command`]s at once: it never waits behind a transfer.
-//! - A program comes in small batches (5020h) and waits, encoded, in [`PROGRAM_BYTES`]; `run` lets its calls go to the
-//!   planner one by one [D98]. How many bytes fit is told in TPDO1, so a program of any size goes through [D99].
+//! - An operator's request (RPDO1, 5000h) becomes a [`Command`] at once: it never waits for a transfer.
+//! - A program comes in small batches (5020h) and waits, encoded, in [`PROGRAM_BYTES`]; after `run` its calls go to the
+//!   planner one by one [D98]. TPDO1 tells how many bytes fit, so a program of any size goes through [D99].
 //! - Parameters (2000h, 5010h) are staged, checked as a set, stored, and come into force all or none, with a restart of
 //!   the application [D101], [D116].
 //!
-//! The owner of a device gives it every frame that is not a drive's, every event, and a snapshot of the tick side as
-//! often as possible, and takes commands, a changed parameter set and frames from it. [`Board`](super::Board) does all of
-//! that for owners with one thread.
+//! The owner gives the device every frame that is not a drive's, every event, and a snapshot of the tick side as often as
+//! possible. It takes commands, a changed parameter set and frames from the device. [`Board`](super::Board) does this for
+//! owners with one thread.
 //!
-//! It must not know motion, drives or what a call means.
+//! It must not know motion, drives or the meaning of a call.
 
 mod accessors;
 mod change;
@@ -71,29 +71,29 @@ use crate::signals::Signals;
 const URGENT: usize = 12;
 /// Answers of the SDO server that wait to be sent.
 const ANSWERS: usize = 16;
-/// For so long a client may be silent in a transfer.
+/// The longest silence of a client during a transfer.
 const PATIENCE_MS: u32 = 1000;
 /// Drives that get a setpoint in every tick: X, Z, C and one spindle.
 const DRIVES: u32 = 4;
 
-/// A board's side of the bus, but for its drives.
+/// The board on the bus, without its drives.
 #[derive(Debug)]
 pub struct Device {
     nmt: NmtSlave,
-    /// It is on a network, starting again or not.
+    /// It has joined a network, also while it starts again.
     joined: bool,
     sdo: SdoServer,
     patience: Periods,
     gate: OrderGate,
-    /// Since the last of TPDO1–3.
+    /// Time since the last TPDO1, 2 and 3.
     since: [Periods; 3],
-    /// The alarm that has been told: an emergency message says no more than its number.
+    /// The alarm of the last emergency message, which has no more of it than its number.
     told: Option<Code>,
-    /// A restart of the application is asked for; it waits until the machine stands.
+    /// A restart of the application is requested. It waits until the machine stands.
     restarts: bool,
     /// The CAN controller.
     controller: Controller,
-    /// Late setpoints are counted from here: how many there had been, and how long ago.
+    /// Late setpoints are counted from here: their number at that time, and the time since.
     lateness: (u32, Periods),
     urgent: Deque<Frame, URGENT>,
     answers: Deque<Frame, ANSWERS>,
@@ -101,9 +101,9 @@ pub struct Device {
 }
 
 impl Device {
-    /// A node that has not joined a network: it hears nothing and says nothing.
-    // Written straight to where it will be, which the caller says: as a function of
-    // its own it would be copied there [D146].
+    /// A device that has not joined a network: it neither hears nor sends.
+    // Written straight to the place that the caller names. As a function of its own, the value would be copied there
+    // [D146].
     #[must_use]
     #[inline(always)]
     pub fn new(node: NodeId, params: &Params, snapshot: Snapshot) -> Self {
@@ -125,18 +125,19 @@ impl Device {
         }
     }
 
-    /// Takes what was found at power-up. Once, before it joins.
+    /// Takes the result of power-up. Call it once, before the device joins.
     pub fn power_up(&mut self, up: &PowerUp) {
         self.values.parameter_store.power_up(up);
     }
 
-    /// What was found at power-up, or has been decided since: the tick side withholds motion by it.
+    /// The state of the stored parameters, at power-up or after a later decision. The tick side withholds motion
+    /// accordingly.
     #[must_use]
     pub const fn found(&self) -> Found {
         self.values.parameter_store.found()
     }
 
-    /// A change of the parameter set is being stored, or waits to be taken: no call goes to the planner.
+    /// True while a change of the parameter set is being stored, or waits for its owner. No call goes to the planner.
     #[must_use]
     pub fn is_changing(&self) -> bool {
         self.values.is_changing()
@@ -148,28 +149,28 @@ impl Device {
         self.values.parameter_store.state()
     }
 
-    /// The region that has to be read now; its bytes are given back by [`loaded`](Self::loaded).
+    /// The next region to read; the owner answers with [`loaded`](Self::loaded).
     pub const fn load(&mut self) -> Option<Region> {
         self.values.parameter_store.load()
     }
 
-    /// What the region holds that [`load`](Self::load) asked for.
+    /// The content of the region that [`load`](Self::load) asked for.
     pub fn loaded(&mut self, held: Result<Option<&[u8]>, StoreError>) {
         self.values.loaded(held);
     }
 
-    /// What is to be stored now; the end is told by [`has_stored`](Self::has_stored).
+    /// The next write for the storage; the owner answers with [`has_stored`](Self::has_stored).
     pub fn store(&mut self) -> Option<StoreRequest<'_>> {
         self.values.store()
     }
 
-    /// The write that [`store`](Self::store) asked for has been done, or could not be. A set that is stored is behind
-    /// [`take_params`](Self::take_params).
+    /// The write of [`store`](Self::store) has been done, or has failed. [`take_params`](Self::take_params) returns a
+    /// stored set.
     pub fn has_stored(&mut self, region: Region, result: Result<(), StoreError>) {
         self.values.has_stored(region, result);
     }
 
-    /// Takes another number. Only before it joins.
+    /// Takes another node number, only before it joins.
     pub fn set_node(&mut self, node: NodeId) {
         if self.has_joined() {
             return;
@@ -179,7 +180,7 @@ impl Device {
         self.values.set_node(node);
     }
 
-    /// Joins the network: says so, and waits to be started.
+    /// Joins the network: sends the boot-up message and waits for an NMT start.
     ///
     /// # Errors
     /// [`Code::BusOverload`] where the cycle leaves no room on the bus; [`Code::DriveNodeOfBoard`] where a drive has its
@@ -212,7 +213,7 @@ impl Device {
         self.joined
     }
 
-    /// The number others reach it by.
+    /// Its node number.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.nmt.node()
@@ -229,13 +230,13 @@ impl Device {
         self.values.serial = serial;
     }
 
-    /// Says whether the controller sends frames of CAN FD. A board whose controller does not takes no set that asks for
+    /// Says whether the controller sends frames of CAN FD. A board without such a controller refuses a set that asks for
     /// them.
     pub const fn set_fd(&mut self, sends_fd: bool) {
         self.values.sends_fd = sends_fd;
     }
 
-    /// Takes a frame. False for one that is not for a board: a drive's, or of a service it does not have.
+    /// Takes a frame. False for a frame of a drive, or of a service that the board does not have.
     pub fn receive(&mut self, frame: &Frame, params: &Params) -> bool {
         if !self.has_joined() {
             return false;
@@ -261,7 +262,7 @@ impl Device {
         }
         if let Some((_, event)) = self.values.watch.receive(frame) {
             match event {
-                // Whoever fed the program has forgotten it.
+                // The sender of the program has forgotten it.
                 HeartbeatEvent::Restarted => self.lose(params),
                 HeartbeatEvent::Found(_) if self.told.is_none() => self.values.emcy.clear(),
                 HeartbeatEvent::Found(_) | HeartbeatEvent::Entered(_) => {}
@@ -282,7 +283,7 @@ impl Device {
                 }
             }
             Service::Rpdo1 if self.nmt.state().allows_pdo() => self.command_of(frame),
-            // Only a node of this number sends these, and that is this one.
+            // Only a node with this number sends these frames, and this is the board itself.
             Service::Tpdo1 | Service::Heartbeat | Service::SdoReply | Service::Emcy => {
                 self.values.command(Command::Halt(Code::NodeTwice));
             }
@@ -291,7 +292,8 @@ impl Device {
         true
     }
 
-    /// Takes a frame of CAN FD. Nothing in one is for a board; it can be setpoints of somebody else for its drives.
+    /// Takes a frame of CAN FD. No such frame is for a board, but it may have setpoints of another node for the board's
+    /// drives.
     pub fn receive_fd(&mut self, frame: &FdFrame, params: &Params) {
         if self.has_joined()
             && let Some(intrusion) = self.setpoints_of_others(frame.id(), params)
@@ -300,7 +302,7 @@ impl Device {
         }
     }
 
-    /// Takes what has happened in the tick: every event, in order.
+    /// Takes an event of the tick: every event, in order.
     pub fn note(&mut self, event: &Event) {
         self.values.log.push(self.values.tick, event);
         self.values.recorder.note(event);
@@ -309,18 +311,18 @@ impl Device {
         }
     }
 
-    /// Says how far the axis that is held to the spindle was from where it should have been; `None`: none is held.
+    /// Sets the error of the axis that is held to the spindle; `None`: no axis is held.
     pub const fn set_measured(&mut self, measured: Option<Measured>) {
         self.values.measured = measured;
     }
 
-    /// Says how many setpoints have come late for their SYNC since power-up.
+    /// Sets the number of setpoints that were late for their SYNC since power-up.
     pub const fn set_late(&mut self, late: u32) {
         self.values.late = late;
     }
 
-    /// Goes on: `elapsed` since the last call, the tick side as it is now, and where calls go; `offer` says whether it took
-    /// one. True where a call went.
+    /// Runs the device. `elapsed`: time since the last call; the present tick side; `offer` takes a call and returns false
+    /// where it has no room. Returns true where a call was taken.
     pub fn poll(
         &mut self,
         elapsed: Periods,
@@ -328,12 +330,12 @@ impl Device {
         params: &Params,
         offer: &mut impl FnMut(&Call) -> bool,
     ) -> bool {
-        // Ticks do not come to the end of 64 bits.
+        // 64 bits of ticks do not overflow.
         self.values.tick = self.values.tick.wrapping_add(elapsed.get().into());
         self.values.snapshot = snapshot;
         let (measured, late) = (self.values.measured.as_ref(), self.values.late);
         if elapsed != Periods::new(0) {
-            // Nobody else asks for the hash, which takes its time.
+            // Only a network asks for the hash, which takes time.
             if self.joined {
                 self.values.recorder.write(elapsed, &snapshot);
             }
@@ -342,7 +344,7 @@ impl Device {
         if !snapshot.takes_calls() {
             self.values.program_buffer.close();
         }
-        // A set that is on its way comes into force while the machine stands.
+        // A set that is being stored comes into force while the machine stands.
         let worked = !self.values.is_changing() && self.values.program_buffer.hand_over(offer);
         if self.restarts && snapshot.is_at_rest() && !self.values.is_changing() {
             self.restart(params);
@@ -359,14 +361,14 @@ impl Device {
         worked
     }
 
-    /// True where the program is running and the rest of it has not come: in lock-step, time waits for it.
+    /// True where the program runs and its next part has not come: in lock-step, time waits for it.
     #[must_use]
     pub const fn awaits_program(&self) -> bool {
         self.values.program_buffer.awaits_more()
     }
 
-    /// True where a gateway that takes the certificates of threads (5042h), and is
-    /// there, would miss one if time went on: in lock-step, time waits.
+    /// True where a gateway that reads the certificates of threads (5042h), and is present, would miss a certificate if
+    /// time went on: in lock-step, time waits.
     #[must_use]
     pub fn awaits_reader(&self) -> bool {
         let watch = &self.values.watch;
@@ -380,7 +382,7 @@ impl Device {
         self.values.recorder.threads.certificates()
     }
 
-    /// True while a transfer is under way: in virtual time, its client can only be as fast as it is.
+    /// True while a transfer is under way. In virtual time its client is only as fast as virtual time.
     #[must_use]
     pub const fn is_transferring(&self) -> bool {
         self.sdo.is_busy()
@@ -391,17 +393,17 @@ impl Device {
         self.values.commands.pop_front()
     }
 
-    /// The inputs, where they have been set over the bus.
+    /// The inputs, if they were set over the bus.
     pub const fn signals(&mut self) -> Option<Signals> {
         self.values.signals.take()
     }
 
-    /// True, once, where the tap journal's record is to be dropped.
+    /// True, once, where the tap journal's record must be dropped.
     pub const fn drops_tap(&mut self) -> bool {
         core::mem::replace(&mut self.values.drops_tap, false)
     }
 
-    /// A parameter set that is to come into force: the owner restarts the application with it. The machine stands.
+    /// A parameter set that comes into force. The owner restarts the application with it. The machine stands.
     pub fn take_params(&mut self) -> Option<&Params> {
         self.values.take_params()
     }

@@ -1,6 +1,6 @@
-//! What a device does because others say so, or say nothing any more: the NMT master, the gateway, the operator's PDO.
+//! The device's reactions to others, and to their silence: NMT master, gateway, operator's PDO.
 //!
-//! Must not know what is told of it.
+//! Must not know what the device sends.
 
 use super::Device;
 use super::served::Served;
@@ -10,7 +10,7 @@ use crate::board::event::Command;
 use crate::bus::{BoardCommand, Emcy, Frame, NmtEvent, NmtState};
 use crate::params::Params;
 
-/// What a running program does when the gateway is lost.
+/// The reaction of a running program to the loss of the gateway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Loss {
     Hold,
@@ -50,7 +50,7 @@ impl Device {
         }
     }
 
-    /// A controlled stop, if anything moves or is about to.
+    /// A controlled stop, if anything moves or is about to move.
     fn halt(&mut self) {
         self.values.program_buffer.close();
         if !self.values.snapshot.is_at_rest() {
@@ -67,7 +67,7 @@ impl Device {
         self.answers.clear();
     }
 
-    /// The application begins anew, with the set in force if there is no other.
+    /// Starts the application again, with the set in force if there is no other.
     pub(super) fn restart(&mut self, params: &Params) {
         self.restarts = false;
         self.values.reset_communication(params);
@@ -89,20 +89,20 @@ impl Device {
             values.setting(sub, *value);
         }
         if let Some(order) = self.gate.take(count, order) {
-            // One that is refused stands in the event log.
+            // A refused order is in the event log.
             values.order(order);
         }
         values.count = self.gate.count();
     }
 
-    /// The gateway is not there any more.
+    /// The gateway is lost.
     pub(super) fn lose(&mut self, params: &Params) {
         if !self.values.snapshot.in_program {
             return;
         }
         let loss = Loss::of(params);
         if loss == Loss::Stop {
-            // Its alarm makes an emergency message of its own.
+            // The alarm has an emergency message of its own.
             self.values.command(Command::Halt(Code::GatewayLost));
             return;
         }

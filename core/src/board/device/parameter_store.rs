@@ -1,15 +1,15 @@
-//! A change of the parameter set as a transaction [D116]: staged, looked at as a whole, stored, marked as the newest, in
-//! force. Who may begin one is looked at before; what fails on the way leaves the set before in force.
+//! A change of the parameter set as a transaction [D116]: staged, checked as a whole, stored, marked as the newest, in
+//! force. The permission is checked before. A failure on the way leaves the old set in force.
 //!
 //! ```text
 //! Idle ─► Load ─► Set ─► Mark ─► Idle, the draft comes into force
 //!   └──────────────┘
 //! ```
 //!
-//! Loading, storing and marking are effects: they are asked for, carried out by the owner, and answered. Meanwhile no call
-//! goes to the planner, so the machine still stands when the new set comes into force.
+//! Loading, storing and marking are effects: the store asks, the owner carries them out and answers. Meanwhile no call goes
+//! to the planner, so the machine still stands when the new set comes into force.
 //!
-//! Knows what is stored where; must not know flash, objects or frames.
+//! Knows which set is stored in which place; must not know flash, objects or frames.
 
 use crate::alarm::{Alarm, Code};
 use crate::board::kept::{Found, KeptSet, Mark, PowerUp, Shelved, Slot};
@@ -19,18 +19,18 @@ use crate::bus::Abort;
 use crate::link::identity;
 use crate::params::Params;
 
-/// How the last change ended: 5010h:02.
+/// The result of the last change: 5010h:02.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum CommitState {
     /// None since power-up.
     #[default]
     None = 0,
-    /// It is being stored.
+    /// Being stored.
     UnderWay = 1,
     /// Stored and in force.
     Done = 2,
-    /// Refused, or it could not be stored: nothing has changed.
+    /// Refused, or not stored: nothing has changed.
     Refused = 3,
 }
 
@@ -38,22 +38,22 @@ pub enum CommitState {
 enum Step {
     #[default]
     Idle,
-    /// A set that is stored comes back as the draft.
+    /// A stored set is read into the draft.
     Load(Slot, Effect),
-    /// The draft goes into its place.
+    /// The draft is written to its place.
     Set(Slot, Effect),
-    /// The mark is made.
+    /// The mark is written.
     Mark(Effect),
 }
 
-/// Something for the owner to do.
+/// An effect for the owner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Effect {
     Wanted,
     UnderWay,
 }
 
-/// The parameter sets of a board, and the change that is under way.
+/// The parameter sets of a board and the change under way.
 #[derive(Debug, Default)]
 pub struct ParameterStore {
     found: Found,
@@ -63,17 +63,17 @@ pub struct ParameterStore {
     reason: Option<Alarm>,
 }
 
-/// What an effect has led to.
+/// The result of an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// The draft comes into force.
     pub in_force: bool,
-    /// To be told.
+    /// A warning to report.
     pub warning: Option<Code>,
 }
 
 impl ParameterStore {
-    /// As power-up has found it.
+    /// Takes the result of power-up.
     pub fn power_up(&mut self, up: &PowerUp) {
         self.found = up.found;
         self.shelved = up.shelved;
@@ -87,7 +87,7 @@ impl ParameterStore {
         self.state
     }
 
-    /// Why the last change was refused or failed.
+    /// The reason for the last refusal or failure.
     pub const fn reason(&self) -> Option<&Alarm> {
         self.reason.as_ref()
     }
@@ -97,7 +97,7 @@ impl ParameterStore {
         self.step != Step::Idle
     }
 
-    /// The identity of the set that is stored; 0: none.
+    /// The identity of the stored set; 0: none.
     pub fn stored(&self) -> u32 {
         self.shelved.stored.map_or(0, |(_, identity)| identity)
     }
@@ -107,12 +107,12 @@ impl ParameterStore {
         self.shelved.before.map_or(0, |(_, identity)| identity)
     }
 
-    /// The set in force is also the one that is stored.
+    /// True where the set in force is also the stored set.
     pub const fn is_stored(&self) -> bool {
         self.shelved.stored.is_some()
     }
 
-    /// A change is refused, for this reason. One that is under way is not touched.
+    /// Refuses a change for this reason. A change under way goes on.
     pub fn refuse(&mut self, reason: &Alarm) {
         if !self.is_busy() {
             self.state = CommitState::Refused;
@@ -120,20 +120,20 @@ impl ParameterStore {
         }
     }
 
-    /// The draft is good: it is to be stored.
+    /// The draft is good and will be stored.
     pub fn begin(&mut self) {
         self.step = Step::Set(self.shelved.next(), Effect::Wanted);
         self.state = CommitState::UnderWay;
         self.reason = None;
     }
 
-    /// What is wanted is what is there already.
+    /// The requested set is in force and stored already.
     pub const fn nothing_to_do(&mut self) {
         self.state = CommitState::Done;
         self.reason = None;
     }
 
-    /// The last good set is to become the draft.
+    /// Reads the last good set into the draft.
     ///
     /// # Errors
     /// [`Abort::NoData`] where there is none.
@@ -145,7 +145,7 @@ impl ParameterStore {
         Ok(())
     }
 
-    /// The region that has to be read, once.
+    /// The next region to read, once.
     pub const fn load(&mut self) -> Option<Region> {
         let Step::Load(slot, Effect::Wanted) = self.step else {
             return None;
@@ -154,7 +154,7 @@ impl ParameterStore {
         Some(slot.region())
     }
 
-    /// What the region holds that was to be read. It becomes the draft, if it is a set.
+    /// The content of that region. A set becomes the draft.
     pub fn loaded(
         &mut self,
         held: Result<Option<&[u8]>, StoreError>,
@@ -171,7 +171,7 @@ impl ParameterStore {
         self.fail(Code::ParametersLost)
     }
 
-    /// What is to be stored now, once.
+    /// The next write, once.
     pub fn store<'a>(&mut self, draft: &'a Params) -> Option<StoreRequest<'a>> {
         let number = self.shelved.number.saturating_add(1);
         let (step, region, content) = match self.step {
@@ -194,7 +194,7 @@ impl ParameterStore {
         Some(StoreRequest { region, content })
     }
 
-    /// The owner has stored what was asked for, or could not.
+    /// The owner has carried out the write, or has failed.
     pub fn has_stored(
         &mut self,
         region: Region,
@@ -219,7 +219,7 @@ impl ParameterStore {
                 self.step = Step::Idle;
                 self.found = Found::Newest;
                 self.state = CommitState::Done;
-                // The set itself is stored: without its mark it only could be damaged unnoticed.
+                // The set itself is stored. Without its mark, only later damage could go unnoticed.
                 Progress {
                     in_force: true,
                     warning: result.is_err().then_some(Code::ParametersUnmarked),
@@ -229,7 +229,7 @@ impl ParameterStore {
         }
     }
 
-    /// Nothing more is stored, for this reason.
+    /// Stores nothing more, for this reason.
     pub fn give_up(&mut self, reason: &Alarm) {
         self.step = Step::Idle;
         self.refuse(reason);

@@ -1,7 +1,7 @@
-//! The program as it comes: batches in, calls out, in a fixed memory.
+//! The incoming program: batches in, calls out, in a fixed memory.
 //!
-//! Calls stay encoded here, as short as they travelled, and are decoded one by one when the planner has room. So a
-//! program of any size goes through, and how much of it fits at once depends on what it says.
+//! Calls stay encoded here, as short as they travelled, and are decoded one by one when the planner has room. So a program
+//! of any size goes through; how much of it fits at once depends on its calls.
 //!
 //! | phase | batches | `run` |
 //! |---|---|---|
@@ -9,35 +9,36 @@
 //! | loading | go on | begins to hand calls over |
 //! | running | go on | does nothing |
 //!
-//! Knows the link's messages; knows nothing of transfers, frames or what calls do.
+//! Knows the link's messages; knows nothing of transfers, frames or the effect of calls.
 
 use super::ring::Ring;
 use crate::bus::Abort;
 use crate::link::{Batch, BatchError, CALL_BYTES, decode_call};
 use crate::program::{Call, CallKind};
 
-/// Bytes of program that a board keeps ahead of its planner: four of the longest batches, a hundred short moves and more.
+/// Bytes of program that a board keeps ahead of its planner: four of the longest batches, or more than a hundred short
+/// moves.
 pub const PROGRAM_BYTES: usize = 2048;
 
-/// How far a program has come.
+/// The phases of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// Finished, or dropped by a reset or an alarm: only another program begins.
+    /// Finished, or dropped by a reset or an alarm. Only another program may begin.
     Closed,
     /// It comes in and waits for `run`.
     Loading,
-    /// It comes in and is handed over.
+    /// It comes in, and its calls are handed over.
     Running,
 }
 
-/// The memory for programs on their way through.
+/// The memory for programs.
 #[derive(Debug)]
 pub struct ProgramBuffer {
     phase: Phase,
     program: u32,
-    /// Number of the call that comes next.
+    /// Number of the next call.
     next: u32,
-    /// The end of the program has come in.
+    /// The end of the program is in the memory.
     ended: bool,
     ring: Ring<PROGRAM_BYTES>,
 }
@@ -55,33 +56,33 @@ impl ProgramBuffer {
         }
     }
 
-    /// The program that came last.
+    /// The last program.
     pub const fn program(&self) -> u32 {
         self.program
     }
 
-    /// Calls of it wait for `run`.
+    /// True where its calls wait for `run`.
     pub const fn is_loading(&self) -> bool {
         matches!(self.phase, Phase::Loading)
     }
 
-    /// Number of the call of it that is expected next.
+    /// Number of the next call that the board expects.
     pub const fn next_call(&self) -> u32 {
         self.next
     }
 
-    /// Bytes of calls that fit now.
+    /// Bytes of calls that have room now.
     pub fn credit(&self) -> u16 {
         u16::try_from(self.ring.free()).unwrap_or(u16::MAX)
     }
 
-    /// Everything of it is forgotten; what still comes of it is refused.
+    /// Drops the program. Further batches of it are refused.
     pub const fn close(&mut self) {
         self.phase = Phase::Closed;
         self.ring.clear();
     }
 
-    /// `run`: calls may go. False where no program waits for it.
+    /// `run`: hands calls over from now on. False where no program waits for it.
     pub const fn run(&mut self) -> bool {
         let waits = matches!(self.phase, Phase::Loading);
         if waits {
@@ -90,19 +91,19 @@ impl ProgramBuffer {
         waits
     }
 
-    /// The program is running, and the rest of it is awaited.
+    /// True where the program runs and its next part has not come.
     pub const fn awaits_more(&self) -> bool {
         matches!(self.phase, Phase::Running) && !self.ended && self.ring.used() == 0
     }
 
-    /// The program is running, or calls of it wait for `run`.
+    /// True where the program runs, or its calls wait for `run`.
     #[cfg(test)]
     pub const fn is_open(&self) -> bool {
         !matches!(self.phase, Phase::Closed)
     }
 
-    /// Takes a batch, all of it or nothing. What has come before is not taken twice. `ready`: the machine takes calls;
-    /// `at_rest`: no program is under way.
+    /// Takes a whole batch or nothing of it. Calls that have come before are not taken twice. `ready`: the machine takes
+    /// calls; `at_rest`: no program is under way.
     pub fn take(&mut self, bytes: &[u8], ready: bool, at_rest: bool) -> Result<(), Abort> {
         let batch = Batch::new(bytes).map_err(abort)?;
         let begins = batch.first == 0 && (batch.program != self.program || self.next == 0);
@@ -114,7 +115,7 @@ impl ProgramBuffer {
         } else {
             (self.next, self.ring.free())
         };
-        // All is looked at before anything is taken.
+        // The whole batch is checked before any of it is taken.
         let mut number = batch.first;
         let mut wanted = 0_usize;
         let mut ended = self.ended && !begins;
@@ -122,7 +123,7 @@ impl ProgramBuffer {
             let (call, bytes) = read.map_err(abort)?;
             if number >= expected {
                 if ended {
-                    // Nothing comes behind the end of a program.
+                    // No call may follow the end of a program.
                     return Err(Abort::Value);
                 }
                 ended = matches!(call.kind, CallKind::End(_) | CallKind::Over);
@@ -134,7 +135,7 @@ impl ProgramBuffer {
             return Err(Abort::Sequence);
         }
         if number <= expected && !begins {
-            // All of it has been here before.
+            // All of its calls have come before.
             return Ok(());
         }
         let allowed = if begins {
@@ -156,7 +157,7 @@ impl ProgramBuffer {
         let mut at = batch.first;
         for (_, bytes) in batch.flatten() {
             if at >= expected {
-                // There is room: it has been counted.
+                // The room was checked above.
                 self.ring.push(bytes);
             }
             at = at.saturating_add(1);
@@ -166,14 +167,14 @@ impl ProgramBuffer {
         Ok(())
     }
 
-    /// Hands calls over until `offer` has no room or none is left. True where any went.
+    /// Hands calls over until `offer` has no room or none is left. True where any call was taken.
     pub fn hand_over(&mut self, offer: &mut impl FnMut(&Call) -> bool) -> bool {
         let mut worked = false;
         while self.phase == Phase::Running && self.ring.used() > 0 {
             let mut bytes = [0; CALL_BYTES];
             let count = self.ring.copy(0, &mut bytes);
             let Ok((call, length)) = decode_call(bytes.get(..count).unwrap_or(&bytes)) else {
-                // It has been decoded before it went in.
+                // It was decoded once before it went in.
                 self.close();
                 break;
             };

@@ -1,36 +1,36 @@
-//! The password before parameters are written [D118]: against mistakes, not against attackers, who read it on the wire.
+//! The password that protects parameters [D118]: against mistakes, not against attackers, who can read it on the wire.
 //!
-//! Opened by the right number, shut again when the gateway has been silent for its time, or the power goes. After a wrong
-//! one no password is heard for a second, after the next for two, then four, up to a minute.
+//! The right password opens writing. Writing closes when the gateway has been silent for its time, or when the power goes.
+//! After a wrong password no other is accepted for a second, after the next for two seconds, then four, up to a minute.
 
 use crate::alarm::{Alarm, Arg, Code};
 use crate::bus::Periods;
 use crate::params::Params;
 
-/// The longest wait behind a wrong password.
+/// The longest wait after a wrong password.
 const LONGEST_WAIT_S: u32 = 60;
 
-/// Without supervision of the gateway's heartbeat (9024 = 0) it counts as silent after so long.
+/// Without supervision of the gateway's heartbeat (9024 = 0), the gateway counts as silent after this time.
 const SILENCE_MS: u32 = 60_000;
 
 #[derive(Debug, Default)]
 pub struct WriteProtection {
     open: bool,
-    /// Since the gateway was heard last.
+    /// Time since the last frame of the gateway.
     silent: Periods,
     /// Wrong passwords in a row.
     wrong: u32,
-    /// Until the next one is heard.
+    /// Time until the next password is accepted.
     wait: Periods,
 }
 
 impl WriteProtection {
-    /// The gateway has said something.
+    /// The gateway has sent a frame.
     pub const fn hear(&mut self) {
         self.silent = Periods::new(0);
     }
 
-    /// Time goes by.
+    /// Lets time pass.
     pub fn elapse(&mut self, by: Periods, params: &Params) {
         self.wait = self.wait.minus(by);
         self.silent = self.silent.plus(by);
@@ -41,7 +41,7 @@ impl WriteProtection {
         self.open &= periods(limit, params) > self.silent;
     }
 
-    /// Whether parameters may be written.
+    /// True where parameters may be written.
     pub const fn is_open(&self, params: &Params) -> bool {
         self.open || params.parameter_password() == 0
     }
@@ -49,7 +49,7 @@ impl WriteProtection {
     /// Tries a password.
     ///
     /// # Errors
-    /// [`Code::PasswordWrong`], also for one that comes too soon.
+    /// [`Code::PasswordWrong`], also for a password that comes too soon.
     pub fn knock(&mut self, password: u32, params: &Params) -> Result<(), Alarm> {
         if self.wait == Periods::new(0) {
             if password == params.parameter_password() || params.parameter_password() == 0 {
@@ -67,7 +67,7 @@ impl WriteProtection {
     }
 }
 
-/// Seconds behind a wrong password, so many having been wrong before.
+/// Seconds to wait after a wrong password, with so many wrong ones before it.
 fn wait_s(before: u32) -> u32 {
     let seconds = 1_u32.checked_shl(before).unwrap_or(LONGEST_WAIT_S);
     seconds.min(LONGEST_WAIT_S)

@@ -1,4 +1,4 @@
-//! The book of a run: every setpoint, and how well the synchronised ones were met.
+//! The record of a run: every setpoint, and the errors of the synchronised ones.
 
 use super::threads::Threads;
 use crate::board::event::Event;
@@ -7,15 +7,15 @@ use crate::board::snapshot::Snapshot;
 use crate::bus::{BoardState, Periods};
 use crate::link::{Certificate, LinkError, SetpointHash, Tally, VERSION};
 
-/// What has been written down: since the program was started, and of its threads.
+/// The record since the program was started, and of its threads.
 #[derive(Debug)]
 pub struct RunRecorder {
     program: u32,
-    /// A tick of the run was not seen.
+    /// A tick of the run was missed.
     gap: bool,
     hash: SetpointHash,
     tally: Tally,
-    /// Since power-up: what a program has cut is not forgotten with the next.
+    /// Since power-up: the threads of a program stay when the next program begins.
     pub threads: Threads,
 }
 
@@ -40,7 +40,7 @@ impl RunRecorder {
         self.tally = Tally::NONE;
     }
 
-    /// Writes down the last setpoint; `elapsed`: at least a period.
+    /// Records the last setpoint. `elapsed`: at least one period.
     pub fn write(&mut self, elapsed: Periods, snapshot: &Snapshot) {
         self.gap |= elapsed != Periods::new(1) && self.hash.ticks() > 0;
         let setpoint = &snapshot.setpoint;
@@ -51,8 +51,8 @@ impl RunRecorder {
         self.hash.push(setpoint.position, spindle, runs);
     }
 
-    /// Takes the error of the setpoint before, where one was measured, and how the machine is. `late`: setpoints that have
-    /// come late since power-up.
+    /// Takes the error of the setpoint before, if it was measured, and the state of the machine. `late`: late setpoints
+    /// since power-up.
     pub fn judge(&mut self, snapshot: &Snapshot, measured: Option<&Measured>, late: u32) {
         if let Some(measured) = measured {
             self.tally.take(measured.error);
@@ -63,7 +63,7 @@ impl RunRecorder {
         self.threads.go_on(snapshot);
     }
 
-    /// Takes what has happened.
+    /// Takes an event.
     pub fn note(&mut self, event: &Event) {
         self.threads.note(event);
     }
@@ -81,7 +81,7 @@ impl RunRecorder {
         }
     }
 
-    /// Puts what 5041h holds into `bytes`; how many that are comes back.
+    /// Puts the content of 5041h into `bytes`. Returns the number of bytes.
     pub fn read(&self, late: u32, bytes: &mut [u8]) -> Result<usize, LinkError> {
         self.threads.encode(&self.certificate(late), bytes)
     }

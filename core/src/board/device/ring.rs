@@ -1,4 +1,4 @@
-//! Bytes in the order they came, in a fixed room.
+//! A ring of bytes in a fixed room, in the order of their arrival.
 
 use crate::board::store::copy;
 
@@ -36,7 +36,7 @@ impl<const N: usize> Ring<N> {
         self.used = 0;
     }
 
-    /// The place `ahead` bytes behind the oldest.
+    /// The place `ahead` bytes after the oldest.
     const fn place(&self, ahead: usize) -> usize {
         let place = self.front.saturating_add(ahead);
         if place >= N {
@@ -46,7 +46,7 @@ impl<const N: usize> Ring<N> {
         }
     }
 
-    /// Takes all of `bytes`, or none where they have no room.
+    /// Appends all of `bytes`, or none of them where there is no room.
     pub fn push(&mut self, bytes: &[u8]) -> bool {
         let fits = bytes.len() <= self.free();
         if fits {
@@ -57,7 +57,7 @@ impl<const N: usize> Ring<N> {
         fits
     }
 
-    /// Copies bytes from `ahead` of the oldest on; how many there are comes back.
+    /// Copies bytes, beginning `ahead` bytes after the oldest. Returns their number.
     pub fn copy(&self, ahead: usize, into: &mut [u8]) -> usize {
         let count = self.used.saturating_sub(ahead).min(into.len());
         let into = into.get_mut(..count).unwrap_or_default();
@@ -65,7 +65,7 @@ impl<const N: usize> Ring<N> {
         count
     }
 
-    /// Forgets the oldest `count` bytes.
+    /// Drops the oldest `count` bytes.
     pub const fn drop_front(&mut self, count: usize) {
         let count = if count < self.used { count } else { self.used };
         self.front = self.place(count);
@@ -73,9 +73,9 @@ impl<const N: usize> Ring<N> {
     }
 }
 
-// Of every length the same code: a board has two rings.
+// One copy of the code for both lengths: a board has two rings.
 
-/// Puts `bytes` into a ring from `at` on.
+/// Writes `bytes` into a ring from `at` on.
 #[inline(never)]
 fn put(ring: &mut [u8], at: usize, bytes: &[u8]) {
     let (front, back) = ring.split_at_mut_checked(at).unwrap_or_default();
@@ -83,7 +83,7 @@ fn put(ring: &mut [u8], at: usize, bytes: &[u8]) {
     copy(bytes.get(taken..).unwrap_or_default(), front);
 }
 
-/// Fills `into` from a ring from `at` on.
+/// Fills `into` from a ring, from `at` on.
 #[inline(never)]
 fn take(ring: &[u8], at: usize, into: &mut [u8]) {
     let (front, back) = ring.split_at_checked(at).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! The objects as an SDO server sees them: values by object, in pieces.
 //!
-//! A value is put together in one buffer before it is read and after it is written, so nothing changes in the middle of a
-//! transfer and nothing takes effect before its end. Only the parameter image is longer than the buffer: it is made and
+//! A value is put together in one buffer before a read and after a write. So a value cannot change in the middle of a
+//! transfer, and a write has no effect before its end. Only the parameter image is longer than the buffer: it is made and
 //! taken value by value.
 
 use super::change::Change;
@@ -13,12 +13,12 @@ use crate::bus::{Abort, Object, Objects};
 use crate::link::{BATCH_BYTES, ImageReader, ImageWriter};
 use crate::params::Params;
 
-/// The parameter set as a whole, on its way in.
+/// True for the parameter set as a whole, while it is written.
 fn is_image(object: Object) -> bool {
     object == IMAGE || object == STAGED_IMAGE
 }
 
-/// The values of the objects together with the set in force: what an SDO server serves.
+/// The values of the objects together with the set in force: the data of an SDO server.
 pub struct Served<'a> {
     pub values: &'a mut ObjectValues,
     pub params: &'a Params,

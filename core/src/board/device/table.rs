@@ -1,6 +1,6 @@
-//! What a row of the list of objects is made of, and the list as a board and as an EDS need it.
+//! The parts of a row in the list of objects, and the list in the form that a board and an EDS need.
 //!
-//! Knows nothing of what is read and written: that stands with each row, in `objects`.
+//! Knows nothing of reads and writes: they stand with each row, in `objects`.
 
 use super::item::{Access, Initial, Item, Kind, Name};
 use super::objects::LINES;
@@ -25,7 +25,7 @@ pub const SAVE: u32 = u32::from_le_bytes(*b"save");
 /// Written to 1011h:01: the letters `load`, little-endian.
 pub const LOAD: u32 = u32::from_le_bytes(*b"load");
 
-/// What 1005h reads as: bit 30 says that the board gives the beat.
+/// Value of 1005h: bit 30 says that the board sends SYNC.
 pub const SENDS_SYNC: u32 = 0x4000_0080;
 
 /// A record or array of the table: index, name, and whether its sub-indices are alike.
@@ -33,9 +33,9 @@ pub const SENDS_SYNC: u32 = 0x4000_0080;
 pub struct Group {
     /// Index.
     pub index: u16,
-    /// What it is, in English.
+    /// Its English name.
     pub name: &'static str,
-    /// All sub-indices but 0 are alike: an ARRAY, else a RECORD.
+    /// All sub-indices but 0 are alike: an ARRAY. Otherwise a RECORD.
     pub array: bool,
 }
 
@@ -55,7 +55,7 @@ const fn array(index: u16, name: &'static str) -> Group {
     }
 }
 
-/// The objects that have sub-indices.
+/// The objects with sub-indices.
 pub static GROUPS: &[Group] = &[
     array(0x1003, "Error history"),
     array(0x1010, "Store parameters"),
@@ -82,36 +82,36 @@ pub static GROUPS: &[Group] = &[
     group(0x5040, "Event log"),
 ];
 
-/// A line of the list: what a board needs of it, and its name.
+/// A line of the list: the row for a board, and the name.
 pub(super) struct Line {
     row: Row,
     name: &'static str,
 }
 
 impl Line {
-    /// Where it is.
+    /// Index and sub-index.
     pub(super) const fn object(&self) -> Object {
         self.row.object
     }
 
-    /// True where nothing is missing that its access promises: a clause to get a number, to set one, or for the bytes of a
-    /// domain.
+    /// True where the row has every clause that its access promises: a clause to get a number, to set a number, or for the
+    /// bytes of a domain.
     pub(super) const fn is_whole(&self, get: bool, set: bool, bytes: bool) -> bool {
         let read = matches!(self.row.access, Access::Read | Access::Both);
         let written = matches!(self.row.access, Access::Write | Access::Both);
-        // The communication of the PDOs is theirs.
+        // The PDOs read and write their own communication objects.
         if let 0x1400..0x1803 = self.row.object.index {
             return !get && !set && !bytes;
         }
         match self.row.kind {
-            // What is written is taken in pieces; what is both is given in pieces, too.
+            // A domain is written in pieces. A domain that is read and written is read in pieces too.
             Domain => bytes == (read && !written) && !get && !set,
             _ => get == read && set == written && !bytes,
         }
     }
 }
 
-/// What a board needs of an object that is no parameter.
+/// The data of an object that a board needs. Parameters have their own table.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     pub object: Object,
@@ -129,7 +129,7 @@ pub(super) enum Value {
     OfNode(u32),
     DeviceName,
     SoftwareVersion,
-    /// The version of the link: the one number that is longer.
+    /// The version of the link: the only number with 64 bits.
     Link,
     Within(u16, u16),
 }
@@ -156,7 +156,7 @@ impl Row {
         }
     }
 
-    /// The numbers it takes; `None`: all that the kind has.
+    /// The range; `None`: all numbers of the data type.
     pub const fn range(&self) -> Option<(i64, i64)> {
         match self.value {
             Value::Within(low, high) => Some((low as i64, high as i64)),
@@ -164,7 +164,7 @@ impl Row {
         }
     }
 
-    /// The text it is; empty for a number.
+    /// The text; empty for a number.
     pub const fn text(&self) -> &'static str {
         match self.value {
             Value::DeviceName => "Leadscrew board",
@@ -173,7 +173,7 @@ impl Row {
         }
     }
 
-    /// The number it is on a node, where nothing else knows it; 0: unknown.
+    /// The number on a node, if it is known from the row alone; otherwise 0.
     pub const fn number(&self, node: NodeId) -> i64 {
         match self.value {
             Value::Number(number) => number as i64,
@@ -253,7 +253,7 @@ pub(super) const fn map(index: u16, sub: u8, mapping: &[Mapped]) -> Line {
         at = at.saturating_add(1);
         rest = behind;
     }
-    // Not reached, and a test says so: 0 is no object.
+    // Not reached, as a test shows: 0 is no object.
     fixed(index, sub, "mapped object", U32, 0)
 }
 
@@ -289,7 +289,7 @@ pub static ROWS: [Row; LINES.len()] = {
     rows
 };
 
-/// The names of the [rows](ROWS). A board does not ask for them: its image is without.
+/// The names of the [rows](ROWS). A board does not need them, and its image has none.
 pub static NAMES: [&str; LINES.len()] = {
     let mut names = [""; LINES.len()];
     let (mut places, mut lines): (&mut [&str], _) = (&mut names, LINES);

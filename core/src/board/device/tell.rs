@@ -1,6 +1,6 @@
-//! What a device says by itself, and what waits to be sent: answers, heartbeats, emergencies, statuses.
+//! The frames that a device sends by itself or has to send: answers, heartbeats, emergencies, statuses.
 //!
-//! Nothing that comes is read here.
+//! Received frames are not read here.
 
 use super::Device;
 use super::served::Served;
@@ -19,7 +19,7 @@ pub(super) const HEARTBEAT_ERROR: u16 = 0x8130;
 const RECOVERED: u16 = 0x8140;
 
 impl Device {
-    /// The next frame to send, behind those of the tick: emergencies and statuses before answers.
+    /// The next frame to send, after the frames of the tick: emergencies and statuses before answers.
     pub fn transmit(&mut self) -> Option<Frame> {
         if self.controller.state.is_cut_off() {
             return None;
@@ -28,7 +28,7 @@ impl Device {
     }
 
     pub(super) fn say(&mut self, frame: Frame) {
-        // A bus that takes nothing: what is newer counts.
+        // The bus takes no frame: newer frames replace older ones.
         if self.urgent.is_full() {
             self.urgent.pop_front();
         }
@@ -36,7 +36,7 @@ impl Device {
     }
 
     pub(super) fn answer(&mut self, frame: Frame) {
-        // One client waits for one answer; only blocks are longer, and they ask for room first.
+        // A client waits for one answer at a time. Only blocks are longer, and they ask for room first.
         let _ = self.answers.push_back(frame);
     }
 

@@ -1,11 +1,11 @@
-//! The threads and holes that were cut last, one by one: behind the certificate of the run in object 5041h [D169].
+//! The last threads and holes, each with its certificate. In object 5041h they follow the certificate of the run [D169].
 //!
-//! A thread is one call of a threading cycle with all its passes and starts, or one hole. It begins with the first error
-//! that is measured in it. All of it was cut where the tick has carried its last stroke to the end, and it was cut short
-//! where an alarm, a reset or the end of the program came before that.
+//! A thread is one call of a threading cycle with all its passes and starts, or one hole. It begins with its first measured
+//! error. It is finished where the tick has carried its last stroke to the end. It is cut short where an alarm, a reset or
+//! the end of the program comes before that.
 //!
-//! Reading changes nothing here, so any number may read. Whoever runs the program says how far he has got (5042h): in
-//! lock-step the board waits for him, and for nobody else [D172].
+//! Reading changes nothing here, so there may be several readers. The gateway that runs the program writes how many it has
+//! read (5042h): in lock-step the board waits for this gateway only [D172].
 
 use heapless::Vec;
 
@@ -19,7 +19,7 @@ use crate::link::{
 };
 use crate::motion::Cut;
 
-/// So many are kept; the newest may be under way.
+/// Certificates kept. The newest may be under way.
 const KEPT: usize = 8;
 
 const _: () = assert!(
@@ -30,15 +30,16 @@ const _: () = assert!(
 /// The last threads.
 #[derive(Debug)]
 pub struct Threads {
-    /// The cut of the newest; `None` where no more of it can come. Cuts are counted round, and not every one is kept here.
+    /// The cut of the newest certificate; `None` where it cannot go on. Numbers of cuts wrap, and not every cut has a
+    /// certificate.
     cut: Option<u8>,
-    /// An axis was held to the spindle when it was last asked.
+    /// An axis was held to the spindle at the last measurement.
     in_stroke: bool,
-    /// Setpoints that had come late before the newest.
+    /// Late setpoints before the newest certificate.
     late_before: u32,
-    /// Number of the newest, from 1 since power-up.
+    /// Number of the newest certificate, from 1 since power-up.
     newest: u32,
-    /// Whoever runs the program has all up to this number; `None`: he has not said so.
+    /// The gateway that runs the program has read all up to this number; `None`: it has not said so.
     taken: Option<u32>,
     /// The newest first.
     records: Vec<ThreadRecord, KEPT>,
@@ -58,10 +59,10 @@ impl Threads {
         }
     }
 
-    /// Whoever runs the program has all up to `number`.
+    /// The gateway that runs the program has read all up to `number`.
     ///
     /// # Errors
-    /// [`Abort::TooHigh`]: there are not so many, or the last of them is being cut: it has to be read again.
+    /// [`Abort::TooHigh`]: there are not so many, or the last of them is still being cut and must be read again.
     pub fn take(&mut self, number: u32) -> Result<(), Abort> {
         if number > self.newest.saturating_sub(self.is_under_way().into()) {
             return Err(Abort::TooHigh);
@@ -70,17 +71,17 @@ impl Threads {
         Ok(())
     }
 
-    /// How far whoever runs the program has got; 0 where he has not said so.
+    /// The number up to which the gateway has read; 0 where it has not said so.
     pub fn taken(&self) -> u32 {
         self.taken.unwrap_or(0)
     }
 
-    /// Another program comes: who has taken those of the last one need not take those of this.
+    /// Another program begins: its gateway need not be the one that has read so far.
     pub const fn await_reader(&mut self) {
         self.taken = None;
     }
 
-    /// The next one takes the place of one that whoever runs the program takes, and has not taken.
+    /// True where the next certificate would overwrite one that the reading gateway has not read.
     pub const fn is_full(&self) -> bool {
         match self.taken {
             Some(taken) => self.newest.saturating_sub(taken) >= KEPT as u32,
@@ -88,13 +89,13 @@ impl Threads {
         }
     }
 
-    /// The newest has not ended.
+    /// True where the newest has not ended.
     fn is_under_way(&self) -> bool {
         let newest = self.records.first();
         newest.is_some_and(|newest| newest.state == ThreadState::UnderWay)
     }
 
-    /// The newest ends like this, if that is not known yet.
+    /// Ends the newest in this state, if it has not ended yet.
     fn end(&mut self, state: ThreadState) {
         if let Some(newest) = self.records.first_mut()
             && newest.state == ThreadState::UnderWay
@@ -103,7 +104,7 @@ impl Threads {
         }
     }
 
-    /// Takes an error that was measured.
+    /// Takes a measured error.
     pub fn measure(&mut self, measured: &Measured, late: u32) {
         if self.cut != Some(measured.cut.number) {
             // The program has gone on.
@@ -128,7 +129,7 @@ impl Threads {
         let tally = &mut newest.tally;
         if !self.in_stroke {
             self.in_stroke = true;
-            // A hole is one, however often the tap turns round in it.
+            // A hole counts as one pass, however often the tap turns round in it.
             if newest.kind == ThreadKind::Thread || tally.passes == 0 {
                 tally.passes = tally.passes.saturating_add(1);
             }
@@ -143,7 +144,7 @@ impl Threads {
         self.in_stroke = false;
     }
 
-    /// Takes how the machine is. Its last error comes with the tick behind its end.
+    /// Takes the state of the machine. The last error comes with the tick after the end.
     pub fn go_on(&mut self, now: &Snapshot) {
         if now.setpoint.locked {
             return;
@@ -156,19 +157,19 @@ impl Threads {
         if last && own {
             self.end(ThreadState::Finished);
         } else if !now.in_program {
-            // On an alarm, behind a reset, or at the end of a program that has left a tap in its hole.
+            // On an alarm, after a reset, or at the end of a program that has left a tap in its hole.
             self.end(ThreadState::CutShort);
         }
     }
 
-    /// Takes what has happened: behind a reset no more of it is cut. Its last error may still come.
+    /// Takes an event. After a reset the thread is not cut any further, but its last error may still come.
     pub fn note(&mut self, event: &Event) {
         if *event == Event::Reset {
             self.end(ThreadState::CutShort);
         }
     }
 
-    /// All that are kept, the newest first.
+    /// All certificates, the newest first.
     pub fn certificates(&self) -> impl Iterator<Item = ThreadCertificate> {
         let numbers = (1..=self.newest).rev();
         let with_number = |(number, record): (u32, &ThreadRecord)| ThreadCertificate {
@@ -178,7 +179,7 @@ impl Threads {
         numbers.zip(&self.records).map(with_number)
     }
 
-    /// Puts them behind the certificate of `run`, as [`encode_certificates`] does.
+    /// Puts them after the certificate of `run`, as [`encode_certificates`] does.
     pub fn encode(&self, run: &Certificate, bytes: &mut [u8]) -> Result<usize, LinkError> {
         encode_certificates(run, self.newest, &self.records, bytes)
     }
@@ -213,7 +214,7 @@ mod tests {
         }
     }
 
-    /// A stroke of three ticks, and the tick behind it; `ends`: the tick has carried it to its end.
+    /// A stroke of three ticks, and the tick after it; `ends`: the tick has carried it to its end.
     fn stroke(threads: &mut Threads, now: &mut Snapshot, cut: (u8, bool), ends: bool) {
         for tick in 0..4_i64 {
             now.setpoint.locked = tick < 3;
@@ -251,13 +252,13 @@ mod tests {
         assert_eq!(all(&threads), [(1, 1, UnderWay, 2)]);
         stroke(&mut threads, &mut now, (1, true), true);
         assert_eq!(all(&threads), [(1, 1, Finished, 3)]);
-        // What comes behind the end of a stroke that is not the last does not end it.
+        // A tick after the end of a stroke that is not the last does not end the thread.
         stroke(&mut threads, &mut now, (2, false), true);
         assert_eq!(all(&threads), [(2, 2, UnderWay, 1), (1, 1, Finished, 3)]);
         now.in_program = false;
         threads.go_on(&now);
         assert_eq!(all(&threads)[0], (2, 2, CutShort, 1));
-        // What is planned behind a reset is another one.
+        // A thread planned after a reset is another one.
         now.in_program = true;
         threads.note(&Event::Reset);
         stroke(&mut threads, &mut now, (3, true), false);
@@ -314,7 +315,7 @@ mod tests {
             stroke(&mut threads, &mut now, (7, true), ends);
             if !ends {
                 threads.note(&Event::Reset);
-                // Its last error comes behind that.
+                // Its last error comes after that.
                 threads.measure(&measured(7, true, 2), 0);
                 threads.leave_stroke();
                 assert_eq!(all(&threads).len(), 1);

@@ -1,6 +1,6 @@
-//! What stands behind the objects: the values of the dictionary, one by one.
+//! The values of the objects in the dictionary.
 //!
-//! How they travel is said in `served`, how the parameters change in `change`.
+//! `served` knows how they travel, `change` how the parameters change.
 
 use heapless::Deque;
 
@@ -30,19 +30,20 @@ const COMMANDS: usize = 8;
 #[derive(Debug)]
 pub struct ObjectValues {
     pub node: NodeId,
-    /// Count of the last order taken.
+    /// Count of the last accepted order.
     pub count: u8,
-    /// Wanted or told only: the feeds of a call are resolved before it comes.
+    /// Dry run. It is only stored and read here: the feeds of a call are resolved before it comes.
     pub dry_run: bool,
-    /// The tap journal's record is to be dropped.
+    /// A request to drop the tap journal's record.
     pub drops_tap: bool,
-    /// The draft is good and comes into force: the owner takes it before the next frame.
+    /// The draft is good and comes into force. The owner takes it before the next frame.
     pub(super) staged: bool,
     /// The last commit named the draft with its password.
     pub(super) named: bool,
-    /// Place of the one value that the last change put into the draft; `None` where that was more, or was refused.
+    /// Place of the single value that the last change wrote into the draft; `None` where the change was larger or was
+    /// refused.
     pub(super) wrote: Option<usize>,
-    /// The inputs, as they were set over the bus and not handed on yet.
+    /// The inputs, if they were set over the bus and the owner has not read them yet.
     pub signals: Option<Signals>,
     /// Setpoints that came late for their SYNC.
     pub late: u32,
@@ -51,31 +52,31 @@ pub struct ObjectValues {
     /// The controller sends frames of CAN FD.
     pub sends_fd: bool,
     pub(super) log_from: u32,
-    /// Bytes of the buffer in use.
+    /// Used bytes of the buffer.
     pub(super) length: usize,
     /// Ticks since power-up.
     pub tick: u64,
-    /// Of the axis that is held to the spindle, while one is.
+    /// The error of the axis that is held to the spindle, while one is.
     pub measured: Option<Measured>,
     /// 1017h.
     pub heartbeat: HeartbeatProducer,
     pub protection: WriteProtection,
-    /// 1016h: who has to be heard.
+    /// 1016h: the nodes to be supervised.
     pub watch: HeartbeatConsumer<1>,
     pub pdos: Pdos,
     pub(super) image: ImageReader,
     pub recorder: RunRecorder,
     /// 1001h and 1003h.
     pub emcy: EmcyProducer<{ HISTORY as usize }>,
-    /// What is stored, and the change that is under way.
+    /// The stored sets and the change under way.
     pub parameter_store: ParameterStore,
     pub snapshot: Snapshot,
-    /// For the tick, in the order they came.
+    /// Commands for the tick, in order.
     pub commands: Deque<Command, COMMANDS>,
     pub log: Log,
     pub program_buffer: ProgramBuffer,
     pub(super) buffer: [u8; BATCH_BYTES],
-    /// Where a changed set is put together, before all of it has been looked at.
+    /// A changed set is put together here before it is checked as a whole.
     pub(super) draft: Params,
 }
 
@@ -111,19 +112,19 @@ impl Pdos {
         command
     }
 
-    /// Those of [`Told::ALL`].
+    /// The PDOs of [`Told::ALL`].
     pub fn sent(&self, place: usize) -> Option<&PdoCommunication> {
         let [_, sent @ ..] = &self.0;
         sent.get(place)
     }
 
-    /// Of the status.
+    /// Event timer of the status.
     pub const fn event_ms(&self) -> u16 {
         let [_, status, ..] = &self.0;
         status.event_ms()
     }
 
-    /// By index.
+    /// The place of an index.
     const fn place(index: u16) -> usize {
         match index {
             0x1400 => 0,
@@ -180,7 +181,7 @@ impl ObjectValues {
         }
     }
 
-    /// Another number; the PDOs' times stay.
+    /// Sets another node number. The PDOs' times stay.
     pub fn set_node(&mut self, node: NodeId) {
         self.node = node;
         self.pdos = Pdos::new(node, self.pdos.event_ms());
@@ -194,12 +195,12 @@ impl ObjectValues {
         self.heartbeat = HeartbeatProducer::new(ms(params.heartbeat_ms()), params.tick_us());
     }
 
-    /// An order of the operator, from RPDO1 or by SDO. False for a `run` that no program waits for; a warning in the event
-    /// log says so [D110]. The others act at once, or when the machine has come to rest.
+    /// An order of the operator, by RPDO1 or by SDO. False for a `run` without a waiting program; a warning in the event
+    /// log says so [D110]. The other orders act at once, or when the machine has come to rest.
     pub fn order(&mut self, order: Order) -> bool {
         let command = match order {
             Order::Run => {
-                // A program is forgotten with the parameters that it was sent for.
+                // A program is dropped together with the parameters for which it was sent.
                 let waited = !self.is_changing() && self.program_buffer.run();
                 if waited {
                     self.recorder.begin(self.program_buffer.program());
@@ -211,7 +212,7 @@ impl ObjectValues {
             Order::Hold => Command::Hold,
             Order::Resume => Command::Resume,
             Order::Reset => {
-                // What has been sent for the program is forgotten with it.
+                // The calls of the program are dropped with it.
                 self.program_buffer.close();
                 Command::Reset
             }
@@ -231,7 +232,7 @@ impl ObjectValues {
         self.log.push(self.tick, &Event::Warning(warning));
     }
 
-    /// A command for the tick. Where so many wait that there is no room, the owner does not read them.
+    /// A command for the tick. Where there is no room, the owner does not read the commands.
     pub fn command(&mut self, command: Command) {
         if self.commands.is_full() {
             self.commands.pop_front();
@@ -277,7 +278,7 @@ impl ObjectValues {
         }
     }
 
-    /// What the board tells all the time, as it is now.
+    /// The present content of a TPDO.
     #[inline(never)]
     pub fn tell(&self, told: Told) -> Frame {
         match told {
@@ -319,14 +320,14 @@ impl ObjectValues {
     }
 }
 
-/// Who is watched after power-up.
+/// The supervised nodes after power-up.
 fn watch(params: &Params) -> HeartbeatConsumer<1> {
     let watch = HeartbeatWatch {
         node: NodeId::GATEWAY,
         ms: ms(params.gateway_silence_ms()),
     };
     let mut consumer = HeartbeatConsumer::new();
-    // The one entry there is.
+    // The only entry.
     let _ = consumer.set(0, (watch.ms > 0).then_some(watch), params.tick_us());
     consumer
 }
@@ -336,7 +337,7 @@ fn ms(ms: u32) -> u16 {
     u16::try_from(ms).unwrap_or(u16::MAX)
 }
 
-/// Thousandths of a turn per minute of 2⁻³² turns per second.
+/// Thousandths of a turn per minute.
 const fn milli_rpm(rate: TurnRate) -> MilliRpm {
     let raw = rate.raw() as i128;
     let milli = raw.saturating_mul(60_000).saturating_add(1 << 31) >> 32;
