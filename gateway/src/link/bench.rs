@@ -1,4 +1,4 @@
-//! For tests: a board inside this process, and an end of its bus on which not all goes as it should.
+//! For tests: a board in this process, and an end of its bus with faults.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ pub fn machine(flash: Flash) -> Inside {
     machine_of(&Params::slant_bed(), flash)
 }
 
-/// The same of another machine.
+/// The same with these parameters.
 pub fn machine_of(params: &Params, flash: Flash) -> Inside {
     let options = PlantOptions::default();
     let mut sim = Sim::power_up(params, &options, flash)
@@ -29,12 +29,12 @@ pub fn machine_of(params: &Params, flash: Flash) -> Inside {
     Inside::new(sim, tick_us)
 }
 
-/// A client of it.
+/// A client of the board.
 pub fn link(inside: &Inside) -> Link {
     Link::on(Box::new(inside.clone()), NodeId::BOARD)
 }
 
-/// What a board says that has nothing to do.
+/// The status of a board without work.
 pub fn status() -> Status {
     Status {
         version: VERSION,
@@ -64,30 +64,30 @@ pub fn status() -> Status {
     }
 }
 
-/// What becomes of a frame that this side sends.
+/// The fate of a frame from this side.
 pub enum Fate {
     /// It arrives.
     Arrives,
-    /// It arrives, and somebody else sends one behind it.
+    /// It arrives, and another node sends a frame after it.
     AndThen(Frame),
-    /// It does not arrive, and this is heard, if anything is.
+    /// It does not arrive. The frame inside is heard instead.
     Lost(Option<Frame>),
-    /// The bus is gone.
+    /// The bus is closed.
     Closed,
 }
 
-/// An end of the bus that `sent` and `heard` have their hands in.
+/// An end of the bus whose frames pass through `sent` and `heard`.
 struct Between<S, H> {
     inside: Inside,
-    /// Asked for each frame that this side sends.
+    /// Decides the fate of each frame from this side.
     sent: S,
-    /// Each frame that the board sends, as it is heard here.
+    /// Changes each frame of the board before this side hears it.
     heard: H,
-    /// To be heard next, before what the board says.
+    /// The next frame to hear, before frames of the board.
     next: Option<Frame>,
 }
 
-/// A client with `sent` and `heard` between it and the board.
+/// A client whose frames to and from the board pass through `sent` and `heard`.
 pub fn between(
     inside: &Inside,
     sent: impl FnMut(&Frame) -> Fate + Send + 'static,

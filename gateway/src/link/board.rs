@@ -1,4 +1,4 @@
-//! What can be asked of a board, with types.
+//! Requests to a board, with types.
 
 use std::time::{Duration, Instant};
 
@@ -20,40 +20,41 @@ use leadscrew_core::signals::Signals;
 use super::{Link, LinkResult, Trouble};
 use crate::origin::BoardName;
 
-/// Readings of the event log before a gap in it is believed.
+/// A gap in the event log counts only after so many readings.
 const LOG_TRIES: u32 = 5;
-/// A status is due every 10 ms by default; the node is started so often until one comes.
+/// By default a status comes every 10 ms. Until one comes, the node is started so many times.
 const STATUS: Duration = Duration::from_millis(500);
 const FIRST_STATUS: Duration = Duration::from_millis(100);
 const STARTS: usize = 10;
-/// Questions whether the board is there: each is waited for as any answer.
+/// So many questions whether the board is there. Each waits for an answer.
 const GREETINGS: u32 = 5;
-/// So often have several to answer: then there are several.
+/// Several boards are there if several answers come this many times.
 const SEVERAL: u32 = 3;
-/// An order is sent again after this long.
+/// An order is repeated after this time.
 const REPEAT: Duration = Duration::from_millis(20);
-/// An order that is not confirmed by then is none. The computer of a simulated board may stand still for seconds [D178].
+/// An order without confirmation in this time has failed. The computer of a simulated board may stand still for seconds
+/// [D178].
 const CONFIRMED: Duration = Duration::from_secs(5);
-/// To halt is ordered so often where somebody else orders meanwhile.
+/// A halt is ordered again so many times while another client orders too.
 const HALT_TRIES: u32 = 5;
 
 /// The parameter set of a board, and its identity.
 #[derive(Clone, Debug)]
 pub struct BoardParams {
-    /// The set.
+    /// The parameter set.
     pub params: Params,
-    /// CRC-32 of it.
+    /// CRC-32 of the set.
     pub identity: u32,
 }
 
 impl Link {
-    /// Makes sure that one Leadscrew board, and only one, has the number, and that it speaks this link.
+    /// Checks that exactly one Leadscrew board has this node number, and that it uses this version of the link.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`], [`Trouble::TwoBoards`], [`Trouble::NotABoard`], [`Trouble::Version`].
     pub fn greet(&mut self) -> LinkResult {
-        // A second gateway may be talking at this very moment, and a slow board answers several questions at once: what is
-        // so stays so when asked again.
+        // Another gateway may be asking at the same moment, and a slow board answers several questions at once. So the same
+        // question is asked again.
         let (mut count, mut several) = (0, 0);
         for _ in 0..GREETINGS {
             count = self.answers(SERIAL_NUMBER)?;
@@ -92,13 +93,13 @@ impl Link {
         Ok(())
     }
 
-    /// Lets process data flow, and waits for the first status.
+    /// Starts process data and waits for the first status.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`].
     pub fn hear_status(&mut self) -> LinkResult {
         let before = self.seen.statuses;
-        // A node that is started already has said something by then.
+        // A node that was started before has sent a status by then.
         let further = std::iter::repeat_n(STATUS, STARTS);
         for patience in std::iter::once(FIRST_STATUS).chain(further) {
             if patience == STATUS {
@@ -115,8 +116,8 @@ impl Link {
         Err(self.silent())
     }
 
-    /// Gives an order and waits until the board says that it has taken it. To run is not ordered, nor waited for, once the
-    /// machine is [to be held](Self::hold_when); to hold and to stop is ordered anew behind somebody else's order.
+    /// Gives an order and waits until the board confirms it. `run` is neither given nor awaited once the machine is [to be
+    /// held](Self::hold_when). Hold and stop are given again after an order of another client.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`], [`Trouble::Unconfirmed`].
@@ -126,14 +127,14 @@ impl Link {
         if order == Order::Hold && self.is_held_already(STATUS)? {
             return Ok(());
         }
-        // The hold that is wanted at once stands behind an order to run, never before it.
+        // A requested hold comes after an order to run, never before it.
         if order == Order::Run && self.hold_at_once()? {
             return Ok(());
         }
         if order != Order::Run {
             self.holds_by_itself();
         }
-        // That the machine is to halt holds whatever somebody else has ordered meanwhile.
+        // A halt is given whatever another client has ordered meanwhile.
         let tries = if halts(order) { HALT_TRIES } else { 1 };
         let mut done = Ok(());
         for _ in 0..tries {
@@ -155,8 +156,8 @@ impl Link {
         done
     }
 
-    /// Sends a command until the board confirms its count; one without an order is a level, and is sent three times. What
-    /// somebody else has said meanwhile is newer, and is not undone by saying this again.
+    /// Sends a command until the board confirms its count. A command without an order is a level and is sent three times. A
+    /// later command of another client is newer, so this command is not repeated after it.
     fn command(&mut self, command: BoardCommand, name: &'static str) -> LinkResult {
         let node = self.node();
         let frame = command.frame(node);
@@ -179,14 +180,14 @@ impl Link {
                 each(frame);
                 false
             })?;
-            // However late it is: what has come is there.
+            // All frames that have arrived, however late.
             self.hear_all(&mut each)?;
             if command.order == Some(Order::Run) && self.hold_at_once()? {
                 return Ok(());
             }
             let over = now >= again;
             if command.order.is_some() {
-                // Two who order within one status have the same count.
+                // Two clients that give an order within the same status use the same count.
                 if confirmed && !(overtaken && command.order.is_some_and(halts)) {
                     return Ok(());
                 }
@@ -202,7 +203,7 @@ impl Link {
                 return Ok(());
             }
             if over && self.seen.boots != boots {
-                // It hears and says no process data before somebody has started it.
+                // The node hears and sends no process data until it is started.
                 boots = self.seen.boots;
                 self.start_node()?;
             }
@@ -214,8 +215,8 @@ impl Link {
         }
     }
 
-    /// Sets overrides and switches; what is `None` stays. Levels, so they are sent more than once, unless somebody else
-    /// sets some meanwhile.
+    /// Sets overrides and switches; `None` means no change. They are levels, so the command is sent more than once, unless
+    /// another client sends levels meanwhile.
     ///
     /// # Errors
     /// [`Trouble::NoBoard`].
@@ -231,7 +232,7 @@ impl Link {
         self.command(command, "override")
     }
 
-    /// All that a look at the board shows.
+    /// The status record of the board.
     ///
     /// # Errors
     /// [`Trouble::Version`], [`Trouble::Strange`].
@@ -248,7 +249,7 @@ impl Link {
         }
     }
 
-    /// Its name, for whoever keeps a result.
+    /// The name of the board, for stored results.
     ///
     /// # Errors
     /// The board does not answer.
@@ -274,7 +275,7 @@ impl Link {
     /// The parameter set in force.
     ///
     /// # Errors
-    /// [`Trouble::Strange`]: of another version of the table, or damaged.
+    /// [`Trouble::Strange`]: the set belongs to another version of the table, or is damaged.
     pub fn parameters(&mut self) -> LinkResult<BoardParams> {
         let bytes = self.read(IMAGE)?;
         let mut params = Params::slant_bed();
@@ -291,7 +292,7 @@ impl Link {
         }
     }
 
-    /// The bytes of the tap journal; none where nothing was ever stored.
+    /// The bytes of the tap journal; empty where nothing was ever stored.
     ///
     /// # Errors
     /// The board does not answer.
@@ -302,10 +303,10 @@ impl Link {
         }
     }
 
-    /// Drops the entry of a tap that is in its hole. False where there is none.
+    /// Drops the entry of a tap in its hole. False where there is none.
     ///
     /// # Errors
-    /// The board does not answer, or refuses: the machine moves.
+    /// The board does not answer, or refuses because the machine moves.
     pub fn drop_tap(&mut self) -> LinkResult<bool> {
         match self.write(TAP_DISCARD, &DROP.to_le_bytes()) {
             Ok(()) => Ok(true),
@@ -314,7 +315,7 @@ impl Link {
         }
     }
 
-    /// The certificate of the program that ran last, or runs, and those of the last threads, the newest first.
+    /// The certificate of the last or running program, and the certificates of the last threads, the newest first.
     ///
     /// # Errors
     /// [`Trouble::Version`], [`Trouble::Strange`].
@@ -336,14 +337,14 @@ impl Link {
         }
     }
 
-    /// Says that whoever runs the program has the certificates of all threads up to `number`: in virtual time the board
-    /// waits before it forgets one behind it. Reading alone says nothing: anybody may read.
+    /// Tells the board that the client that runs the program has the certificates of all threads up to `number`. In virtual
+    /// time the board waits before it overwrites a later one. Reading alone does not say this: any client may read.
     ///
     /// # Errors
     /// The board does not answer, or there are not so many.
     pub fn take_threads(&mut self, number: u32) -> LinkResult {
         match self.write(THREADS_TAKEN, &number.to_le_bytes()) {
-            // One from before there was this object goes by what is read.
+            // An older board without this object counts what is read.
             Err(trouble) if trouble.is_abort(Abort::NoObject) => Ok(()),
             written => written,
         }
@@ -358,10 +359,10 @@ impl Link {
         u32::try_from(raw).map_err(|_| self.strange(NEWEST_EVENT))
     }
 
-    /// The entries of the event log behind number `last`, as many as one reading holds.
+    /// The entries of the event log after number `last`, as many as one reading holds.
     ///
-    /// Where to read from is one object for all clients: another one may have moved it in between. So a reading that does
-    /// not begin right behind `last` is made again, until it is clear that older entries had to go.
+    /// The start of a reading is one object for all clients, and another client may have changed it in between. So a
+    /// reading that does not begin right after `last` is repeated, until it is clear that older entries were dropped.
     ///
     /// # Errors
     /// [`Trouble::Strange`].
@@ -385,10 +386,10 @@ impl Link {
         Ok(entries)
     }
 
-    /// The inputs, without what is mirrored behind them.
+    /// The inputs, without the mirrored bits after them.
     ///
     /// # Errors
-    /// The board does not answer, or with bits that have no meaning.
+    /// The board does not answer, or answers with bits that have no meaning.
     pub fn signals(&mut self) -> LinkResult<Signals> {
         let raw = self.read_number(SIGNALS)?;
         let signals = u16::try_from(raw).ok().and_then(Signals::from_bits);
@@ -404,7 +405,7 @@ impl Link {
     }
 }
 
-/// An order that nobody else's may undo unnoticed.
+/// True for an order that no other client may undo unnoticed.
 const fn halts(order: Order) -> bool {
     matches!(order, Order::Hold | Order::Stop)
 }

@@ -1,4 +1,4 @@
-//! A program on its way to the board: calls in batches, as many as there is room for, in bounded memory.
+//! Sends a program to the board: calls in batches, as many as the board has room for, in bounded memory.
 
 use std::collections::VecDeque;
 
@@ -9,22 +9,22 @@ use leadscrew_core::program::Call;
 
 use super::{Link, LinkResult};
 
-/// Calls kept here until they fit into a batch.
+/// Calls that wait here until they fit into a batch.
 const WAITING: usize = 64;
 
 /// The feed of one program.
 #[derive(Debug)]
 pub struct Feed {
     program: u32,
-    /// Number of the first call that waits.
+    /// Number of the first waiting call.
     next: u32,
     waiting: VecDeque<CallBytes>,
-    /// Bytes that the board is known to have room for; `None`: not known.
+    /// Bytes that the board is known to have room for; `None`: unknown.
     credit: Option<usize>,
 }
 
 impl Feed {
-    /// A program with a number of its own, other than the last one's.
+    /// A program with a number that differs from the last one.
     #[must_use]
     pub const fn new(program: u32) -> Self {
         Self {
@@ -41,19 +41,19 @@ impl Feed {
         self.waiting.len() < WAITING
     }
 
-    /// All that was pushed is on the board.
+    /// True where the board has every pushed call.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.waiting.is_empty()
     }
 
-    /// Its number.
+    /// Number of the program.
     #[must_use]
     pub const fn program(&self) -> u32 {
         self.program
     }
 
-    /// Calls that the board has taken.
+    /// Number of calls that the board has taken.
     #[must_use]
     pub const fn taken(&self) -> u32 {
         self.next
@@ -61,16 +61,16 @@ impl Feed {
 
     /// Appends a call.
     pub fn push(&mut self, call: &Call) {
-        // Every call that the interpreter makes is shorter than the longest one.
+        // Every call of the interpreter is shorter than the longest call.
         if let Ok(bytes) = encode_call(call) {
             self.waiting.push_back(bytes);
         }
     }
 
-    /// Sends one batch if there is room for a call on the board. False where there is not, or where nothing waits.
+    /// Sends one batch if the board has room for a call. False where it has no room, or where no call waits.
     ///
     /// # Errors
-    /// The board does not take it: it is not ready for a program, or the link is lost.
+    /// The board does not take the batch: it is not ready for a program, or the link is lost.
     pub fn send(&mut self, link: &mut Link) -> LinkResult<bool> {
         let Some(first) = self.waiting.front() else {
             return Ok(false);

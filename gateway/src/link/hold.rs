@@ -1,7 +1,7 @@
-//! The hold that waits for nothing: it is process data, and needs nobody's turn.
+//! The immediate hold: a hold as process data, which needs no turn.
 //!
-//! Whoever runs a program may want it to stop while a transfer is under way, or while others have their turn. The link asks
-//! wherever it listens or sends, and gives the hold before whatever else it has to say [D178].
+//! The runner of a program may want to stop while a transfer is under way, or while other clients have their turn. The link
+//! checks for this wherever it listens or sends, and sends the hold before any other frame [D178].
 
 use std::time::{Duration, Instant};
 
@@ -9,20 +9,20 @@ use leadscrew_core::bus::{BoardCommand, BoardStatus, Order};
 
 use super::{Link, LinkResult};
 
-/// What a link knows of it.
+/// The link's state of the immediate hold.
 #[derive(Default)]
 pub(super) struct Hold {
-    /// True as soon as the machine is to be held; none where nobody wants to be asked.
+    /// Returns true as soon as the machine is to be held; `None` where no hold can be wanted.
     wanted: Option<Box<dyn Fn() -> bool + Send>>,
-    /// It has been given, with this count.
+    /// The hold has been given with this count.
     given: Option<u8>,
-    /// The count of the order that is being given and not confirmed yet.
+    /// Count of the order that is being given and not confirmed yet.
     pub under_way: Option<u8>,
 }
 
 impl Link {
-    /// From now on the board has the order to hold as soon as `wanted` is true: once, and without a confirmation. An order
-    /// to run is not given behind it.
+    /// From now on the board gets the order to hold as soon as `wanted` returns true: once, and without waiting for a
+    /// confirmation. No order to run is given after it.
     pub fn hold_when(&mut self, wanted: impl Fn() -> bool + Send + 'static) {
         self.hold = Hold {
             wanted: Some(Box::new(wanted)),
@@ -30,11 +30,11 @@ impl Link {
         };
     }
 
-    /// Gives the hold where it is wanted. True where it has been given, now or before. Before the first status the count of
-    /// an order is not known: then it waits for that.
+    /// Gives the hold if it is wanted. True where it has been given, now or before. Before the first status the count of an
+    /// order is unknown, so the hold waits for this status.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub(super) fn hold_at_once(&mut self) -> LinkResult<bool> {
         if let Some(status) = self.seen.status
             && self.hold.given.is_none()
@@ -48,11 +48,11 @@ impl Link {
         Ok(self.hold.given.is_some())
     }
 
-    /// True where it was given and the board says that it has it. What an order before it has left behind on the way is not
-    /// taken for somebody else's.
+    /// True where the hold was given and the board reports it. An earlier order that was still on its way does not count as
+    /// an order of another client.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub(super) fn is_held_already(&mut self, patience: Duration) -> LinkResult<bool> {
         let Some(given) = self.hold.given else {
             return Ok(false);
@@ -67,7 +67,7 @@ impl Link {
         })
     }
 
-    /// What the runner orders in the usual way needs no other hold in its middle.
+    /// An order of the runner needs no immediate hold in its middle.
     pub(super) fn holds_by_itself(&mut self) {
         self.hold.wanted = None;
     }

@@ -1,4 +1,4 @@
-//! A bus inside this process: a simulated board with its drives, whose time goes by as the real one does.
+//! A bus in this process: a simulated board with its drives, in real time.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -7,12 +7,12 @@ use leadscrew_board_sim::Sim;
 use leadscrew_can::{Can, CanError, Filter, Packet, Received, Stamp};
 use leadscrew_core::bus::{self, Frame};
 
-/// A look for news from the board.
+/// Time between two looks for frames of the board.
 const LOOK: Duration = Duration::from_micros(200);
-/// Ticks taken in one go at most: a program that was away for long does not make up for it.
+/// The most ticks in one go: after a long pause of this process the lost time is not made up.
 const BURST: u64 = 100;
 
-/// The machine, shared with whoever keeps its flash.
+/// The machine, shared with the owner of its flash.
 #[derive(Clone)]
 pub struct Inside {
     sim: Arc<Mutex<Box<Sim>>>,
@@ -43,11 +43,11 @@ impl Inside {
 
     /// The machine.
     pub fn sim(&self) -> MutexGuard<'_, Box<Sim>> {
-        // Nobody panics with it in hand; if somebody did, it would still be a machine.
+        // No thread panics while it holds the lock. After a panic the machine would still be whole.
         self.sim.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets the time go by that has gone by.
+    /// Runs the machine up to the present time.
     fn catch_up(&mut self) {
         let now = u64::try_from(self.began.elapsed().as_micros()).unwrap_or(u64::MAX);
         let due = now / self.tick_us;
@@ -81,7 +81,7 @@ impl Can for Inside {
         Ok(())
     }
 
-    /// Nobody in here listens for them.
+    /// No node on this bus listens for them.
     fn send_fd(&mut self, _frames: &[bus::FdFrame]) -> Result<(), CanError> {
         Ok(())
     }

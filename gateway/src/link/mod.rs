@@ -1,15 +1,15 @@
-//! The board at the other end of a bus: what this side sends and hears.
+//! The board at the other end of a bus: the frames that this side sends and hears.
 //!
 //! ```text
-//! trouble   what can go wrong, in words        board    orders, objects with a type
-//! presence  that this side lives, under a number of its own
+//! trouble   errors, in words                   board    orders, objects with a type
+//! presence  heartbeats of this side, under a number of its own
 //! transfer  SDO transfers of whole values      feed     a program in batches, as the board has room
 //! params    a parameter set as a transaction   inside   a simulated board in this process, as a bus
-//! hold      the hold that waits for nothing    round_trip  what an answer takes
+//! hold      the immediate hold                 round_trip  the time of an answer
 //! ```
 //!
-//! A [`Link`] is one end of a bus and one board on it. Whatever it waits for, it hears everything meanwhile: statuses,
-//! emergencies and heartbeats are kept in [`Seen`]. Time is the real one; nothing here is needed for a setpoint.
+//! A [`Link`] is one end of a bus and one board on it. It hears all frames while it waits: statuses, emergencies and
+//! heartbeats are kept in [`Seen`]. Time is real time; no setpoint depends on it.
 
 #[cfg(test)]
 pub(crate) mod bench;
@@ -44,43 +44,43 @@ pub use inside::Inside;
 pub use traffic::Traffic;
 pub use trouble::{LinkResult, Trouble, reason};
 
-/// The board may be silent for so long before it counts as lost; a status comes every few milliseconds. Nothing moves
-/// by this time, and a computer may stand still for seconds: at either end of the line [D178].
+/// A board that is silent for this time counts as lost; a status comes every few milliseconds. No motion depends on this
+/// time, and the computer at either end may stand still for seconds [D178].
 const SILENCE: Duration = Duration::from_secs(5);
-/// Emergencies kept until somebody asks.
+/// Emergency messages that are kept until they are read.
 const EMERGENCIES: usize = 64;
-/// The longest wait for a frame at a time: whoever wants the machine held is not kept waiting. Where this side stood still
-/// meanwhile, no more than this counts as listened to.
+/// The longest wait for one frame, so that a wanted hold is not delayed. Where this process stood still meanwhile, no more
+/// than this counts as listening.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// What has been heard from the board.
+/// Data heard from the board.
 #[derive(Debug, Default)]
 pub struct Seen {
     /// Its newest TPDO1.
     pub status: Option<BoardStatus>,
-    /// How many of them there were.
+    /// Number of TPDO1s.
     pub statuses: u64,
     /// Its newest TPDO2.
     pub place: Option<BoardPlace>,
     /// Its newest TPDO3.
     pub spindle: Option<BoardSpindle>,
-    /// Its NMT state by its last heartbeat, or by what somebody has told it since.
+    /// Its NMT state by its last heartbeat, or by an NMT command since.
     pub state: Option<NmtState>,
-    /// It has started anew so many times.
+    /// Number of its boot-up messages.
     pub boots: u32,
-    /// Emergency messages nobody has asked for yet.
+    /// Emergency messages that have not been read.
     pub emergencies: VecDeque<Emcy>,
-    /// Every node that said anything.
+    /// Every node that has sent a frame.
     pub nodes: BTreeSet<u8>,
-    /// What has gone over the wire.
+    /// Traffic on the wire.
     pub traffic: Traffic,
-    /// When the board was heard last.
+    /// Time of the board's last frame.
     pub last: Option<Instant>,
-    /// When somebody else was heard with this side's own number.
+    /// Time when another node was heard with this side's own number.
     namesake: Option<Instant>,
-    /// When another client's transfer with the board was heard. What this side asks it does not hear.
+    /// Time of the last frame in a transfer between the board and another client. This side does not hear its own requests.
     other_client: Option<Instant>,
-    /// Answers of the board's SDO server are for this side.
+    /// True where answers of the board's SDO server are for this side.
     own_transfer: bool,
 }
 
@@ -93,7 +93,7 @@ impl Seen {
                 NmtCommand::Start => Some(NmtState::Operational),
                 NmtCommand::Stop => Some(NmtState::Stopped),
                 NmtCommand::PreOperational => Some(NmtState::PreOperational),
-                // It says so itself, by its boot-up message.
+                // The node reports its new state by its boot-up message.
                 NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.state,
             };
         }
@@ -135,7 +135,7 @@ impl Seen {
                 self.other_client = Some(Instant::now());
             }
         } else {
-            // What others say to the board is no sign of life.
+            // Frames of others to the board are no sign that the board lives.
             return;
         }
         self.last = Some(Instant::now());
@@ -149,7 +149,7 @@ struct Beat {
     next: Instant,
 }
 
-/// What a link hears: all that the board says and is told, and who else is there.
+/// Filters of a link: frames of the board, frames to the board, and the presence of other nodes.
 fn heard(board: NodeId) -> [Filter; 4] {
     [
         Filter::exactly(CobId::NMT),
@@ -164,32 +164,32 @@ pub struct Link {
     can: Box<dyn Can>,
     bus: String,
     node: NodeId,
-    /// This side's number.
+    /// This side's node number.
     own: NodeId,
     began: Instant,
     packets: Vec<Received>,
     health: Health,
     beat: Option<Beat>,
-    /// For an answer of the board.
+    /// The longest wait for an answer of the board.
     patience: Duration,
-    /// The next transfer belongs to the one before: no other client is let in between.
+    /// The next transfer belongs to the last one: no other client gets a turn in between.
     keeps_turn: bool,
-    /// The last transfer was spoilt by another client.
+    /// Another client has disturbed the last transfer.
     disturbed: bool,
-    /// When this side began to hear the bus.
+    /// Time when this side opened the bus.
     opened: Instant,
-    /// When its last transfer ended.
+    /// End of its last transfer.
     turn_ended: Instant,
-    /// How many there were, and since when, without a silence in which somebody who waits would have come.
+    /// Number of transfers, and since when, without a silence in which a waiting client would have begun.
     turns: u32,
     turns_since: Instant,
-    /// What an answer of the board takes.
+    /// The time of an answer of the board.
     round_trip: RoundTrip,
-    /// How long this side has listened in all.
+    /// The time this side has listened in all.
     listened: Duration,
-    /// The hold that waits for nothing.
+    /// The immediate hold.
     hold: Hold,
-    /// What has been heard.
+    /// Data heard.
     pub seen: Seen,
 }
 
@@ -200,19 +200,19 @@ impl std::fmt::Debug for Link {
 }
 
 impl Link {
-    /// Opens a bus, an adapter at this bit rate; nothing is said on it yet. Heard is what the board says and is told, and
-    /// who else is there: setpoints and drives' answers are most of what is on a bus, mean nothing here, and would keep the
-    /// answers waiting.
+    /// Opens a bus, an adapter at this bit rate; nothing is sent yet. This side hears the frames of the board, the frames
+    /// to the board, and the presence of other nodes. Setpoints and answers of drives are most of the traffic; they mean
+    /// nothing here and would delay the answers.
     ///
     /// # Errors
-    /// What is missing for it.
+    /// A requirement of the bus is missing.
     pub fn open(address: &Address, node: NodeId, rate: BitRate) -> LinkResult<Self> {
         let mut can = leadscrew_can::open(address, rate).map_err(Trouble::Can)?;
         can.listen_for(&heard(node)).map_err(Trouble::Can)?;
         Ok(Self::on(can, node))
     }
 
-    /// The same on a bus that is open.
+    /// The same on an open bus.
     #[must_use]
     pub fn on(can: Box<dyn Can>, node: NodeId) -> Self {
         let now = Instant::now();
@@ -239,39 +239,39 @@ impl Link {
         }
     }
 
-    /// How long an answer may take.
+    /// Sets the longest wait for an answer.
     pub const fn set_patience(&mut self, patience: Duration) {
         self.patience = patience;
     }
 
-    /// What the user called the bus.
+    /// The user's name of the bus.
     #[must_use]
     pub fn bus(&self) -> &str {
         &self.bus
     }
 
-    /// The board's number.
+    /// The board's node number.
     #[must_use]
     pub const fn node(&self) -> NodeId {
         self.node
     }
 
-    /// What the bus looks like from its error frames.
+    /// The state of the bus by its error frames.
     #[must_use]
     pub const fn health(&self) -> &Health {
         &self.health
     }
 
-    /// Frames lost at this end because nobody took them in time.
+    /// Frames that were lost at this end because they were not read in time.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.can.dropped().unwrap_or(0)
     }
 
-    /// Hears the statuses of other boards, too, from now on, and what they are asked.
+    /// Also hears the statuses of other boards and the requests to them from now on.
     ///
     /// # Errors
-    /// The bus does not take it.
+    /// The bus refuses it.
     pub fn hear_boards(&mut self) -> LinkResult {
         let [nmt, own, beats, answers] = heard(self.node);
         let statuses = Filter::service(Service::Tpdo1);
@@ -281,15 +281,15 @@ impl Link {
             .map_err(Trouble::Can)
     }
 
-    /// Hears everything on the bus from now on.
+    /// Hears all frames on the bus from now on.
     ///
     /// # Errors
-    /// The bus does not take it.
+    /// The bus refuses it.
     pub fn hear_everything(&mut self) -> LinkResult {
         self.can.listen_for(&[]).map_err(Trouble::Can)
     }
 
-    /// Says that this side is alive from now on; the board watches for it.
+    /// Sends heartbeats from now on. The board supervises them.
     pub fn keep_alive(&mut self, every: Duration) {
         self.beat = Some(Beat {
             every,
@@ -297,10 +297,10 @@ impl Link {
         });
     }
 
-    /// Sends frames; the hold before them, where it is wanted.
+    /// Sends frames; a wanted hold goes first.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub fn send(&mut self, frames: &[Frame]) -> LinkResult {
         self.hold_at_once()?;
         self.put(frames)
@@ -310,12 +310,12 @@ impl Link {
         self.can.send(frames).map_err(Trouble::Can)
     }
 
-    /// Lets the board start to say and hear process data.
+    /// Starts the board, so that it sends and takes process data.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub fn start_node(&mut self) -> LinkResult {
-        // What it was in before is over; its next heartbeat says what it is in.
+        // Its old state is over. Its next heartbeat tells the new one.
         self.seen.state = None;
         self.send(&[NmtCommand::Start.frame(Some(self.node))])
     }
@@ -324,10 +324,10 @@ impl Link {
         self.began.elapsed()
     }
 
-    /// Listens until `until`, or until `each` has heard enough: it is shown every frame and says so. True where it did.
+    /// Listens until `until`, or until `each` returns true. `each` gets every frame. Returns true where `each` did.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub fn listen(
         &mut self,
         until: Instant,
@@ -368,20 +368,19 @@ impl Link {
         }
     }
 
-    /// Listens for a while.
+    /// Listens for this time.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub fn idle(&mut self, time: Duration) -> LinkResult {
         self.listen(Instant::now() + time, &mut |_| false)
             .map(|_| ())
     }
 
-    /// Hears what has come already, however much that is, and shows every frame to `each`. A status that comes first is
-    /// perhaps an old one.
+    /// Reads all frames that have arrived and shows each to `each`. The first status may be an old one.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     fn hear_all(&mut self, each: &mut dyn FnMut(&Frame)) -> LinkResult {
         let mut heard = true;
         while heard {
@@ -395,11 +394,11 @@ impl Link {
         Ok(())
     }
 
-    /// The board has said nothing for too long, and nothing of it waits to be heard; or somebody has stopped it, and it
-    /// says nothing but heartbeats.
+    /// Checks that the board lives. It is lost after a long silence with no frame of it waiting. It is stopped where an NMT
+    /// command has stopped it, so that it sends nothing but heartbeats.
     ///
     /// # Errors
-    /// [`Trouble::Lost`], [`Trouble::Stopped`]; the bus is gone.
+    /// [`Trouble::Lost`], [`Trouble::Stopped`]; the bus is closed.
     pub fn check_alive(&mut self) -> LinkResult {
         if self.seen.state == Some(NmtState::Stopped) {
             return Err(Trouble::Stopped {
@@ -409,7 +408,7 @@ impl Link {
         }
         let is_silent = |last: Option<Instant>| last.is_some_and(|at| at.elapsed() > SILENCE);
         if is_silent(self.seen.last) {
-            // It was perhaps this side that stood still.
+            // Perhaps this process stood still, not the board.
             self.idle(Duration::ZERO)?;
         }
         if is_silent(self.seen.last) {
@@ -422,7 +421,7 @@ impl Link {
         Ok(())
     }
 
-    /// That the board has started again in the middle of something.
+    /// The trouble that the board has started again in the middle of its work.
     #[must_use]
     pub fn begun_anew(&self) -> Trouble {
         Trouble::Restarted {

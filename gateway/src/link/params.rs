@@ -19,23 +19,23 @@ use super::{Link, LinkResult, Trouble};
 
 /// 5010h:02h: none since power-up.
 const NONE: u64 = 0;
-/// 5010h:02h: it is being stored.
+/// 5010h:02h: being stored.
 const UNDER_WAY: u64 = 1;
-/// 5010h:02h: it is stored and in force.
+/// 5010h:02h: stored and in force.
 const DONE: u64 = 2;
-/// 5010h:02h: refused, or it could not be stored.
+/// 5010h:02h: refused, or not stored.
 const REFUSED: u64 = 3;
 /// 5010h:05h: the last good set.
 const RECALL: u32 = 1;
 
-/// The longest time that storing a set may take: every page erased once, and then some.
+/// The longest time for storing a set: every page is erased once, with some reserve.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Between two looks at whether it is stored: twice as long each time, so that few frames go by.
+/// The pause between two questions whether the set is stored. It doubles each time, to send few frames.
 const PAUSE: Duration = Duration::from_millis(5);
 const LONGEST_PAUSE: Duration = Duration::from_millis(80);
 
 impl Link {
-    /// Makes sure that the board has this program's parameter table.
+    /// Checks that the board has this program's parameter table.
     ///
     /// # Errors
     /// [`Trouble::Table`].
@@ -60,7 +60,7 @@ impl Link {
         self.explained(written)
     }
 
-    /// Waits until the machine stands: drives that fell silent make it stop.
+    /// Waits until the machine stands. Drives that fell silent stop it.
     ///
     /// # Errors
     /// The board does not answer.
@@ -79,23 +79,23 @@ impl Link {
         Ok(())
     }
 
-    /// Stages a set: the board looks at it, and whether it may change now. Nothing has changed yet.
+    /// Stages a set: the board checks the set, and whether it may change now. Nothing has changed yet.
     ///
     /// # Errors
-    /// [`Trouble::Parameters`] where the board would not take it.
+    /// [`Trouble::Parameters`] where the board would refuse it.
     pub fn stage(&mut self, params: &Params) -> LinkResult {
         let mut image = vec![0; ImageWriter::BYTES as usize];
-        // The password, too: a 1 in its place keeps the one there is.
+        // With the password: a 1 in its place keeps the present one.
         ImageWriter::with_password(params).read(0, &mut image);
         let written = self.write(STAGED_IMAGE, &image);
         self.explained(written)
     }
 
-    /// Stages a set that was laid over this one, which was in force when it was read.
+    /// Stages a set that was made from `old`, the set in force when it was read.
     ///
     /// # Errors
-    /// As [`stage`](Self::stage), and [`Code::StagedSetGone`] where somebody else has changed parameters since: the staged
-    /// set would put their old values back. What comes later makes it void by itself.
+    /// As [`stage`](Self::stage), and [`Code::StagedSetGone`] where another client has changed parameters since: the staged
+    /// set would restore their old values. A later change makes the staged set void by itself.
     pub fn stage_over(&mut self, old: &Params, params: &Params) -> LinkResult {
         self.stage(params)?;
         if self.parameters_identity()? == identity(old) {
@@ -107,10 +107,10 @@ impl Link {
         })
     }
 
-    /// The set in force, told by what this staged one would change of it; as a whole where that is too much.
+    /// The set in force, from the changes that the staged set would make; read as a whole where these are too many.
     ///
     /// # Errors
-    /// [`Trouble::Strange`]: somebody else has changed parameters meanwhile, too.
+    /// [`Trouble::Strange`], also where another client has changed parameters meanwhile.
     pub fn before(&mut self, staged: &Params) -> LinkResult<Params> {
         match self.read(STAGED_CHANGES) {
             Ok(bytes) => decode_changes(&bytes, staged).map_err(|_| self.strange(STAGED_CHANGES)),
@@ -119,12 +119,12 @@ impl Link {
         }
     }
 
-    /// Commits the staged set by the checksum of its image, and waits until it is stored and in force. The board's identity
-    /// is read back.
+    /// Commits the staged set by the checksum of its image, and waits until it is stored and in force. Then the board's
+    /// identity is read back.
     ///
     /// # Errors
-    /// [`Trouble::Parameters`] where the board refuses it or cannot store it: the set before is then in force and stored.
-    /// [`Trouble::Unsettled`] where it does not say what has become of it.
+    /// [`Trouble::Parameters`] where the board refuses the set or cannot store it: the old set is then in force and stored.
+    /// [`Trouble::Unsettled`] where the board does not tell the result.
     pub fn commit(&mut self, params: &Params) -> LinkResult {
         let staged = ImageWriter::with_password(params).checksum();
         let written = self.write(COMMIT, &staged.to_le_bytes());
@@ -133,7 +133,7 @@ impl Link {
         self.is_in_force(identity(params))
     }
 
-    /// Writes a single value that the board takes although it refuses a whole set: the write enable.
+    /// Writes the single value that the board takes even where it refuses a whole set: the write enable.
     ///
     /// # Errors
     /// As [`commit`](Self::commit).
@@ -146,7 +146,7 @@ impl Link {
         self.is_in_force(identity(params))
     }
 
-    /// The identity of the last good set before the one that is stored; `None` where there is none.
+    /// The identity of the last good set before the stored one; `None` where there is none.
     ///
     /// # Errors
     /// The board does not answer.
@@ -155,7 +155,7 @@ impl Link {
         Ok(u32::try_from(raw).ok().filter(|identity| *identity != 0))
     }
 
-    /// Takes the last good set into force, and waits until that is stored.
+    /// Takes the last good set into force and waits until this is stored.
     ///
     /// # Errors
     /// As [`commit`](Self::commit).
@@ -165,7 +165,7 @@ impl Link {
         self.wait_until_stored(LONGEST)
     }
 
-    /// Waits until the change that the board has taken is stored.
+    /// Waits until the accepted change is stored.
     pub(super) fn wait_until_stored(&mut self, longest: Duration) -> LinkResult {
         let end = Instant::now() + longest;
         let mut pause = PAUSE;
@@ -177,8 +177,8 @@ impl Link {
                     pause = LONGEST_PAUSE.min(pause * 2);
                 }
                 REFUSED => return Err(self.refused()),
-                // Only a refusal says that the old set is in force: one under way may still be stored, and one that is
-                // stored and not yet marked counts when the board starts again [D114].
+                // Only a refusal means that the old set is in force. A change under way may still be stored, and a stored
+                // set without its mark counts when the board starts again [D114].
                 UNDER_WAY => return Err(self.unsettled(false)),
                 NONE => return Err(self.unsettled(true)),
                 _ => return Err(self.strange(CHANGE_STATE)),
@@ -202,7 +202,7 @@ impl Link {
         Err(self.strange(SET_CHECKSUM))
     }
 
-    /// A refusal, with the reason that the board gives for it.
+    /// Adds the board's reason to a refusal.
     fn explained(&mut self, written: LinkResult) -> LinkResult {
         match written {
             Err(trouble) if trouble.refusal().is_some() => {
