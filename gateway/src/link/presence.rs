@@ -1,8 +1,9 @@
-//! That this side lives, and who else is on the bus.
+//! Heartbeats of this side, and the other nodes on the bus.
 //!
-//! A board misses its gateway by the heartbeats of one number. Two gateways with one number would stand in for each other:
-//! a board would not notice that its own has died while that of the other board goes on. So whoever runs a program has a
-//! number that nobody else on the bus has, and tells the board to watch that one (1016h) [D171].
+//! A board supervises its gateway by the heartbeats of one node number. If two gateways had the same number, each would
+//! stand in for the other: a board would not notice the death of its own gateway while the other gateway lives. So a
+//! gateway that runs a program takes a number that no other node has, and tells the board to supervise this number (1016h)
+//! [D171].
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -16,7 +17,7 @@ use leadscrew_core::bus::{
 
 use super::{Link, LinkResult, Trouble};
 
-/// The numbers of the drives of X, Z, C and spindle 1, and how many spindles there are.
+/// Node numbers of the drives of X, Z, C and spindle 1, and the number of spindles.
 const DRIVES: [Object; 5] = [
     Object::new(0x2000 + 9015, 1),
     Object::new(0x2000 + 9015, 2),
@@ -24,22 +25,22 @@ const DRIVES: [Object; 5] = [
     Object::new(0x2000 + 9016, 0),
     Object::new(0x2000 + 9014, 0),
 ];
-/// Heartbeats where the board does not say how often it wants them; never less often.
+/// Heartbeat period where the board does not ask for one; never longer.
 const BEAT: Duration = Duration::from_millis(100);
-/// Whoever else has a number has been heard in this time.
+/// Any other node with a number is heard within this time.
 const HEARD: Duration = Duration::from_millis(250);
-/// The longest that others are listened for.
+/// The longest time of listening for others.
 const LONGEST: Duration = Duration::from_secs(2);
-/// Nobody else has a transfer with a node of which nothing has been heard of one for so long: as on the board itself
-/// [D111].
+/// After this time without a frame of a transfer with a node, no other client has a transfer with it, as on the board
+/// itself [D111].
 const ALONE: Duration = Duration::from_millis(24);
-/// Questions to a node that does not answer: one may get lost.
+/// Questions to a node that does not answer: one of them may get lost.
 const QUESTIONS: u32 = 2;
-/// How long each of them is waited for.
+/// The wait for the answer to each of them.
 const ANSWER: Duration = Duration::from_millis(500);
 
 impl Link {
-    /// Says often enough that this side is alive.
+    /// Sends heartbeats often enough.
     ///
     /// # Errors
     /// The board does not answer.
@@ -52,8 +53,8 @@ impl Link {
         Ok(())
     }
 
-    /// The same for as long as a program runs: the board misses this side, and nobody else in its place. The number that
-    /// this side has taken comes back where it is another one than before; no drive of the board has it.
+    /// The same while a program runs: the board supervises this gateway and no other in its place. Returns the number of
+    /// this side where it has changed; no drive of the board has this number.
     ///
     /// # Errors
     /// The board does not answer.
@@ -69,16 +70,16 @@ impl Link {
         Ok(moved)
     }
 
-    /// Listens until whoever else has a number has been heard.
+    /// Listens until every other node with a number has been heard.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub fn hear_gateways(&mut self) -> LinkResult {
         let heard = self.opened + HEARD;
         self.listen(heard, &mut |_| false).map(|_| ())
     }
 
-    /// Takes another number where somebody else has been heard with this side's, and tells the board.
+    /// Takes another number where another node was heard with this side's number, and tells the board.
     ///
     /// # Errors
     /// The board does not answer.
@@ -92,7 +93,7 @@ impl Link {
                 && !self.seen.nodes.contains(&node.get())
                 && drives.letter(*node).is_none()
         };
-        // Gateways of different boards that begin at one time go different ways.
+        // Gateways of different boards that start at the same time try different numbers.
         let down = (1..=126).rev();
         let from = down.clone().skip(usize::from(self.node.get()));
         let Some(own) = from.chain(down).filter_map(NodeId::new).find(free) else {
@@ -105,7 +106,7 @@ impl Link {
         Ok(Some(own))
     }
 
-    /// Whom the board watches; `None`: nobody.
+    /// The node that the board supervises; `None`: none.
     fn watch(&mut self) -> LinkResult<Option<HeartbeatWatch>> {
         let raw = self.read_number(GATEWAY_WATCH)?;
         Ok(u32::try_from(raw).ok().and_then(HeartbeatWatch::from_raw))
@@ -119,15 +120,15 @@ impl Link {
         )
     }
 
-    /// The other boards on the bus that say anything: those at work by their statuses, and nothing is asked of them. What
-    /// is known by its heartbeat alone and is no drive is asked, where nobody else has a transfer with it; a board that is
-    /// never left alone, or sends no heartbeats, is not found [D171].
+    /// The other boards on the bus that send frames. Boards at work are known by their statuses, without a question. A node
+    /// known by its heartbeat alone, which is no drive, is asked once no other client has a transfer with it. A board that
+    /// always has a transfer, or sends no heartbeats, is not found [D171].
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub fn other_boards(&mut self) -> LinkResult<Vec<NodeId>> {
         let drives = self.drives()?;
-        // One may be lost, or late.
+        // One heartbeat may be lost or late.
         let period = Duration::from_millis(self.read_number(HEARTBEAT)?) * 2 + BEAT;
         self.hear_boards()?;
         let until = Instant::now() + period.min(LONGEST);
@@ -158,7 +159,7 @@ impl Link {
         Ok(boards.into_iter().collect())
     }
 
-    /// The drives of the board (9014–9016). One whose table has no such numbers has those that are known by what they send.
+    /// The drives of the board (9014–9016). For a board whose table has no such numbers: the drives known by their frames.
     fn drives(&mut self) -> LinkResult<BTreeSet<NodeId>> {
         let mut numbers = [0; 5];
         for (number, object) in numbers.iter_mut().zip(DRIVES) {
@@ -174,8 +175,8 @@ impl Link {
         Ok(all.filter_map(NodeId::new).collect())
     }
 
-    /// True where the node says that it is a board. It is asked once nobody else has spoken with it for a while: its server
-    /// is taken away from whoever has a transfer with it. Another gateway beats, too, and answers nothing.
+    /// True where the node says that it is a board. It is asked only after a pause in its traffic, because a question takes
+    /// its server away from a client with a transfer. Another gateway sends heartbeats too, and answers nothing.
     fn is_board(&mut self, node: NodeId) -> LinkResult<bool> {
         for _ in 0..QUESTIONS {
             if !self.wait_for_quiet(node)? {
@@ -188,7 +189,7 @@ impl Link {
         Ok(false)
     }
 
-    /// Waits until nobody has asked this node anything for a while, nor got an answer; false where that does not come.
+    /// Waits until this node has had no request and no answer for a while. False where this does not happen.
     fn wait_for_quiet(&mut self, node: NodeId) -> LinkResult<bool> {
         let talk = [Service::SdoRequest, Service::SdoReply].map(|one| CobId::of(one, node));
         let end = Instant::now() + LONGEST;

@@ -1,13 +1,13 @@
-//! What an answer of the board takes, as far as clients that share it reckon with it [D111].
+//! The time of an answer of the board, for the turns of clients that share it [D111].
 
 use std::time::Duration;
 
 /// The last answers.
 const ANSWERS: usize = 8;
-/// No more than this is reckoned with: others are waited for by a multiple of it.
+/// The longest time that counts. Others wait for a multiple of it.
 const SLOWEST: Duration = Duration::from_millis(100);
 
-/// What the last answers took.
+/// The times of the last answers.
 #[derive(Debug, Default)]
 pub(super) struct RoundTrip {
     last: [Duration; ANSWERS],
@@ -15,14 +15,14 @@ pub(super) struct RoundTrip {
 }
 
 impl RoundTrip {
-    /// An answer took so long.
+    /// Notes the time of an answer.
     pub fn note(&mut self, took: Duration) {
         self.last[self.next] = took;
         self.next = (self.next + 1) % ANSWERS;
     }
 
-    /// What is reckoned with: the longest but one. A board whose answers are slow has several of them; what stood still
-    /// once, the board, an adapter or this computer, is no reason to wait longer ever after.
+    /// The time that counts: the second longest. A board with slow answers has several of them. A single pause of the
+    /// board, an adapter or this computer must not make this side wait longer for ever.
     pub fn reckoned(&self) -> Duration {
         let mut sorted = self.last;
         sorted.sort_unstable();

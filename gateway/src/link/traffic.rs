@@ -1,6 +1,6 @@
-//! How much goes over the wire.
+//! The traffic on the wire.
 //!
-//! Knows frames and rates; knows nothing of who they are from.
+//! Knows frames and rates; knows nothing of the senders.
 
 use leadscrew_can::Packet;
 use leadscrew_core::bus::{FdBits, frame_bits};
@@ -8,9 +8,9 @@ use leadscrew_core::bus::{FdBits, frame_bits};
 /// Bits on the wire with the worst stuffing, the gaps between frames included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// At the bit rate of the bus.
+    /// Bits at the bit rate of the bus.
     pub bits: u64,
-    /// At that of the data of CAN FD frames.
+    /// Bits at the rate of the data of CAN FD frames.
     pub fast_bits: u64,
 }
 
@@ -35,7 +35,7 @@ impl Traffic {
         }
     }
 
-    /// What of these milliseconds it took, in percent.
+    /// The load in these milliseconds, in per cent.
     #[must_use]
     pub fn load(&self, kbit: u64, fd_kbit: u64, ms: u64) -> u64 {
         let slow = self.fast_bits * kbit / fd_kbit.max(1);

@@ -1,12 +1,13 @@
-//! Whole values to and from objects of the board, and of the drives.
+//! Transfers of whole values to and from objects of the board and of the drives.
 //!
-//! A second client on the bus (`status` while `run` feeds) takes the board's one SDO server away in the middle of a
-//! transfer. So clients listen for each other and take turns [D111], [D198]: who has had the last transfer, or has only
-//! just come, waits longer for silence than who has not, and that one longer than who has been disturbed. What is not
-//! answered at all, without anybody else being heard, is asked four times more, and is an error then.
+//! The board has one SDO server. A second client on the bus (`status` while `run` feeds) takes it away in the middle of a
+//! transfer. So clients listen for each other and take turns [D111], [D198]. Before its next transfer a client waits for
+//! silence: longest after its own transfer or when it has just come, less long after the transfer of another, and shortest
+//! after it was disturbed. A request without any answer, with no other client heard, is repeated four times and is then an
+//! error.
 //!
-//! What this side has not listened to is no silence: where it stood still itself, what came meanwhile is heard before the
-//! board is late [D178].
+//! Time in which this side did not listen is no silence: where this process stood still, the frames that came meanwhile are
+//! read before the board counts as late [D178].
 
 use std::time::{Duration, Instant};
 
@@ -17,43 +18,44 @@ use leadscrew_core::bus::{
 
 use super::{Link, LinkResult, Trouble};
 
-/// Tries where frames get lost and nobody else is heard.
+/// Tries where frames get lost and no other client is heard.
 const TRIES: u32 = 12;
-/// Times that nothing comes until it is an error.
+/// A request is an error after so many silences.
 const SILENCES: u32 = 5;
-/// Refusals until a value is refused for its own sake, where another client was heard in every transfer of it.
+/// Where another client was heard in every transfer of a value, the value counts as refused only after so many refusals.
 const REFUSALS: u32 = 5;
-/// So long after another client's last request its transfer is over; somebody who has been disturbed goes on then. Like the
-/// next three it is longer by what an answer takes: where a computer is busy, or a wire slow, that is more than they
+/// Another client's transfer is over this long after its last request. A client that was disturbed then goes on. This time
+/// and the next three grow with the time of an answer: on a busy computer or a slow wire an answer takes longer than they
 /// are, and clients would break into each other's transfers for ever [D178].
 const QUIET: Duration = Duration::from_millis(8);
-/// Somebody who has heard another's turn leaves this much more to who has been disturbed, and who has had his own twice
-/// this much: longer than the jitter, so that the one is never before the other by chance.
+/// A client that has heard the turn of another waits this much longer, and leaves the first turn to a disturbed client. A
+/// client after its own turn waits twice this much. It is longer than the jitter, so the order never depends on chance.
 const YIELD: Duration = Duration::from_millis(8);
-/// So long, and so many, one who hears nobody has transfers without a silence in which somebody who waits would come.
+/// A client that hears no other may have transfers for this long, and so many, without a silence in which a waiting client
+/// could begin.
 const SHARE: Duration = Duration::from_millis(100);
 const SHARE_TRANSFERS: u32 = 32;
-/// Clients that wait equally long would meet again: each adds up to this.
+/// Clients that wait equally long would collide again, so each adds up to this time.
 const JITTER: Duration = Duration::from_millis(8);
-/// Frames of a block that are handed over at a time: on a slow wire, what is waited for an answer begins when the last of
-/// them has found room.
+/// Frames of a block that are handed over at a time. On a slow wire the wait for an answer begins when the last of them has
+/// found room.
 const AT_ONCE: usize = 16;
-/// The longest wait for silence: another client that never pauses is interrupted.
+/// The longest wait for silence. Another client that never pauses is interrupted.
 const TURN: Duration = Duration::from_millis(300);
-/// And where answers are slow, so much longer at most.
+/// With slow answers the wait is at most this much longer.
 const SLOW_TURN: Duration = Duration::from_millis(600);
-/// Another client that has been heard so lately may be waiting for its turn.
+/// Another client that was heard within this time may be waiting for its turn.
 const PRESENT: Duration = Duration::from_secs(1);
-/// Where another client was heard in a transfer and no answer comes, the answer went to that one.
+/// Where another client was heard in a transfer and no answer comes within this time, the answer went to the other client.
 const SPOILT: Duration = Duration::from_millis(60);
-/// For so long answers to a broken transfer may still come.
+/// Answers to a broken transfer may still come for this long.
 const STALE: Duration = Duration::from_millis(10);
-/// With other clients in the way a transfer may take so long.
+/// With other clients in the way a transfer may take this long.
 const CONTENTION: Duration = Duration::from_secs(60);
-/// The longest value that is read.
+/// The longest value that can be read.
 const LONGEST: usize = 1 << 20;
 
-/// A transfer of either direction.
+/// A transfer in either direction.
 trait Transfer {
     fn poll(&mut self, now: Duration) -> Option<Frame>;
     fn receive(&mut self, frame: &Frame, now: Duration);
@@ -91,7 +93,7 @@ impl Transfer for SdoDownload<'_> {
     }
 }
 
-/// Bytes as they come.
+/// Received bytes.
 #[derive(Debug, Default)]
 struct Bytes(Vec<u8>);
 
@@ -113,7 +115,7 @@ impl SdoSink for Bytes {
     }
 }
 
-/// Frames were lost, or somebody else's transfer has come in between: it may go better the next time.
+/// True where frames were lost or the transfer of another client came in between, so that a new try may succeed.
 const fn may_go_better(error: SdoError) -> bool {
     match error {
         SdoError::Broken(_) | SdoError::TimedOut => true,
@@ -136,7 +138,7 @@ impl Link {
     /// Reads an object.
     ///
     /// # Errors
-    /// [`Trouble::Transfer`]; the bus is gone.
+    /// [`Trouble::Transfer`]; the bus is closed.
     pub fn read(&mut self, object: Object) -> LinkResult<Vec<u8>> {
         self.read_of(self.node, object)
     }
@@ -147,7 +149,7 @@ impl Link {
     /// As [`read`](Self::read).
     pub fn read_of(&mut self, node: NodeId, object: Object) -> LinkResult<Vec<u8>> {
         let protocol = match object.index {
-            // Domains; the server takes the short way for what is short.
+            // Domains. The server uses the short protocol for short values.
             0x5000..0x6000 => SdoProtocol::Block,
             _ => SdoProtocol::Short,
         };
@@ -161,10 +163,10 @@ impl Link {
         Ok(bytes.0)
     }
 
-    /// Asks a node once; `None` where it does not answer with a value.
+    /// Asks a node once. `None` where it does not answer with a value.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub(super) fn ask_once(
         &mut self,
         node: NodeId,
@@ -183,7 +185,7 @@ impl Link {
         Ok(outcome.is_ok().then_some(bytes.0))
     }
 
-    /// Reads an object that is a number of up to 8 bytes, as unsigned.
+    /// Reads an object with a number of up to 8 bytes, as unsigned.
     ///
     /// # Errors
     /// As [`read`](Self::read), and [`Trouble::Strange`] for another length.
@@ -200,7 +202,7 @@ impl Link {
     /// Writes an object.
     ///
     /// # Errors
-    /// [`Trouble::Transfer`]; the bus is gone.
+    /// [`Trouble::Transfer`]; the bus is closed.
     pub fn write(&mut self, object: Object, data: &[u8]) -> LinkResult {
         self.write_of(self.node, object, data)
     }
@@ -210,7 +212,7 @@ impl Link {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn write_of(&mut self, node: NodeId, object: Object, data: &[u8]) -> LinkResult {
-        // What does not fit into one frame has a checksum: other clients' segments do not get into it.
+        // A value that does not fit into one frame has a checksum, so segments of other clients do not get into it.
         let protocol = if data.len() > 4 {
             SdoProtocol::Block
         } else {
@@ -255,7 +257,7 @@ impl Link {
                 Err(error) => error,
             };
             if node == self.node && self.seen.state == Some(NmtState::Stopped) {
-                // However often it is asked.
+                // Before every try.
                 self.check_alive()?;
             }
             let spoilt = self.seen.other_client.is_some_and(|last| last > attempt);
@@ -267,12 +269,12 @@ impl Link {
                 tries == TRIES || silences == SILENCES
             };
             let again = may_go_better(error) || {
-                // A frame of somebody else may have been taken for a piece of this value, which is refused then.
+                // A frame of another client may have been taken for a piece of this value, which was then refused.
                 refusals += 1;
                 spoilt && refusals < REFUSALS
             };
             if over || !again {
-                // A board that says nothing at all any more, or that has been stopped, is more than a transfer that failed.
+                // A board that has fallen silent or was stopped is reported as such, not as a failed transfer.
                 self.check_alive()?;
                 return Err(Trouble::Transfer {
                     node: node.get(),
@@ -282,7 +284,7 @@ impl Link {
                 });
             }
             self.disturbed = true;
-            // What is still under way for the broken transfer may be answered: that is not for the next one.
+            // Late answers to the broken transfer must not count for the next one.
             self.seen.own_transfer = true;
             let idled = self.idle(STALE);
             self.seen.own_transfer = false;
@@ -290,18 +292,18 @@ impl Link {
         }
     }
 
-    /// A time between nothing and [`JITTER`], another one for every client and every call.
+    /// A time from zero to [`JITTER`], different for every client and every call.
     fn jitter(&self) -> Duration {
         let seed = u64::from(std::process::id()) << 32 | u64::from(self.now().subsec_nanos());
-        // The upper half of a product with an odd number depends on all of the lower.
+        // The upper half of a product with an odd number depends on all bits of the lower half.
         let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
         let span = u64::try_from((JITTER + self.round_trip.reckoned()).as_micros()).unwrap_or(1);
         Duration::from_micros(mixed % span)
     }
 
-    /// Lets other clients finish, and have their turn, but not for ever. Who has been disturbed comes first, then who has
-    /// heard somebody else's transfer behind his own, then who has had the last one. One who hears nobody does not know
-    /// whether somebody waits: now and then he leaves enough silence for that one [D198].
+    /// Lets other clients finish and have their turn, but not for ever. A disturbed client comes first, then a client that
+    /// has heard another's transfer after its own, then the client of the last transfer. A client that hears no other
+    /// cannot know whether one waits, so from time to time it leaves enough silence for it [D198].
     pub(super) fn wait_for_turn(&mut self) -> LinkResult {
         let begun = Instant::now();
         let round_trip = self.round_trip.reckoned();
@@ -319,7 +321,7 @@ impl Link {
                 None if self.turns >= SHARE_TRANSFERS || self.turns_since.elapsed() >= share => {
                     (self.turn_ended, 2)
                 }
-                // Whoever has only just come does not know yet who else is there.
+                // A client that has just come does not know the others yet.
                 None if self.seen.other_client.is_none() => (self.opened, 2),
                 None => return Ok(()),
             };
@@ -363,7 +365,7 @@ impl Link {
             if let Some(outcome) = transfer.outcome() {
                 return Ok(outcome);
             }
-            // Just beyond the deadline: then the transfer says itself that it is over.
+            // Just after the deadline, so that the transfer itself ends by timeout.
             let (before, since) = (clock, Instant::now());
             let left = transfer.deadline().saturating_sub(before);
             let mut until = since + left + Duration::from_millis(1);
@@ -387,9 +389,9 @@ impl Link {
             if !enough {
                 clock = before + since.elapsed();
                 if spoilt.is_some() && transfer.outcome().is_none() && out.is_empty() {
-                    // Perhaps it is only slower than was thought.
+                    // The answers may only be slower than expected.
                     let slower = self.round_trip.reckoned() * 2 + Duration::from_millis(1);
-                    // As it is meant: a single one would not count.
+                    // Twice, because a single slow answer does not count.
                     self.round_trip.note(slower);
                     self.round_trip.note(slower);
                     return Ok(Err(SdoError::TimedOut));
@@ -398,11 +400,11 @@ impl Link {
         }
     }
 
-    /// Asks for a number and counts how many answer: more than one node may have the board's number. What answers somebody
-    /// else's question of the same kind does not count.
+    /// Reads an object and counts the answers: several nodes may have the board's number. Answers to a request of another
+    /// client do not count.
     ///
     /// # Errors
-    /// The bus is gone.
+    /// The bus is closed.
     pub(super) fn answers(&mut self, object: Object) -> LinkResult<usize> {
         let node = self.node;
         let [low, high] = object.index.to_le_bytes();
@@ -435,7 +437,7 @@ impl Link {
         if !self.listen(until, &mut heard)? {
             return Ok(0);
         }
-        // The second one is not far behind.
+        // A second answer comes soon after the first.
         let until = Instant::now() + Duration::from_millis(30);
         self.listen(until, &mut |frame| {
             heard(frame);

@@ -1,4 +1,4 @@
-//! What can go wrong between this side and a board: each with the node, the object, the code and what to do.
+//! Errors between this side and a board: each with the node, the object, the code and the remedy.
 
 use leadscrew_can::{CanError, Suspicion};
 use leadscrew_core::alarm::{Alarm, Lang};
@@ -12,64 +12,64 @@ use crate::words::{Both, both};
 /// A result of the link.
 pub type LinkResult<T = ()> = Result<T, Trouble>;
 
-/// Why a board cannot be reached, or does not do what is asked.
+/// Reasons why a board cannot be reached or does not obey.
 #[derive(Debug)]
 pub enum Trouble {
-    /// The bus itself.
+    /// An error of the bus.
     Can(CanError),
-    /// Nobody answers under the number.
+    /// No node answers under this number.
     NoBoard {
-        /// The number asked.
+        /// The requested number.
         node: u8,
         /// The bus.
         bus: String,
-        /// It says by its heartbeats that it has been stopped.
+        /// Its heartbeats say that it has been stopped.
         stopped: bool,
-        /// Nodes that have been heard meanwhile.
+        /// Other nodes that were heard.
         others: Vec<u8>,
-        /// What the error frames point to.
+        /// What the error frames suggest.
         suspicion: Option<Suspicion>,
     },
-    /// More than one answers under the number.
+    /// More than one node answers under this number.
     TwoBoards {
         /// The number.
         node: u8,
         /// The bus.
         bus: String,
     },
-    /// Something else has the number.
+    /// Another device has this number.
     NotABoard {
         /// The number.
         node: u8,
-        /// Its product code, where it has one.
+        /// Its product code, if it has one.
         product: Option<u32>,
     },
-    /// The board speaks another version of the link.
+    /// The board uses another version of the link.
     Version {
         /// The number.
         node: u8,
-        /// The board's.
+        /// The board's version.
         theirs: Version,
-        /// This side's.
+        /// This side's version.
         ours: Version,
     },
-    /// The board was heard and is silent now.
+    /// The board was heard before and is silent now.
     Lost {
         /// The number.
         node: u8,
         /// The bus.
         bus: String,
-        /// What the error frames point to.
+        /// What the error frames suggest.
         suspicion: Option<Suspicion>,
     },
-    /// Somebody has stopped the board by NMT in the middle of something.
+    /// An NMT command has stopped the board in the middle of its work.
     Stopped {
         /// The number.
         node: u8,
         /// The bus.
         bus: String,
     },
-    /// The board has started again, and has forgotten what it was told.
+    /// The board has started again and has forgotten its orders.
     Restarted {
         /// The number.
         node: u8,
@@ -84,7 +84,7 @@ pub enum Trouble {
         object: Object,
         /// True for a write.
         write: bool,
-        /// How.
+        /// The error.
         error: SdoError,
     },
     /// The board has another parameter table.
@@ -93,33 +93,33 @@ pub enum Trouble {
         node: u8,
         /// The board's key.
         theirs: u32,
-        /// This side's.
+        /// This side's key.
         ours: u32,
     },
-    /// The board refuses a change of its parameters, or cannot store it.
+    /// The board refuses a change of its parameters or cannot store it.
     Parameters {
         /// The number.
         node: u8,
-        /// Why, where it says so.
+        /// The reason, if the board tells it.
         reason: Option<Alarm>,
     },
-    /// The board has taken a change of its parameters, and does not say what has become of it.
+    /// The board has accepted a change of its parameters and does not tell the result.
     Unsettled {
         /// The number.
         node: u8,
-        /// It has started again meanwhile; else it is still being stored.
+        /// It has started again meanwhile; otherwise it is still storing.
         restarted: bool,
     },
-    /// The board takes an order and does not say that it did.
+    /// The board does not confirm an order.
     Unconfirmed {
         /// The number.
         node: u8,
-        /// The order, as it is typed.
+        /// The order, as typed.
         order: &'static str,
-        /// It has had another one meanwhile, or has begun anew.
+        /// It has taken another order meanwhile, or has started again.
         overtaken: bool,
     },
-    /// The board answers with bytes that mean nothing.
+    /// The board's answer makes no sense.
     Strange {
         /// The number.
         node: u8,
@@ -134,7 +134,7 @@ impl From<CanError> for Trouble {
     }
 }
 
-/// What an object is, for people; only those this side uses.
+/// The name of an object for people; only of objects that this side uses.
 fn object_name(object: Object) -> Both {
     match object.index {
         0x1000..0x2000 => both!("communication object", "通信对象"),
@@ -151,7 +151,7 @@ fn object_name(object: Object) -> Both {
     }
 }
 
-/// What to do about an abort.
+/// The remedy for an abort.
 fn remedy(error: SdoError) -> Both {
     match error {
         SdoError::TimedOut => both!(
@@ -192,7 +192,7 @@ fn remedy(error: SdoError) -> Both {
     }
 }
 
-/// The abort's code and text.
+/// Code and text of the abort.
 #[must_use]
 pub fn reason(error: SdoError) -> Both {
     let text = |lang| {
@@ -249,7 +249,7 @@ impl Trouble {
         matches!(self, Self::Transfer { error, .. } if error.abort() == Some(abort))
     }
 
-    /// The abort code with which the other side has refused; not those of a transfer that was disturbed.
+    /// The abort code of a refusal by the other side; `None` for a disturbed transfer.
     #[must_use]
     pub fn refusal(&self) -> Option<u32> {
         match self {

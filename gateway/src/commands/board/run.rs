@@ -1,4 +1,5 @@
-//! `run` on a real bus: check all of it against the board's own parameters, feed it, watch it, tell the result.
+//! `run` on a real bus: checks the whole program against the board's own parameters, feeds it, watches it, and tells the
+//! result.
 
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -34,38 +35,39 @@ use crate::threads::Threads;
 use crate::values::Tolerance;
 use crate::words::{Both, both, pick};
 
-/// Between two looks at what the board says, while nothing can be fed.
+/// Pause between two looks at the board while nothing can be fed.
 const LOOK: Duration = Duration::from_millis(5);
-/// Between two readings of the event log.
+/// Time between two readings of the event log.
 const LOG: Duration = Duration::from_millis(250);
-/// Between two readings of the certificates of threads, where many are cut and where few are: a board keeps eight.
+/// Time between two readings of the certificates of threads: while many are cut, and while few are cut. A board keeps
+/// eight.
 const THREADS: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
-/// What is being cut when an alarm comes is at rest after this.
+/// A cut under way when an alarm comes is at rest after this time.
 const REST: Duration = Duration::from_secs(5);
-/// A controlled stop ends a stroke first; beyond this it is reported as it is.
+/// A controlled stop ends a stroke first. After this time the present state is reported.
 const STOP: Duration = Duration::from_secs(120);
 
-/// What a run has come to.
+/// The result of a run.
 #[derive(Debug, Default)]
 struct Ran {
     alarms: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
     moves: u64,
     late: u32,
-    /// What the board says of the run.
+    /// The board's certificate of the run.
     certificate: Option<Certificate>,
-    /// And of each thread.
+    /// The certificates of its threads.
     threads: Threads,
     line: u32,
     finished: bool,
-    /// Somebody else has reset the board.
+    /// Another client has reset the board.
     reset: bool,
-    /// The drives have been brought up anew.
+    /// The drives have been enabled again.
     ready: bool,
     interrupted: bool,
 }
 
-/// Refuses what only a simulated machine can do.
+/// Refuses an option that only a simulated machine can do.
 fn refuse(global: &Global, drive: &Drive) -> Outcome {
     let option = if drive.spindle_ripple.is_some() {
         "--spindle-ripple"
@@ -91,7 +93,7 @@ pub fn run(
     tolerance: Option<Tolerance>,
 ) -> Outcome {
     refuse(global, drive)?;
-    // A name that is mistyped needs no board to be told.
+    // A mistyped name needs no board.
     source
         .open()
         .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
@@ -143,7 +145,7 @@ pub fn run(
         diagnostics::print(diagnostic, setup.colour);
     }
     if let Err(lost) = outcome {
-        // What was told until then: the board may well end what was under way.
+        // The result so far: the board may still finish its work.
         if global.json {
             output::json(|json| {
                 lost.fields(setup.lang, json);
@@ -219,7 +221,7 @@ pub fn run(
     verdict
 }
 
-/// A board that cannot take a program now.
+/// Refuses a board that cannot take a program now.
 fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
     let node = link.node().get();
     let lang = global.lang();
@@ -255,7 +257,7 @@ struct Figures {
     ticks: u64,
     time_us: i64,
     hash: Option<String>,
-    /// As the board has measured them.
+    /// As measured by the board.
     errors: Synchronism,
 }
 
@@ -276,7 +278,7 @@ impl Figures {
         }
     }
 
-    /// As far as they are known, with what was seen of the run.
+    /// Writes the known values, with what was seen of the run.
     fn fields(&self, bus: &Address, ran: &Ran, path_nm: Option<i64>, json: &mut Json) {
         json.text("bus", &bus.to_string());
         json.number("moves", ran.moves);
@@ -290,7 +292,7 @@ impl Figures {
             Some(hash) => json.text("setpoint_hash", hash),
             None => json.null("setpoint_hash"),
         }
-        // A machine knows no other than the measured ones.
+        // A machine knows only the measured values.
         self.errors.field("sync_error_um", json);
         self.errors.field("measured_error_um", json);
         json.integer("late", i64::from(ran.late));
@@ -303,7 +305,7 @@ pub fn no_figures(bus: &Address, json: &mut Json) {
     Figures::default().fields(bus, &Ran::default(), None, json);
 }
 
-/// What the board has measured of each thread, and of the run, against the tolerance asked for.
+/// Compares the board's measurements of each thread, and of the run, with the requested tolerance.
 fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     let Some(tolerance) = tolerance else {
         return Ok(());
@@ -312,7 +314,7 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     if let Some(run) = &ran.certificate
         && tolerance.is_below(run.largest.nm())
     {
-        // Of one whose own certificate is missing, the run tells.
+        // The run stands for a thread whose own certificate is missing.
         let above = above.get_or_insert_default();
         above.worst_nm = above.worst_nm.max(run.largest.nm());
     }
@@ -322,7 +324,7 @@ fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
     }
 }
 
-/// The contract's object. The path is that of the moves: known where all of them were carried out.
+/// The result object. The path is the sum of the moves; it is known where all of them were carried out.
 fn result(setup: &Setup, report: &Report, ran: &Ran, origin: &Origin, ok: bool) -> Outcome {
     let figures = Figures::of(ran, setup);
     let path_nm = ok.then(|| report.path_nm.round() as i64);
@@ -343,7 +345,7 @@ fn result(setup: &Setup, report: &Report, ran: &Ran, origin: &Origin, ok: bool) 
     })
 }
 
-/// A bar over the moves, only where somebody watches.
+/// A progress bar over the moves, only on a terminal.
 fn bar(moves: u64, json: bool, lang: Lang) -> ProgressBar {
     if json || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -360,21 +362,21 @@ fn bar(moves: u64, json: bool, lang: Lang) -> ProgressBar {
     bar
 }
 
-/// A program on a board, under way.
+/// A program that runs on a board.
 struct Runner<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
     link: &'a mut Link,
     ran: Ran,
-    /// The board as the program was checked for it.
+    /// The board's status for which the program was checked.
     checked: Status,
     last_event: u32,
-    /// Setpoints that had come late before.
+    /// Late setpoints before the run.
     late: u32,
     bar: ProgressBar,
-    /// The hold has been told.
+    /// The hold has been reported.
     held: bool,
-    /// When the certificates of threads are read.
+    /// Times of reading the certificates of threads.
     pace: Pace,
 }
 
@@ -383,21 +385,21 @@ struct Feeding<'a> {
     feeder: Feeder<'a>,
     feed: Feed,
     started: bool,
-    /// When the event log was read last.
+    /// Time of the last reading of the event log.
     looked: Instant,
 }
 
-/// Which program a board has, and how far it has come with it.
+/// The board's program, and its progress in it.
 fn place(status: &Status) -> (u32, u32, Position) {
     (status.program, status.next_call, status.position)
 }
 
-/// When the certificates of threads are read: something has been cut since, and the more there were the sooner.
+/// Times of reading the certificates of threads. They are read after something was cut, and sooner the more there were.
 #[derive(Debug)]
 struct Pace {
     last: Instant,
     every: Duration,
-    /// The line when they were read last.
+    /// The line at the last reading.
     line: u32,
     /// An axis has been held to the spindle since.
     locked: bool,
@@ -414,13 +416,13 @@ impl Pace {
         }
     }
 
-    /// True where it is time, by what the board's status and place say.
+    /// True when it is time to read, by the board's status and place.
     fn is_due(&mut self, locked: bool, line: u32) -> bool {
         self.locked |= locked;
         (self.locked || line != self.line) && self.last.elapsed() >= self.every
     }
 
-    /// They have been read, in `line`, and so many were new.
+    /// Notes a reading in `line` with so many new certificates.
     fn read(&mut self, new: usize, line: u32, locked: bool) {
         let [shortest, longest] = THREADS;
         (self.last, self.line, self.locked) = (Instant::now(), line, locked);
@@ -441,7 +443,7 @@ impl Runner<'_> {
         let own = self.link.attend_alone(&drives)?;
         self.tell_number(own);
         self.link.hear_status()?;
-        // The board is this program's from here on: it is held at once, whatever is under way.
+        // From here on the board belongs to this program: a hold acts at once, whatever is under way.
         self.link.hold_when(interrupt::requested);
         self.prepare_board()?;
         let mut under_way = Feeding {
@@ -455,8 +457,8 @@ impl Runner<'_> {
             let anew = self.link.seen.boots != boots;
             match done {
                 Ok(true) => return Ok(()),
-                // A board that has started again refuses what it no longer knows, and lets go of transfers: what it says of
-                // itself counts.
+                // A board that has started again refuses what it no longer knows and drops transfers, so its state is read
+                // first.
                 Err(error) if !anew => return Err(error),
                 Ok(false) | Err(_) => {}
             }
@@ -467,7 +469,7 @@ impl Runner<'_> {
         }
     }
 
-    /// One look at everything. True where the run is over.
+    /// One round of the loop. True where the run is over.
     fn round(&mut self, under_way: &mut Feeding, drives: &DriveNodes) -> Outcome<bool> {
         let Feeding {
             feeder,
@@ -478,13 +480,13 @@ impl Runner<'_> {
         if interrupt::requested() {
             self.ran.interrupted = true;
             self.bring_to_rest()?;
-            // What went wrong on the way.
+            // Reads the faults on the way.
             self.read_log(feeder)?;
             return self.conclude(feed);
         }
         let fed = self.feed(feeder, feed)?;
         if !*started && (!fed || feeder.is_over() && feed.is_empty()) {
-            // In virtual time the board waits from here on before it forgets one.
+            // In virtual time the board waits from here on before it overwrites a certificate.
             self.link.take_threads(self.ran.threads.whole())?;
             self.link.order(Order::Run)?;
             *started = true;
@@ -520,8 +522,8 @@ impl Runner<'_> {
         Ok(false)
     }
 
-    /// Somebody else may have begun a program while this one was checked: his board is left alone, above all the number
-    /// that it watches. One that has ended meanwhile has left the machine elsewhere.
+    /// Another client may have begun a program while this one was checked. Its board is left alone, above all the node
+    /// number that the board supervises. A program that has ended meanwhile has left the machine at another position.
     fn still_ready(&mut self) -> Outcome {
         let now = self.link.status()?;
         ready(&now, self.link, self.setup.global)?;
@@ -536,7 +538,7 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Says that this side has taken another number.
+    /// Reports that this side has taken another node number.
     fn tell_number(&self, own: Option<NodeId>) {
         if let Some(own) = own {
             let told = both!(
@@ -549,11 +551,11 @@ impl Runner<'_> {
         }
     }
 
-    /// What the board says of the run; it is over.
+    /// Ends the run with the board's certificates.
     fn conclude(&mut self, feed: &Feed) -> Outcome<bool> {
         let (mut certificate, told) = self.link.certificates()?;
         self.ran.threads.take(told);
-        // On an alarm the axes may still be on their way to rest.
+        // On an alarm the axes may still be coming to rest.
         let end = Instant::now() + REST;
         while self.ran.threads.is_under_way() && Instant::now() < end {
             self.link.idle(LOOK)?;
@@ -561,15 +563,15 @@ impl Runner<'_> {
             self.ran.threads.take(told);
             certificate = now;
         }
-        // The board counts since its power came, and its status no farther than 255.
+        // The board counts from power-up, and its status counts only up to 255.
         self.ran.late = certificate.late.saturating_sub(self.late);
         self.ran.certificate = (certificate.program == feed.program()).then_some(certificate);
         Ok(true)
     }
 
-    /// The board has sent a boot-up message. That says nothing of the machine: after somebody's NMT reset of the
-    /// communication everything goes on, and after a loss of power the program is gone. So the board is asked (5001h)
-    /// before a word is said [D196].
+    /// The board has sent a boot-up message, which tells nothing about the machine. After an NMT reset of the communication
+    /// everything goes on; after a loss of power the program is gone. So the status record (5001h) is read before anything
+    /// is reported [D196].
     fn after_boot_up(&mut self, under_way: &Feeding, drives: &DriveNodes) -> Outcome {
         let Feeding { feeder, feed, .. } = under_way;
         let now = self.link.status()?;
@@ -583,7 +585,7 @@ impl Runner<'_> {
             && self.ran.alarms.is_empty()
             && let Some(alarm) = &now.alarm
         {
-            // The events before its start are forgotten with the program; the alarm that it stands on says why.
+            // The events before its start are gone with the program. The present alarm tells the reason.
             let alarm = placed(*alarm, self.ran.line);
             self.ran.alarms.push(feeder.words(&alarm));
         }
@@ -601,13 +603,13 @@ impl Runner<'_> {
         );
         self.bar
             .suspend(|| diagnostics::say(told.get(self.setup.lang)));
-        // Whom it watches (1016h) is as after power-up, and process data wait for a start.
+        // The supervised node (1016h) is reset to that of power-up, and process data wait for a start.
         let own = self.link.attend_alone(drives)?;
         self.tell_number(own);
         Ok(self.link.hear_status()?)
     }
 
-    /// Inputs and switches as the options want them.
+    /// Sets inputs and switches by the options.
     fn prepare_board(&mut self) -> Outcome {
         let global = self.setup.global;
         if !global.signal.is_empty() {
@@ -625,7 +627,7 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// Sends what there is room for, one batch. False where there was no room, or nothing is left.
+    /// Sends one batch, as much as there is room for. False where there was no room, or nothing is left.
     fn feed(&mut self, feeder: &mut Feeder, feed: &mut Feed) -> Outcome<bool> {
         while feed.has_room()
             && let Some(call) = feeder.next_call(&mut self.ran.alarms)?
@@ -635,7 +637,7 @@ impl Runner<'_> {
         Ok(feed.send(self.link)?)
     }
 
-    /// Tells once that the machine waits for somebody.
+    /// Reports once that the machine waits for the operator.
     fn tell_hold(&mut self) {
         let hold = self
             .link
@@ -654,7 +656,7 @@ impl Runner<'_> {
         self.held = hold;
     }
 
-    /// Takes in what the statuses say.
+    /// Takes the values of the statuses.
     fn look(&mut self) {
         let seen = &self.link.seen;
         if let Some(place) = seen.place {
@@ -678,7 +680,7 @@ impl Runner<'_> {
         self.bar.set_message(message.get(lang).to_owned());
     }
 
-    /// Reads what is new in the event log.
+    /// Reads the new entries of the event log.
     fn read_log(&mut self, feeder: &Feeder) -> Outcome {
         loop {
             let entries = self.link.events_behind(self.last_event)?;
@@ -715,7 +717,7 @@ impl Runner<'_> {
         }
     }
 
-    /// A controlled stop: feed hold until the machine stands, then the rest of the program is forgotten.
+    /// A controlled stop: feed hold until the machine stands, then a reset drops the rest of the program.
     fn bring_to_rest(&mut self) -> Outcome {
         self.link.order(Order::Hold)?;
         let end = Instant::now() + STOP;
@@ -730,7 +732,7 @@ impl Runner<'_> {
             self.link.idle(LOOK)?;
             self.link.check_alive()?;
             if self.link.seen.boots != boots {
-                // Without a start its statuses are those from before.
+                // Until the node is started, the last status is an old one.
                 boots = self.link.seen.boots;
                 self.link.start_node()?;
             }
@@ -751,7 +753,7 @@ impl Runner<'_> {
     }
 }
 
-/// A number no program had before, as far as anybody remembers.
+/// A number that no recent program had.
 fn program_number() -> u32 {
     let since = SystemTime::now()
         .duration_since(UNIX_EPOCH)
