@@ -243,7 +243,7 @@ fn suspected(suspicion: Option<Suspicion>) -> Both {
 }
 
 impl Trouble {
-    /// Number of the object that was refused for this reason.
+    /// True where the other side has refused with this abort code.
     #[must_use]
     pub fn is_abort(&self, abort: Abort) -> bool {
         matches!(self, Self::Transfer { error, .. } if error.abort() == Some(abort))
