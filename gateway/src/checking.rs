@@ -1,5 +1,5 @@
-//! A program verified without a machine: text, geometry, physics. What `check` reports, and what `simulate` and `run` ask
-//! before anything moves.
+//! Verifies a program without a machine: text, geometry, physics. `check` reports the result; `simulate` and `run` need it
+//! before any motion.
 
 use leadscrew_core::alarm::{Alarm, Code, Span};
 use leadscrew_core::cycle::{GrooveMoves, Move, MoveKind, Moves};
@@ -21,45 +21,45 @@ use crate::setup::Setup;
 use crate::source::SourceFile;
 use crate::words::{Both, both};
 
-/// What is known of one program after looking at all of it.
+/// The result for one program.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// What stops it: of each kind one a line, the first [`LISTED`] of them.
+    /// Alarms: for each kind one per line, up to [`LISTED`] of them.
     pub alarms: Vec<Diagnostic>,
-    /// What is worth telling, likewise.
+    /// Warnings, in the same way.
     pub warnings: Vec<Diagnostic>,
-    /// Kinds that stand on further lines.
+    /// Kinds with further lines.
     pub unlisted: Vec<Unlisted>,
-    /// Its cycles, in their order.
+    /// Its cycles in order.
     pub cycles: Vec<CycleReport>,
-    /// Moves, as far as they could be made.
+    /// Number of moves that could be made.
     pub moves: u64,
-    /// The length of their way in the Z–X plane, in nanometres.
+    /// The length of their path in the Z–X plane, in nanometres.
     pub path_nm: f64,
-    /// Which of the spindles 2 to 4 tap.
+    /// True for each of the spindles 2 to 4 that taps.
     pub tappers: [bool; 3],
-    /// A lead-in is longer than what lies before the material.
+    /// A lead-in is longer than the way before the material.
     pub lead_in_too_short: bool,
 }
 
-/// Alarms or warnings of a kind that are listed, so that a program of any size has a report of bounded size.
+/// The most alarms or warnings of a kind in the list, so that the report of any program is bounded.
 pub const LISTED: usize = 10;
 
-/// A kind of which there is more than is listed.
+/// A kind with more lines than the list has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unlisted {
     /// Its number.
     pub number: u16,
     /// It is a warning.
     pub warning: bool,
-    /// Further lines on which it stands.
+    /// Number of further lines.
     pub lines: u64,
-    /// The last of them.
+    /// The last of these lines.
     last: u32,
 }
 
 impl Unlisted {
-    /// For a person.
+    /// Text for a person.
     #[must_use]
     pub fn words(&self) -> Both {
         let Self { number, lines, .. } = self;
@@ -71,7 +71,7 @@ impl Unlisted {
     }
 }
 
-/// What a cycle needs.
+/// Figures of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleReport {
     /// Source line.
@@ -80,35 +80,35 @@ pub struct CycleReport {
     pub cycle: &'static str,
     /// Passes of a thread, columns of a groove, holes of a tap.
     pub passes: u32,
-    /// The fastest a tap turns on the way in, in hundredths of a turn per minute.
+    /// The highest speed of a tap on the way in, in hundredths of a turn per minute.
     pub tap_speed: Option<i64>,
-    /// How far before the material R of an ordinary tap has to lie, nanometres.
+    /// The least distance of R from the material for an ordinary tap, in nanometres.
     pub tap_lead_in_nm: Option<i64>,
     /// Figures of a thread.
     pub thread: Option<ThreadFigures>,
-    /// About how long it takes, in microseconds.
+    /// Approximate time in microseconds.
     pub time_us: i64,
 }
 
-/// What a thread needs.
+/// Figures of a thread.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadFigures {
     /// Largest shift of its starts along Z, nanometres.
     pub z_shift_max_nm: i64,
-    /// From B to where the lead is met, nanometres.
+    /// Distance from B to the point where the lead is reached, in nanometres.
     pub lead_in_nm: i64,
-    /// Start at least this far before the material, nanometres.
+    /// The least distance of the start from the material, in nanometres.
     pub start_before_nm: i64,
-    /// The fastest spindle that the axes can follow.
+    /// The highest speed of the spindle that the axes can follow.
     pub rpm_max: i64,
 }
 
-/// How much of a program is kept to be told.
+/// How much of a program's result is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// What it has wrong, and its figures: the same memory for any length.
+    /// Alarms, warnings and figures: bounded memory for any length.
     Verdict,
-    /// Its cycles too.
+    /// Its cycles in addition.
     Cycles,
 }
 
@@ -140,7 +140,7 @@ pub fn check(setup: &Setup, source: &SourceFile, detail: Detail) -> Outcome<Repo
     }
 }
 
-/// The checker at work.
+/// The state of a check.
 struct Checker<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
@@ -151,14 +151,14 @@ struct Checker<'a> {
     spindle: Spindle,
 }
 
-/// Whether what is fed into is turned.
+/// Whether the work piece, or the tool, turns during a feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Spindle {
-    /// It turns, or another one does.
+    /// It turns, or another spindle does.
     Turns,
     /// It stands.
     Stands,
-    /// It stands, and that has been told.
+    /// It stands, and a warning has said so.
     Told,
 }
 
@@ -171,7 +171,7 @@ impl Spindle {
         }
     }
 
-    /// As it is behind this call. M24–M27 take another spindle, which nobody here knows of.
+    /// The state after this call. M24–M27 select another spindle, whose state is unknown here.
     const fn behind(self, call: &Call) -> Self {
         match call.kind {
             CallKind::Spindle(SpindleCall {
@@ -189,7 +189,7 @@ impl Spindle {
 }
 
 impl Checker<'_> {
-    /// Keeps what is new on its line, and counts what is beyond the list.
+    /// Keeps an alarm or a warning that is new on its line, and counts those beyond the list.
     fn tell(&mut self, alarm: &Alarm, inch: bool) {
         let (number, line) = (alarm.number(), alarm.span.line);
         let report = &mut self.report;
@@ -230,7 +230,7 @@ impl Checker<'_> {
         let moves = match cycle::expand(call, &self.setup.context(self.at, &self.hole)) {
             Ok(moves) => moves,
             Err(alarm) => {
-                // The interpreter goes on where the block ends, and cycles end where they begin.
+                // The interpreter goes on at the end of the block, and cycles end where they begin.
                 self.causes(call, inch);
                 return self.tell(&alarm, inch);
             }
@@ -245,7 +245,7 @@ impl Checker<'_> {
         let params = &self.setup.params;
         let within = feasible::within_limits(&moves, self.at, params);
         let time = feasible::time(&moves, self.at, params);
-        // Whoever stands beyond a limit has been told of the move that went there.
+        // The move that went beyond the limit has been reported already.
         if let Err(alarm) = within
             && moves.into_iter().any(|step| step.to != self.at)
         {
@@ -253,7 +253,7 @@ impl Checker<'_> {
         }
         let time_us = match time {
             Ok(time) => i64::try_from(time.as_micros()).unwrap_or(i64::MAX),
-            // The findings about a thread say the same with more figures.
+            // The findings for a thread say the same with more figures.
             Err(_) if matches!(call.kind, CallKind::Thread(_)) => 0,
             Err(alarm) => {
                 self.tell(&alarm, inch);
@@ -289,8 +289,8 @@ impl Checker<'_> {
         }
     }
 
-    /// A feed per minute goes on whether the spindle turns or not; one per turn, and a thread, would not [D199]. Told
-    /// is the first of those that follow each other.
+    /// A feed per minute goes on even if the spindle stands; a feed per turn and a thread would not [D199]. The first of
+    /// several such moves in a row is reported.
     fn mind_spindle(&mut self, call: &Call, inch: bool) {
         let at = self.at;
         let feed = match &call.kind {
@@ -313,7 +313,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A groove: the moves that differ, and how often each comes.
+    /// A groove: each different move with its number of repeats.
     fn groove(&mut self, groove: &GrooveMoves, span: Span, time_us: i64) {
         let report = &mut self.report;
         let counted = groove.tally(&mut |from, step, times| {
@@ -333,8 +333,8 @@ impl Checker<'_> {
         });
     }
 
-    /// A thread that geometry refuses may have its cause elsewhere: a feed rate where the lead should be makes a run-out
-    /// longer than the thread. Without run-in and run-out physics can still be asked.
+    /// A thread may be refused by its geometry for another reason: a feed rate in place of the lead makes a run-out that is
+    /// longer than the thread. Physics can still be checked without run-in and run-out.
     fn causes(&mut self, call: &Call, inch: bool) {
         let CallKind::Thread(thread) = &call.kind else {
             return;
@@ -411,7 +411,7 @@ impl Checker<'_> {
 }
 
 impl Report {
-    /// The contract's fields of a file.
+    /// The JSON fields of a file.
     pub fn fields(&self, source: &SourceFile, json: &mut Json) {
         json.text("file", &source.name());
         self.diagnostics(json);
@@ -422,7 +422,7 @@ impl Report {
         });
     }
 
-    /// For people: what is listed, and of what there is more.
+    /// Prints the list for a person, and the number of further lines.
     pub fn print(&self, setup: &Setup) {
         for diagnostic in self.alarms.iter().chain(&self.warnings) {
             diagnostics::print(diagnostic, setup.colour);
@@ -432,7 +432,7 @@ impl Report {
         }
     }
 
-    /// All alarms, or all warnings, listed or not.
+    /// Number of all alarms or of all warnings, listed or not.
     #[must_use]
     pub fn count(&self, warning: bool) -> u64 {
         let listed = if warning {
@@ -444,7 +444,7 @@ impl Report {
         listed.len() as u64 + further.map(|kind| kind.lines).sum::<u64>()
     }
 
-    /// `alarms` and `warnings`, and what of them is not listed.
+    /// `alarms` and `warnings`, and the number of those not listed.
     pub fn diagnostics(&self, json: &mut Json) {
         for (key, list) in [("alarms", &self.alarms), ("warnings", &self.warnings)] {
             json.array_at(key, |json| {
@@ -531,7 +531,7 @@ impl CycleReport {
     }
 }
 
-/// The place among spindles 2 to 4 of the one that a move taps with.
+/// The place, among spindles 2 to 4, of the spindle that a move taps with.
 fn tapper(step: &Move) -> Option<usize> {
     let spindle = match step.kind {
         MoveKind::Tap(tap) => tap.spindle,

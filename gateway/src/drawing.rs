@@ -1,4 +1,4 @@
-//! Moves to strokes: what the picture shows of a program's path.
+//! Turns moves into strokes: the picture of a program's path.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use leadscrew_core::program::Position;
 use crate::length::sweep;
 use crate::plot::{Kind, Stroke};
 
-/// Strokes kept. A picture cannot show more, and a program of any length must fit into memory.
+/// The most strokes. A picture cannot show more, and a program of any length must fit into memory.
 const MOST: usize = 200_000;
 /// Largest angle between two points of an arc.
 const ARC_STEP: f64 = TAU / 90.0;
@@ -23,7 +23,7 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// Nothing drawn; the tool stands at `start` (machine coordinates).
+    /// An empty picture. The tool stands at `start` (machine coordinates).
     pub fn new(start: &Position) -> Self {
         Self {
             strokes: Vec::new(),
@@ -33,7 +33,7 @@ impl Drawing {
         }
     }
 
-    /// Adds a move. `origin` is the work origin it was programmed in; the latest one becomes the picture's.
+    /// Adds a move. `origin` is its work origin; the picture uses the latest one.
     pub fn push(&mut self, step: &Move, origin: &Position) {
         self.origin = place(origin);
         let (from, to) = (self.at, place(&step.to));
@@ -58,7 +58,7 @@ impl Drawing {
         }
     }
 
-    /// The strokes in work coordinates, and how many did not fit.
+    /// The strokes in work coordinates, and the number of strokes that did not fit.
     pub fn finish(self) -> (Vec<Stroke>, u64) {
         let (z, x) = self.origin;
         let mut strokes = self.strokes;

@@ -1,4 +1,5 @@
-//! What `simulate`, `plot` and `run` have in common: check all of it, run it on the machine, judge it, tell the result.
+//! The common part of `simulate`, `plot` and `run`: check the whole program, run it on the machine, judge it, report the
+//! result.
 
 use leadscrew_core::link::identity;
 
@@ -16,7 +17,7 @@ use crate::trace::Summary;
 use crate::values::Tolerance;
 use crate::words::{Both, both};
 
-/// Checks a program and tells what it has to say.
+/// Checks a program and reports the findings.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -31,13 +32,13 @@ pub fn tell_report(setup: &Setup, source: &SourceFile) -> Outcome<Report> {
 pub struct Execution<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
-    /// What checking it gave.
+    /// The result of the check.
     pub report: Report,
     ended: Ended,
 }
 
 impl<'a> Execution<'a> {
-    /// Checks a program and tells what it has to say. A program with an alarm does not get further than this.
+    /// Checks a program and reports the findings. A program with an alarm goes no further.
     pub fn prepare(setup: &'a Setup, source: &'a SourceFile) -> Outcome<Self> {
         let report = tell_report(setup, source)?;
         let execution = Self {
@@ -55,7 +56,7 @@ impl<'a> Execution<'a> {
         Err(Failure::Wrong)
     }
 
-    /// Runs it; what the machine tells is told.
+    /// Runs the program and reports the machine's warnings and alarms.
     pub fn run(&mut self, drive: &Drive, observer: &mut dyn Observer) -> Outcome {
         self.ended = machine::run(self.setup, drive, self.source, observer)?;
         let known = |warning: &Diagnostic| {
@@ -71,12 +72,12 @@ impl<'a> Execution<'a> {
         Ok(())
     }
 
-    /// The user ended it.
+    /// True where the user has ended the run.
     pub fn is_interrupted(&self) -> bool {
         self.ended.interrupted
     }
 
-    /// The verdict, and the JSON result where it is wanted.
+    /// Judges the run, and writes the JSON result if it is wanted.
     pub fn conclude(&self, summary: &Summary, tolerance: Option<Tolerance>) -> Outcome {
         let above = tolerance.and_then(|tolerance| self.above(summary, tolerance));
         let within = above.is_none();
@@ -99,7 +100,7 @@ impl<'a> Execution<'a> {
         above.map_or(Ok(()), |above| Err(Failure::WrongBecause(above)))
     }
 
-    /// Why a tolerance is not met: by what the board has measured of a thread, or by what the simulation knows.
+    /// Why a tolerance is not met: by the board's measurement of a thread, or by the simulation's own knowledge.
     fn above(&self, summary: &Summary, tolerance: Tolerance) -> Option<Both> {
         let mut above = self.ended.threads.above(tolerance);
         if let Some(truly) = summary.above(tolerance) {
@@ -108,7 +109,7 @@ impl<'a> Execution<'a> {
         above.map(|above| above.words(tolerance))
     }
 
-    /// The errors of synchronism as the board has measured them.
+    /// The errors of synchronism as measured by the board.
     pub fn measured(&self) -> Synchronism {
         self.ended.threads.measured()
     }

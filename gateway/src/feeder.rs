@@ -1,4 +1,4 @@
-//! The calls of a checked program one after the other, for whatever machine takes them.
+//! Reads the calls of a checked program in order, for any machine.
 
 use leadscrew_core::alarm::{Alarm, Span};
 use leadscrew_core::program::{Call, CallKind, Event, Position};
@@ -9,7 +9,7 @@ use crate::program::Program;
 use crate::setup::Setup;
 use crate::source::SourceFile;
 
-/// The text is over.
+/// The end of the text.
 const OVER: Call = Call {
     span: Span {
         line: 0,
@@ -26,7 +26,7 @@ pub struct Feeder<'a> {
     setup: &'a Setup<'a>,
     source: &'a SourceFile,
     program: Program<'a>,
-    /// M02 or M30 has come.
+    /// M02 or M30 has been read.
     ended: bool,
     over: bool,
 }
@@ -47,20 +47,20 @@ impl<'a> Feeder<'a> {
         })
     }
 
-    /// No further call comes.
+    /// True where there is no further call.
     #[must_use]
     pub const fn is_over(&self) -> bool {
         self.over
     }
 
-    /// An alarm or a warning of the machine in words.
+    /// Words for an alarm or a warning of the machine.
     #[must_use]
     pub fn words(&self, alarm: &Alarm) -> Diagnostic {
         Diagnostic::new(alarm, self.source, self.setup.lang, self.program.is_inch())
     }
 
-    /// The next call; the last one says that the text is over, where the program does not say so itself. What the text
-    /// has wrong after all goes to `alarms`.
+    /// The next call. If the program does not end itself, the last call says that the text is over. Mistakes that the text
+    /// has after all go to `alarms`.
     ///
     /// # Errors
     /// A file that cannot be read any further.
@@ -73,14 +73,14 @@ impl<'a> Feeder<'a> {
             match next {
                 None => {
                     self.over = true;
-                    // Without M02 or M30 nobody else tells the board that nothing more comes.
+                    // Without M02 or M30 this call tells the board that no more calls come.
                     return Ok((!self.ended).then_some(OVER));
                 }
                 Some(Ok(Event::Call(call))) => {
                     self.ended = matches!(call.kind, CallKind::End(_));
                     return Ok(Some(call));
                 }
-                // Told when the program was checked.
+                // Reported when the program was checked.
                 Some(Ok(Event::Warning(_))) => {}
                 Some(Err(alarm)) => {
                     self.over = true;
@@ -92,7 +92,7 @@ impl<'a> Feeder<'a> {
     }
 }
 
-/// An alarm that has no place in the text happened while `line` was carried out.
+/// Gives an alarm without a place in the text the line that was being carried out.
 #[must_use]
 pub fn placed(mut alarm: Alarm, line: u32) -> Alarm {
     if alarm.span.line == 0 {

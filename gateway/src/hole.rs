@@ -1,5 +1,5 @@
-//! The hole a tap may be in, followed through a program without a machine: what G30 P99 returns from, and what may not
-//! move before it. `check`, `expand` and `plot` ask here; the board asks its own journal.
+//! The hole that a tap may be in, followed through a program without a machine: the start of G30 P99, and what may not move
+//! before it. `check`, `expand` and `plot` use it; the board uses its own journal.
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::Guard;
@@ -13,13 +13,13 @@ use leadscrew_core::units::{CentiRpm, Turns};
 pub struct Hole {
     record: Option<TapRecord>,
     guard: Guard,
-    /// Of the call let in last: S, and what the journal keeps of the program around it.
+    /// Values of the last admitted call: S, and what the journal keeps of the program around it.
     infeed: CentiRpm,
     notes: TapNotes,
 }
 
 impl Hole {
-    /// With what the machine remembers at its start.
+    /// Starts with the machine's entry.
     #[must_use]
     pub fn new(record: Option<TapRecord>) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl Hole {
         self.record.as_ref()
     }
 
-    /// Lets a call in that does not move a tap in its hole.
+    /// Admits a call that does not move a tap in its hole.
     ///
     /// # Errors
     /// As the board's guard.
@@ -51,7 +51,7 @@ impl Hole {
         self.guard.admit(call, moves)
     }
 
-    /// Takes in a move.
+    /// Takes a move.
     pub fn push(&mut self, step: &Move) {
         let MoveKind::Tap(tap) = step.kind else {
             return;

@@ -1,11 +1,11 @@
-//! How long a move's way in the Z–X plane is. Geometry for what is shown; nothing is moved by it.
+//! The length of a move's path in the Z–X plane. It is only shown; no motion depends on it.
 
 use std::f64::consts::TAU;
 
 use leadscrew_core::cycle::{Move, MoveKind};
 use leadscrew_core::program::Position;
 
-/// The way of a move that begins at `from`, in nanometres.
+/// The length of a move that begins at `from`, in nanometres.
 pub fn nanometres(from: &Position, step: &Move) -> f64 {
     let place = |position: &Position| (position.z.nm() as f64, position.x.nm() as f64);
     let (from, to) = (place(from), place(&step.to));
@@ -24,8 +24,8 @@ pub fn nanometres(from: &Position, step: &Move) -> f64 {
     }
 }
 
-/// The angle of an arc about `centre`, (Z, X) as it is drawn, in radians; clockwise is negative. Where start and end are
-/// one point it is a full turn.
+/// The angle of an arc about `centre` in radians, with points as (Z, X) as drawn; clockwise is negative. It is a full turn
+/// where start and end are the same point.
 pub fn sweep(from: (f64, f64), to: (f64, f64), centre: (f64, f64), clockwise: bool) -> f64 {
     let angle = |point: (f64, f64)| (point.1 - centre.1).atan2(point.0 - centre.0);
     let sweep = (angle(to) - angle(from)).rem_euclid(TAU);

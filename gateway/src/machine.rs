@@ -1,4 +1,4 @@
-//! A program carried out by the machine inside this process: the simulated board, drives and spindle, in virtual time.
+//! Runs a program on the machine in this process: the simulated board, drives and spindle, in virtual time.
 
 use leadscrew_board_sim::plant::{FineTurns, PlantError, PlantOptions, Ripple};
 use leadscrew_board_sim::{Direction, Row, Sim, SimError};
@@ -18,32 +18,32 @@ use crate::threads::Threads;
 use crate::trace::{Setpoint, SpindlePoint, TapPlace};
 use crate::words::{Both, both};
 
-/// How a run ended.
+/// The end of a run.
 #[derive(Debug, Default)]
 pub struct Ended {
-    /// What stopped the machine.
+    /// Alarms that stopped the machine.
     pub alarms: Vec<Diagnostic>,
-    /// What it had to tell; the first of each kind.
+    /// Warnings of the machine; the first of each kind.
     pub warnings: Vec<Diagnostic>,
-    /// The user wanted to end, and the machine has come to rest.
+    /// The user has ended the run, and the machine has come to rest.
     pub interrupted: bool,
-    /// The power has been taken away, as asked for.
+    /// The power was taken away, as requested.
     pub cut: bool,
-    /// What the board has measured of each thread.
+    /// The board's measurements of each thread.
     pub threads: Threads,
 }
 
-/// Who watches a run.
+/// Watches a run.
 pub trait Observer {
-    /// The next tick.
+    /// Takes the setpoint of the next tick.
     fn setpoint(&mut self, point: &Setpoint) -> Outcome;
 
-    /// A frame on the wire at the tick after `tick`.
+    /// Takes a frame on the wire at the tick after `tick`.
     fn frame(&mut self, tick: u64, direction: Direction, frame: &Frame) {
         let _ = (tick, direction, frame);
     }
 
-    /// The frame with all setpoints, behind the others of that tick.
+    /// Takes the frame with all setpoints, which follows the other frames of its tick.
     fn together(&mut self, tick: u64, frame: &FdFrame) {
         let _ = (tick, frame);
     }
@@ -69,7 +69,7 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
     };
     let sim = match &setup.kept {
         Some((_, flash)) => Sim::with_flash(&setup.params, &options, flash.clone()),
-        // A machine for once has the parameters it is given.
+        // A machine without a state file has the parameters of the options.
         None => Sim::new(&setup.params, &options),
     };
     let mut sim = sim
@@ -79,7 +79,7 @@ fn power_up(setup: &Setup, drive: &Drive) -> Outcome<Box<Sim>> {
     Ok(sim)
 }
 
-/// Words for a machine that cannot be.
+/// Words for an impossible machine.
 fn no_machine(setup: &Setup, error: SimError) -> Failure {
     let reason = match error {
         SimError::Plant(PlantError::Position(axis)) => both!(
@@ -109,7 +109,7 @@ pub fn run(
     let mut sim = power_up(setup, drive)?;
     interrupt::defer(UnderWay::Computed);
     let ended = carry_out(&mut sim, setup, source, observer);
-    // Whatever has happened: what is stored is stored.
+    // In any case, what is stored stays stored.
     if let Some((state, _)) = &setup.kept {
         state.save(sim.flash())?;
     }
@@ -151,7 +151,7 @@ fn carry_out(
         tick += 1;
         let newest = sim.board().device().threads().next();
         if newest.is_some_and(|thread| thread.number != ended.threads.newest()) {
-            // The one before is as it stays.
+            // The threads before the run.
             ended.threads.take(sim.board().device().threads());
         }
         if let Some(row) = row {
@@ -192,7 +192,7 @@ fn carry_out(
     result.map(|()| ended)
 }
 
-/// As many calls as there is room for.
+/// Feeds as many calls as there is room for.
 fn feed(
     feeder: &mut Feeder,
     waiting: &mut Option<Call>,
@@ -212,7 +212,7 @@ fn feed(
     }
 }
 
-/// A hold or a stop has come to its end.
+/// True when a hold or a stop has ended.
 fn at_rest(sim: &Sim) -> bool {
     use leadscrew_core::board::State as Board;
     matches!(

@@ -1,30 +1,29 @@
-//! Where a result comes from: which program, on which board with which parameters, and when. What a shop keeps with a part.
+//! The origin of a result: the program, the board with its parameters, and the time. A shop keeps it with a part.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::json::Json;
 use crate::words::{Both, both};
 
-/// The board that has carried a program out.
+/// The board that has carried out a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BoardName {
-    /// Its number on the bus.
+    /// Its node number.
     pub node: u8,
     /// 1018h:04.
     pub serial: u32,
-    /// Of its software: 100Ah.
+    /// Version of its software: 100Ah.
     pub version: String,
 }
 
-/// Where a result comes from.
+/// The origin of a result.
 #[derive(Clone, Debug)]
 pub struct Origin {
-    /// The program's name, as it was typed.
+    /// The program's name as typed.
     pub program: String,
-    /// CRC-32 of the parameter set in force: 1020h.
-    /// None where nothing is in force, or where it is not known.
+    /// CRC-32 of the parameter set in force (1020h); `None` where no set is in force, or where it is unknown.
     pub parameters: Option<u32>,
-    /// A board, and when it began; none for a simulation, which is the same at any time.
+    /// The board and the start time; `None` for a simulation, which gives the same result at any time.
     pub board: Option<(BoardName, SystemTime)>,
 }
 
@@ -50,7 +49,7 @@ impl Origin {
         json.text("started", &utc(*started));
     }
 
-    /// A line for a person, where a board has carried it out.
+    /// A line for a person, for a run on a board.
     pub fn line(&self) -> Option<Both> {
         let (board, started) = self.board.as_ref()?;
         let started = utc(*started);
@@ -63,7 +62,7 @@ impl Origin {
     }
 }
 
-/// `2026-11-22T01:38:03Z`. A clock that was never set is at its beginning.
+/// `2026-11-22T01:38:03Z`. A clock that was never set shows its first instant.
 fn utc(time: SystemTime) -> String {
     humantime::format_rfc3339_seconds(time.max(UNIX_EPOCH)).to_string()
 }
@@ -81,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_time_is_told_in_the_calendar() {
-        // As `date -u -d @…` says.
+        // As `date -u -d @…` prints them.
         for (seconds, text) in [
             (0, "1970-01-01T00:00:00Z"),
             (951_782_399, "2000-02-28T23:59:59Z"),

@@ -1,4 +1,4 @@
-//! What every command starts from: the machine's parameters, the language, and whether colour is welcome.
+//! The start of every command: the machine's parameters, the language, and the use of colour.
 
 use std::path::PathBuf;
 
@@ -33,44 +33,44 @@ use crate::words::{self, both};
 pub struct Setup<'a> {
     /// Options as typed.
     pub global: &'a Global,
-    /// The machine.
+    /// The machine's parameters.
     pub params: Params,
     /// Language of messages.
     pub lang: Lang,
-    /// The inputs from the start on.
+    /// The inputs at the start.
     pub signals: Signals,
-    /// Standard error is a terminal and nobody minds colour.
+    /// Standard error is a terminal, and colour is wanted.
     pub colour: bool,
-    /// Where the tool stands at the start, where a board has said so; else by the options.
+    /// Start position of the tool, as a board has reported it; `None`: by the options.
     pub position: Option<Position>,
-    /// The spindle turns at the start, as a board has said.
+    /// The spindle turns at the start, as a board has reported.
     pub turning: bool,
-    /// The newest entry of the tap journal, where a machine is known.
+    /// The newest entry of the tap journal, if a machine is known.
     pub tap: Option<TapRecord>,
-    /// The flash of the simulated board, where it is kept.
+    /// The flash of the simulated board, if it is kept.
     pub kept: Option<(StateFile, Flash)>,
 }
 
 impl<'a> Setup<'a> {
-    /// Loads what the options name, and tells what is wrong with it. The set of the board, real or simulated,
-    /// lies below it.
+    /// Loads the files and values of the options and reports their mistakes. They are laid over the set of the board, real
+    /// or simulated.
     pub fn new(global: &'a Global, answer: Answer<'_>) -> Outcome<Self> {
         Self::of(global, board::base(global, answer)?, None, answer)
     }
 
-    /// The same over a set that is known already; `None`: the built-in machine.
+    /// The same over a known set; `None`: the built-in machine.
     pub fn over(global: &'a Global, base: Option<Params>, answer: Answer<'_>) -> Outcome<Self> {
         Self::of(global, base, None, answer)
     }
 
-    /// The same for a simulated machine that is to run `program` with `drive`'s tick.
+    /// The same for a simulated machine that will run `program` with the tick of `drive`.
     pub fn with_drive(global: &'a Global, drive: &Drive, program: &SourceFile) -> Outcome<Self> {
         let tick = drive.tick_us.map(|tick| format!("9000={tick}"));
         let program = &program.name();
         Self::of(global, None, tick, Answer::Run { program })
     }
 
-    /// A set that is stored in the flash of a simulated board is that board's own, as with a real one [D107].
+    /// A set in the flash of a simulated board is the board's own set, as on a real board [D107].
     fn of(
         global: &'a Global,
         base: Option<Params>,
@@ -121,7 +121,7 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// What the moves of a call depend on for a tool at `at`, with what is known of a tap in its hole.
+    /// The context of a call for a tool at `at`, with the hole that a tap may be in.
     pub const fn context<'h>(&self, at: Position, hole: &'h Hole) -> Context<'h> {
         Context {
             at,
@@ -130,7 +130,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Where the drives stand at power-up.
+    /// Position of the drives at power-up.
     pub fn power_up(&self) -> Position {
         let at = self.global.at.unwrap_or_default();
         Position {
@@ -140,7 +140,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Where the tool stands at the start: an axis with a tap in its hole at the bottom [D26].
+    /// Start position of the tool. An axis with a tap in its hole stands at the bottom [D26].
     fn start(&self) -> Position {
         if let Some(position) = self.position {
             return position;
@@ -152,7 +152,7 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// How programs are read.
+    /// The options for reading programs.
     pub fn options(&self) -> Options {
         Options {
             dialect: match self.global.dialect {
@@ -167,7 +167,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// The inputs that the options set; the last of a name counts.
+/// The inputs set by the options. The last value of a name counts.
 fn signals(global: &Global) -> Signals {
     let mut signals = Signals::default();
     for set in &global.signal {
@@ -176,17 +176,17 @@ fn signals(global: &Global) -> Signals {
     signals
 }
 
-/// The parameters that the options make, with everything that is wrong with them told; wrong ones end the command.
+/// The parameters of the options, with all their mistakes reported. A mistake ends the command.
 pub fn load(global: &Global) -> Outcome<Loaded> {
     let base = board::base(global, Answer::Parameters)?;
     let loaded = params::load_over(base, &global.params, &global.set, global.lang())?;
     told_good(global, loaded)
 }
 
-/// Files and options by themselves: what is wrong with them over whatever set needs no board to be told.
+/// Checks files and options by themselves: their own mistakes can be reported without a board.
 ///
 /// # Errors
-/// A file that cannot be read; mistakes in it, which have been told.
+/// A file that cannot be read; mistakes in it, which have been reported.
 pub fn alone(global: &Global, files: &[PathBuf], set: &[String]) -> Outcome<Loaded> {
     alone_in(global, files, set, Answer::Parameters)
 }
@@ -202,7 +202,7 @@ pub fn alone_in(
     answer: Answer<'_>,
 ) -> Outcome<Loaded> {
     let loaded = params::load(files, set, global.lang())?;
-    // What the cross-checks find may be otherwise over another set.
+    // The cross-checks may have another result over another set.
     let wrong = |d: &Diagnostic| !d.warning && d.number < 4420;
     if loaded.diagnostics.iter().any(wrong) {
         return told_good_in(global, loaded, answer);
@@ -210,7 +210,7 @@ pub fn alone_in(
     Ok(loaded)
 }
 
-/// The set, with what is wrong with it told; a wrong one ends the command.
+/// Returns the set after reporting its mistakes. A mistake ends the command.
 pub fn told_good(global: &Global, loaded: Loaded) -> Outcome<Loaded> {
     told_good_in(global, loaded, Answer::Parameters)
 }
@@ -227,21 +227,21 @@ fn told_good_in(global: &Global, loaded: Loaded, answer: Answer<'_>) -> Outcome<
     Err(Failure::Wrong)
 }
 
-/// The form of a command's machine-readable result, which it also has where wrong parameters let nothing begin.
+/// The form of a command's JSON result. The result has this form also where wrong parameters stop the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer<'a> {
-    /// `ok`, `alarms` and `warnings` alone.
+    /// Only `ok`, `alarms` and `warnings`.
     Parameters,
-    /// That of `check`: no file has been looked at.
+    /// As for `check`: no file has been checked.
     Check,
-    /// Lines, as those of `expand`; `jsonl` where that is the format without `--json`, too.
+    /// Lines, as for `expand`; `jsonl` where this is the format also without `--json`.
     Moves {
         /// `--format jsonl`.
         jsonl: bool,
     },
-    /// That of `simulate` and `run`: nothing has moved.
+    /// As for `simulate` and `run`: nothing has moved.
     Run {
-        /// As it was typed.
+        /// The program's name as typed.
         program: &'a str,
     },
 }

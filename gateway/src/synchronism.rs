@@ -1,7 +1,7 @@
-//! How far an axis that is held to the spindle was from where it should have been, over all ticks of a thread or of a run.
+//! The error of an axis that is held to the spindle, over all ticks of a thread or of a run.
 //!
-//! There are two: by the angle at which the spindle truly was, which only a simulation knows, and by the one that the board
-//! measures, which is all that a machine can tell of itself [D172].
+//! There are two errors: by the true angle of the spindle, which only a simulation knows, and by the angle that the board
+//! measures, which is all that a machine knows of itself [D172].
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::link::{Certificate, Tally};
@@ -10,26 +10,26 @@ use crate::json::Json;
 use crate::number;
 use crate::words::{Both, both};
 
-/// Errors of synchronism, summed up.
+/// Sums of errors of synchronism.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Synchronism {
-    /// Ticks in which there was one.
+    /// Ticks with an error.
     pub ticks: u64,
-    /// The largest.
+    /// The largest error.
     pub worst_nm: i64,
     /// Sum of the squares.
     pub squares: f64,
 }
 
 impl Synchronism {
-    /// Takes the next tick's.
+    /// Adds the error of the next tick.
     pub fn push(&mut self, error_nm: i64) {
         self.ticks += 1;
         self.worst_nm = self.worst_nm.max(error_nm.abs());
         self.squares += (error_nm as f64) * (error_nm as f64);
     }
 
-    /// Takes those of a thread.
+    /// Adds the errors of a thread.
     pub fn add(&mut self, tally: &Tally) {
         self.ticks += u64::from(tally.measured);
         self.worst_nm = self.worst_nm.max(tally.largest.nm());
@@ -65,7 +65,7 @@ impl Synchronism {
         number::rounded::<6>(self.rms_pm(), 3)
     }
 
-    /// The end of a line that tells the true ones, where these are the measured ones; empty where there are none.
+    /// The end of a line: the measured errors after the true ones. Empty where there are none.
     pub fn as_measured(&self, lang: Lang) -> String {
         if self.ticks == 0 {
             return String::new();
@@ -100,7 +100,7 @@ impl From<&Certificate> for Synchronism {
     }
 }
 
-/// An error in micrometres for a person; nanometres are told apart.
+/// An error in micrometres for a person, with nanometres.
 pub fn micrometres(nm: i64) -> Both {
     match nm {
         0 => Both {

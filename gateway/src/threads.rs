@@ -1,5 +1,4 @@
-//! The certificates of the threads and holes of a run, put together from what a board tells of the last few, and what is
-//! said of them.
+//! The certificates of the threads and holes of a run. A board tells the last few; they are collected here and reported.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +11,7 @@ use crate::synchronism::Synchronism;
 use crate::values::Tolerance;
 use crate::words::{Both, both, pick};
 
-/// Lines that are named where more threads than these are out of tolerance.
+/// The most lines that are named where more threads are out of tolerance.
 const NAMED: usize = 8;
 
 /// The threads of a run, each by its number on the board.
@@ -20,13 +19,13 @@ const NAMED: usize = 8;
 pub struct Threads {
     /// The last number before the run.
     before: u32,
-    /// The newest there is.
+    /// The newest number.
     newest: u32,
     records: BTreeMap<u32, ThreadRecord>,
 }
 
 impl Threads {
-    /// Those behind what the board tells before the run.
+    /// The threads after those that the board reports before the run.
     pub fn behind(told: &[ThreadCertificate]) -> Self {
         let before = told.iter().map(|thread| thread.number).max().unwrap_or(0);
         Self {
@@ -36,7 +35,7 @@ impl Threads {
         }
     }
 
-    /// Takes what the board tells; what is told again counts as it is told last. How many are new comes back.
+    /// Takes certificates from the board. A repeated certificate replaces the earlier one. Returns the number of new ones.
     pub fn take(&mut self, told: impl IntoIterator<Item = ThreadCertificate>) -> usize {
         let known = self.records.len();
         for thread in told {
@@ -48,18 +47,18 @@ impl Threads {
         self.records.len() - known
     }
 
-    /// Number of the newest.
+    /// Number of the newest certificate.
     pub const fn newest(&self) -> u32 {
         self.newest
     }
 
-    /// The newest is being cut.
+    /// True while the newest thread is being cut.
     pub fn is_under_way(&self) -> bool {
         let newest = self.records.get(&self.newest);
         newest.is_some_and(|record| record.state == ThreadState::UnderWay)
     }
 
-    /// The program is given up, and nobody will say so any more: what was under way has been cut short.
+    /// The program is given up and no more certificates come: a thread under way has been cut short.
     pub fn give_up(&mut self) {
         if let Some(record) = self.records.get_mut(&self.newest)
             && record.state == ThreadState::UnderWay
@@ -68,17 +67,17 @@ impl Threads {
         }
     }
 
-    /// Up to this number none will be told otherwise any more.
+    /// Certificates up to this number do not change any more.
     pub fn whole(&self) -> u32 {
         self.newest - u32::from(self.is_under_way())
     }
 
-    /// Nobody has read these while the board still had them.
+    /// Number of certificates that the board overwrote before they were read.
     pub fn missing(&self) -> u64 {
         u64::from(self.newest - self.before) - self.records.len() as u64
     }
 
-    /// All of them, counted from 1 in the run.
+    /// All certificates, counted from 1 in the run.
     fn numbered(&self) -> impl Iterator<Item = (u32, &ThreadRecord)> {
         let before = self.before;
         self.records
@@ -86,7 +85,7 @@ impl Threads {
             .map(move |(number, record)| (number - before, record))
     }
 
-    /// The lines of those whose largest error is above `tolerance`, each once, and that error.
+    /// The lines of threads whose largest error is above `tolerance`, each once, and the largest error.
     pub fn above(&self, tolerance: Tolerance) -> Option<Above> {
         let largest = |record: &&ThreadRecord| record.tally.largest.nm();
         let beyond = |record: &&ThreadRecord| tolerance.is_below(largest(record));
@@ -101,7 +100,7 @@ impl Threads {
         worst.map(|worst_nm| Above { worst_nm, lines })
     }
 
-    /// Their errors as the board has measured them, together.
+    /// Their errors as measured by the board, together.
     pub fn measured(&self) -> Synchronism {
         let mut all = Synchronism::default();
         for record in self.records.values() {
@@ -120,7 +119,7 @@ impl Threads {
         json.number("threads_missing", self.missing());
     }
 
-    /// A line for each, and one where some are missing.
+    /// A line for each thread, and a line where certificates are missing.
     pub fn text(&self, lang: Lang) -> String {
         let mut text = String::new();
         for (number, record) in self.numbered() {
@@ -139,17 +138,17 @@ impl Threads {
     }
 }
 
-/// What is out of tolerance.
+/// The threads out of tolerance.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Above {
     /// The largest error in nanometres.
     pub worst_nm: i64,
-    /// Source lines of the threads and holes; none where they are not known.
+    /// Source lines of the threads and holes; empty where they are unknown.
     pub lines: Vec<u32>,
 }
 
 impl Above {
-    /// And what another judge has found.
+    /// Adds the findings of another judgement.
     pub fn join(&mut self, other: &Self) {
         self.worst_nm = self.worst_nm.max(other.worst_nm);
         self.lines.extend(&other.lines);
@@ -157,7 +156,7 @@ impl Above {
         self.lines.dedup();
     }
 
-    /// Why a tolerance is not met.
+    /// Text: why a tolerance is not met.
     pub fn words(&self, tolerance: Tolerance) -> Both {
         let named: Vec<String> = self.lines.iter().take(NAMED).map(u32::to_string).collect();
         let more = self.lines.len().saturating_sub(NAMED);
@@ -214,7 +213,7 @@ fn fields(json: &mut Json, number: u32, record: &ThreadRecord) {
     json.number("late", tally.late);
 }
 
-/// For a person.
+/// Text for a person.
 fn line(number: u32, record: &ThreadRecord) -> Both {
     let tally = &record.tally;
     let what = match record.kind {
@@ -232,7 +231,7 @@ fn line(number: u32, record: &ThreadRecord) -> Both {
         zh: pick(Lang::Zh, en, zh).to_owned(),
     };
     let state = match record.state {
-        // Said at the end, by who has not heard of the thread's.
+        // At the end of a run whose last certificate of this thread is missing.
         ThreadState::UnderWay => state(", not known how it ended", "，如何结束不得而知"),
         ThreadState::Finished => Both::default(),
         ThreadState::CutShort => state(", cut short", "，中途停止"),
