@@ -1,5 +1,5 @@
-//! Words for alarms and warnings: a template of the core's table, its figures in the reader's units, and the place in
-//! the source with a caret under it.
+//! Words for alarms and warnings: a template of the core's table, its figures in the reader's units, and the place in the
+//! source with a caret under it.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
@@ -20,9 +20,9 @@ pub struct Diagnostic {
     pub file: String,
     /// The alarm's number.
     pub number: u16,
-    /// Reported, and nothing stops.
+    /// A warning: nothing stops.
     pub warning: bool,
-    /// Line from 1; 0 where no place in the text is meant.
+    /// Line from 1; 0 without a place in the text.
     pub line: u32,
     /// First column from 1, in characters.
     pub column: usize,
@@ -32,15 +32,15 @@ pub struct Diagnostic {
     pub word: Option<char>,
     /// The cause.
     pub message: String,
-    /// What to change.
+    /// The remedy.
     pub help: String,
-    /// The line it stands in, tabs and undecodable bytes replaced one for one.
+    /// The line of the place. Tabs and undecodable bytes are replaced one for one.
     text: Option<String>,
     lang: Lang,
 }
 
 impl Diagnostic {
-    /// Puts `alarm` into words. `inch`: the program is in inches where the alarm stands.
+    /// Puts `alarm` into words. `inch`: the program is in inches at the place of the alarm.
     pub fn new(alarm: &Alarm, source: &SourceFile, lang: Lang, inch: bool) -> Self {
         let raw = source.line(alarm.span.line);
         let columns = |byte: u16| {
@@ -52,14 +52,14 @@ impl Diagnostic {
                 + 1
         };
         let column = columns(alarm.span.column);
-        // A span says where a value was written, the alarm which value it is: U is shown for an end written as U.
+        // The span shows which word was written, the alarm which value it means: U is shown where an end was written as U.
         let written = raw.as_ref().and_then(|raw| {
             let letter = raw.get(usize::from(alarm.span.column).checked_sub(1)?)?;
             letter
                 .is_ascii_alphabetic()
                 .then(|| letter.to_ascii_uppercase())
         });
-        // A value that no word gave stands at the G word: the text may name its letter, the word is absent.
+        // A value that no word gave has the span of the G word. The text may name the letter, but the word is absent.
         let absent = written == Some(b'G') && alarm.word != written;
         let alarm = &Alarm {
             word: alarm
@@ -82,7 +82,7 @@ impl Diagnostic {
         }
     }
 
-    /// A condition of a parameter file or an option, which are no programs; its figures are texts.
+    /// A mistake in a parameter file or an option, which are no programs. Its figures are texts.
     pub fn of_option(code: Code, figures: &[String], place: &Place, lang: Lang) -> Self {
         let text = |template| fill_with(template, None, |n| figures.get(n).cloned());
         Self {
@@ -100,7 +100,7 @@ impl Diagnostic {
         }
     }
 
-    /// The fields of the machine formats; `file` where the caller wants it.
+    /// The fields of the machine formats, with `file` where the caller wants it.
     pub fn fields(&self, json: &mut Json, with_file: bool) {
         if with_file {
             json.text("file", &self.file);
@@ -116,7 +116,7 @@ impl Diagnostic {
         json.text("help", &self.help);
     }
 
-    /// For a person: number, cause, place with a caret, remedy.
+    /// Text for a person: number, cause, place with a caret, remedy.
     pub fn render(&self, colour: bool) -> String {
         let (level, name) = match (self.warning, self.lang) {
             (false, Lang::En) => (Level::ERROR, "alarm"),
@@ -160,12 +160,12 @@ impl Diagnostic {
     }
 }
 
-/// Where something stands that is no program: a parameter file, an option on the command line.
+/// A place outside of programs: in a parameter file, or in an option on the command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// The file as it was named, or the option.
     pub file: String,
-    /// Line from 1; 0 where no place is meant.
+    /// Line from 1; 0 without a place.
     pub line: u32,
     /// First column from 1, in characters.
     pub column: usize,
@@ -175,20 +175,20 @@ pub struct Place {
     pub text: String,
 }
 
-/// Where diagnostics for people go: standard error.
+/// Prints a diagnostic for people: to standard error.
 pub fn print(diagnostic: &Diagnostic, colour: bool) {
-    // A closed standard error leaves nobody to tell.
+    // Standard error is closed: nobody can be told.
     let _ = writeln!(std::io::stderr(), "{}", diagnostic.render(colour));
 }
 
-/// Words for people that are no diagnostic: standard error, too.
+/// Prints other words for people, also to standard error.
 pub fn say(text: &str) {
-    // A closed standard error leaves nobody to tell.
+    // Standard error is closed: nobody can be told.
     let _ = std::io::stderr().write_all(plain(text.to_owned()).as_bytes());
 }
 
-/// The line as it can be shown: tabs become one space each, so that columns stay columns, and control characters and
-/// undecodable bytes one replacement character each.
+/// The line in a printable form. A tab becomes one space, so that columns stay columns. Control characters and undecodable
+/// bytes become one replacement character each.
 fn printable(raw: &[u8]) -> String {
     String::from_utf8_lossy(raw)
         .chars()
@@ -225,7 +225,7 @@ fn fill_with(
             "w" => out.push(word.map_or('?', char::from)),
             key => match key.parse().ok().and_then(&figures) {
                 Some(figure) => out.push_str(&figure),
-                // Not a figure: the braces are part of the text.
+                // Not a figure: the braces belong to the text.
                 None => out.extend(["{", key, "}"]),
             },
         }
@@ -268,14 +268,14 @@ fn length(nm: i64, inch: bool) -> String {
     if !inch {
         return format!("{} mm", number::text::<6>(nm));
     }
-    // 10⁷ / 25 400 000 = 100 / 254 ten-millionths of an inch to the nanometre.
+    // A nanometre is 10⁷ / 25 400 000 = 100 / 254 ten-millionths of an inch.
     let scaled = i128::from(nm) * 100;
     let half = 127 * scaled.signum();
     let value = i64::try_from((scaled + half) / 254).unwrap_or(i64::MAX);
     format!("{} in", number::text::<7>(value))
 }
 
-/// A decimal with the digits it was written with.
+/// A decimal with the digits of its source.
 fn written(mantissa: i64, decimals: u8) -> String {
     let digits = format!(
         "{:0width$}",
@@ -294,7 +294,7 @@ pub fn colour() -> bool {
         && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// An alarm that a board tells as a reason: number, cause and remedy in one sentence.
+/// An alarm that a board gives as its reason: number, cause and remedy in one sentence.
 #[must_use]
 pub fn alarm_words(alarm: &Alarm) -> Both {
     let source = SourceFile::new(Path::new("the board"));

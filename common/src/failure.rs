@@ -1,4 +1,4 @@
-//! Why a command did not end well, and the exit code of the contract for it.
+//! The reasons for which a command ends badly, with their exit codes.
 
 use std::fmt;
 use std::io::{self, Write as _};
@@ -14,32 +14,31 @@ use crate::words::{Both, both, one_line, pick, plain};
 /// A command's result.
 pub type Outcome<T = ()> = Result<T, Failure>;
 
-/// Why a command ended otherwise than well.
+/// The reason for which a command did not end well.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// The program or the parameters are wrong, or a check that was asked for has failed; the reasons have been
-    /// reported.
+    /// The program or the parameters are wrong, or a requested check has failed. The reasons have been reported.
     Wrong,
-    /// The same, with the reason still to be told.
+    /// The same, with a reason that is still to be reported.
     WrongBecause(Both),
-    /// The command line asks for what cannot be: exit 2.
+    /// The command line asks for something impossible: exit 2.
     Usage(Both),
     /// No bus, no board, or the link was lost: exit 3.
     Bus(Both),
     /// The machine stopped on an alarm while running; the alarm has been reported.
     Machine,
-    /// The same, with the reason still to be told.
+    /// The same, with a reason that is still to be reported.
     MachineBecause(Both),
     /// The user interrupted; the machine has been stopped.
     Interrupted,
-    /// The user interrupted what moves nothing.
+    /// The user interrupted a command that moves nothing.
     Ended,
-    /// Whoever read standard output has had enough (`| head`).
+    /// The reader of standard output is gone (`| head`).
     ReaderGone,
 }
 
 impl Failure {
-    /// The exit code of an interruption, whatever signal it came by.
+    /// The exit code of an interruption by any signal.
     pub const INTERRUPTED: u8 = 130;
 
     /// A file that could not be read or written.
@@ -57,7 +56,7 @@ impl Failure {
         ))
     }
 
-    /// A bus that cannot be used, or no longer.
+    /// A bus that cannot be used, or cannot be used any more.
     #[must_use]
     pub fn bus(error: CanError) -> Self {
         Self::Bus(Both {
@@ -81,7 +80,7 @@ impl Failure {
         }
     }
 
-    /// The exit code, and what is still to be told.
+    /// The exit code, and the words that are still to be reported.
     fn told(&self, lang: Lang) -> (u8, Option<&str>) {
         match self {
             Self::Wrong => (1, None),
@@ -113,18 +112,19 @@ impl Failure {
         }
     }
 
-    /// Tells what is still to be told, and gives the exit code. `json`: who reads standard output wants one result,
-    /// which is this failure where nothing has been written there.
+    /// Reports the rest and gives the exit code. `json`: the reader of standard output wants one result; this failure is
+    /// the result where nothing was written there.
     pub fn report(&self, lang: Lang, json: bool) -> ExitCode {
         let code = self.tell(lang);
         if json && *self != Self::ReaderGone && !output::is_written() {
-            // Standard output that cannot be written has been told of, or is what is told.
+            // A failing standard output has been reported, or is the failure itself.
             let _ = output::json(|json| self.fields(lang, json));
         }
         ExitCode::from(code)
     }
 
-    /// The same as the last that this process says, while it may be saying something else: that comes to its end.
+    /// The same, as the last report of this process, which may be in the middle of another report: that report is finished
+    /// first.
     pub fn report_last(&self, lang: Lang, json: bool) {
         self.tell(lang);
         if json {
@@ -132,11 +132,11 @@ impl Failure {
         }
     }
 
-    /// For a person.
+    /// Reports it to a person.
     fn tell(&self, lang: Lang) -> u8 {
         let (code, text) = self.told(lang);
         if let Some(text) = text {
-            // A closed standard error leaves nobody to tell.
+            // Standard error is closed: nobody can be told.
             let text = plain(text.to_owned());
             let _ = writeln!(io::stderr(), "{}{text}", pick(lang, "error: ", "错误："));
         }
@@ -144,7 +144,7 @@ impl Failure {
     }
 }
 
-/// What was being done with a file.
+/// An action on a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doing {
     /// Reading it.
@@ -162,7 +162,7 @@ impl Doing {
     }
 }
 
-/// Why a file is not taken, where that is no word of the system's.
+/// The reason for which a file is refused, where the system has no words for it.
 #[derive(Debug)]
 struct Unreadable(Both);
 
@@ -188,7 +188,7 @@ fn reason(error: &io::Error, doing: Doing) -> Both {
     }
     match (error.kind(), doing) {
         (io::ErrorKind::NotFound, Doing::Read) => both!("there is no such file", "没有这个文件"),
-        // A file that is written is made: what is missing is where it would be.
+        // A file that is written need not exist. The folder for it is missing.
         (io::ErrorKind::NotFound, Doing::Write) => {
             both!("there is no such folder", "没有这个文件夹")
         }

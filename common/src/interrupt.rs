@@ -1,9 +1,9 @@
-//! Ctrl-C, and what ends a program from elsewhere (SIGTERM, a terminal that goes away).
+//! Ctrl-C, and signals that end a program from elsewhere (SIGTERM, a terminal that closes).
 //!
-//! A command that only reads and computes ends at once, wherever it is: in a loop, in a read that nothing comes from,
-//! before a file that nobody opens. What has to be brought to an end first says so ([`defer`]): a machine that moves, a
-//! transaction with a board, a terminal that is drawn on. There the wish is remembered, and [`requested`] tells it. A
-//! second one does not wait.
+//! A command that only reads and computes ends at once at any place: in a loop, in a read without data, before a file that
+//! nobody opens. Work that must be finished first calls [`defer`]: a moving machine, a transaction with a board, a terminal
+//! that is drawn on. The interruption is then only remembered, and [`requested`] returns true. A second interruption does
+//! not wait.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
@@ -22,20 +22,20 @@ static STATE: Mutex<State> = Mutex::new(State {
     json: false,
 });
 
-/// How long the last words may take: who reads them may have stopped reading.
+/// The longest time for the last report: its reader may have stopped reading.
 const LAST_WORDS: Duration = Duration::from_secs(1);
-/// How long what is no real machine may take to come to its end: whoever takes its output may have stopped.
+/// The longest time for finishing work without a real machine: the reader of its output may have stopped reading.
 const COMPUTED: Duration = Duration::from_secs(10);
 
-/// What an interruption finds.
+/// The state that an interruption finds.
 struct State {
-    /// How much has to be brought to an end first.
+    /// Number of works that must be finished first.
     under_way: u32,
-    /// How long that may take.
+    /// The longest time for them.
     patience: Option<Duration>,
-    /// What is done before the process ends: a terminal is given back.
+    /// Called before the process ends: gives the terminal back.
     last: Option<fn()>,
-    /// How the end is told.
+    /// Language of the last report.
     lang: Lang,
     json: bool,
 }
@@ -44,7 +44,7 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts to listen; `lang` and `json` are for what is told at the end.
+/// Starts to listen. `lang` and `json` are for the last report.
 pub fn watch(lang: Lang, json: bool) {
     let mut state = state();
     (state.lang, state.json) = (lang, json);
@@ -65,7 +65,7 @@ pub fn watch(lang: Lang, json: bool) {
     let _ = ctrlc::set_handler(hear);
 }
 
-/// Ends the process. The state is held until then: nothing begins any more that would be left half done.
+/// Ends the process. The state stays locked until then, so that no work begins that would be left half done.
 fn end(state: &State) -> ! {
     let (last, lang, json) = (state.last, state.lang, state.json);
     let (told, done) = mpsc::channel();
@@ -80,17 +80,16 @@ fn end(state: &State) -> ! {
     std::process::exit(i32::from(Failure::INTERRUPTED))
 }
 
-/// What has to be brought to an end before the process may be.
+/// Work that must be finished before the process ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnderWay {
-    /// A real machine, or a transaction: it takes the time it takes.
+    /// A real machine, or a transaction: without a limit of time.
     Machine,
-    /// A simulated machine, a recording or a picture: it takes a moment, unless nobody takes what it writes.
+    /// A simulated machine, a recording or a picture: this takes a moment, unless the reader of its output has stopped.
     Computed,
 }
 
-/// From here on an interruption is only remembered; the command looks for it with [`requested`], brings what is under way
-/// to its end, and ends.
+/// From here on an interruption is only remembered. The command checks [`requested`], finishes its work and ends.
 pub fn defer(what: UnderWay) {
     let mut state = state();
     state.under_way += 1;
@@ -100,7 +99,7 @@ pub fn defer(what: UnderWay) {
     };
 }
 
-/// Does something that may not be left half done and takes a moment.
+/// Does short work that must not be left half done.
 pub fn whole<T>(work: impl FnOnce() -> T) -> T {
     state().under_way += 1;
     let done = work();
@@ -112,12 +111,12 @@ pub fn whole<T>(work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// The user wants to end.
+/// True where the user wants to end.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Has this done before the process ends, once.
+/// Calls `work` before the process ends, once.
 pub fn before_the_end(work: fn()) {
     state().last = Some(work);
 }

@@ -2,8 +2,8 @@
 
 use crate::number;
 
-/// Writes one object or array element by element. Commas are its business, braces are the caller's through
-/// [`Json::object`] and [`Json::array_at`].
+/// Writes one object or array element by element. It writes the commas; the caller gets braces by [`Json::object`] and
+/// brackets by [`Json::array_at`].
 #[derive(Debug, Default)]
 pub struct Json {
     out: Vec<u8>,
@@ -11,13 +11,13 @@ pub struct Json {
 }
 
 impl Json {
-    /// Nothing yet.
+    /// Empty.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// What has been written.
+    /// The written bytes.
     #[must_use]
     pub fn into_bytes(self) -> Vec<u8> {
         self.out
@@ -86,7 +86,7 @@ impl Json {
         number::decimal::<D>(&mut self.out, value);
     }
 
-    /// `"key": digits`, where the digits of a JSON number are at hand.
+    /// `"key": digits`, for digits that are a JSON number already.
     pub fn number(&mut self, key: &str, digits: impl std::fmt::Display) {
         self.key(key);
         self.out.extend_from_slice(digits.to_string().as_bytes());

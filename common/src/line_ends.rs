@@ -1,23 +1,23 @@
-//! Line ends of old controls: a carriage return alone, or a line feed with the carriage return behind it. They are read as
-//! line feeds, byte for byte, so that lines and columns are those that an editor shows.
+//! Line ends of old controls: a carriage return alone, or a line feed followed by a carriage return. They are read as line
+//! feeds, byte for byte, so lines and columns are those of an editor.
 
-/// What ends the lines of a text: whatever ends the first one.
+/// The line end of a text: that of its first line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineEnds {
     /// No line has ended yet.
     #[default]
     Unknown,
-    /// A line feed, alone or behind a carriage return: as it is.
+    /// A line feed, alone or after a carriage return. It stays as it is.
     Feed,
     /// A carriage return.
     Return,
-    /// A line feed, and a carriage return behind it.
+    /// A line feed followed by a carriage return.
     FeedReturn,
 }
 
 impl LineEnds {
-    /// Makes the line ends in `bytes` line feeds. Gives how many bytes are done: where the last one may be half of a line
-    /// end, and it is not the `last` of the text, it has to come again with what follows it.
+    /// Turns the line ends in `bytes` into line feeds and returns the number of finished bytes. If the last byte may be
+    /// half of a line end and is not the `last` of the text, it must come again with the byte after it.
     pub fn translate(&mut self, bytes: &mut [u8], last: bool) -> usize {
         let Some(first) = bytes.iter().position(|b| matches!(b, b'\r' | b'\n')) else {
             return bytes.len();
@@ -61,7 +61,7 @@ impl LineEnds {
 mod tests {
     use super::*;
 
-    /// In pieces of `size` bytes, as they come from a file.
+    /// Reads in pieces of `size` bytes, as from a file.
     fn read(text: &str, size: usize) -> String {
         let (mut ends, mut out, mut rest) = (LineEnds::default(), Vec::new(), Vec::new());
         let mut pieces = text.as_bytes().chunks(size).peekable();
@@ -89,7 +89,7 @@ mod tests {
             // A line end of another kind is still one line end.
             ("G0\rG1\r\nM30", "G0\nG1 \nM30"),
             ("G0\n\rG1\nM30\n\r", "G0 \nG1\nM30 \n"),
-            // In what is ended by line feeds a carriage return alone is a character without meaning.
+            // In a text with line feeds, a carriage return alone is a character without meaning.
             ("G0\nG1\rX\n", "G0\nG1\rX\n"),
         ] {
             for size in 1..=text.len().max(1) {

@@ -1,5 +1,5 @@
-//! What is said of a command line that cannot be read: in the language that it asks for, and as the one result where it
-//! asks for `--json`. In English the words are those of the parser.
+//! Messages for a command line that cannot be read: in its language, and as the one result with `--json`. The English words
+//! are the parser's.
 
 use std::error::Error as _;
 use std::ffi::OsString;
@@ -17,7 +17,7 @@ use crate::output;
 use crate::values::Mistake;
 use crate::words::{is_obeyed, plain};
 
-/// Prints the help or the version that was asked for, or what is wrong, and gives the exit code.
+/// Prints the requested help or version, or the mistake, and gives the exit code.
 #[must_use]
 pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
@@ -31,7 +31,7 @@ pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
                 };
                 Failure::stdout(&unwritten).report(lang, false)
             }
-            // A closed standard error leaves nobody to tell.
+            // Standard error is closed: nobody can be told.
             _ => exit(error),
         };
     }
@@ -44,7 +44,7 @@ pub fn report(error: &Error, typed: &[OsString]) -> ExitCode {
                 plain(words.clone())
             );
         }
-        // The words typed are in it.
+        // The typed words are in the message.
         None if typed
             .iter()
             .any(|word| word.to_string_lossy().contains(is_obeyed)) =>
@@ -70,7 +70,7 @@ fn exit(error: &Error) -> ExitCode {
     u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
-/// `--lang zh` is there; a command line that cannot be read has no options that could be asked.
+/// True where `--lang zh` is typed. A command line that cannot be read has no parsed options.
 fn is_chinese(typed: &[OsString]) -> bool {
     let two = typed
         .windows(2)
@@ -78,7 +78,7 @@ fn is_chinese(typed: &[OsString]) -> bool {
     two || typed.iter().any(|word| word == "--lang=zh")
 }
 
-/// The first paragraph of what the parser says, without its heading.
+/// The first paragraph of the parser's message, without its heading.
 fn english(error: &Error) -> String {
     let text = error.render().to_string();
     let words = text.strip_prefix("error: ").unwrap_or(&text);
@@ -86,7 +86,7 @@ fn english(error: &Error) -> String {
     words[..end].trim_end().to_owned()
 }
 
-/// The same in Chinese; `None` for what the parser alone has words for.
+/// The same in Chinese; `None` where only the parser has words.
 fn chinese(error: &Error) -> Option<String> {
     let of = |kind| {
         error.get(kind).map(|value| match value {
@@ -140,7 +140,7 @@ fn chinese(error: &Error) -> Option<String> {
     })
 }
 
-/// Why a value is refused: in words of ours, or of the parser's numbers.
+/// The reason why a value is refused: our words, or the parser's words for numbers.
 fn reason(error: &Error) -> String {
     let Some(source) = error.source() else {
         return "无效".into();

@@ -1,5 +1,5 @@
-//! Standard output: results, for people or for programs. Remembers whether anything has gone there, so that `--json` gives
-//! its one result also where a command ends before it has come to one.
+//! Standard output: results, for people or for programs. It remembers whether anything was written, so that `--json` gives
+//! its one result also where a command ends before it has one.
 
 use std::io::{self, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,25 +8,25 @@ use std::sync::{Mutex, PoisonError};
 use crate::failure::{Failure, Outcome};
 use crate::json::Json;
 
-/// One for the process, as standard output is.
+/// One flag for the process: there is one standard output.
 static WRITTEN: AtomicBool = AtomicBool::new(false);
-/// Whoever has it writes.
+/// The holder of the lock writes.
 static TURN: Mutex<()> = Mutex::new(());
 
 /// Writes to standard output.
 ///
 /// # Errors
-/// Standard output that cannot be written, or that nobody reads any more.
+/// Standard output that cannot be written, or whose reader is gone.
 pub fn write(bytes: &[u8]) -> Outcome {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     put(bytes)
 }
 
-/// Writes one object as a line where nothing has been written, and lets nobody write any more.
+/// Writes one object as a line if nothing has been written yet. Nothing can be written after it.
 pub fn last_json(fill: impl FnOnce(&mut Json)) {
     let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     if !is_written() {
-        // Nobody is left to tell that it cannot be written.
+        // Nobody is left to be told of a failure.
         let _ = put(&line(fill));
     }
     std::mem::forget(turn);
@@ -57,7 +57,7 @@ pub fn line(fill: impl FnOnce(&mut Json)) -> Vec<u8> {
     bytes
 }
 
-/// Something has been written.
+/// True where something has been written.
 #[must_use]
 pub fn is_written() -> bool {
     WRITTEN.load(Ordering::Relaxed)

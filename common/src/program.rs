@@ -1,4 +1,4 @@
-//! A program file as a stream of events, in bounded memory whatever its length.
+//! A program file as a stream of events, in bounded memory for any length.
 
 use std::collections::VecDeque;
 use std::io::{self, Read as _};
@@ -18,15 +18,15 @@ pub struct Program<'p> {
     text: Text,
     reader: Reader<'p>,
     chunk: Vec<u8>,
-    /// Bytes of `chunk` that count.
+    /// Used bytes of `chunk`.
     filled: usize,
-    /// The line in which that piece begins, and what came of this line before.
+    /// The line in which that piece begins, and the part of this line before the piece.
     first: (u32, Vec<u8>),
-    /// What the latest piece of text has yielded and nobody has taken yet; whether its line ends in inches.
+    /// Events of the last piece of text that have not been taken yet, each with whether its line ends in inches.
     queue: VecDeque<(Event, bool)>,
-    /// The same of what was taken last.
+    /// Whether the line of the last taken event ends in inches.
     inch: bool,
-    /// The alarm after the queue.
+    /// The alarm after the events in the queue.
     alarm: Option<Alarm>,
     over: bool,
 }
@@ -65,12 +65,12 @@ impl<'p> Program<'p> {
         }
     }
 
-    /// The line of the latest event, or alarm, ends in inches.
+    /// True where the line of the last event, or alarm, ends in inches.
     pub const fn is_inch(&self) -> bool {
         self.inch
     }
 
-    /// The line of the latest event, also of a text that cannot be read twice; empty where it was read too long ago.
+    /// The line of the last event, also for a text that cannot be read twice; empty where it was read too long ago.
     pub fn line(&self, number: u32) -> Vec<u8> {
         let (first, begun) = &self.first;
         let Some(behind) = number.checked_sub(*first) else {
@@ -89,7 +89,7 @@ impl<'p> Program<'p> {
         }
     }
 
-    /// Makes room for the next piece: the line that has begun is kept, as far as lines go.
+    /// Makes room for the next piece. The started line is kept, up to the longest line.
     fn clear_chunk(&mut self) {
         let piece = &self.chunk[..self.filled];
         let (first, begun) = &mut self.first;
@@ -115,7 +115,7 @@ impl<'p> Program<'p> {
         let result = if self.over {
             self.push(None)
         } else {
-            // By lines, so that each event is told in the unit of its own one.
+            // Line by line, so that each event has the unit of its own line.
             let chunk = std::mem::take(&mut self.chunk);
             let mut lines = chunk[..read].split_inclusive(|byte| *byte == b'\n');
             let result = lines.try_for_each(|line| self.push(Some(line)));

@@ -1,4 +1,4 @@
-//! Values on the command line that have a form of their own. Exact: decimals are read as integers, never as floats.
+//! Values on the command line with a form of their own. They are exact: decimals are read as integers, never as floats.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use leadscrew_core::signals::Signal;
 
 use crate::words::Both;
 
-/// Why a value cannot be read.
+/// The reason why a value cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistake(pub Both);
 
@@ -19,7 +19,7 @@ impl fmt::Display for Mistake {
 
 impl std::error::Error for Mistake {}
 
-/// `Mistake` of both texts.
+/// A `Mistake` from both texts.
 #[macro_export]
 macro_rules! mistake {
     ($($words:tt)*) => { $crate::values::Mistake($crate::both!($($words)*)) };
@@ -184,7 +184,7 @@ impl FromStr for Ripple {
                 "{hz} Hz 超出 0.01 至 1000 Hz"
             ));
         }
-        // Both are within their bounds by now.
+        // Both were checked above.
         Ok(Self {
             milli_percent: u32::try_from(milli_percent).unwrap_or_default(),
             milli_hz: u32::try_from(milli_hz).unwrap_or_default(),
@@ -212,14 +212,14 @@ impl FromStr for Tolerance {
 }
 
 impl Tolerance {
-    /// An error that is larger.
+    /// True for an error above the tolerance.
     #[must_use]
     pub const fn is_below(self, error_nm: i64) -> bool {
         error_nm.saturating_mul(1000) > self.pm
     }
 }
 
-/// A whole percentage; how far each override goes is not known here.
+/// A whole percentage. The range of each override is checked elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Percent(pub u16);
 

@@ -1,4 +1,4 @@
-//! Words for people in both languages, side by side so that neither is forgotten.
+//! Words for people in both languages, next to each other so that neither is forgotten.
 
 use std::path::Path;
 
@@ -23,14 +23,15 @@ impl Both {
         }
     }
 
-    /// What is the same in both.
+    /// The same text in both languages.
     pub fn same(text: impl Into<String>) -> Self {
         let en = text.into();
         Self { zh: en.clone(), en }
     }
 }
 
-/// True for what a terminal obeys instead of showing it: control characters, and those that turn the direction of writing.
+/// True for a character that a terminal obeys instead of showing it: control characters, and those that change the
+/// direction of writing.
 #[must_use]
 pub fn is_obeyed(c: char) -> bool {
     c.is_control()
@@ -48,7 +49,7 @@ pub fn plain(text: String) -> String {
     }
 }
 
-/// The same of what has to stay on one line: a name.
+/// The same for a text that must stay on one line, such as a name.
 #[must_use]
 pub fn one_line(text: &str) -> String {
     written_out(text, is_obeyed)
@@ -92,7 +93,7 @@ macro_rules! both {
         }
     };
     ($en:literal, $zh:literal $(, $name:ident = $value:expr)+ $(,)?) => {
-        // A match keeps temporaries alive until both texts are made.
+        // In a match, temporaries live until both texts are made.
         match ($(&$value,)+) {
             #[allow(unused_variables, reason = "a figure may be meant for one language")]
             ($($name,)+) => $crate::words::Both {

@@ -1,7 +1,7 @@
-//! Changing values in the text of a parameter file: comments, order and style stay, byte by byte.
+//! Changes values in the text of a parameter file. Comments, order and style stay, byte by byte.
 //!
-//! What changes is the span of a value, or of a key; what is added gets a line of its own beside its like. The text has
-//! been read without a mistake before.
+//! An existing value or key is replaced in its place. A new value gets a line of its own next to a similar one. The text
+//! must have been read without a mistake before.
 
 use std::ops::Range;
 
@@ -11,22 +11,22 @@ use toml::de::{DeTable, DeValue};
 use super::file::in_order;
 use super::{literal, name};
 
-/// A value in a file: the pieces of text that it is made of.
+/// A value in a file: the pieces of its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Leaf {
     /// The number or name, without quotes.
     pub head: String,
     /// The bit or axis, where it is a key of its own.
     pub part: Option<String>,
-    /// Where the head stands.
+    /// Place of the head.
     pub head_span: Range<usize>,
-    /// Where the part stands.
+    /// Place of the part.
     pub part_span: Option<Range<usize>>,
-    /// Where the value stands.
+    /// Place of the value.
     pub value_span: Range<usize>,
     /// How the head and the part are written together.
     pub style: Style,
-    /// It is written as `true` or `false`.
+    /// The value is written as `true` or `false`.
     pub boolean: bool,
 }
 
@@ -54,7 +54,7 @@ impl Leaf {
     }
 }
 
-/// Every value of a file, in order, but for what `skip` names at the top. `None` for a text that is not TOML.
+/// Every value of a file in order, without the top-level keys in `skip`. `None` for a text that is not TOML.
 #[must_use]
 pub fn leaves(text: &str, skip: &[&str]) -> Option<Vec<Leaf>> {
     let table = DeTable::parse(text).ok()?;
@@ -93,7 +93,7 @@ pub fn leaves(text: &str, skip: &[&str]) -> Option<Vec<Leaf>> {
     Some(found)
 }
 
-/// Where the head of a part stands. A table knows only the first of the places where its name is written.
+/// The place of a part's head. A table knows only the first place where its name is written.
 fn head_of(text: &str, part: &Range<usize>, first: Range<usize>) -> (Style, Range<usize>) {
     let line = text[..part.start].rfind('\n').map_or(0, |at| at + 1);
     let before = text[line..part.start].trim_end();
@@ -109,17 +109,16 @@ fn head_of(text: &str, part: &Range<usize>, first: Range<usize>) -> (Style, Rang
     }
 }
 
-/// A piece of text that becomes another one.
+/// A replacement in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Replacement {
-    /// Which piece; an empty one is a place to insert.
+    /// The replaced piece; an empty piece is a place to insert.
     pub span: Range<usize>,
-    /// What stands there then.
+    /// The new text.
     pub by: String,
 }
 
-/// The text with every replacement made. None of them may overlap; what is inserted at one place stands there in the
-/// order given.
+/// The text after all replacements. They may not overlap; insertions at one place stay in the given order.
 #[must_use]
 pub fn replaced(text: &str, mut replacements: Vec<Replacement>) -> String {
     replacements.sort_by_key(|replacement| replacement.span.start);
@@ -134,7 +133,7 @@ pub fn replaced(text: &str, mut replacements: Vec<Replacement>) -> String {
     out
 }
 
-/// The text of a file with these values in it: those it has are changed where they stand, the others added.
+/// The text of a file with these values. Existing values are changed in place, the others are added.
 #[must_use]
 pub fn with_values(text: &str, values: &[(&'static Entry, i64)]) -> String {
     let end = if text.contains("\r\n") { "\r\n" } else { "\n" };
@@ -174,7 +173,7 @@ pub fn with_values(text: &str, values: &[(&'static Entry, i64)]) -> String {
     replaced(text, replacements)
 }
 
-/// A value beside one of the same number, written the same way.
+/// Adds a value next to one of the same number, in the same style.
 fn beside(text: &str, like: &Leaf, entry: &Entry, raw: i64, end: &str) -> Replacement {
     let full = entry.to_string();
     let part = full.split_once('.').map_or("", |(_, part)| part);
@@ -195,7 +194,7 @@ fn beside(text: &str, like: &Leaf, entry: &Entry, raw: i64, end: &str) -> Replac
     line_behind(text, like.value_span.end, &format!("{key} = {value}"), end)
 }
 
-/// A line behind the one in which `at` is.
+/// Adds a line after the line with the byte `at`.
 fn line_behind(text: &str, at: usize, line: &str, end: &str) -> Replacement {
     match text[at..].find('\n') {
         Some(more) => Replacement {
@@ -209,7 +208,7 @@ fn line_behind(text: &str, at: usize, line: &str, end: &str) -> Replacement {
     }
 }
 
-/// Lines behind the last value that is not under a header; before everything where there are headers alone.
+/// Adds lines after the last value that is not under a header; at the beginning where all values are under headers.
 fn at_top(text: &str, leaves: &[Leaf], lines: String, end: &str) -> Replacement {
     let first_header = leaves
         .iter()
@@ -240,7 +239,7 @@ fn at_top(text: &str, leaves: &[Leaf], lines: String, end: &str) -> Replacement 
     }
 }
 
-/// Where the first header that is not a parameter's stands.
+/// The place of the first header that is not a parameter's.
 fn header_of_others(text: &str) -> Option<usize> {
     let mut start = 0;
     for line in text.split_inclusive('\n') {
@@ -252,7 +251,7 @@ fn header_of_others(text: &str) -> Option<usize> {
     None
 }
 
-/// Where the value of `schema` ends.
+/// The end of the value of `schema`.
 fn schema_end(text: &str) -> Option<usize> {
     let table = DeTable::parse(text).ok()?;
     Some(table.get_ref().get(super::schema::KEY)?.span().end)
@@ -270,7 +269,7 @@ mod tests {
     fn changed(text: &str, values: &[(&str, i64)], expected: &str) {
         let values: Vec<_> = values.iter().map(|(key, raw)| (entry(key), *raw)).collect();
         assert_eq!(with_values(text, &values), expected);
-        // The file reads as what was asked for, and a second time nothing changes.
+        // The file reads as requested, and a second edit changes nothing.
         let loaded = super::super::load_text("f", expected, leadscrew_core::alarm::Lang::En);
         for (entry, raw) in &values {
             assert_eq!(loaded.params.get(entry), *raw, "{entry}");

@@ -1,4 +1,4 @@
-//! Parameter files: TOML, one value a key, keys by number, alias or name, values with their unit.
+//! Parameter files: TOML with one value per key; keys by number, alias or name; values with their unit.
 //!
 //! ```toml
 //! "1420.X" = "12000 mm/min"
@@ -8,8 +8,7 @@
 //! X = "120.5 mm"
 //! ```
 //!
-//! Two keys are no parameters: `schema`, the version of the table the file was written for, and `drive`, the sections of
-//! the drives.
+//! Two keys are no parameters: `schema`, the version of the file's table, and `drive`, the sections of the drives.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -28,13 +27,13 @@ use crate::failure::{Doing, Failure, Outcome, unreadable};
 use crate::source::SourceFile;
 use crate::words::both;
 
-/// Longest machine file in bytes; the whole table with all its comments is a twentieth of it.
+/// Longest machine file in bytes. The whole table with all its comments is a twentieth of it.
 pub const LONGEST: u64 = 1 << 18;
 
-/// Longest part of a line that is shown in a message, in bytes.
+/// Longest part of a line in a message, in bytes.
 const SHOWN: usize = 1024;
 
-/// The bytes of a file, whatever they are; no more than a machine file may have.
+/// The bytes of a file, up to the longest machine file.
 pub fn read_bytes(path: &Path) -> Outcome<Vec<u8>> {
     let mut bytes = Vec::new();
     let opened = SourceFile::new(path).raw();
@@ -55,7 +54,7 @@ pub fn read_bytes(path: &Path) -> Outcome<Vec<u8>> {
 /// The text of a file.
 ///
 /// # Errors
-/// A file that cannot be read, or that is no text; its place and the remedy have been told.
+/// A file that cannot be read, or that is no text; its place and the remedy have been reported.
 pub fn read(path: &Path, lang: Lang) -> Outcome<String> {
     let bytes = read_bytes(path)?;
     match text(&bytes) {
@@ -70,7 +69,7 @@ pub fn read(path: &Path, lang: Lang) -> Outcome<String> {
     }
 }
 
-/// Why bytes are no text, and where.
+/// The reason and the place where bytes are no text.
 struct NoText {
     code: Code,
     figures: Vec<String>,
@@ -99,7 +98,7 @@ impl NoText {
     }
 }
 
-/// The text that bytes are.
+/// The text in these bytes.
 fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NoText> {
     let wrong = |name: &str, at| NoText {
         code: Code::ParamEncoding,
@@ -124,7 +123,7 @@ fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NoText> {
             at,
         }
     })?;
-    // Lines of an old editor: a carriage return alone ends them.
+    // Lines of an old editor, which end with a carriage return alone.
     Ok(if text.contains('\r') && !text.contains('\n') {
         text.replace('\r', "\n").into()
     } else {
@@ -132,7 +131,7 @@ fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NoText> {
     })
 }
 
-/// Every byte beyond ASCII is one of a pair of GBK.
+/// True where every byte beyond ASCII belongs to a pair of GBK.
 fn is_gbk(mut bytes: &[u8]) -> bool {
     loop {
         bytes = match bytes {
@@ -171,9 +170,10 @@ fn apply_text(loader: &mut Loader, name: &str, text: &str) {
 pub struct Source<'a> {
     name: &'a str,
     text: &'a str,
-    /// Where its lines begin.
+    /// Beginnings of its lines.
     lines: Vec<usize>,
-    /// The beginning of a line, a byte in it, and how many characters lie between: places come in the order of the file.
+    /// The beginning of a line, a byte in it, and the number of characters between them: places come in the order of the
+    /// file.
     counted: Cell<(usize, usize, usize)>,
 }
 
@@ -189,7 +189,7 @@ impl<'a> Source<'a> {
     }
 
     fn table(&self, loader: &mut Loader, table: &DeTable) {
-        // A file of another version would only make reasons that are none.
+        // A file of another version would only give wrong reasons.
         if let Some(value) = table.get(schema::KEY)
             && schema::version(self.text) != Ok(Some(schema::SCHEMA))
         {
@@ -214,7 +214,7 @@ impl<'a> Source<'a> {
     /// `[1420]`, `rapid_rate.X = …`, `182.7 = …`: the keys of the inner table are axes or bits.
     fn parts(&self, loader: &mut Loader, head: &Spanned<DeString>, parts: &DeTable) {
         let name = head.get_ref().as_ref();
-        // An unknown number or name is told once, not for each of its parts.
+        // An unknown number or name is reported once, not for each of its parts.
         if let Err(error @ FindError::Unknown) = Entry::find_text(name) {
             return loader.not_found(name, error, &self.place(&head.span()));
         }
@@ -245,7 +245,7 @@ impl<'a> Source<'a> {
         let text = match value.get_ref() {
             DeValue::String(text) => text.as_ref(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
-            // A decimal number without a unit; what is missing depends on the parameter.
+            // A decimal number without a unit. The missing unit depends on the parameter.
             DeValue::Float(float) => float.as_str(),
             DeValue::Boolean(true) if entry.max() == 1 => "1",
             DeValue::Boolean(false) if entry.max() == 1 => "0",
@@ -264,7 +264,7 @@ impl<'a> Source<'a> {
         );
     }
 
-    /// Line and columns of a span; what goes on over the end of its first line is cut there.
+    /// Line and columns of a span, which is cut at the end of its first line.
     pub fn place(&self, span: &Range<usize>) -> Place {
         let after = self.lines.partition_point(|begin| *begin <= span.start);
         let begin = self.lines[after.saturating_sub(1)];
@@ -294,7 +294,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The keys as they stand in the file; the table itself is in alphabetical order.
+/// The keys in the order of the file; the table itself is in alphabetical order.
 pub fn in_order<'a, 'i>(
     table: &'a DeTable<'i>,
 ) -> Vec<(&'a Spanned<DeString<'i>>, &'a Spanned<DeValue<'i>>)> {
