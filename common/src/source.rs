@@ -1,5 +1,5 @@
-//! Programs as text: read in pieces, and read again where a message wants to show a line. Mostly files; what a command
-//! carries out of itself is a text in memory.
+//! Program texts: read in pieces, and read again where a message shows a line. Most are files; a program that a command
+//! makes itself is a text in memory.
 
 use std::cell::{Cell, RefCell};
 use std::fs::File;
@@ -12,40 +12,40 @@ use crate::failure::{Failure, Outcome, unreadable};
 use crate::line_ends::LineEnds;
 use crate::words::{self, both};
 
-/// Where the first line begins, before anything is known of line ends.
+/// The first line. Nothing is known of line ends yet.
 const FIRST: (u32, u64, LineEnds) = (1, 0, LineEnds::Unknown);
 
-/// Longest line that is shown in a message.
+/// Longest line in a message.
 const SHOWN: u64 = 4096;
 
-/// Most of a pipe that is kept.
+/// The most bytes of a pipe that are kept.
 const KEPT: usize = 1 << 24;
 
-/// A program. Of a file nothing is kept in memory.
+/// A program. A file is not kept in memory.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
     path: PathBuf,
     text: Option<Arc<[u8]>>,
-    /// What is no file on a disk is opened once, and what came of it is kept: it would not come again.
+    /// A source that is no file on a disk is opened once and kept, because its bytes come only once.
     pipe: RefCell<Option<Shared>>,
-    /// The line that was shown last, the byte that it begins with, and what ends lines: messages come in the order of the
-    /// program, and a long one is not read from its beginning for each of them.
+    /// The last shown line, its first byte, and the line ends. Messages come in the order of the program, so a long program
+    /// is not read from its beginning for each of them.
     shown: Cell<(u32, u64, LineEnds)>,
 }
 
-/// A pipe, and what has come out of it.
+/// A pipe and the bytes read from it.
 #[derive(Debug)]
 struct Pipe {
     from: File,
     kept: Vec<u8>,
-    /// Bytes that have come.
+    /// Number of these bytes.
     came: u64,
 }
 
 type Shared = Rc<RefCell<Pipe>>;
 
 impl Pipe {
-    /// What stands at byte `at` and behind it.
+    /// Reads the bytes from `at` on.
     fn read(&mut self, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
         if at < self.came {
             let at = usize::try_from(at).unwrap_or(usize::MAX);
@@ -68,36 +68,36 @@ impl Pipe {
     }
 }
 
-/// What is read, as it is.
+/// A source without any translation.
 #[derive(Debug)]
 pub enum Raw {
-    /// Raw a file.
+    /// A file.
     File(File),
-    /// Raw memory.
+    /// Memory.
     Memory(Cursor<Arc<[u8]>>),
-    /// Raw a pipe, and how far.
+    /// A pipe, and the place in it.
     Pipe(Kept),
 }
 
-/// A place in what comes out of a pipe.
+/// A place in the bytes of a pipe.
 #[derive(Debug)]
 pub struct Kept {
     pipe: Shared,
     at: u64,
 }
 
-/// A program being read; its lines end with line feeds, whatever they end with where it is kept.
+/// A program that is being read. Its lines end with line feeds, whatever the source has.
 #[derive(Debug)]
 pub struct Text {
     from: Raw,
     ends: LineEnds,
-    /// Half of a line end, of which the other half has not come yet.
+    /// The first half of a line end whose second half has not been read yet.
     half: Option<u8>,
 }
 
 impl Read for Text {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        // Half of a line end and what follows it.
+        // There must be room for half of a line end and the byte after it.
         if buffer.len() < 2 {
             return Err(io::ErrorKind::InvalidInput.into());
         }
@@ -148,7 +148,7 @@ impl Raw {
 }
 
 impl SourceFile {
-    /// Names the file; it is opened when it is read.
+    /// Names the file. It is opened when it is read.
     pub fn new(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
@@ -158,7 +158,7 @@ impl SourceFile {
         }
     }
 
-    /// A text that a command has made, under the name messages show.
+    /// A text that a command has made, with its name in messages.
     #[must_use]
     pub fn text(name: &str, text: String) -> Self {
         Self {
@@ -169,12 +169,12 @@ impl SourceFile {
         }
     }
 
-    /// The name as messages show it.
+    /// The name in messages.
     pub fn shown(&self) -> String {
         words::path(&self.path)
     }
 
-    /// The name as it was typed.
+    /// The name as typed.
     pub fn name(&self) -> String {
         self.path.display().to_string()
     }
@@ -191,7 +191,7 @@ impl SourceFile {
         }
     }
 
-    /// Opens it.
+    /// Opens the program.
     pub fn open(&self) -> io::Result<Text> {
         Ok(Text {
             from: self.raw()?,
@@ -200,7 +200,7 @@ impl SourceFile {
         })
     }
 
-    /// The same, as it is.
+    /// Opens the program without any translation.
     pub fn raw(&self) -> io::Result<Raw> {
         if let Some(text) = self.text.clone() {
             return Ok(Raw::Memory(Cursor::new(text)));
@@ -227,7 +227,7 @@ impl SourceFile {
         Ok(Raw::Pipe(Kept { pipe, at: 0 }))
     }
 
-    /// Line `number` (from 1) without its end, at most a screenful of it; `None` where there is no such line.
+    /// Line `number` (from 1) without its end, up to the longest shown line; `None` where there is no such line.
     pub fn line(&self, number: u32) -> Option<Vec<u8>> {
         let mut text = self.open().ok()?;
         let (mut at, mut begins, ends) = self.shown.get();

@@ -1,4 +1,4 @@
-//! Two sets side by side: what differs, by number and name, old and new with units.
+//! The differences of two sets: number and name, old and new value with units.
 
 use std::fmt::Write as _;
 
@@ -9,10 +9,10 @@ use super::{name, value_text};
 use crate::json::Json;
 use crate::words::pick;
 
-/// A value that is another one in the second set.
+/// A value that differs in the second set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// Which.
+    /// The parameter.
     pub entry: &'static Entry,
     /// Its raw value in the first set.
     pub old: i64,
@@ -20,7 +20,7 @@ pub struct Change {
     pub new: i64,
 }
 
-/// Everything that differs, in the order of the table.
+/// All differences in the order of the table.
 #[must_use]
 pub fn changes(old: &Params, new: &Params) -> Vec<Change> {
     Entry::all()
@@ -34,20 +34,20 @@ pub fn changes(old: &Params, new: &Params) -> Vec<Change> {
         .collect()
 }
 
-/// An object of a drive that is another one than it is to be.
+/// An object of a drive that differs from the wanted one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DriveChange {
     /// `X`.
     pub drive: &'static str,
     /// `607Fh:00h max_profile_velocity`.
     pub object: String,
-    /// What it is.
+    /// The present value.
     pub old: String,
-    /// What it is to be.
+    /// The wanted value.
     pub new: String,
 }
 
-/// What differs, a line each; nothing for nothing.
+/// The differences, one per line; empty for none.
 #[must_use]
 pub fn text(changes: &[Change], drives: &[DriveChange], lang: Lang) -> String {
     let of_set = changes.iter().map(|change| {

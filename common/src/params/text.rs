@@ -1,9 +1,9 @@
-//! A parameter as text: its name, its value with a unit, and both as a machine file takes them.
+//! A parameter as text: its name, its value with a unit, and both in the form of a machine file.
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::{Entry, Part};
 
-/// `thread_angle`, `rapid_rate.X`: what a machine file may write for the number.
+/// `thread_angle`, `rapid_rate.X`: the name that a machine file may use for the number.
 #[must_use]
 pub fn name(entry: &Entry) -> String {
     match entry.part {
@@ -12,7 +12,7 @@ pub fn name(entry: &Entry) -> String {
     }
 }
 
-/// A raw value with its unit, as a person reads it.
+/// A raw value with its unit, for a person.
 #[must_use]
 pub fn value_text(entry: &Entry, raw: i64) -> String {
     if entry.none() == Some(raw) {
@@ -22,7 +22,7 @@ pub fn value_text(entry: &Entry, raw: i64) -> String {
     }
 }
 
-/// The same as a machine file takes it: a plain number, or a text with the unit.
+/// The same for a machine file: a plain number, or a text with the unit.
 #[must_use]
 pub fn literal(entry: &Entry, raw: i64) -> String {
     if entry.none() != Some(raw) && entry.unit().is_bare() {
@@ -32,7 +32,7 @@ pub fn literal(entry: &Entry, raw: i64) -> String {
     }
 }
 
-/// What the parameter is.
+/// The meaning of the parameter.
 #[must_use]
 pub fn meaning(entry: &Entry, lang: Lang) -> &'static str {
     match lang {
@@ -41,7 +41,7 @@ pub fn meaning(entry: &Entry, lang: Lang) -> &'static str {
     }
 }
 
-/// A chapter of the table: which numbers, and its head in both languages.
+/// A chapter of the table: its numbers, and its heading in both languages.
 #[derive(Debug)]
 pub struct Chapter {
     /// True for a number of this chapter.
@@ -51,7 +51,7 @@ pub struct Chapter {
 }
 
 impl Chapter {
-    /// The head.
+    /// The heading.
     #[must_use]
     pub const fn title(&self, lang: Lang) -> &'static str {
         match lang {
@@ -61,7 +61,7 @@ impl Chapter {
     }
 }
 
-/// All numbers, in the order in which a manual or a file tells them.
+/// All numbers in the order of the manual and of files.
 pub const CHAPTERS: [Chapter; 4] = [
     Chapter {
         numbers: |no| no < 1000,
