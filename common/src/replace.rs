@@ -1,4 +1,4 @@
-//! Putting new bytes into a file in one step: whatever happens, there is the old file or the new one.
+//! Writes a file in one step: it always holds the old bytes or the new ones.
 
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use crate::interrupt;
 
-/// Puts `bytes` into a file. They go into one beside it first, which then takes its place; a link stays a link, and the
-/// file behind it is replaced.
+/// Writes `bytes` to a file. They go to a new file next to it, which then replaces it. A link stays a link, and its target
+/// is replaced.
 ///
 /// # Errors
-/// A file that cannot be written; the old one is as it was.
+/// A file that cannot be written; the old one is unchanged.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     interrupt::whole(|| at_once(path, bytes))
 }
@@ -25,7 +25,7 @@ fn at_once(path: &Path, bytes: &[u8]) -> io::Result<()> {
     written
         .and_then(|()| fs::rename(&beside, &target))
         .inspect_err(|_| {
-            // What is half done is of no use; that it cannot be removed either changes nothing.
+            // A half-written file is of no use. A failure to remove it changes nothing.
             let _ = fs::remove_file(&beside);
         })
 }

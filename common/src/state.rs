@@ -1,7 +1,7 @@
 //! `--state FILE`: the flash of the simulated board, kept between commands.
 //!
-//! A file that is no image, or a damaged one, is refused and never written over. A new image goes into a file beside it
-//! first and takes its place in one step, so that whatever happens there is the old image or the new one.
+//! A file that is no image, or a damaged one, is refused and never overwritten. A new image is first written to a file next
+//! to it, which then replaces it in one step. So the file always holds the old image or the new one.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -37,10 +37,10 @@ impl StateFile {
         words::path(&self.path)
     }
 
-    /// The flash in it, or an erased one where there is no such file yet.
+    /// The flash in the file, or an erased flash where there is no such file yet.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is no image; a folder that is not there, for the file could never be made.
+    /// A file that cannot be read or is no image; a missing folder, because the file could never be made.
     pub fn load_or_new(&self) -> Outcome<Flash> {
         match self.read() {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -56,15 +56,15 @@ impl StateFile {
         }
     }
 
-    /// The flash in it.
+    /// The flash in the file.
     ///
     /// # Errors
-    /// A file that is not there, cannot be read, or is no image.
+    /// A file that is missing, cannot be read, or is no image.
     pub fn load(&self) -> Outcome<Flash> {
         self.image(self.read())
     }
 
-    /// No more than one byte beyond an image: whatever else was named may be endless.
+    /// Reads at most one byte more than an image: another file may be endless.
     fn read(&self) -> io::Result<Vec<u8>> {
         let file = File::open(&self.path)?;
         if file.metadata()?.is_dir() {
@@ -109,7 +109,7 @@ impl StateFile {
         )))
     }
 
-    /// Puts a flash into it, in one step.
+    /// Writes a flash to the file in one step.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -152,7 +152,7 @@ impl StateFile {
     /// The tap journal in the flash of this file.
     ///
     /// # Errors
-    /// An entry that cannot be read: a tap may be in a hole, and nobody knows how to bring it out.
+    /// An entry that cannot be read: a tap may be in a hole, and the way out is unknown.
     pub fn journal(&self, flash: &Flash) -> Outcome<Option<TapRecord>> {
         journal(flash).map_err(|unreadable| {
             let name = self.name();
@@ -188,7 +188,7 @@ impl StateFile {
     }
 }
 
-/// Why there is no journal to be had.
+/// The reason why the journal cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unreadable {
     Store,
@@ -207,8 +207,8 @@ fn journal(flash: &Flash) -> Result<Option<TapRecord>, Unreadable> {
     }
 }
 
-/// The set that a board with this flash begins with, where one was ever stored; damaged ones make its alarm, and their
-/// place has what it talks with.
+/// The set with which a board with this flash starts, if one was ever stored. For damaged sets: the board's alarm, and the
+/// set for its communication.
 #[must_use]
 pub fn stored_set(flash: &Flash) -> Option<Params> {
     let mut flash = flash.clone();

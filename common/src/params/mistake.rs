@@ -1,4 +1,4 @@
-//! What is told about a key or a value that cannot be taken: the condition and its figures, as texts.
+//! Messages about a key or a value that is refused: the condition and its figures, as texts.
 
 use leadscrew_core::alarm::{Code, Lang};
 use leadscrew_core::params::{Entry, FindError, Params, SetError, ValueError, Writing};
@@ -8,12 +8,12 @@ use crate::diagnostics::{Diagnostic, Place};
 /// A condition with its figures.
 pub type Mistake = (Code, Vec<String>);
 
-/// The number with its name, as messages call a parameter.
+/// The number with its name, as in messages.
 pub fn label(entry: &Entry) -> String {
     format!("{entry} ({})", entry.text().name)
 }
 
-/// A key that leads to no value.
+/// A key without a value in the table.
 pub fn not_found(name: &str, error: FindError) -> Mistake {
     let name_text = shown(name);
     match error {
@@ -26,7 +26,7 @@ pub fn not_found(name: &str, error: FindError) -> Mistake {
     }
 }
 
-/// The same for a key that was an argument and has no place.
+/// The same for a key in an argument, which has no place.
 pub fn unknown_key(name: &str, error: FindError, lang: Lang) -> Diagnostic {
     let (code, figures) = not_found(name, error);
     Diagnostic::of_option(code, &figures, &Place::default(), lang)
@@ -70,7 +70,7 @@ pub fn not_taken(entry: &Entry, text: &str, writing: Writing, error: SetError) -
     }
 }
 
-/// A value that could stand there: the built-in machine's.
+/// An example of a value: the built-in machine's.
 pub fn example(entry: &Entry, writing: Writing) -> String {
     let raw = Params::slant_bed().get(entry);
     match writing {
@@ -82,7 +82,7 @@ pub fn example(entry: &Entry, writing: Writing) -> String {
     }
 }
 
-/// Every key of the number that `first` belongs to, as a choice.
+/// Every key of the number of `first`, as a choice.
 fn parts(first: &Entry) -> String {
     let keys = Entry::all()
         .iter()
@@ -93,12 +93,12 @@ fn parts(first: &Entry) -> String {
 
 fn spellings(entry: &Entry) -> String {
     let names = entry.unit().spellings().iter().map(|(name, _)| *name);
-    // The Greek µ looks like the micro sign; one of them is enough to read.
+    // The Greek µ looks like the micro sign; one of them is enough for a reader.
     let names = names.filter(|name| !name.is_empty() && !name.contains('\u{3bc}'));
     names.collect::<Vec<_>>().join(", ")
 }
 
-/// A name that may have been meant, with what stood behind the point.
+/// A name that may have been meant, with the part after the point.
 fn nearest(key: &str) -> Option<String> {
     let (head, tail) = key.split_at(key.find('.').unwrap_or(key.len()));
     let head = head.to_lowercase();
@@ -109,7 +109,7 @@ fn nearest(key: &str) -> Option<String> {
     let names = Entry::all().iter().map(|e| e.text().name);
     let near = names.filter_map(|name| {
         let distance = distance(&head, name);
-        // A word of the name, as `rapid` is one of `rapid_rate`, is nearer than any misspelling.
+        // A word of the name, as `rapid` in `rapid_rate`, is nearer than any misspelling.
         let is_word = name.split('_').any(|word| word == head) || name.starts_with(&head);
         match (is_word, distance <= allowed) {
             (_, true) => Some((distance, name)),
@@ -121,7 +121,7 @@ fn nearest(key: &str) -> Option<String> {
         .map(|(_, name)| format!("{name}{tail}"))
 }
 
-/// Characters to insert, remove or replace to make one text the other.
+/// The number of characters to insert, remove or replace between two texts.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -137,7 +137,7 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// A key or value as a message can show it: on one line, and not endless.
+/// A key or value for a message: on one line and of bounded length.
 pub fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut out: String = text

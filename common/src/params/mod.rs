@@ -1,8 +1,8 @@
-//! From parameter files and `--set` options to a set of parameters: the built-in machine, over it each file in the order
-//! it was named, over them the options.
+//! From parameter files and `--set` options to a set of parameters: first the built-in machine, over it the files in their
+//! order, over them the options.
 //!
-//! A mistake never hides another: everything that is wrong is told at once, each with its place, cause and remedy.
-//! Nothing is ignored and nothing is rounded.
+//! A mistake never hides another: all mistakes are reported at once, each with place, cause and remedy. Nothing is ignored
+//! and nothing is rounded.
 
 pub mod difference;
 pub mod drives;
@@ -33,16 +33,16 @@ pub use file::read;
 pub use mistake::unknown_key;
 pub use text::{CHAPTERS, literal, meaning, name, value_text};
 
-/// A set of parameters, where its values come from, and what is wrong with it.
+/// A set of parameters, the places of its values, and its mistakes.
 #[derive(Debug)]
 pub struct Loaded {
-    /// The set; complete and usable only where [`Loaded::is_good`].
+    /// The set. It is complete and usable only where [`Loaded::is_good`].
     pub params: Params,
-    /// Alarms and warnings, in the order in which they were found.
+    /// Alarms and warnings in the order in which they were found.
     pub diagnostics: Vec<Diagnostic>,
-    /// What the drives' own objects are to be, in the order in which it was written.
+    /// The wanted objects of the drives in the order of the files.
     pub drives: Vec<drives::Setting>,
-    /// What nobody has written here is a board's; else the built-in machine's.
+    /// The values without a place are a board's; otherwise the built-in machine's.
     pub of_a_board: bool,
     sources: BTreeMap<Key, Source>,
 }
@@ -50,20 +50,20 @@ pub struct Loaded {
 /// Keys at the top of a file that are no parameters.
 const OTHER_KEYS: [&str; 2] = [schema::KEY, drives::KEY];
 
-/// The number and part of an entry, in an order.
+/// The number and part of an entry, for sorting.
 type Key = (u16, u8);
 
-/// Where a value that differs from the built-in machine's was written.
+/// The place of a value that differs from the built-in machine's.
 #[derive(Debug)]
 struct Source {
-    /// Counts up: the larger is the later.
+    /// Counts up: a larger number was written later.
     order: usize,
-    /// Which file or option.
+    /// The number of the file or option.
     layer: usize,
     place: Place,
 }
 
-/// A set being put together.
+/// A set that is being put together.
 struct Loader {
     loaded: Loaded,
     lang: Lang,
@@ -76,13 +76,13 @@ struct Loader {
 /// Lays files and options over the built-in machine and checks the result as a whole.
 ///
 /// # Errors
-/// A file that cannot be read, or an option without `=`: the command line is wrong. What is wrong with the parameters
-/// themselves is in [`Loaded::diagnostics`].
+/// A file that cannot be read, or an option without `=`: the command line is wrong. Mistakes in the parameters are in
+/// [`Loaded::diagnostics`].
 pub fn load(files: &[PathBuf], options: &[String], lang: Lang) -> Outcome<Loaded> {
     load_over(None, files, options, lang)
 }
 
-/// The same over another set than the built-in machine's: that of a board.
+/// The same over a board's set.
 ///
 /// # Errors
 /// As [`load`].
@@ -110,7 +110,7 @@ pub fn load_text(name: &str, text: &str, lang: Lang) -> Loaded {
     load_bytes(name, text.as_bytes(), lang)
 }
 
-/// The same of whatever stands in a file.
+/// The same for the bytes of a file.
 #[must_use]
 pub fn load_bytes(name: &str, bytes: &[u8], lang: Lang) -> Loaded {
     let mut loader = Loader::new(None, lang);
@@ -141,7 +141,7 @@ impl Loader {
     }
 
     fn finish(mut self) -> Loaded {
-        // A set with a hole in it would only produce reasons that are none.
+        // An incomplete set would only give wrong reasons.
         if self.loaded.is_good() {
             self.loaded.cross_check(self.lang);
         }
@@ -162,7 +162,7 @@ impl Loaded {
         }
     }
 
-    /// Tells a person everything that was found.
+    /// Reports all findings to a person.
     pub fn tell(&self, colour: bool) {
         for diagnostic in &self.diagnostics {
             diagnostics::print(diagnostic, colour);
@@ -198,18 +198,18 @@ impl Loaded {
         all.map(|entry| (entry, self.params.get(entry))).collect()
     }
 
-    /// True where nothing but warnings was found.
+    /// True where there are only warnings.
     pub fn is_good(&self) -> bool {
         self.diagnostics.iter().all(|d| d.warning)
     }
 
-    /// True where every value of the table was written somewhere: then it does not matter over what set they are laid.
+    /// True where every value of the table was written somewhere, so that the set below does not matter.
     pub fn names_all(&self) -> bool {
         let named = |entry| self.sources.contains_key(&key(entry));
         Entry::all().iter().all(named)
     }
 
-    /// Where a value was written: `FILE:LINE`, or the option; `None` for one that was there before.
+    /// The place of a value: `FILE:LINE`, or the option; `None` for a value of the set below.
     pub fn source(&self, entry: &Entry) -> Option<String> {
         let place = &self.sources.get(&key(entry))?.place;
         Some(if place.file == option::NAME {
@@ -235,13 +235,13 @@ impl Loaded {
         }
     }
 
-    /// Of the values that make a condition, the one written last.
+    /// The place of the last value among those that make a condition.
     fn blame(&self, alarm: &Alarm, lang: Lang) -> Place {
         let axis = match alarm.args[0] {
             Arg::Letter(letter) => Axis::ALL.into_iter().find(|axis| axis.letter() == letter),
             _ => None,
         };
-        // The drives of two axes, or of one and a spindle.
+        // The drives of two axes, or of an axis and a spindle.
         let among = |letter| alarm.args.contains(&Arg::Letter(letter));
         let is_axis = |entry: &Entry| match (alarm.code, entry.part) {
             (Code::DriveNodeTwice, Part::Axis(of)) => among(of.letter()),
@@ -249,7 +249,7 @@ impl Loaded {
             (_, Part::Axis(of)) => axis.is_none_or(|axis| axis == of),
             (_, Part::Whole | Part::Bit(_)) => true,
         };
-        // A ramp is made of several axes; what the named one has counts first.
+        // A ramp depends on several axes. The named axis counts first.
         let source = Entry::all()
             .iter()
             .filter(|entry| numbers(alarm.code).contains(&entry.no))
@@ -314,7 +314,7 @@ impl Loader {
         self.report(code, &figures, place);
     }
 
-    /// Takes one value; `at_key` and `at_value` are where a mistake in either is shown.
+    /// Takes one value. `at_key` and `at_value` are the places for a mistake in either.
     fn set(
         &mut self,
         entry: &'static Entry,
@@ -336,7 +336,7 @@ impl Loader {
             let (code, figures) = mistake::not_taken(entry, text, writing, error);
             self.report(code, &figures, at_value);
         }
-        // Also where it was refused: a second mistake about the same value is told as what it is.
+        // Counted also where it was refused, so that a second mistake about the same value is reported as such.
         self.count += 1;
         let source = Source {
             order: self.count,

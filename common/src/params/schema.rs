@@ -1,7 +1,7 @@
-//! Which version of the parameter table a file was written for, and how an older file becomes one of this version.
+//! The version of the parameter table that a file was written for, and the way from an older file to this version.
 //!
-//! A version counts up with every release whose table is another one; the board's storage goes by the same number. A file
-//! without `schema` counts as one of this version: what it says wrongly is told key by key [D119].
+//! A version counts up with every release whose table differs; the board's storage uses the same number. A file without
+//! `schema` counts as one of this version, and its mistakes are reported key by key [D119].
 
 use leadscrew_core::alarm::Lang;
 use leadscrew_core::params::Entry;
@@ -16,47 +16,47 @@ pub const SCHEMA: u32 = leadscrew_core::params::SCHEMA as u32;
 /// The key in a file.
 pub const KEY: &str = "schema";
 
-/// What has changed from one version to the next.
+/// The changes from one version to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Migration {
-    /// The version it leads to; it begins at the one before.
+    /// The new version; the old one is the version before.
     pub to: u32,
-    /// What has changed.
+    /// The changes.
     pub steps: &'static [Step],
 }
 
-/// One change of the table. Keys are written as in a file; a number and its names are one each.
+/// One change of the table. Keys are written as in a file; a number and each of its names is a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
-    /// Any of these is called that now; bits and axes stay.
+    /// These keys have a new name; bits and axes stay.
     Renamed {
-        /// Number, second number and name as they were.
+        /// Old number, second number and name.
         from: &'static [&'static str],
-        /// As it is now.
+        /// The new name.
         to: &'static str,
     },
-    /// Any of these is no more.
+    /// These keys are gone.
     Dropped {
-        /// Number, second number and name as they were.
+        /// Old number, second number and name.
         keys: &'static [&'static str],
-        /// Why, in English.
+        /// The reason, in English.
         en: &'static str,
-        /// Why, in Chinese.
+        /// The reason, in Chinese.
         zh: &'static str,
     },
-    /// It was not there before.
+    /// A new key.
     New {
         /// Its key.
         key: &'static str,
     },
-    /// It takes other values than before.
+    /// A key with another range.
     Range {
         /// Its key.
         key: &'static str,
     },
 }
 
-/// Every migration there is, oldest first.
+/// All migrations, the oldest first.
 pub const MIGRATIONS: &[Migration] = &[
     // No board follows the SYNC of another [D212].
     Migration {
@@ -76,43 +76,42 @@ pub const MIGRATIONS: &[Migration] = &[
     },
 ];
 
-/// What a migration would do to a file.
+/// The result of a migration of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Migrated {
-    /// The version it had.
+    /// The old version.
     pub from: u32,
-    /// The version it has now.
+    /// The new version.
     pub to: u32,
-    /// What was done, step by step.
+    /// The steps.
     pub notes: Vec<Note>,
-    /// The file as it is then.
+    /// The new text of the file.
     pub text: String,
 }
 
-/// One thing that was done, or that somebody has to look at.
+/// A step, or a place that a person must check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// `renamed`, `dropped`, `new`, `range`.
     pub kind: &'static str,
-    /// The key it is about, as it is written in the file.
+    /// The key, as it is written in the file.
     pub key: String,
     /// In words.
     pub words: Both,
-    /// Somebody has to look at it before the file can be used.
+    /// A person must check this before the file can be used.
     pub open: bool,
 }
 
-/// Why a file cannot be brought to this version.
+/// The reason why a file cannot be migrated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unmigratable {
     /// It is not TOML, or its `schema` is no whole number.
     Unreadable,
-    /// Nobody knows the way from its version.
+    /// No migration leads from its version.
     Version(u32),
 }
 
-/// Brings the text of a file to the last version of `migrations`, or says why not. One without a version counts as one of
-/// `first`.
+/// Migrates the text of a file to the last version of `migrations`. A file without a version counts as one of `first`.
 ///
 /// # Errors
 /// [`Unmigratable`].
@@ -146,7 +145,7 @@ pub fn migrate(
     })
 }
 
-/// The version a file says it has.
+/// The version in a file.
 ///
 /// # Errors
 /// [`Unmigratable::Unreadable`].
@@ -215,7 +214,7 @@ fn step(text: &str, steps: &[Step], notes: &mut Vec<Note>) -> Option<String> {
             }
             Step::Dropped { keys, en, zh } => {
                 for leaf in keys.iter().flat_map(|key| named(key)) {
-                    // The line stays to be read, as a comment.
+                    // The line stays as a comment.
                     let line = text[..leaf.value_span.start]
                         .rfind('\n')
                         .map_or(0, |at| at + 1);
@@ -279,7 +278,7 @@ fn step(text: &str, steps: &[Step], notes: &mut Vec<Note>) -> Option<String> {
     Some(replaced(text, replacements))
 }
 
-/// A leaf is the one that a key of the table names; a key without a part names all parts.
+/// True where a key of the table means this leaf; a key without a part means all parts.
 fn is(leaf: &Leaf, key: &str) -> bool {
     let plain = |text: &str| text.trim_start_matches('0').to_ascii_lowercase();
     let split = |text: &str| match text.split_once('.') {

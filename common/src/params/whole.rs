@@ -1,4 +1,4 @@
-//! A whole set as a machine file: every value with its unit, and what it means beside it.
+//! A whole set as a machine file: every value with its unit, and its meaning next to it.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use super::schema::{KEY, SCHEMA};
 use super::{CHAPTERS, literal, meaning, name, value_text};
 use crate::words::pick;
 
-/// The file. `head` is said at its top, a line a comment.
+/// The file. `head` is printed at its top, each line as a comment.
 #[must_use]
 pub fn file(params: &Params, head: &[String], lang: Lang) -> String {
     let mut out = String::new();
@@ -21,7 +21,7 @@ pub fn file(params: &Params, head: &[String], lang: Lang) -> String {
         let _ = writeln!(out, "\n# ---- {} ----", chapter.title(lang));
         let mut last = None;
         for entry in Entry::all().iter().filter(|e| (chapter.numbers)(e.no)) {
-            // The meaning once for all axes of a number; a bit has its own.
+            // The meaning once for all axes of a number; a bit has a meaning of its own.
             let about = (entry.no, meaning(entry, lang));
             if last != Some(about) {
                 let alias = entry.alias().map(|a| format!("/{a}")).unwrap_or_default();

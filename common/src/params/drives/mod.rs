@@ -8,8 +8,8 @@
 //! "2105.3" = { type = "u16", value = 7 }
 //! ```
 //!
-//! A drive keeps its values in units of its own, so they are plain numbers here; what has to agree with the board's set
-//! is compared with it before anything is sent.
+//! A drive has its own units, so the values are plain numbers here. Values that must agree with the board's set are
+//! compared with it before any frame is sent.
 
 mod objects;
 mod section;
@@ -40,16 +40,16 @@ const TOGETHER_LAST: i64 = 0x4FF;
 /// The key of all sections.
 pub const KEY: &str = "drive";
 
-/// What an object of a drive is to be.
+/// A wanted object of a drive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wanted {
     /// A number.
     Number {
-        /// Where.
+        /// Index and sub-index.
         object: Object,
-        /// How it travels.
+        /// Data type.
         kind: Kind,
-        /// What.
+        /// Value.
         value: i64,
     },
     /// The mapping of a PDO.
@@ -58,13 +58,13 @@ pub enum Wanted {
         mapping: u16,
         /// 1400h … 1801h.
         communication: u16,
-        /// What.
+        /// Mapped objects.
         objects: Vec<Mapped>,
     },
 }
 
 impl Wanted {
-    /// The object that it is about; of a mapping, its number of entries.
+    /// The object; for a mapping, its number of entries.
     #[must_use]
     pub const fn object(&self) -> Object {
         match self {
@@ -77,19 +77,19 @@ impl Wanted {
 /// A line of a section.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    /// Of which drive.
+    /// The drive.
     pub drive: DriveName,
-    /// What is wanted.
+    /// The wanted object.
     pub wanted: Wanted,
-    /// Which file, from 1.
+    /// Number of the file, from 1.
     pub(super) layer: usize,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
-    /// The bytes of the file that are its value; both halves of `interpolation_period` share them.
+    /// The bytes of its value in the file. Both halves of `interpolation_period` share them.
     pub span: Range<usize>,
 }
 
-/// The value of a mapping as a file has it.
+/// The value of a mapping in a file.
 #[must_use]
 pub fn mapping_literal(objects: &[Mapped]) -> String {
     let piece = |mapped: &Mapped| {
@@ -103,7 +103,7 @@ pub fn mapping_literal(objects: &[Mapped]) -> String {
     format!("[{}]", pieces.join(", "))
 }
 
-/// The value of `interpolation_period` as a file has it; `None` for less than a microsecond.
+/// The value of `interpolation_period` in a file; `None` for less than a microsecond.
 #[must_use]
 pub fn period_literal(value: i64, exponent: i64) -> Option<String> {
     let ns = period_ns(value, exponent)?;
@@ -121,7 +121,7 @@ pub fn period_ns(value: i64, exponent: i64) -> Option<i64> {
     value.checked_mul(10_i64.checked_pow(power)?)
 }
 
-/// What 60C2h has to be for a tick; `None` where no 8 bits hold it.
+/// 60C2h for a tick; `None` where 8 bits cannot hold it.
 #[must_use]
 pub fn period_of(us: i64) -> Option<(u8, i8)> {
     let (mut value, mut exponent) = (us, -6);
@@ -135,15 +135,15 @@ pub fn period_of(us: i64) -> Option<(u8, i8)> {
 /// A conflict of the drives' objects with the board's set.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Conflict {
-    /// Which alarm.
+    /// The alarm.
     pub code: leadscrew_core::alarm::Code,
     /// Its figures.
     pub figures: Vec<String>,
-    /// Where it was written.
+    /// The place of the value.
     pub place: Place,
 }
 
-/// Everything in the sections that the board with this set could not work with.
+/// All conflicts of the sections with the board's set.
 #[must_use]
 pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     use leadscrew_core::alarm::Code;
@@ -170,7 +170,7 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
                 }
             }
             Wanted::Number { object, value, .. } if *object == PERIOD_VALUE => {
-                // The power of ten may be the drive's own: then the drive is asked before anything is written.
+                // The power of ten may be the drive's own: then the drive is asked before any write.
                 let exponent = settings.iter().find_map(|other| match other.wanted {
                     Wanted::Number { object, value, .. }
                         if other.drive == drive && object == PERIOD_EXPONENT =>
@@ -216,7 +216,8 @@ pub fn conflicts(settings: &[Setting], params: &Params) -> Vec<Conflict> {
     found
 }
 
-/// What the board needs a drive to map into RPDO1: what is its own, behind what is others' where all get one frame (9031).
+/// The mapping of RPDO1 that the board needs of a drive: its own objects, after those of other drives where all drives get
+/// one frame (9031).
 #[must_use]
 pub fn command_mapping(drive: DriveName, params: &Params) -> Vec<Mapped> {
     match params.setpoint_frame() {
@@ -225,7 +226,7 @@ pub fn command_mapping(drive: DriveName, params: &Params) -> Vec<Mapped> {
     }
 }
 
-/// Both identifiers in words, where a PDO that the board exchanges with the drive is switched off, or under another one.
+/// Both identifiers in words, where a PDO between board and drive is switched off or has another identifier.
 fn cob_id_conflict(
     drive: DriveName,
     object: Object,
@@ -239,10 +240,10 @@ fn cob_id_conflict(
         (0x1800, 1) => Service::Tpdo1,
         _ => return None,
     };
-    // Whether it may be asked for by a remote request is the drive's own affair.
+    // The drive decides whether it answers a remote request.
     let theirs = value & !NO_REMOTE;
     let board = match service {
-        // The number of the board shows when there is one: then this is looked at again.
+        // The board's number is known once there is a board: then this is checked again.
         Service::Rpdo1 if params.setpoint_frame() == 1 => match theirs {
             TOGETHER_FIRST..=TOGETHER_LAST => return None,
             _ => i64::from(Setpoints::cob_id(NodeId::BOARD).get()),
@@ -255,7 +256,7 @@ fn cob_id_conflict(
     Some((format!("{value:08X}h"), format!("{board:08X}h")))
 }
 
-/// Both times in words, where a period is not the tick.
+/// Both times in words, where a period differs from the tick.
 #[must_use]
 pub fn period_conflict(value: i64, exponent: i64, params: &Params) -> Option<(String, String)> {
     let tick = i64::from(params.tick_us());

@@ -1,4 +1,4 @@
-//! The objects of drives that have a name in machine files, and the drives themselves.
+//! The drives of a machine, and their objects with a name in machine files.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ pub enum DriveName {
 }
 
 impl DriveName {
-    /// All of them.
+    /// All drives.
     pub const ALL: [Self; 7] = [
         Self::X,
         Self::Z,
@@ -52,7 +52,7 @@ impl DriveName {
         }
     }
 
-    /// The drive with this name, in capitals or not.
+    /// The drive with this name, in capitals or small letters.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL
@@ -60,7 +60,7 @@ impl DriveName {
             .find(|drive| drive.name().eq_ignore_ascii_case(name))
     }
 
-    /// The drive itself, on a machine whose drives are there.
+    /// The drive on a machine that has its drives.
     #[must_use]
     pub const fn among(self, drives: &DriveNodes) -> Drive {
         let node = match self {
@@ -75,7 +75,7 @@ impl DriveName {
         Drive { name: self, node }
     }
 
-    /// It turns a spindle.
+    /// True for the drive of a spindle.
     #[must_use]
     pub const fn is_spindle(self) -> bool {
         matches!(self, Self::S1 | Self::S2 | Self::S3 | Self::S4)
@@ -88,12 +88,12 @@ impl fmt::Display for DriveName {
     }
 }
 
-/// A drive, and where it is on the bus.
+/// A drive and its node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Drive {
-    /// Which.
+    /// The drive.
     pub name: DriveName,
-    /// Its number.
+    /// Its node number.
     pub node: NodeId,
 }
 
@@ -103,7 +103,7 @@ impl fmt::Display for Drive {
     }
 }
 
-/// How a value travels.
+/// Data type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// UNSIGNED8.
@@ -178,7 +178,7 @@ impl Kind {
         value.to_le_bytes()[..self.bytes()].to_vec()
     }
 
-    /// The value of bytes from the wire; `None` where they are of another length.
+    /// The value of bytes from the wire; `None` for another length.
     #[must_use]
     pub fn decode(self, bytes: &[u8]) -> Option<i64> {
         if bytes.len() != self.bytes() {
@@ -201,13 +201,13 @@ impl Kind {
 pub struct Known {
     /// The name in a file.
     pub name: &'static str,
-    /// Where it is.
+    /// Index and sub-index.
     pub object: Object,
-    /// How it travels.
+    /// Data type.
     pub kind: Kind,
-    /// What it is, in English.
+    /// Its meaning in English.
     pub en: &'static str,
-    /// What it is, in Chinese.
+    /// Its meaning in Chinese.
     pub zh: &'static str,
 }
 
@@ -228,7 +228,7 @@ const fn known(
     }
 }
 
-/// The objects with a name, as CiA 301 and CiA 402 have them, by index. The units are the drive's own.
+/// The objects with a name, as in CiA 301 and CiA 402, by index. The units are the drive's own.
 pub const KNOWN: &[Known] = &[
     known(
         "heartbeat_ms",
@@ -441,7 +441,7 @@ pub const PERIOD_EXPONENT: Object = Object::new(0x60C2, 2);
 /// 1800h:02h.
 pub const RATE: Object = Object::new(0x1800, 2);
 
-/// The PDOs whose mapping is written as a list.
+/// The PDOs whose mapping is a list in the file.
 pub const PDOS: [(&str, u16, u16); 4] = [
     ("rpdo1", 0x1600, 0x1400),
     ("rpdo2", 0x1601, 0x1401),
@@ -449,7 +449,7 @@ pub const PDOS: [(&str, u16, u16); 4] = [
     ("tpdo2", 0x1A01, 0x1801),
 ];
 
-/// The object as it is printed: its name where it has one, else `60C2h:01h`.
+/// The printed object: its name, otherwise `60C2h:01h`.
 #[must_use]
 pub fn object_text(object: Object) -> String {
     let Object { index, sub } = object;

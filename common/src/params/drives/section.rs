@@ -1,4 +1,4 @@
-//! `[drive.NAME]` from a file to a list of objects with their values.
+//! Reads `[drive.NAME]` of a file into a list of objects with their values.
 
 use std::ops::Range;
 
@@ -13,13 +13,13 @@ use crate::diagnostics::Place;
 use crate::params::Loader;
 use crate::params::file::{Source, in_order};
 
-/// Of RPDO1.
+/// The mapping of RPDO1.
 const COMMAND_MAPPING: u16 = 0x1600;
 
 type Key<'a, 'i> = &'a Spanned<DeString<'i>>;
 type Value<'a, 'i> = &'a Spanned<DeValue<'i>>;
 
-/// Reads what stands under `drive`.
+/// Reads the sections under `drive`.
 pub fn apply(loader: &mut Loader, source: &Source, key: Key, value: Value) {
     let DeValue::Table(drives) = value.get_ref() else {
         let figures = [String::new()];
@@ -191,8 +191,8 @@ impl Section<'_, '_> {
                 .collect::<Option<Vec<_>>>(),
             _ => None,
         };
-        // What a drive takes of the frame with all setpoints stands behind those of others (9031); no other PDO is
-        // longer than eight bytes. No object is shorter than one.
+        // In the frame with all setpoints (9031) the objects of a drive follow those of other drives. No other PDO is
+        // longer than eight bytes. No object is shorter than one byte.
         let room = match mapping {
             COMMAND_MAPPING => 64,
             _ => 8,
@@ -259,7 +259,7 @@ impl Section<'_, '_> {
     }
 }
 
-/// What stands at a place, cut to one line.
+/// The text at a place, cut to one line.
 fn place_text(place: &Place) -> String {
     let taken = place.end_column.saturating_sub(place.column);
     place
@@ -279,12 +279,12 @@ fn is_typed(table: &DeTable) -> bool {
     table.contains_key("type") || table.contains_key("value")
 }
 
-/// Any whole number of a file, in whichever base.
+/// Any whole number of a file, in any base.
 fn integer_of(integer: &DeInteger) -> Option<i64> {
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
 
-/// `60C2.1`, `60C2h:01`: hexadecimal both.
+/// `60C2.1`, `60C2h:01`: both hexadecimal.
 fn parse(name: &str) -> Option<Object> {
     let (index, sub) = match name.split_once(['.', ':']) {
         Some((index, sub)) => (index, sub),
@@ -296,7 +296,7 @@ fn parse(name: &str) -> Option<Object> {
             (1..=digits).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_hexdigit());
         good.then(|| u16::from_str_radix(text, 16).ok()).flatten()
     };
-    // Four digits, so that no misspelt name is taken for a number.
+    // Four digits, so that a misspelt name is not taken for a number.
     let index = (index.trim_end_matches(['h', 'H']).len() == 4)
         .then(|| hex(index, 4))
         .flatten()?;
@@ -319,7 +319,7 @@ fn microseconds(text: &str) -> Option<i64> {
     let number: i64 = number.parse().ok()?;
     match unit.trim() {
         "ms" => number.checked_mul(1000),
-        // The micro sign, the Greek letter, and what keyboards have.
+        // The micro sign, the Greek letter, and the letter on keyboards.
         "\u{b5}s" | "\u{3bc}s" | "us" => Some(number),
         _ => None,
     }
