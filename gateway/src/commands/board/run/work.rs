@@ -1,39 +1,26 @@
-//! `run` on a real bus: checks the whole program against the board's own parameters, feeds it, watches it, and tells the
-//! result.
+//! Feeds a checked program to a board and watches it to its end.
+//!
+//! Knows the board and the program's calls; must not know how the result is told.
 
-use std::io::IsTerminal as _;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use leadscrew_can::Address;
-use leadscrew_core::alarm::Lang;
+use indicatif::ProgressBar;
 use leadscrew_core::board::{DriveNodes, Event};
 use leadscrew_core::bus::{BoardCommand, BoardState, NodeId, Order};
-use leadscrew_core::journal::TapRecord;
-use leadscrew_core::link::{Certificate, Logged, Status};
+use leadscrew_core::link::{Certificate, Logged, Status, ThreadCertificate};
 use leadscrew_core::program::Position;
-use leadscrew_core::units::Rpm;
 
-use super::{Machine, state_words};
-use crate::checking::{Report, plural};
-use crate::cli::{Drive, Global};
-use crate::diagnostics::alarm_words;
-use crate::diagnostics::{self, Diagnostic};
-use crate::execution::tell_report;
-use crate::failure::{Doing, Failure, Outcome};
+use super::super::state_words;
+use crate::cli::Global;
+use crate::diagnostics::{self, Diagnostic, alarm_words};
+use crate::failure::{Failure, Outcome};
 use crate::feeder::{Feeder, placed};
-use crate::interrupt::{self, UnderWay};
-use crate::json::Json;
+use crate::interrupt;
 use crate::link::{Feed, Link};
-use crate::number;
-use crate::origin::Origin;
-use crate::output;
-use crate::setup::{Answer, Setup, alone_in};
+use crate::setup::Setup;
 use crate::source::SourceFile;
-use crate::synchronism::Synchronism;
 use crate::threads::Threads;
-use crate::values::Tolerance;
-use crate::words::{Both, both, pick};
+use crate::words::{Both, both};
 
 /// Pause between two looks at the board while nothing can be fed.
 const LOOK: Duration = Duration::from_millis(5);
@@ -49,86 +36,39 @@ const STOP: Duration = Duration::from_secs(120);
 
 /// The result of a run.
 #[derive(Debug, Default)]
-struct Ran {
-    alarms: Vec<Diagnostic>,
-    warnings: Vec<Diagnostic>,
-    moves: u64,
-    late: u32,
+pub struct Ran {
+    pub alarms: Vec<Diagnostic>,
+    pub warnings: Vec<Diagnostic>,
+    pub moves: u64,
+    pub late: u32,
     /// The board's certificate of the run.
-    certificate: Option<Certificate>,
+    pub certificate: Option<Certificate>,
     /// The certificates of its threads.
-    threads: Threads,
-    line: u32,
+    pub threads: Threads,
+    pub line: u32,
     finished: bool,
     /// Another client has reset the board.
-    reset: bool,
+    pub reset: bool,
     /// The drives have been enabled again.
     ready: bool,
-    interrupted: bool,
+    pub interrupted: bool,
 }
 
-/// Refuses an option that only a simulated machine can do.
-fn refuse(global: &Global, drive: &Drive) -> Outcome {
-    let option = if drive.spindle_ripple.is_some() {
-        "--spindle-ripple"
-    } else if drive.tick_us.is_some() {
-        "--tick-us"
-    } else if global.at.is_some() {
-        "--at"
-    } else {
-        return Ok(());
-    };
-    let bus = &global.bus;
-    Err(Failure::Usage(both!(
-        "`{option}` is for the simulated machine; behind `--bus {bus}` stands a real one",
-        "`{option}` 只用于模拟机床；`--bus {bus}` 后面是真实机床"
-    )))
-}
-
-/// Runs a program on a board.
-pub fn run(
-    global: &Global,
+/// Runs a program on a board that was checked for it with this `status`. Returns the result also where the board was lost.
+pub fn carry_out(
+    setup: &Setup,
     source: &SourceFile,
-    drive: &Drive,
-    tolerance: Option<Tolerance>,
-) -> Outcome {
-    refuse(global, drive)?;
-    // A mistyped name needs no board.
-    source
-        .open()
-        .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
-    let program = source.name();
-    let answer = Answer::Run { program: &program };
-    alone_in(global, &global.params, &global.set, answer)?;
-    let machine = Machine::meet(global)?;
-    let mut setup = Setup::over(global, Some(machine.params.clone()), answer)?;
-    machine.agrees_with(&setup)?;
-    let mut link = machine.link;
-    let status = link.status()?;
-    ready(&status, &link, global)?;
-    setup.position = Some(status.position);
-    setup.turning = status.command != Rpm::STOPPED;
-    setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
-    let origin = Origin {
-        program: program.clone(),
-        parameters: Some(status.parameters),
-        board: Some((link.board_name()?, SystemTime::now())),
-    };
-    let report = tell_report(&setup, source)?;
-    if !report.alarms.is_empty() {
-        if global.json {
-            result(&setup, &report, &Ran::default(), &origin, false)?;
-        }
-        return Err(Failure::Wrong);
-    }
-    interrupt::defer(UnderWay::Machine);
-    let (_, link_threads) = link.certificates()?;
+    link: &mut Link,
+    status: Status,
+    threads: &[ThreadCertificate],
+    bar: ProgressBar,
+) -> (Ran, Outcome) {
     let mut runner = Runner {
-        setup: &setup,
+        setup,
         source,
-        link: &mut link,
+        link,
         ran: Ran {
-            threads: Threads::behind(&link_threads),
+            threads: Threads::behind(threads),
             ..Ran::default()
         },
         pace: Pace::new(),
@@ -136,93 +76,15 @@ pub fn run(
         late: status.late,
         checked: status,
         held: false,
-        bar: bar(report.moves, global.json, setup.lang),
+        bar,
     };
     let outcome = runner.all();
     runner.bar.finish_and_clear();
-    let ran = runner.ran;
-    for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
-        diagnostics::print(diagnostic, setup.colour);
-    }
-    if let Err(lost) = outcome {
-        // The result so far: the board may still finish its work.
-        if global.json {
-            output::json(|json| {
-                lost.fields(setup.lang, json);
-                ran.threads.fields(json);
-                for (key, told) in [("alarms", &ran.alarms), ("warnings", &ran.warnings)] {
-                    json.array_at(key, |json| {
-                        for diagnostic in told {
-                            json.object(|json| diagnostic.fields(json, true));
-                        }
-                    });
-                }
-            })?;
-        } else {
-            output::write(ran.threads.text(setup.lang).as_bytes())?;
-        }
-        return Err(lost);
-    }
-    let verdict = if !ran.alarms.is_empty() {
-        Err(Failure::Machine)
-    } else if ran.interrupted {
-        Err(Failure::Interrupted)
-    } else if ran.reset {
-        Err(Failure::MachineBecause(both!(
-            "the board was reset by somebody else; the program has ended in line {line}",
-            "控制板被其它操作者复位；程序在第 {line} 行结束",
-            line = ran.line
-        )))
-    } else {
-        within(&ran, tolerance)
-    };
-    if global.json {
-        result(&setup, &report, &ran, &origin, verdict.is_ok())?;
-    } else {
-        let word = match &verdict {
-            Ok(()) => pick(setup.lang, "done", "完成"),
-            Err(Failure::Interrupted) => pick(setup.lang, "interrupted", "已中断"),
-            Err(Failure::WrongBecause(_)) => pick(setup.lang, "out of tolerance", "超差"),
-            Err(_) => pick(setup.lang, "stopped", "已停止"),
-        };
-        let figures = Figures::of(&ran, &setup);
-        let error = if figures.errors.ticks > 0 {
-            let (worst, rms) = (figures.errors.worst(), figures.errors.rms());
-            both!(
-                " · worst synchronism error {worst_en} µm ({rms} µm RMS), as measured",
-                " · 测得的最大同步误差 {worst_zh} µm（均方根 {rms} µm）",
-                worst_en = worst.en,
-                worst_zh = worst.zh
-            )
-        } else {
-            both!("", "")
-        };
-        let text = both!(
-            "{name}: {word}: {words} · {time} s · {late} setpoints late{en}\nsetpoints {hash}\n",
-            "{name}：{word}：移动 {moves} 段 · {time} s · 迟到设定值 {late} 个{zh}\n设定值校验 {hash}\n",
-            name = source.shown(),
-            words = plural(ran.moves, "move"),
-            moves = ran.moves,
-            time = number::rounded::<6>(figures.time_us, 3),
-            late = ran.late,
-            hash = figures
-                .hash
-                .as_deref()
-                .unwrap_or(pick(setup.lang, "unknown", "未知")),
-            en = error.en,
-            zh = error.zh
-        );
-        output::write(text.get(setup.lang).as_bytes())?;
-        output::write(ran.threads.text(setup.lang).as_bytes())?;
-        if let Some(line) = origin.line() {
-            output::write(line.get(setup.lang).as_bytes())?;
-        }
-    }
-    verdict
+    (runner.ran, outcome)
 }
 
 /// Refuses a board that cannot take a program now.
-fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
+pub fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
     let node = link.node().get();
     let lang = global.lang();
     match status.state {
@@ -249,117 +111,6 @@ fn ready(status: &Status, link: &Link, global: &Global) -> Outcome {
             state = state_words(other, lang)
         ))),
     }
-}
-
-/// The certificate in the contract's units.
-#[derive(Debug, Default)]
-struct Figures {
-    ticks: u64,
-    time_us: i64,
-    hash: Option<String>,
-    /// As measured by the board.
-    errors: Synchronism,
-}
-
-impl Figures {
-    fn of(ran: &Ran, setup: &Setup) -> Self {
-        let Some(certificate) = &ran.certificate else {
-            return Self::default();
-        };
-        let time = certificate
-            .ticks
-            .saturating_mul(u64::from(setup.params.tick_us()));
-        let hash = certificate.setpoint_hash;
-        Self {
-            ticks: certificate.ticks,
-            time_us: i64::try_from(time).unwrap_or(i64::MAX),
-            hash: hash.map(|hash| format!("{hash:016x}")),
-            errors: certificate.into(),
-        }
-    }
-
-    /// Writes the known values, with what was seen of the run.
-    fn fields(&self, bus: &Address, ran: &Ran, path_nm: Option<i64>, json: &mut Json) {
-        json.text("bus", &bus.to_string());
-        json.number("moves", ran.moves);
-        json.number("ticks", self.ticks);
-        json.decimal::<6>("time_s", self.time_us);
-        match path_nm {
-            Some(nm) => json.decimal::<6>("path_mm", nm),
-            None => json.null("path_mm"),
-        }
-        match &self.hash {
-            Some(hash) => json.text("setpoint_hash", hash),
-            None => json.null("setpoint_hash"),
-        }
-        // A machine knows only the measured values.
-        self.errors.field("sync_error_um", json);
-        self.errors.field("measured_error_um", json);
-        json.integer("late", i64::from(ran.late));
-        ran.threads.fields(json);
-    }
-}
-
-/// The figures of a run that has not begun.
-pub fn no_figures(bus: &Address, json: &mut Json) {
-    Figures::default().fields(bus, &Ran::default(), None, json);
-}
-
-/// Compares the board's measurements of each thread, and of the run, with the requested tolerance.
-fn within(ran: &Ran, tolerance: Option<Tolerance>) -> Outcome {
-    let Some(tolerance) = tolerance else {
-        return Ok(());
-    };
-    let mut above = ran.threads.above(tolerance);
-    if let Some(run) = &ran.certificate
-        && tolerance.is_below(run.largest.nm())
-    {
-        // The run stands for a thread whose own certificate is missing.
-        let above = above.get_or_insert_default();
-        above.worst_nm = above.worst_nm.max(run.largest.nm());
-    }
-    match above {
-        Some(above) => Err(Failure::WrongBecause(above.words(tolerance))),
-        None => Ok(()),
-    }
-}
-
-/// The result object. The path is the sum of the moves; it is known where all of them were carried out.
-fn result(setup: &Setup, report: &Report, ran: &Ran, origin: &Origin, ok: bool) -> Outcome {
-    let figures = Figures::of(ran, setup);
-    let path_nm = ok.then(|| report.path_nm.round() as i64);
-    output::json(|json| {
-        json.flag("ok", ok);
-        figures.fields(&setup.global.bus, ran, path_nm, json);
-        for (key, first, then) in [
-            ("alarms", &report.alarms, &ran.alarms),
-            ("warnings", &report.warnings, &ran.warnings),
-        ] {
-            json.array_at(key, |json| {
-                for diagnostic in first.iter().chain(then) {
-                    json.object(|json| diagnostic.fields(json, true));
-                }
-            });
-        }
-        origin.fields(json);
-    })
-}
-
-/// A progress bar over the moves, only on a terminal.
-fn bar(moves: u64, json: bool, lang: Lang) -> ProgressBar {
-    if json || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::with_draw_target(Some(moves), ProgressDrawTarget::stderr());
-    let template = pick(
-        lang,
-        "{bar:40} move {pos}/{len}  {msg}",
-        "{bar:40} 移动 {pos}/{len}  {msg}",
-    );
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar
 }
 
 /// A program that runs on a board.

@@ -1,0 +1,98 @@
+//! `run` on a real bus, in three parts: the arguments and the board are checked here, [`work`] feeds and watches the program,
+//! [`tell`] reports the result.
+
+mod tell;
+mod work;
+
+use std::time::SystemTime;
+
+use leadscrew_core::journal::TapRecord;
+use leadscrew_core::units::Rpm;
+
+pub use self::tell::no_figures;
+use self::work::Ran;
+use super::Machine;
+use crate::cli::{Drive, Global};
+use crate::diagnostics;
+use crate::execution::tell_report;
+use crate::failure::{Doing, Failure, Outcome};
+use crate::interrupt::{self, UnderWay};
+use crate::origin::Origin;
+use crate::setup::{Answer, Setup, alone_in};
+use crate::source::SourceFile;
+use crate::values::Tolerance;
+use crate::words::both;
+
+/// Refuses an option that only a simulated machine can do.
+fn refuse(global: &Global, drive: &Drive) -> Outcome {
+    let option = if drive.spindle_ripple.is_some() {
+        "--spindle-ripple"
+    } else if drive.tick_us.is_some() {
+        "--tick-us"
+    } else if global.at.is_some() {
+        "--at"
+    } else {
+        return Ok(());
+    };
+    let bus = &global.bus;
+    Err(Failure::Usage(both!(
+        "`{option}` is for the simulated machine; behind `--bus {bus}` stands a real one",
+        "`{option}` 只用于模拟机床；`--bus {bus}` 后面是真实机床"
+    )))
+}
+
+/// Runs a program on a board.
+pub fn run(
+    global: &Global,
+    source: &SourceFile,
+    drive: &Drive,
+    tolerance: Option<Tolerance>,
+) -> Outcome {
+    refuse(global, drive)?;
+    // A mistyped name needs no board.
+    source
+        .open()
+        .map_err(|error| Failure::file(Doing::Read, source.name(), &error))?;
+    let program = source.name();
+    let answer = Answer::Run { program: &program };
+    alone_in(global, &global.params, &global.set, answer)?;
+    let machine = Machine::meet(global)?;
+    let mut setup = Setup::over(global, Some(machine.params.clone()), answer)?;
+    machine.agrees_with(&setup)?;
+    let mut link = machine.link;
+    let status = link.status()?;
+    work::ready(&status, &link, global)?;
+    setup.position = Some(status.position);
+    setup.turning = status.command != Rpm::STOPPED;
+    setup.tap = TapRecord::decode(&link.journal()?).ok().flatten();
+    let origin = Origin {
+        program: program.clone(),
+        parameters: Some(status.parameters),
+        board: Some((link.board_name()?, SystemTime::now())),
+    };
+    let report = tell_report(&setup, source)?;
+    if !report.alarms.is_empty() {
+        if global.json {
+            tell::result(&setup, &report, &Ran::default(), &origin, false)?;
+        }
+        return Err(Failure::Wrong);
+    }
+    interrupt::defer(UnderWay::Machine);
+    let (_, threads) = link.certificates()?;
+    let bar = tell::bar(report.moves, global.json, setup.lang);
+    let (ran, outcome) = work::carry_out(&setup, source, &mut link, status, &threads, bar);
+    for diagnostic in ran.alarms.iter().chain(&ran.warnings) {
+        diagnostics::print(diagnostic, setup.colour);
+    }
+    if let Err(lost) = outcome {
+        tell::lost(&setup, &ran, &lost)?;
+        return Err(lost);
+    }
+    let verdict = tell::verdict(&ran, tolerance);
+    if global.json {
+        tell::result(&setup, &report, &ran, &origin, verdict.is_ok())?;
+    } else {
+        tell::summary(&setup, source, &ran, &origin, &verdict)?;
+    }
+    verdict
+}
