@@ -1,15 +1,15 @@
-//! The alarm of a machine as whoever stands at it has to see it: one at a time, the first cause, until a reset.
+//! The alarm of a machine as the person at it must see it: one at a time, the first cause, until a reset.
 //!
-//! A reset that was carried out ends an alarm, whatever it finds: a fault that is still there, or that shows only now, is
-//! the next alarm and as good as the first [D181]. So does the node that is reset.
+//! A reset that was carried out ends an alarm in any case. A fault that is still present, or shows only now, is the next
+//! alarm and counts as the first [D181]. The same holds for a reset of the node.
 
 use leadscrew_core::alarm::Alarm;
 use leadscrew_core::board::{Outcome, State};
 
-/// The alarm that a machine stands on, or stops with.
+/// The alarm on which a machine stands or stops.
 #[derive(Debug, Default)]
 pub struct Latch {
-    /// It, and the tick it came in.
+    /// The alarm and its tick.
     alarm: Option<(Alarm, u64)>,
     /// The last tick in which a reset was on its way to the board.
     asked: Option<u64>,
@@ -21,7 +21,7 @@ impl Latch {
         self.asked = Some(now);
     }
 
-    /// The board has said that there is an alarm.
+    /// The board has reported an alarm.
     pub fn raise(&mut self, alarm: &Alarm, now: u64) {
         assert_eq!(
             self.alarm, None,
@@ -30,13 +30,13 @@ impl Latch {
         self.alarm = Some((*alarm, now));
     }
 
-    /// What the machine does, when all that the board has said is known.
+    /// Takes the state of the machine after all reports of the board.
     pub fn look(&mut self, state: &State) {
         if let State::Alarm(shown) | State::Stopping(Outcome::Alarm(shown)) = state {
             let first = self.alarm.map(|(alarm, _)| alarm);
             assert_eq!(Some(*shown), first, "the alarm that came is not shown");
         } else if let Some((alarm, since)) = self.alarm.take() {
-            // One that crossed the alarm on its way clears it as well [D110].
+            // A reset that was on its way when the alarm came clears it as well [D110].
             let asked = self.asked.is_some_and(|asked| asked + 1 >= since);
             assert!(asked, "an alarm is gone without a reset: {alarm:?}");
         }
@@ -108,7 +108,7 @@ mod tests {
     #[should_panic(expected = "an alarm is gone without a reset")]
     fn nothing_else_ends_one() {
         let mut latch = Latch::default();
-        // Of another alarm, long ago.
+        // A reset for another alarm, long ago.
         latch.asks(8);
         latch.raise(&alarm(Code::DriveFault), 10);
         latch.look(&State::Idle);

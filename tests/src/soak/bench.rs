@@ -1,8 +1,8 @@
-//! A machine, a gateway at the other end of its wire, and an operator between them, in virtual time.
+//! A machine, a gateway at the other end of its wire, and an operator, in virtual time.
 //!
-//! Whatever goes on, [`Bench::tick`] is the one way in which time goes by: the operator does something or not, the
-//! machine takes a tick, what both say crosses a wire that may lose it, and the watch looks on. Transfers and programs
-//! are loops around it, so orders, faults and cuts of power fall anywhere in them.
+//! Time passes only in [`Bench::tick`]: the operator acts or not, the machine takes a tick, frames of both sides cross a
+//! wire that may lose them, and the watch judges. Transfers and programs are loops around it, so orders, faults and losses
+//! of power fall anywhere in them.
 
 use core::time::Duration;
 
@@ -26,39 +26,39 @@ use super::watch::Watch;
 use crate::gateway::NODE;
 use crate::transfer::Transfer;
 
-/// An answer of the board may take so long, in virtual time; a lost frame costs as much.
+/// The longest wait for an answer of the board in virtual time. A lost frame costs this much.
 const PATIENCE: Duration = Duration::from_millis(60);
 /// Tries of one transfer on a wire that loses frames.
 const TRIES: u32 = 60;
-/// An order is answered within so many ticks; on a wire that loses frames it is repeated until then.
+/// The longest time for the answer to an order. On a wire that loses frames the order is repeated until then.
 const ANSWER_TICKS: u64 = 2_000;
-/// An order is repeated after so many ticks.
+/// An order is repeated after this time, in ticks.
 const REPEAT_TICKS: u64 = 20;
-/// Heartbeats of the gateway, in ticks.
+/// Heartbeat period of the gateway in ticks.
 const BEAT_TICKS: u64 = 100;
-/// So many that the wire loses one after the other may be a silence to the board.
+/// This many lost heartbeats in a row may be a silence to the board.
 const SILENT_BEATS: u32 = 4;
-/// Rows come so many ticks late at most.
+/// The most ticks by which rows come late.
 const LATE_ROWS: u64 = 200;
 /// The gateway's own node.
 const GATEWAY: u8 = 127;
 
-/// What a program came to.
+/// The end of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// All of it was carried out.
+    /// It was carried out to its end.
     Finished,
     /// A reset ended it.
     Reset,
-    /// An alarm did.
+    /// An alarm ended it.
     Alarm(Alarm),
-    /// The board began anew.
+    /// The board started again.
     BootUp,
     /// The power went.
     PowerCut,
 }
 
-/// An order on its way.
+/// An order under way.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     command: BoardCommand,
@@ -66,7 +66,7 @@ struct Pending {
     sent: u64,
 }
 
-/// How bad the wire between gateway and board is, in percent.
+/// Quality of the wire between gateway and board, in per cent.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wire {
     /// Frames that are lost.
@@ -82,19 +82,19 @@ pub struct Counts {
     pub ticks: u64,
     /// Programs begun.
     pub programs: u64,
-    /// Those carried out to their end.
+    /// Programs carried out to their end.
     pub finished: u64,
-    /// Resets, emergency stops, holds that were ordered.
+    /// Orders by kind: run, hold, resume, reset, stop.
     pub orders: [u64; 5],
     /// Alarms.
     pub alarms: u64,
-    /// Those of the bus itself.
+    /// Alarms of the bus.
     pub bus: u64,
-    /// Parameter sets taken.
+    /// Accepted parameter sets.
     pub pushed: u64,
-    /// Parameter writes refused.
+    /// Refused parameter writes.
     pub refused: u64,
-    /// Cuts of power.
+    /// Losses of power.
     pub cuts: u64,
     /// Taps brought out of their holes by G30 P99.
     pub returns: u64,
@@ -107,7 +107,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Adds those of another shift.
+    /// Adds the figures of another shift.
     pub fn add(&mut self, other: &Self) {
         self.ticks += other.ticks;
         self.programs += other.programs;
@@ -129,45 +129,45 @@ impl Counts {
 
 /// The bench.
 pub struct Bench {
-    /// What everything at random comes from.
+    /// The source of all random values.
     pub random: Draws,
     /// The machine.
     pub sim: Sim,
-    /// The plant it was made with.
+    /// The options of the plant.
     pub options: PlantOptions,
-    /// The parameters in force, as far as the gateway knows.
+    /// The parameters in force, as the gateway knows them.
     pub params: Params,
     /// The board's last status.
     pub status: BoardStatus,
     /// The watch.
     pub watch: Watch,
-    /// Who presses what.
+    /// The operator.
     pub operator: Operator,
     /// The wire to the gateway.
     pub wire: Wire,
-    /// What was counted.
+    /// The figures.
     pub counts: Counts,
-    /// How the program under way ended; `None` while it goes on.
+    /// The end of the program; `None` while it runs.
     pub end: Option<End>,
     /// Ticks of this shift.
     pub now: u64,
-    /// The gateway says that it is alive.
+    /// The gateway sends heartbeats.
     pub beats: bool,
-    /// Those that the wire has lost, one after the other.
+    /// Missing heartbeats: those that the wire has lost in a row, and at least one while none is sent.
     lost_beats: u32,
-    /// Axes whose place is not what their drives say: a tap was in its hole when the power went.
+    /// Axes whose drives do not tell their true position, because a tap was in its hole when the power went.
     pub assumed: [bool; 3],
     pending: Option<Pending>,
-    program_buffer: Deque<Frame, 512>,
-    /// When the board's status was heard last.
+    received: Deque<Frame, 512>,
+    /// Tick of the board's last status.
     heard: u64,
-    /// The alarm that the machine stands on.
+    /// The alarm of the machine.
     alarm: Latch,
-    /// The encoder has slipped, and the board has not said so.
+    /// The encoder has slipped, and the board has not reported it.
     pub slipped: bool,
-    /// From this tick on it is known to have been said, also in rows that come late.
+    /// From this tick on its report is known, also in late rows.
     slip_over: Option<u64>,
-    /// What else must hold after every tick.
+    /// A further condition after every tick.
     pub must: fn(&Bench),
 }
 
@@ -190,7 +190,7 @@ impl Bench {
             lost_beats: 0,
             assumed: [false; 3],
             pending: None,
-            program_buffer: Deque::new(),
+            received: Deque::new(),
             heard: 0,
             alarm: Latch::default(),
             slipped: false,
@@ -212,12 +212,12 @@ impl Bench {
         self.send(NmtCommand::Start.frame(Some(NODE)));
     }
 
-    /// Where the axes are told to be.
+    /// The commanded position.
     pub fn position(&self) -> Position {
         self.sim.board().ticker().executor().position()
     }
 
-    /// What the machine is doing.
+    /// The state of the machine.
     pub fn state(&self) -> State {
         self.sim.board().ticker().state()
     }
@@ -230,7 +230,7 @@ impl Bench {
             .is_some_and(|record| record.in_hole)
     }
 
-    /// How often this frame arrives.
+    /// How many copies of this frame arrive.
     fn copies(&mut self) -> u32 {
         let bad = (self.wire.lost + self.wire.twice) as i64;
         let luck = self.random.luck(Luck::Wire, 0, 99, |luck| luck < bad) as u64;
@@ -245,7 +245,7 @@ impl Bench {
         }
     }
 
-    /// A frame of the gateway, if the wire is kind. True where it has arrived.
+    /// Sends a frame of the gateway. True where it has arrived.
     pub fn send(&mut self, frame: Frame) -> bool {
         let copies = self.copies();
         for _ in 0..copies {
@@ -254,7 +254,7 @@ impl Bench {
         copies > 0
     }
 
-    /// Gives an order, and repeats it until the board has taken it. An order under way comes first.
+    /// Gives an order and repeats it until the board has taken it. An order under way comes first.
     pub fn order(&mut self, order: Order) {
         if self.pending.is_some() {
             return;
@@ -270,13 +270,13 @@ impl Bench {
         self.send(command.frame(NODE));
     }
 
-    /// The heartbeats of the gateway stop, or come again: the board misses one until the next has arrived.
+    /// Stops or restarts the heartbeats of the gateway. The board misses one until the next has arrived.
     pub fn beat(&mut self, beats: bool) {
         self.beats = beats;
         self.lost_beats = self.lost_beats.max(1);
     }
 
-    /// The board misses a heartbeat of the gateway.
+    /// True where the board misses a heartbeat of the gateway.
     pub fn misses_beat(&self) -> bool {
         self.lost_beats > 0
     }
@@ -300,7 +300,7 @@ impl Bench {
         self.send(command.frame(NODE));
     }
 
-    /// One tick of everything.
+    /// One tick of the whole bench.
     pub fn tick(&mut self) {
         self.now += 1;
         self.counts.ticks += 1;
@@ -316,7 +316,7 @@ impl Bench {
         if self.is_resetting() {
             self.alarm.asks(self.now);
         }
-        // What came between the ticks may have been a reset.
+        // An order between the ticks may have been a reset.
         self.alarm.look(&self.state());
         if self.slip_over.is_some_and(|over| self.now > over) {
             self.slip_over = None;
@@ -337,14 +337,14 @@ impl Bench {
         (self.must)(self);
     }
 
-    /// So many ticks.
+    /// This many ticks.
     pub fn ticks(&mut self, count: u64) {
         for _ in 0..count {
             self.tick();
         }
     }
 
-    /// What the gateway does by itself: heartbeats, orders again, a node that does not speak is started.
+    /// The gateway's own actions: heartbeats, repeated orders, and a start for a silent node.
     fn remind(&mut self) {
         if self.beats
             && self.now.is_multiple_of(BEAT_TICKS)
@@ -388,8 +388,8 @@ impl Bench {
         }
     }
 
-    /// The board is off the bus and comes back when its machine stands. A spindle that turns keeps it waiting: it cannot be
-    /// told to stop.
+    /// True while the board is off the bus. It comes back when its machine stands. A turning spindle delays this, because
+    /// it cannot be told to stop.
     fn is_cut_off(&self) -> bool {
         matches!(
             self.state(),
@@ -400,18 +400,18 @@ impl Bench {
         )
     }
 
-    /// What the board says reaches the gateway, or not.
+    /// Frames of the board reach the gateway, or get lost.
     fn listen(&mut self) {
         while let Some(frame) = self.sim.transmit() {
             if let Some((NODE, NmtState::BootUp)) = NmtState::decode(&frame) {
-                // Where the communication alone began anew, the board still knows the count of the last order: the same
-                // count would be that order repeated.
+                // After a reset of the communication alone, the board still knows the count of the last order: the same
+                // count would repeat that order.
                 self.status = BoardStatus {
                     count: self.status.count,
                     ..BoardStatus::default()
                 };
                 if self.operator.took_node_reset() {
-                    // The application began anew.
+                    // The application has started again.
                     self.pending = None;
                     if self.end.is_none() {
                         self.end = Some(End::BootUp);
@@ -422,8 +422,8 @@ impl Bench {
                 if let Some((NODE, status)) = BoardStatus::decode(&frame) {
                     self.status = status;
                     self.heard = self.now;
-                } else if !self.program_buffer.is_full() {
-                    let _ = self.program_buffer.push_back(frame);
+                } else if !self.received.is_full() {
+                    let _ = self.received.push_back(frame);
                 }
             }
         }
@@ -470,7 +470,7 @@ impl Bench {
         }
     }
 
-    /// Carries an order out until the board has answered.
+    /// Gives an order and waits for the board's answer.
     pub fn ordered(&mut self, order: Order) {
         self.until("an order before", ANSWER_TICKS, |bench| {
             !bench.is_ordering()
@@ -479,7 +479,7 @@ impl Bench {
         self.until("an order", ANSWER_TICKS, |bench| !bench.is_ordering());
     }
 
-    /// Nobody touches anything for a while, and nothing moves.
+    /// Waits for so many ticks without any action. Nothing may move.
     pub fn stands(&mut self, ticks: u64) {
         let mut at = self.position();
         let mood = core::mem::replace(&mut self.operator.mood, Mood::AWAY);
@@ -487,7 +487,7 @@ impl Bench {
             let starting = self.state() == State::Starting;
             self.tick();
             if starting && self.state() != State::Starting && !self.operator.is_well() {
-                // A drive that was elsewhere than told says where it is.
+                // A drive that was elsewhere reports its position.
                 at = self.position();
             }
             assert_eq!(self.position(), at, "it moves again");
@@ -495,10 +495,10 @@ impl Bench {
         self.operator.mood = mood;
     }
 
-    /// Writes an object while time goes by.
+    /// Writes an object while time passes.
     ///
     /// # Errors
-    /// What the board refuses it with; [`SdoError::TimedOut`] where the power has gone.
+    /// The board's refusal; [`SdoError::TimedOut`] where the power has gone.
     pub fn write(
         &mut self,
         object: Object,
@@ -521,7 +521,7 @@ impl Bench {
         );
     }
 
-    /// Reads an object of at most `room` bytes while time goes by; how many there were.
+    /// Reads an object of at most `room` bytes while time passes. Returns their number.
     ///
     /// # Errors
     /// As [`write`](Self::write).
@@ -570,7 +570,7 @@ impl Bench {
         }
     }
 
-    /// A transfer that ended so is tried again: a frame was lost, or the node did not listen for a while.
+    /// True where a transfer with this end is tried again: a frame was lost, or the node did not listen for a while.
     fn again(&self, error: SdoError, expected: &[Abort]) -> bool {
         if !self.sim.has_power() {
             return false;
@@ -587,8 +587,8 @@ impl Bench {
 
     fn transfer(&mut self, transfer: &mut impl Transfer) -> Result<(), SdoError> {
         self.counts.transfers += 1;
-        self.program_buffer.clear();
-        // How many times in a tick both sides get to speak.
+        self.received.clear();
+        // Number of turns to send for both sides in a tick.
         let turns = self.random.within(1, 12);
         loop {
             for _ in 0..turns {
@@ -605,7 +605,7 @@ impl Bench {
                 }
                 self.sim.settle();
                 self.listen();
-                while let Some(frame) = self.program_buffer.pop_front() {
+                while let Some(frame) = self.received.pop_front() {
                     transfer.receive(&frame, now);
                 }
             }
@@ -614,13 +614,13 @@ impl Bench {
                 return Err(SdoError::TimedOut);
             }
             let now = self.time();
-            while let Some(frame) = self.program_buffer.pop_front() {
+            while let Some(frame) = self.received.pop_front() {
                 transfer.receive(&frame, now);
             }
         }
     }
 
-    /// The gateway reads that the machine does this.
+    /// True where the gateway reads this state.
     pub fn says(&self, state: BoardState) -> bool {
         self.status.state == state
     }

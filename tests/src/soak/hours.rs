@@ -1,4 +1,4 @@
-//! A soak on all cores, for hours or for a number of ticks: it goes on after a failure, and counts failures by kind.
+//! A soak on all cores, for hours or for a number of ticks. It goes on after a failure and counts failures by kind.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,49 +8,49 @@ use super::script::Draws;
 use super::shrink::{self, Must, Worked, shrink};
 use super::{SHIFT_TICKS, Soaked};
 
-/// Seeds of one kind of failure that are named.
+/// The most seeds that are named for one kind of failure.
 const NAMED: usize = 8;
-/// Between two words of how far it is.
+/// Time between two reports of progress.
 const WORD: Duration = Duration::from_secs(60);
 
-/// How long it goes on.
+/// The end of a soak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Until {
-    /// For at least so many ticks in all.
+    /// After at least so many ticks in all.
     Ticks(u64),
-    /// For so long by the clock.
+    /// After this time by the clock.
     Time(Duration),
 }
 
 /// Failures of one kind.
 #[derive(Clone, Debug, Default)]
 pub struct Failures {
-    /// How many.
+    /// Number of failures.
     pub count: u64,
     /// The first few seeds.
     pub seeds: Vec<u64>,
 }
 
-/// What it came to.
+/// The result of a soak.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// The first seed; the others follow.
     pub seed: u64,
     /// What was done and judged.
     pub soaked: Soaked,
-    /// What failed, by kind.
+    /// Failures by kind.
     pub failures: BTreeMap<String, Failures>,
-    /// How long it took.
+    /// Its duration.
     pub took: Duration,
 }
 
 impl Report {
-    /// Shifts that failed.
+    /// Number of failed shifts.
     pub fn failed(&self) -> u64 {
         self.failures.values().map(|kind| kind.count).sum()
     }
 
-    /// One line of it.
+    /// The result in one line.
     fn line(&self) -> String {
         let last = self.seed + self.soaked.shifts.saturating_sub(1);
         format!(
@@ -85,20 +85,20 @@ impl core::fmt::Display for Report {
 }
 
 struct State {
-    /// The next shift that nobody works yet.
+    /// The next shift that no thread works yet.
     next: u64,
-    /// Shifts that are done but wait for an earlier one.
+    /// Finished shifts that wait for an earlier one.
     done: BTreeMap<u64, Worked>,
-    /// Kinds of failures that are or were cut down.
+    /// Kinds of failures that are or were reduced.
     known: BTreeSet<String>,
     report: Report,
     said: Instant,
 }
 
-/// Soaks on so many threads, shift n with `seed` + n, and hands every word to `tell` at once.
+/// Soaks on so many threads, shift n with `seed` + n, and hands every report to `tell` at once.
 ///
 /// # Panics
-/// Where the seeds do not last.
+/// Where there are no more seeds.
 pub fn hours(
     seed: u64,
     until: Until,
@@ -149,12 +149,12 @@ fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The next shift, as long as there is one.
+/// The next shift, if there is one.
 fn take(state: &Mutex<State>, until: Until, begun: Instant) -> Option<u64> {
     let mut state = lock(state);
     let over = match until {
         Until::Ticks(ticks) => {
-            // Those under way come to so many, unless they fail; who is done after them looks again.
+            // The shifts under way come to so many ticks, unless they fail; a thread that finishes later checks again.
             let under_way = (state.next - state.report.soaked.shifts) * SHIFT_TICKS;
             state.report.soaked.counts.ticks + under_way >= ticks
         }

@@ -1,13 +1,13 @@
-//! A machine at work for hours, with somebody at it who presses anything at any time: what must never happen, does not.
+//! A machine at work for hours, with an operator who presses anything at any time. It checks what must never happen.
 //!
 //! ```text
 //! programs ─► gateway's side (batches, SDO client, orders) ─► wire that loses frames ─► board ─► drives, spindle, flash
-//!    watch: every tick                       operator: orders, overrides, faults, cuts of power
+//!    watch: every tick                       operator: orders, overrides, faults, losses of power
 //! ```
 //!
-//! Everything comes from a seed. A soak is a row of *shifts*, each a machine of its own with parameters, a wire and an
-//! operator of its own; shift n has seed + n, so that one that fails is repeated alone and at once:
-//! `cargo xtask soak --seed SEED --ticks 1`. It is cut down, too: what is printed is the least that fails in the same way.
+//! Everything comes from a seed. A soak is a row of *shifts*, each with a machine, parameters, a wire and an operator of
+//! its own. Shift n has seed + n, so a failing shift can be repeated alone: `cargo xtask soak --seed SEED --ticks 1`. A
+//! failing shift is also reduced: the printed shift is the least that fails in the same way.
 
 mod alarms;
 mod bench;
@@ -29,10 +29,10 @@ pub use watch::Judged;
 
 use script::Draws;
 
-/// Ticks of a shift, about: it ends behind a program.
+/// Approximate ticks of a shift, which ends after a program.
 pub const SHIFT_TICKS: u64 = 40_000;
 
-/// What a soak has come to.
+/// The result of a soak.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Soaked {
     /// Shifts.
@@ -95,7 +95,7 @@ impl core::fmt::Display for Soaked {
     }
 }
 
-/// Soaks for at least so many ticks. `between` is called behind every program, when nothing of it may be left.
+/// Soaks for at least so many ticks. `between` is called after every program, when nothing of it may be left.
 ///
 /// # Panics
 /// Where anything happens that must not. Seed and tick are printed, and the least that fails in the same way.

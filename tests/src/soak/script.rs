@@ -1,13 +1,13 @@
-//! What a shift draws, kept as a script that can be played again with some of it left out.
+//! The draws of a shift, kept as a script that can be played again with parts left out.
 //!
 //! ```text
 //! live:   seed ─► draws                        record: seed ─► draws ─► script        play: script, less some ─► draws
 //! ```
 //!
-//! A shift draws while it works, so with one draw left out all that follow would be other ones. A script holds each draw by
-//! what it is for: its job, its place in the code, and there its number; what may happen in any tick ([`Draws::luck`]) has
-//! the tick of its job too. So whatever is left out, the rest stays what it was. What a script does not hold is calm: the
-//! frame arrives, nobody presses anything, the last of a range.
+//! A shift draws while it works, so leaving out one draw would change all later ones. A script keeps each draw by its
+//! purpose: its job, its place in the code, and its number there. A chance event, which may happen in any tick
+//! ([`Draws::luck`]), is also kept by the tick of its job. So the rest stays the same, whatever is left out. A draw that is
+//! not in the script is calm: the frame arrives, nobody presses anything, the last value of a range.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::Location;
@@ -15,42 +15,42 @@ use std::panic::Location;
 use super::programs::{Groove, Program};
 use crate::random::{self, Random};
 
-/// Sets a shift's draws apart from whatever else is drawn from the same seed.
+/// Separates a shift's draws from other draws of the same seed.
 const OF_A_SHIFT: u64 = 0x50AC_50AC;
-/// A shift that is played is over before, also where its last job takes the longest; one that is not would never be.
+/// A played shift is over before this tick, also where its last job takes the longest time. Otherwise it would never end.
 const MOST_TICKS: u64 = 2 * super::shift::LONGEST;
-/// Lines ahead of a thread's own that it is made of.
+/// Lines of a thread before its own line that belong to it.
 const OF_A_THREAD: u32 = 3;
 
-/// Where in the code something is drawn.
+/// Place of a draw in the code.
 type Place = &'static Location<'static>;
 
-/// What may happen in any tick.
+/// An event that may happen in any tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Luck {
     /// A frame is lost, or comes twice.
     Wire,
-    /// Somebody does something, or something breaks.
+    /// The operator acts, or a part breaks.
     Act,
 }
 
-/// Something that happened by chance: in this tick of this job, the so manieth time it could.
+/// A chance event: its job, its tick, and its number among the possible events of this tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Chance {
-    /// Its job; 0 is what comes before the first.
+    /// Its job; 0 before the first job.
     pub job: u32,
-    /// Ticks of the job until then.
+    /// Ticks of the job before it.
     pub tick: u64,
-    /// What it was.
+    /// Its kind.
     pub luck: Luck,
     nth: u32,
 }
 
-/// What a draw is for.
+/// The purpose of a draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Purpose {
     job: u32,
-    /// Of what is drawn for something that happens by chance.
+    /// The tick, for a draw of a chance event.
     tick: Option<u64>,
     place: Place,
     nth: u32,
@@ -59,24 +59,24 @@ struct Purpose {
 /// A program of a script.
 #[derive(Clone, Debug)]
 pub struct Written {
-    /// As it was made.
+    /// The original text.
     pub text: String,
-    /// Where it ends.
+    /// Its end position.
     pub end: (i64, i64),
     /// Its threads.
     pub grooves: Vec<Groove>,
-    /// Its lines that are left out, from 0.
+    /// Lines that are left out, from 0.
     pub without: BTreeSet<usize>,
 }
 
 impl Written {
-    /// The lines that may be left out: all but the first, the way to where it ends, and its end.
+    /// The lines that may be left out: all but the first, the way to the end position, and the end.
     pub fn lines(&self) -> Vec<usize> {
         let count = self.text.lines().count();
         (1..count.saturating_sub(2)).collect()
     }
 
-    /// What is left of it; a line that is left out is empty, so that the others keep their numbers.
+    /// The rest of the text. A line that is left out is empty, so that the others keep their numbers.
     pub fn left(&self) -> String {
         let lines = self.text.lines().enumerate();
         lines
@@ -87,7 +87,7 @@ impl Written {
             .collect()
     }
 
-    /// The threads that still are what they were.
+    /// The threads that are unchanged.
     fn grooves(&self) -> Vec<Groove> {
         let whole = |groove: &&Groove| {
             let last = groove.line - 1;
@@ -98,25 +98,25 @@ impl Written {
     }
 }
 
-/// A shift as it was drawn.
+/// A shift as drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Script {
-    /// The jobs that are done, from 1.
+    /// The remaining jobs, from 1.
     pub jobs: Vec<u32>,
-    /// What happens by chance.
+    /// The chance events.
     pub chances: BTreeSet<Chance>,
-    /// The programs, by their job.
+    /// The programs by job.
     pub programs: BTreeMap<u32, Written>,
     lucks: BTreeMap<Chance, i64>,
     bits: BTreeMap<Purpose, u64>,
 }
 
-/// What was told of a shift that was played.
+/// The report of a played shift.
 #[derive(Clone, Debug, Default)]
 pub struct Told {
-    /// What was done, in order.
+    /// The actions in order.
     pub lines: Vec<String>,
-    /// What happened by chance.
+    /// The chance events that happened.
     pub chances: BTreeSet<Chance>,
 }
 
@@ -128,7 +128,7 @@ enum Mode {
     Play,
 }
 
-/// What everything of a shift is drawn from.
+/// The source of all draws of a shift.
 #[derive(Debug)]
 pub struct Draws {
     random: Random,
@@ -138,16 +138,16 @@ pub struct Draws {
     job: u32,
     begun: u64,
     now: u64,
-    /// What is drawn now belongs to something that happens by chance.
+    /// The present draws belong to a chance event.
     acts: bool,
-    /// How often something was drawn for the same, in this job and in this tick of it.
+    /// Number of draws for the same purpose, in this job and in this tick of it.
     in_job: Vec<(Place, u32)>,
     in_tick: Vec<(Place, u32)>,
     lucks: [u32; 2],
 }
 
 impl Draws {
-    /// From a seed. Nothing is kept.
+    /// Draws from a seed, not kept.
     pub fn live(seed: u64) -> Self {
         Self {
             random: Random(seed ^ OF_A_SHIFT),
@@ -164,7 +164,7 @@ impl Draws {
         }
     }
 
-    /// From a seed, and kept.
+    /// Draws from a seed, kept.
     pub fn record(seed: u64) -> Self {
         Self {
             mode: Mode::Record,
@@ -172,7 +172,7 @@ impl Draws {
         }
     }
 
-    /// From a script.
+    /// Draws from a script.
     pub fn play(script: Script) -> Self {
         Self {
             mode: Mode::Play,
@@ -181,12 +181,12 @@ impl Draws {
         }
     }
 
-    /// What was drawn, and what was told of it.
+    /// The draws and the report.
     pub fn into_script(self) -> (Script, Told) {
         (self.script, self.told)
     }
 
-    /// This job begins. `false` where a script leaves it out.
+    /// Begins a job. `false` where the script leaves it out.
     pub fn job(&mut self, number: u32) -> bool {
         self.job = number;
         self.begun = self.now;
@@ -202,10 +202,10 @@ impl Draws {
         }
     }
 
-    /// This tick begins.
+    /// Begins a tick.
     ///
     /// # Panics
-    /// Where a script, with what was left out of it, does not come to an end.
+    /// Where a script with parts left out does not come to an end.
     pub fn tick(&mut self, now: u64) {
         if let Mode::Play = self.mode {
             assert!(now < MOST_TICKS, "a script without an end");
@@ -215,7 +215,7 @@ impl Draws {
         self.lucks = [0; 2];
     }
 
-    /// Something may happen by chance: `low` to `high`, and it does where `happens` says so.
+    /// Draws a chance event from `low` to `high`. It happens where `happens` returns true.
     pub fn luck(
         &mut self,
         luck: Luck,
@@ -252,19 +252,19 @@ impl Draws {
         self.script.lucks.get(&chance).copied().unwrap_or(high)
     }
 
-    /// What is drawn from now on belongs to something that happens by chance, or not.
+    /// Whether the following draws belong to a chance event.
     pub fn set_acts(&mut self, acts: bool) {
         self.acts = acts;
     }
 
-    /// Tells what is done by chance, where somebody listens.
+    /// Reports a chance event, where a report is wanted.
     pub fn act(&mut self, what: impl FnOnce() -> String) {
         if self.acts {
             self.tell(what);
         }
     }
 
-    /// Tells what is done, where somebody listens.
+    /// Reports an action, where a report is wanted.
     pub fn tell(&mut self, what: impl FnOnce() -> String) {
         if let Mode::Play = self.mode {
             let tick = self.now - self.begun;
@@ -272,14 +272,14 @@ impl Draws {
         }
     }
 
-    /// Tells which job begins, where somebody listens.
+    /// Reports the beginning of a job, where a report is wanted.
     pub fn tell_job(&mut self, what: &str) {
         if let Mode::Play = self.mode {
             self.told.lines.push(format!("job {}: {what}", self.job));
         }
     }
 
-    /// The program of this job: `made` now, or again as the script has it.
+    /// The program of this job: `made` now, or made again from the script's text.
     pub fn program(
         &mut self,
         made: impl FnOnce(&mut Self) -> Program,
@@ -311,7 +311,7 @@ impl Draws {
         program
     }
 
-    /// The next bits, and `None` where a script has none for this.
+    /// The next bits; `None` where a script has none for this purpose.
     #[track_caller]
     fn bits(&mut self) -> Option<u64> {
         if let Mode::Live = self.mode {
@@ -346,7 +346,7 @@ impl Draws {
         Some(bits)
     }
 
-    /// True in so many cases of a hundred.
+    /// True with a probability in per cent.
     #[track_caller]
     pub fn chance(&mut self, percent: u64) -> bool {
         self.bits()

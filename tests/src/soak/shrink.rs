@@ -1,5 +1,5 @@
-//! A shift that fails, cut down to the least that still fails in the same way: jobs, what happens by chance in them, and
-//! lines of their programs are left out as long as it does.
+//! Reduces a failing shift to the least that still fails in the same way, by leaving out jobs, chance events and lines of
+//! programs.
 
 use std::any::Any;
 use std::backtrace::{Backtrace, BacktraceStatus};
@@ -14,12 +14,12 @@ use super::script::{Draws, Script, Told};
 use super::shift::Shift;
 use super::{Judged, SHIFT_TICKS};
 
-/// Runs of one shift that are tried at most.
+/// The most runs of one shift that are tried.
 const MOST_RUNS: u32 = 3_000;
-/// Letters of a message that tell one kind of failure from another.
+/// The part of a message that distinguishes one kind of failure from another, in letters.
 const OF_A_KIND: usize = 200;
 
-/// What must hold after every tick beside what the bench itself looks at.
+/// A condition after every tick, in addition to the bench's own checks.
 pub type Must = fn(&Bench);
 
 /// A shift that failed.
@@ -27,21 +27,21 @@ pub type Must = fn(&Bench);
 pub struct Failure {
     /// The seed of the shift.
     pub seed: u64,
-    /// Ticks until then.
+    /// Ticks before the failure.
     pub tick: u64,
-    /// Where in the code, and the message without its numbers.
+    /// Place in the code, and the message without its numbers.
     pub kind: String,
-    /// Where, and the whole message.
+    /// Place and the whole message.
     pub message: String,
-    /// The way there, where `RUST_BACKTRACE` asks for it.
+    /// The backtrace, where `RUST_BACKTRACE` asks for it.
     trace: Backtrace,
-    /// What the machine was doing.
+    /// The work of the machine at that time.
     pub doing: String,
     payload: Box<dyn Any + Send>,
 }
 
 impl Failure {
-    /// Goes on with the panic that it was.
+    /// Continues the original panic.
     pub fn go_on(self) -> ! {
         std::panic::resume_unwind(self.payload)
     }
@@ -74,7 +74,7 @@ struct Caught {
 }
 
 thread_local! {
-    /// Panics of this thread are caught and not shown.
+    /// True while panics of this thread are caught and not shown.
     static CATCHES: Cell<bool> = const { Cell::new(false) };
     static CAUGHT: RefCell<Option<Caught>> = const { RefCell::new(None) };
 }
@@ -89,7 +89,7 @@ fn hook(info: &PanicHookInfo) {
     CAUGHT.with(|last| last.replace(Some(caught)));
 }
 
-/// Does it, and gives what it panics with.
+/// Calls `work` and returns its panic.
 fn catch(work: impl FnOnce()) -> Result<(), (Caught, Box<dyn Any + Send>)> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -111,7 +111,7 @@ fn catch(work: impl FnOnce()) -> Result<(), (Caught, Box<dyn Any + Send>)> {
     })
 }
 
-/// A message without its numbers: what two failures of one cause have in common.
+/// A message without its numbers: the common part of two failures with one cause.
 fn kind(place: &str, message: &str) -> String {
     let mut kind = format!("{place}: ");
     let mut in_number = false;
@@ -130,21 +130,21 @@ fn kind(place: &str, message: &str) -> String {
     kind
 }
 
-/// A shift that was worked.
+/// The result of a shift.
 pub(super) struct Worked {
     /// What was done.
     pub counts: Counts,
     /// What was judged.
     pub judged: Judged,
-    /// What went wrong.
+    /// The failure.
     pub failure: Option<Failure>,
-    /// What was drawn.
+    /// The draws.
     pub draws: Draws,
     /// The machine, in words.
     machine: String,
 }
 
-/// Works a shift: `jobs`, or as many as it takes.
+/// Works a shift: `jobs`, or as many jobs as it takes.
 pub(super) fn work(
     seed: u64,
     draws: Draws,
@@ -202,7 +202,7 @@ pub(super) fn work(
     }
 }
 
-/// What is not as in the built-in machine.
+/// The differences from the built-in machine.
 fn machine(shift: &Shift) -> String {
     let usual = Params::slant_bed();
     let others: Vec<String> = Entry::all()
@@ -222,15 +222,15 @@ fn machine(shift: &Shift) -> String {
 /// The least that fails in the same way.
 #[derive(Debug)]
 pub struct Shortest {
-    /// What is left.
+    /// The rest of the script.
     pub script: Script,
-    /// What was told when it was played.
+    /// The report of playing it.
     pub told: Told,
-    /// How it fails.
+    /// Its failure.
     pub failure: Failure,
-    /// Jobs, chances and lines of the programs: of the whole shift, and what is left.
+    /// Jobs, chance events and lines of programs: in the whole shift, and in the rest.
     pub sizes: [[usize; 2]; 3],
-    /// Runs that were tried.
+    /// Number of runs.
     pub runs: u32,
     machine: String,
 }
@@ -263,7 +263,7 @@ struct Shrinker {
     runs: u32,
 }
 
-/// Cuts the shift of this seed down. `None` where it does not fail, or not in this way when its script is played.
+/// Reduces the shift of this seed. `None` where it does not fail, or does not fail in this way when its script is played.
 pub fn shrink(seed: u64, must: Must) -> Option<Shortest> {
     let worked = work(seed, Draws::record(seed), None, must, |_| {});
     let kind = worked.failure?.kind;
@@ -294,12 +294,12 @@ pub fn shrink(seed: u64, must: Must) -> Option<Shortest> {
     })
 }
 
-/// Jobs, chances, lines of programs.
+/// Number of jobs, chance events and lines of programs.
 fn sizes(script: &Script) -> [usize; 3] {
     [script.jobs.len(), script.chances.len(), lines(script).len()]
 }
 
-/// Lines that are left, by the job of their program.
+/// The remaining lines, by the job of their program.
 fn lines(script: &Script) -> Vec<(u32, usize)> {
     let programs = script.programs.iter();
     programs
@@ -313,7 +313,7 @@ fn lines(script: &Script) -> Vec<(u32, usize)> {
 }
 
 impl Shrinker {
-    /// Plays it; where it fails in the same way it takes the place of the script.
+    /// Plays the script. If it fails in the same way, it replaces the script so far.
     fn fails(&mut self, mut script: Script) -> bool {
         if self.runs >= MOST_RUNS {
             return false;
@@ -327,7 +327,7 @@ impl Shrinker {
             return false;
         };
         let (_, told) = worked.draws.into_script();
-        // What did not happen any more is left out, too.
+        // Chance events that did not happen any more are left out too.
         script.chances.clone_from(&told.chances);
         self.script = script;
         self.told = told;
@@ -360,7 +360,7 @@ impl Shrinker {
         }
     }
 
-    /// Leaves out what can be: all, halves, quarters, at last one by one.
+    /// Leaves out as many items as possible: all, halves, quarters, finally single ones.
     fn leave_out<T>(
         &mut self,
         list: impl Fn(&Script) -> Vec<T>,

@@ -1,4 +1,4 @@
-//! What breaks: drives, spindle, encoder, flash, and the wire between the board and everybody else.
+//! Faults: drives, spindle, encoder, flash, and the wire between the board and all other nodes.
 
 use leadscrew_board_sim::line::{Faults, Intruder, Noise, Span};
 use leadscrew_board_sim::plant::Trouble;
@@ -9,7 +9,7 @@ use leadscrew_core::units::Axis;
 use super::bench::Bench;
 use super::operator::OF_SPINDLE;
 
-/// Alarms of a drive that has any trouble.
+/// Alarms of a faulty drive.
 pub(super) const OF_DRIVES: [Code; 14] = [
     Code::DriveNoAnswer,
     Code::DriveNotInitialised,
@@ -36,7 +36,7 @@ pub(super) const OF_BUS: [Code; 5] = [
     Code::SecondManager,
 ];
 
-/// Something of the machine breaks.
+/// Breaks a part of the machine.
 pub(super) fn break_something(bench: &mut Bench) {
     bench.counts.troubles += 1;
     bench.operator.broken = true;
@@ -100,8 +100,8 @@ pub(super) fn break_something(bench: &mut Bench) {
     }
 }
 
-/// The wire goes bad: frames of the drives are lost, doubled and swapped by chance; the controller leaves the bus or nearly
-/// does; somebody else gives the beat, moves a drive or stops one.
+/// Spoils the wire: frames of the drives are lost, doubled and swapped by chance; the controller leaves the bus or nearly
+/// does; another node sends SYNC, moves a drive or stops one.
 fn spoil(bench: &mut Bench) {
     if bench.operator.spoilt.is_some() {
         return;
@@ -149,7 +149,7 @@ fn spoil(bench: &mut Bench) {
     bench.sim.spoil(faults);
 }
 
-/// What is wrong with the wire by chance is mended; anything else has to be over by itself.
+/// Ends the random faults of the wire. The others must end by themselves.
 pub(super) fn mend_wire(bench: &mut Bench) {
     match bench.operator.spoilt {
         Some(0) => bench.sim.spoil(Faults::NONE),

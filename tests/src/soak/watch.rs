@@ -1,4 +1,4 @@
-//! What must hold in every tick, whoever does whatever to the machine.
+//! The conditions that must hold in every tick, whatever happens to the machine.
 
 use leadscrew_board_sim::{Doing, Row, Sim};
 use leadscrew_core::board::State;
@@ -8,39 +8,39 @@ use leadscrew_core::units::{Axis, Length};
 
 use super::programs::Groove;
 
-/// A thread may be so far from its helix, for any lead, speed, tick and ripple of these machines: about four counts of the
-/// encoder where the lead is longest.
+/// The largest distance of a thread from its helix, for any lead, speed, tick and ripple of these machines: about four
+/// counts of the encoder at the longest lead.
 const THREAD_NM: f64 = 8_000.0;
-/// The spindle in position mode may be so far from where it is told to be, in nanometres of the tap axis: half an
-/// increment of its drive, and what lies between two SYNCs where the drives' latency is no whole number of ticks.
+/// The largest distance of the spindle in position mode from its command, in nanometres of the tap axis: half an increment
+/// of its drive, plus the way between two SYNCs where the drives' latency is not a whole number of ticks.
 const TAP_NM: i64 = 500;
 
-/// Rows come fewer ticks late.
+/// The most ticks by which rows come late.
 const LATE: usize = 256;
 
-/// What a shift has used of its limits, and how much was judged.
+/// The used part of the limits in a shift, and the number of judged values.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Judged {
     /// Setpoints.
     pub rows: u64,
-    /// Those in which an axis was held to the spindle by the helix of a thread.
+    /// Setpoints with an axis held to the helix of a thread.
     pub threads: u64,
-    /// The largest distance from it, in nanometres.
+    /// The largest distance from the helix, in nanometres.
     pub thread_nm: i64,
-    /// Those held to the line of a rigid tap.
+    /// Setpoints with an axis held to the line of a rigid tap.
     pub taps: u64,
-    /// The largest distance from it, in nanometres.
+    /// The largest distance from this line, in nanometres.
     pub tap_nm: i64,
-    /// Those of an ordinary tap.
+    /// Setpoints with an axis held to the line of an ordinary tap.
     pub floats: u64,
-    /// The largest distance from its line, in nanometres: what a holder has to take up.
+    /// The largest distance from this line, in nanometres: the travel of the holder.
     pub float_nm: i64,
-    /// Largest shares of speed, acceleration and jerk where time drives the axes.
+    /// The largest shares of speed, acceleration and jerk in motion driven by time.
     pub used: [f64; 3],
 }
 
 impl Judged {
-    /// Adds what another watch has seen.
+    /// Adds the values of another watch.
     pub fn add(&mut self, other: &Self) {
         self.rows += other.rows;
         self.threads += other.threads;
@@ -67,26 +67,28 @@ struct Bounds {
 pub struct Watch {
     bounds: [Bounds; 3],
     last: heapless::Deque<Row, 4>,
-    /// Whether a spindle that nobody controls drove an axis, for each of the last ticks: rows come late.
+    /// For each of the last ticks: a spindle out of control drove an axis. Rows come late.
     led: [bool; LATE],
-    /// Whether the drives came up in it: the axes stand where their drives say, which is elsewhere if they were moved.
+    /// For each of the last ticks: the drives came up. The axes stand where their drives say, which differs if they were
+    /// moved.
     came_up: [bool; LATE],
-    /// Ticks of the machine since it was switched on.
+    /// Ticks since the machine was switched on.
     ticks: usize,
     /// Position and state after the tick before.
     before: Option<(Position, State)>,
     grooves: heapless::Vec<Groove, 8>,
-    /// The spindle's angle and the board's count of it may differ until this row's tick: counts have slipped.
+    /// Until this row's tick the true angle of the spindle and the board's count may differ, because counts have slipped.
     slipped: bool,
-    /// An emergency stop in the rounded corner of a run-out adds its jerk to the corner's [D53], until the axes stand.
+    /// An emergency stop in the rounded corner of a run-out adds its jerk to that of the corner [D53], until the axes
+    /// stand.
     stopping: bool,
-    /// The drives follow with a lag of their own.
+    /// The drives follow with a lag.
     lags: bool,
-    /// Until this tick what the drives do is not what they are told: something is broken.
+    /// Until this tick the drives do not follow their commands, because something is broken.
     broken_until: usize,
-    /// The axes may be said to stand elsewhere.
+    /// The axes may be declared to stand elsewhere.
     replaces: bool,
-    /// What it has seen.
+    /// The judged values.
     pub judged: Judged,
 }
 
@@ -94,11 +96,11 @@ fn of(position: Position) -> [i64; 3] {
     [position.x.nm(), position.z.nm(), position.c.udeg()]
 }
 
-/// What a spindle turns at most, broken, of what it is told.
+/// The speed of a broken spindle, relative to its command, at most.
 const TOO_FAST: f64 = 1.3;
 
 impl Watch {
-    /// For a machine with these parameters; `lags`: its drives follow with a lag.
+    /// A watch for a machine with these parameters. `lags`: its drives follow with a lag.
     pub fn new(params: &Params, lags: bool) -> Self {
         Self {
             bounds: bounds(params),
@@ -117,29 +119,30 @@ impl Watch {
         }
     }
 
-    /// Other parameters are in force; the machine stands.
+    /// Other parameters come into force; the machine stands.
     pub fn set_params(&mut self, params: &Params) {
         self.bounds = bounds(params);
         self.last.clear();
     }
 
-    /// The setpoints begin anew: the power has been away, or the drives have been moved.
+    /// The setpoints begin again: the power was away, or the drives were moved.
     pub fn forget(&mut self) {
         self.last.clear();
         self.before = None;
     }
 
-    /// The threads of the program that comes.
+    /// The threads of the next program.
     pub fn expect(&mut self, grooves: &[Groove]) {
         self.grooves = heapless::Vec::from_slice(grooves).expect("a program has few threads");
     }
 
-    /// Counts of the encoder are lost or doubled from now on; `false`: what was noticed of it has been dealt with.
+    /// `true`: counts of the encoder are lost or doubled from now on. `false`: the board has noticed it and the effects are
+    /// over.
     pub fn set_slipped(&mut self, slipped: bool) {
         self.slipped = slipped;
     }
 
-    /// The machine is switched on: its tick 0 is over.
+    /// The machine was switched on; its tick 0 is over.
     pub fn power_up(&mut self) {
         self.forget();
         self.ticks = 1;
@@ -148,17 +151,17 @@ impl Watch {
         self.broken_until = 0;
     }
 
-    /// The tick of the machine that comes.
+    /// The next tick of the machine.
     pub fn tick_to_come(&self) -> u64 {
         self.ticks as u64
     }
 
-    /// Whether the axes may be said to stand elsewhere: an entry of the tap journal is being dropped.
+    /// Whether the axes may be declared to stand elsewhere, because an entry of the tap journal is being dropped.
     pub fn set_replaces(&mut self, replaces: bool) {
         self.replaces = replaces;
     }
 
-    /// A tick is over: what drove it; `well`: nothing is broken.
+    /// A tick is over. `well`: nothing is broken.
     pub fn tick(&mut self, sim: &Sim, well: bool) {
         let ticker = sim.board().ticker();
         let executor = ticker.executor();
@@ -203,7 +206,7 @@ impl Watch {
         let led = window.map(|row| self.led[row.tick as usize % LATE]);
         let led = led.contains(&true);
         let broken = (d.tick as usize) < self.broken_until;
-        // In what follows the helix its noise shows, and that is judged as distance.
+        // Behind a helix its noise shows; that noise is judged as a distance.
         let locked = window
             .iter()
             .any(|row| row.error.is_some() && !row.is_rigid());
@@ -224,7 +227,7 @@ impl Watch {
                 let axis = Axis::ALL[axis];
                 let limit = match (led, broken) {
                     (false, _) => limit,
-                    // The unevenness of a spindle adds to what a pass is planned for.
+                    // The unevenness of a spindle adds to the values for which a pass is planned.
                     (true, false) => 1.1 * limit,
                     // A spindle that turns too fast takes its axis with it.
                     (true, true) => 1.1 * limit * TOO_FAST.powi(n as i32 + 1),
@@ -242,7 +245,7 @@ impl Watch {
         }
     }
 
-    /// Threads and taps on their lines.
+    /// Judges threads and taps on their lines.
     fn spindle(&mut self, row: &Row) {
         let Some(error) = row.error else {
             return;
@@ -271,7 +274,7 @@ impl Watch {
                 if self.slipped {
                     return;
                 }
-                // What an alarm leaves of a run-out is not led by the spindle any more.
+                // After an alarm the rest of a run-out is not led by the spindle any more.
                 if row.doing == Doing::Alarm {
                     return;
                 }
@@ -284,14 +287,14 @@ impl Watch {
         }
     }
 
-    /// What can be said between two ticks.
+    /// Judges the state between two ticks.
     pub fn between(&mut self, sim: &Sim) {
         let ticker = sim.board().ticker();
         let (at, state) = (ticker.executor().position(), ticker.state());
         if let Some((before, was)) = self.before.replace((at, state)) {
             let stands = match (was, state) {
                 (State::Idle, State::Idle) => true,
-                // An ordinary tap goes where the spindle goes, also with the last creeping of one that is stopped.
+                // An ordinary tap follows the spindle, also while a stopped spindle still creeps.
                 (State::Held, State::Held) => !ticker.executor().is_floating(),
                 (State::Alarm(_), State::Alarm(_) | State::Starting) => true,
                 (State::Starting, State::Starting) => true,
@@ -306,7 +309,7 @@ impl Watch {
             let rpm = sim.spindle_command().get();
             assert_eq!(rpm, 0, "the spindle is to turn in {state:?}");
         }
-        // A tap below R is known to be in its hole.
+        // A tap below R must be known to be in its hole.
         if let Some(line) = sim.board().tap_line() {
             let record = sim.board().tap_record();
             let below = line.gear.depth(at) > Length::ZERO;
@@ -331,10 +334,10 @@ fn told(row: Row) -> String {
     )
 }
 
-/// The setpoint lies in the groove that the program's text asks for, at the true angle of the spindle.
+/// Checks that the setpoint lies in the groove of the program's text, at the true angle of the spindle.
 fn in_groove(row: &Row, groove: &Groove) {
     let lead = groove.lead as f64;
-    // Of a large number of turns the whole ones do not count.
+    // Of a large number of turns only the fraction counts.
     let turns = (row.spindle.raw() & ((1_i128 << 64) - 1)) as f64 / 2f64.powi(64);
     let way = (row.position.z.nm() - groove.start) as f64 - groove.sign as f64 * turns * lead;
     let off = (way + lead / 2.0).rem_euclid(lead) - lead / 2.0;
