@@ -1,5 +1,5 @@
-//! `run` on a real bus, in three parts: the arguments and the board are checked here, [`work`] feeds and watches the program,
-//! [`tell`] reports the result.
+//! `run` on a real bus, in three parts: the arguments and the board are checked here, [`work`] feeds and watches the
+//! program, [`tell`] reports the result.
 
 mod tell;
 mod work;
