@@ -1,6 +1,6 @@
-//! A machine at work, tick by tick, and what a bench does with it whatever stands around it.
+//! A machine at work, tick by tick, and the common actions of the benches that use it.
 //!
-//! Time goes by in [`Bench::tick`] alone. What goes wrong, and what is to come of it, is the tests' affair.
+//! Time passes only in [`Bench::tick`]. The tests decide about faults and judge their effects.
 
 use std::collections::VecDeque;
 
@@ -17,36 +17,36 @@ use crate::machine::{calls, machine};
 pub const WORK: &str = "M3 S600\nG0 X64 Z6\nG76 P010060 Q800 R0.1\nG76 X60 Z-6 P8000 Q7000 F1\nG0 X61 Z-3\n\
                         G98 G75 R0.2\nG75 X58 P10000 F600\nG0 X70 Z8\nM30\n";
 
-/// What comes after: it must do what it would have done first. It ends at X 40 mm (radius), Z 10 mm.
+/// The next program: it must run as if it were the first. It ends at X 40 mm (radius), Z 10 mm.
 pub const NEXT: &str =
     "M3 S600\nG0 X63 Z5\nG76 P010560 Q800 R0.1\nG76 X61 Z-4 P4000 Q4000 F1\nG0 X80 Z10\nM30\n";
 
-/// Ticks within which any stop must be over: the deepest retract, a rapid out, two seconds for the spindle.
+/// The longest time of a stop in ticks: the deepest retract, a rapid out, two seconds for the spindle.
 pub const PATIENCE: u64 = 6_000;
 
-/// Ticks after which a program counts as stuck.
+/// A program counts as stuck after this many ticks.
 const LONGEST: u64 = 60_000;
 
-/// A machine, what is still to be handed over, and what it has done.
+/// A machine, the calls that wait for it, and its results.
 pub struct Lathe {
     /// The machine.
     pub sim: Sim,
-    /// What it was made with.
+    /// Its parameters at the start.
     pub params: Params,
-    /// Calls that it had no room for yet.
+    /// Calls that had no room yet.
     pub waiting: VecDeque<Call>,
-    /// Every tick whose truth is known.
+    /// Every tick whose true values are known.
     pub rows: Vec<Row>,
-    /// What the board said.
+    /// Events of the board.
     pub events: Vec<Event>,
-    /// The alarm it stands on; whoever resets the machine clears this.
+    /// The alarm on which it stands. A test that resets the machine clears it.
     pub alarm: Option<Alarm>,
-    /// How many there were.
+    /// Number of ticks.
     pub ticks: u64,
 }
 
 impl Lathe {
-    /// Just switched on; its drives send their statuses as the parameters say.
+    /// A machine just switched on. Its drives send their statuses as the parameters say.
     #[must_use]
     pub fn new(params: &Params) -> Self {
         let drives = DriveOptions {
@@ -68,18 +68,18 @@ impl Lathe {
         }
     }
 
-    /// The program to do next.
+    /// Loads the next program.
     pub fn load(&mut self, text: &str) {
         self.waiting = calls(text, &self.params).into();
     }
 
-    /// What the machine is doing.
+    /// The state of the machine.
     #[must_use]
     pub fn state(&self) -> State {
         self.sim.board().ticker().state()
     }
 
-    /// Where the board says the machine is.
+    /// The machine's position as the board tells it.
     #[must_use]
     pub fn at(&self) -> Position {
         self.sim.board().ticker().executor().position()
@@ -93,10 +93,10 @@ impl Lathe {
         }
     }
 
-    /// Takes what the board has said in a tick. With an alarm the program is over.
+    /// Takes the events of a tick. An alarm ends the program.
     ///
     /// # Panics
-    /// At a second alarm without a reset between them.
+    /// At a second alarm without a reset between the two.
     pub fn listen(&mut self) {
         while let Some(event) = self.sim.event() {
             if let Event::Alarm(alarm) = event {
@@ -109,25 +109,25 @@ impl Lathe {
     }
 }
 
-/// A lathe, and whatever stands around it.
+/// A lathe with its surroundings.
 pub trait Bench {
-    /// The lathe on it.
+    /// The lathe.
     fn lathe(&self) -> &Lathe;
 
-    /// One tick of everything.
+    /// One tick of the whole bench.
     fn tick(&mut self);
 
-    /// So many ticks.
+    /// This many ticks.
     fn ticks(&mut self, count: u64) {
         for _ in 0..count {
             self.tick();
         }
     }
 
-    /// Ticks until the machine has nothing to do or stands on an alarm.
+    /// Ticks until the machine has no work or stands on an alarm.
     ///
     /// # Panics
-    /// Where that does not come.
+    /// Where this does not happen.
     fn finish(&mut self, what: &str) {
         let begun = self.lathe().ticks;
         while !self.lathe().waiting.is_empty() || self.lathe().sim.is_busy() {
@@ -161,7 +161,7 @@ pub trait Bench {
         }
     }
 
-    /// Ticks until the machine stands on an alarm that has come.
+    /// Ticks until the machine stands on the alarm that has come.
     ///
     /// # Panics
     /// Where it does not come to rest in time.
@@ -174,7 +174,7 @@ pub trait Bench {
         });
     }
 
-    /// Stands for a while: the board commands no motion, and no spindle.
+    /// Waits for a while. The board may command neither motion nor spindle.
     ///
     /// # Panics
     /// Where it does.

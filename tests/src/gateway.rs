@@ -1,4 +1,4 @@
-//! A gateway at the other end of a simulated wire: an SDO client and an eye on the board's frames.
+//! A gateway at the other end of a simulated wire: an SDO client, and a record of the board's frames.
 
 use core::time::Duration;
 
@@ -12,14 +12,14 @@ use leadscrew_core::program::Call;
 
 use crate::transfer::Transfer;
 
-/// The board's number in these tests.
+/// The board's node number in these tests.
 pub const NODE: NodeId = NodeId::BOARD;
 /// Batches of calls.
 pub const BATCH: Object = Object::new(0x5020, 1);
 
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The client, and what it has heard.
+/// The client and the frames that it has heard.
 #[derive(Debug, Default)]
 pub struct Gateway {
     /// The last status.
@@ -30,13 +30,13 @@ pub struct Gateway {
     pub heartbeats: Vec<NmtState>,
     /// Every frame of the board as a node.
     pub heard: Vec<Frame>,
-    /// Frames of transfers sent to it.
+    /// Number of frames sent in transfers.
     pub sent: usize,
     count: u8,
 }
 
 impl Gateway {
-    /// Puts a board on the network and starts it.
+    /// Joins a board to the network and starts it.
     ///
     /// # Panics
     /// Where the board refuses.
@@ -49,7 +49,7 @@ impl Gateway {
         gateway
     }
 
-    /// Takes everything the board has to say.
+    /// Takes all frames of the board.
     pub fn listen(&mut self, sim: &mut Sim) {
         while let Some(frame) = sim.transmit() {
             self.note(&frame);
@@ -76,10 +76,10 @@ impl Gateway {
         sim.receive(&command.frame(NODE));
     }
 
-    /// Writes an object, and no time goes by.
+    /// Writes an object while no time passes.
     ///
     /// # Errors
-    /// What the transfer ended in.
+    /// The result of the transfer.
     pub fn write(
         &mut self,
         sim: &mut Sim,
@@ -92,7 +92,7 @@ impl Gateway {
         self.carry(sim, &mut transfer)
     }
 
-    /// Carries a transfer to its end while no time goes by.
+    /// Carries a transfer to its end while no time passes.
     fn carry(&mut self, sim: &mut Sim, transfer: &mut impl Transfer) -> Result<(), SdoError> {
         let now = Duration::ZERO;
         loop {
@@ -116,10 +116,10 @@ impl Gateway {
         }
     }
 
-    /// Reads an object, and no time goes by.
+    /// Reads an object while no time passes.
     ///
     /// # Errors
-    /// What the transfer ended in.
+    /// The result of the transfer.
     pub fn read(
         &mut self,
         sim: &mut Sim,
@@ -137,7 +137,7 @@ impl Gateway {
     /// Reads a number of up to eight bytes.
     ///
     /// # Errors
-    /// What the transfer ended in.
+    /// The result of the transfer.
     pub fn number(&mut self, sim: &mut Sim, index: u16, sub: u8) -> Result<u64, SdoError> {
         let bytes = self.read(sim, Object::new(index, sub), SdoProtocol::Short)?;
         Ok(bytes
@@ -153,17 +153,17 @@ pub struct Upload {
     program: u32,
     calls: std::collections::VecDeque<Vec<u8>>,
     next: u32,
-    /// The calls of a batch; small batches are many transfers.
+    /// The most calls of a batch. Small batches make many transfers.
     pub most: u32,
     /// The transfers' protocol.
     pub protocol: SdoProtocol,
 }
 
 impl Upload {
-    /// All the calls of a program.
+    /// All calls of a program.
     ///
     /// # Panics
-    /// For a call that is none.
+    /// For an impossible call.
     #[must_use]
     pub fn new(program: u32, calls: &[Call]) -> Self {
         let calls = calls
@@ -179,28 +179,28 @@ impl Upload {
         }
     }
 
-    /// One call more.
+    /// Adds a call.
     ///
     /// # Panics
-    /// For a call that is none.
+    /// For an impossible call.
     pub fn push(&mut self, call: &Call) {
         self.calls
             .push_back(encode_call(call).expect("a call fits").to_vec());
     }
 
-    /// Calls that have not been sent.
+    /// Number of calls that have not been sent.
     #[must_use]
     pub fn waiting(&self) -> usize {
         self.calls.len()
     }
 
-    /// Nothing is left to send.
+    /// True where nothing is left to send.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.calls.is_empty()
     }
 
-    /// The next batch that fits into `credit`; `None` where not one call does.
+    /// The next batch that fits into `credit`; `None` where no call fits.
     #[must_use]
     pub fn batch(&self, credit: u16) -> Option<(Vec<u8>, u32)> {
         let mut writer = BatchWriter::new(self.program, self.next);
@@ -224,10 +224,10 @@ impl Upload {
         self.next += count;
     }
 
-    /// Sends as much as the board has room for. True where anything went.
+    /// Sends as much as the board has room for. True where anything was sent.
     ///
     /// # Panics
-    /// Where the board refuses what it has room for.
+    /// Where the board refuses calls for which it has room.
     pub fn feed(&mut self, gateway: &mut Gateway, sim: &mut Sim) -> bool {
         let mut fed = false;
         loop {

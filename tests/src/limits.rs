@@ -1,4 +1,4 @@
-//! Every setpoint against every limit, by finite differences in nanometres.
+//! Compares every setpoint with every limit, by finite differences in nanometres.
 
 use leadscrew_board_sim::Row;
 use leadscrew_core::params::Params;
@@ -13,14 +13,14 @@ fn at(row: &Row, axis: Axis) -> i64 {
     }
 }
 
-/// The spindle leads in this row.
+/// True where the spindle leads in this row.
 fn leads(row: &Row) -> bool {
     row.error.is_some() && !row.is_rigid()
 }
 
-/// The first setpoint that exceeds the speed, the acceleration or the jerk of its axis, in words. Rounding to nanometres
-/// is allowed for with 2ⁿ·0.5 nm in the n-th difference. Differences in which a row held to the helix takes part are
-/// judged by speed alone: there the spindle leads. A tap's spindle follows; its axis is judged like any other.
+/// The first setpoint that exceeds the speed, the acceleration or the jerk of its axis, in words. Rounding to nanometres is
+/// allowed with 2ⁿ·0.5 nm in the n-th difference. Differences with a row on a helix are judged by speed alone, because the
+/// spindle leads there. In a tap the spindle follows, so its axis is judged as usual.
 #[must_use]
 pub fn first_excess(rows: &[Row], params: &Params) -> Option<String> {
     first_excess_with(rows, params, 1.0)

@@ -1,21 +1,21 @@
-//! A program of any length that is nowhere as a whole: made while it is read.
+//! A program of any length that is never in memory as a whole: it is made while it is read.
 //!
-//! Most of a long program in a workshop is what a CAM system writes: a numbered line for every short move, and a remark.
-//! So is this one, with a thread in between. What share of the text is what is counted along.
+//! Most long programs in a workshop come from a CAM system: a numbered line for every short move, and a remark. This
+//! program is the same, with a thread from time to time. The shares of words, remarks and blanks are counted.
 
 use std::io::{self, Read};
 
 /// Blocks between two threads.
 const BETWEEN_THREADS: u64 = 5_000;
 
-/// What a text has been made of so far.
+/// The parts of the text so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
-    /// All of it.
+    /// All bytes.
     pub bytes: u64,
-    /// Words that say something to a machine.
+    /// Bytes of words with a meaning for a machine.
     pub code: u64,
-    /// Remarks, parentheses included.
+    /// Bytes of remarks, parentheses included.
     pub remarks: u64,
     /// Lines.
     pub lines: u64,
@@ -28,17 +28,17 @@ pub struct Share {
 /// The text, from its front.
 #[derive(Debug)]
 pub struct LongProgram {
-    /// It ends with the first block behind so many bytes.
+    /// It ends with the first block after so many bytes.
     at_least: u64,
     share: Share,
-    /// The block being read, and how far it has been.
+    /// The block being read, and the place in it.
     block: Vec<u8>,
     read: usize,
     ended: bool,
 }
 
 impl LongProgram {
-    /// A program of so many bytes and at most a block more.
+    /// A program of so many bytes, and at most a block more.
     #[must_use]
     pub fn new(at_least: u64) -> Self {
         let mut program = Self {
@@ -55,7 +55,7 @@ impl LongProgram {
         program
     }
 
-    /// What has been made so far.
+    /// The parts made so far.
     #[must_use]
     pub const fn share(&self) -> Share {
         self.share

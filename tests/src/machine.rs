@@ -1,4 +1,4 @@
-//! A program on the simulated machine, from text to rows.
+//! Runs a program on the simulated machine: from text to rows.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Row, Sim};
@@ -7,18 +7,18 @@ use leadscrew_core::board::Event;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{self, Call, Events, Options};
 
-/// Ticks that a run goes on for after the machine has nothing left to do.
+/// Ticks that a run continues after the machine has no more work.
 pub const STANDING_TICKS: usize = 20;
 
-/// Ticks after which a run counts as hanging.
+/// A run counts as hanging after this many ticks.
 const LONGEST: u64 = 4_000_000;
 
-/// What running a program gave.
+/// The result of a run.
 #[derive(Debug, Default)]
 pub struct Ran {
     /// Every tick, first to last.
     pub rows: Vec<Row>,
-    /// What the board said.
+    /// Events of the board.
     pub events: Vec<Event>,
     /// The alarm that stopped it.
     pub alarm: Option<Alarm>,
@@ -73,7 +73,7 @@ pub fn run_calls(
     run_calls_on(machine(params, options), calls, operate)
 }
 
-/// As [`run_calls`], on a machine that something has been done to.
+/// As [`run_calls`], on a prepared machine.
 ///
 /// # Panics
 /// Where the machine does not come to an end.
@@ -102,7 +102,7 @@ pub fn run_calls_on(mut sim: Sim, calls: Vec<Call>, mut operate: impl FnMut(&mut
             waiting = Vec::new().into_iter().peekable();
         }
     }
-    // Nothing may come later.
+    // Nothing may happen later.
     for _ in 0..STANDING_TICKS {
         ran.rows.extend(sim.step());
     }

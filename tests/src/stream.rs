@@ -1,5 +1,5 @@
-//! A program that is never in memory as a whole, from its text to the machine: handed over directly, or over the wire in
-//! the batches and transfers that a gateway makes.
+//! Runs a program that is never in memory as a whole, from its text to the machine: handed over directly, or over the wire
+//! in the batches and transfers of a gateway.
 
 use std::collections::VecDeque;
 use std::io::Read;
@@ -20,7 +20,7 @@ const CHUNK: usize = 1 << 14;
 /// Calls that wait to be sent.
 const WAITING: usize = 64;
 
-/// The calls of a text as it is read.
+/// The calls of a text while it is read.
 struct Calls<'p, R> {
     text: R,
     reader: Reader<'p>,
@@ -64,7 +64,7 @@ impl<R: Read> Iterator for Calls<'_, R> {
     }
 }
 
-/// What a run has come to. Of its setpoints there is a hash, not a list.
+/// The result of a run, with a hash of its setpoints and no list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ran {
     /// Calls handed over.
@@ -73,19 +73,19 @@ pub struct Ran {
     pub started: u64,
     /// The last move.
     pub moves: u32,
-    /// The last line that anything was done for.
+    /// The last line with any action.
     pub line: u32,
-    /// Ticks, standing ones at the end included.
+    /// Ticks, with the ticks at rest at the end.
     pub ticks: u64,
-    /// Where the machine stands.
+    /// The last position.
     pub position: Position,
-    /// Hash of the contract over its setpoints.
+    /// Hash of its setpoints, as `setpoint_hash`.
     pub hash: u64,
-    /// The end of the program was reached.
+    /// True where the end of the program was reached.
     pub finished: bool,
 }
 
-/// A run being looked at.
+/// The observer of a run.
 #[derive(Debug)]
 struct Watch {
     ran: Ran,
@@ -136,7 +136,7 @@ impl Watch {
     }
 }
 
-/// Runs a text on a machine that is handed its calls.
+/// Runs a text on a machine that gets its calls directly.
 ///
 /// # Panics
 /// For a text that is refused, and at an alarm.
@@ -155,11 +155,12 @@ pub fn directly(text: impl Read) -> Ran {
     watch.conclude(&mut sim)
 }
 
-/// Runs a text on a board on the bus, and gives the board's own certificate with what was seen: batches of encoded calls,
-/// as much as the board has room for, in block transfers with CRC; a tick waits for what it needs of them.
+/// Runs a text on a board on the bus. Returns the observed result and the board's own certificate. The calls travel in
+/// encoded batches, as much as the board has room for, in block transfers with CRC. A tick waits for the calls that it
+/// needs.
 ///
 /// # Panics
-/// For a text that is refused, at an alarm, and where a transfer goes wrong.
+/// For a text that is refused, at an alarm, and where a transfer fails.
 pub fn over_the_wire(text: impl Read) -> (Ran, Certificate) {
     let params = Params::slant_bed();
     let mut sim = machine(&params, &PlantOptions::default());
@@ -176,7 +177,7 @@ pub fn over_the_wire(text: impl Read) -> (Ran, Certificate) {
                 watch.ran.calls += 1;
             }
             let fed = upload.feed(gateway, sim);
-            // Nobody listens to what the board sends besides.
+            // Other frames of the board are not needed.
             gateway.heard.clear();
             gateway.heartbeats.clear();
             if !fed || !sim.awaits_program() {

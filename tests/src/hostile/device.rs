@@ -1,4 +1,4 @@
-//! Frames of anybody to a board at work on a bus: its whole dictionary, its process data, its network commands.
+//! Frames of any node to a board at work on a bus: its whole dictionary, its process data, its network commands.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
@@ -10,22 +10,22 @@ use leadscrew_core::params::Params;
 use crate::gateway::{Gateway, NODE, Upload};
 use crate::machine::{calls, machine};
 
-/// Ticks that go by at most.
+/// The most ticks.
 const TICKS: u32 = 3_000;
 
-/// No parameter set lets an axis go further in a tick: 240 m/min for 10 ms.
+/// The longest way of an axis in a tick with any parameter set: 240 m/min for 10 ms.
 const FARTHEST: i64 = 40_000_001;
 
-/// A program that is under way meanwhile.
+/// The program that runs meanwhile.
 const WORK: &str =
     "G98 G0 X20 Z5\nM3 S900\nG1 X24 Z-4 F1200\nG75 R0.2\nG75 X20 P10000 F900\nG0 X30 Z8\nM30\n";
 
-/// The first byte chooses whether a program runs. Behind it records of ten bytes: who the frame is from, how many ticks go
-/// by before it, and its eight bytes.
+/// The first byte chooses whether a program runs. After it come records of ten bytes: the sender of the frame, the number
+/// of ticks before it, and its eight bytes.
 ///
 /// # Panics
-/// Where an axis moves by more in a tick than any parameter set allows, or moves while the machine says that it is
-/// idle; where the board sends without end, or has a parameter set afterwards that cannot work.
+/// Where an axis moves farther in a tick than any parameter set allows, or moves while the machine says that it is idle;
+/// where the board sends without end, or has an unusable parameter set afterwards.
 pub fn device(data: &[u8]) {
     let Some((choice, records)) = data.split_first() else {
         return;
@@ -62,7 +62,7 @@ pub fn device(data: &[u8]) {
     whole(&mut sim);
 }
 
-/// One frame in four is for the SDO server; the others are of any service of the board, of a drive, or of no node.
+/// One frame in four is for the SDO server. The others are of any service of the board, of a drive, or of no node.
 fn from(who: u8, payload: &[u8]) -> Option<Frame> {
     let id = match who {
         0..=95 => CobId::of(Service::SdoRequest, NODE),
@@ -74,17 +74,17 @@ fn from(who: u8, payload: &[u8]) -> Option<Frame> {
     Frame::new(id, payload)
 }
 
-/// The board answers, and comes to an end with it.
+/// Reads the board's answers, which must end.
 fn listen(sim: &mut Sim) {
     let sent = core::iter::from_fn(|| sim.transmit()).take(1_000).count();
     assert!(sent < 1_000, "it sends without end");
 }
 
-/// What is in force afterwards is a set that works.
+/// The set in force afterwards must work.
 fn whole(sim: &mut Sim) {
     let mut gateway = Gateway::default();
     let image = Object::new(0x5010, 1);
-    // A node that was stopped, or is deaf for another reason, says nothing.
+    // A node that was stopped, or does not listen for another reason, sends nothing.
     let Ok(bytes) = gateway.read(sim, image, SdoProtocol::Segmented) else {
         return;
     };
@@ -98,11 +98,11 @@ fn whole(sim: &mut Sim) {
     assert!(params.validate().is_ok(), "a set that cannot work");
 }
 
-/// Rows, one by one.
+/// Checks rows one by one.
 #[derive(Default)]
 struct Watch {
     last: Option<Row>,
-    /// Rows that are not looked at: the drives have come up, with another scale perhaps.
+    /// Rows that are not checked: the drives have come up, perhaps with another scale.
     skips: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Messages between gateway and board of any content: refused, or understood and bounded.
+//! Messages of any content between gateway and board: refused, or understood and within bounds.
 
 use leadscrew_core::cycle::{Context, expand};
 use leadscrew_core::link::{
@@ -9,7 +9,7 @@ use leadscrew_core::params::Params;
 /// The first byte chooses the message.
 ///
 /// # Panics
-/// Where something is understood that does not come out the same again, or is not bounded.
+/// Where a message is understood but does not encode to the same bytes, or is out of bounds.
 pub fn link(data: &[u8]) {
     let Some((choice, message)) = data.split_first() else {
         return;
@@ -39,7 +39,7 @@ pub fn link(data: &[u8]) {
     }
 }
 
-/// With a right head in front, so that the calls are reached.
+/// Calls after a right head, so that the calls are reached.
 fn calls(message: &[u8]) {
     let mut bytes = link::BatchWriter::new(1, 0).bytes().to_vec();
     bytes.extend_from_slice(message);
@@ -58,7 +58,7 @@ fn calls(message: &[u8]) {
     }
 }
 
-/// A right image with some bytes changed: only an unchanged one is taken.
+/// A right image with some bytes changed: only an unchanged image may be accepted.
 fn image(message: &[u8]) {
     let params = Params::slant_bed();
     let mut bytes = vec![0; ImageWriter::BYTES as usize];
@@ -75,14 +75,14 @@ fn image(message: &[u8]) {
         .chunks(size)
         .try_for_each(|piece| reader.take(piece, &mut staged))
         .and_then(|()| reader.finish(&staged));
-    // 32 bits of checksum find any change of up to three bytes in a row; this many others are not found by chance.
+    // A checksum of 32 bits finds any change of up to three bytes in a row. Other changes are found except by chance.
     assert!(
         taken.is_err() || bytes == right || message.len() > 9,
         "a changed image is taken"
     );
 }
 
-/// What a staged set would change: bytes that are taken give a set that has their identity, and may be stored.
+/// The changes of a staged set: accepted bytes give a set with their identity that may be stored.
 fn changes(message: &[u8]) {
     let after = Params::slant_bed();
     let Ok(before) = link::decode_changes(message, &after) else {

@@ -1,4 +1,4 @@
-//! A program of any text on the simulated machine, under an operator who presses anything at any time.
+//! A program of any text on the simulated machine, with an operator who presses anything at any time.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Sim};
@@ -6,16 +6,16 @@ use leadscrew_core::board::Command;
 use leadscrew_core::params::Params;
 use leadscrew_core::program::{Event, Events, Options};
 
-/// Ticks a run may take here.
+/// The most ticks of a run.
 const TICKS: usize = 4000;
 
-/// Calls of one program that are handed over.
+/// The most calls of one program.
 const CALLS: usize = 64;
 
-/// Up to the first zero byte: pairs of a pause in ticks and a command. Behind it: program text.
+/// Up to the first zero byte: pairs of a pause in ticks and a command. After it: program text.
 ///
 /// # Panics
-/// Where an axis moves by more in a tick than its rapid rate allows, or moves while the machine says that it is idle.
+/// Where an axis moves farther in a tick than its rapid rate allows, or moves while the machine says that it is idle.
 pub fn machine(data: &[u8]) {
     let Some(cut) = data.iter().position(|byte| *byte == 0) else {
         return;
@@ -52,7 +52,7 @@ pub fn machine(data: &[u8]) {
         if let Some(last) = last.replace(row) {
             let x = (row.position.x - last.position.x).nm().abs();
             let z = (row.position.z - last.position.z).nm().abs();
-            // 12 000 and 16 000 mm/min, and half a nanometre of rounding at either end.
+            // 12 000 and 16 000 mm/min, with half a nanometre of rounding at either end.
             assert!(x <= 200_001, "X by {x} nm: {row:?}");
             assert!(z <= 266_668, "Z by {z} nm: {row:?}");
             let idle = last.doing == Doing::Idle && row.doing == Doing::Idle;

@@ -1,5 +1,6 @@
-//! Input from anywhere: what must hold whatever comes in. One file a door; each takes bytes and panics where something
-//! that must hold does not. The fuzzers in `fuzz/` call these, and the ordinary tests replay their corpora through them.
+//! Input of any content: the conditions that must always hold. One file for each input; each takes bytes and panics where a
+//! condition does not hold. The fuzzers in `fuzz/` call these functions, and the ordinary tests replay their corpora
+//! through them.
 
 mod device;
 mod link;

@@ -5,10 +5,10 @@ use leadscrew_board_sim::{Sim, SimError};
 use leadscrew_common::params::load_bytes;
 use leadscrew_core::alarm::Lang;
 
-/// The first byte chooses the language; the rest is the file, in whatever encoding.
+/// The first byte chooses the language. The rest is the file in any encoding.
 ///
 /// # Panics
-/// Where a file is neither taken nor refused with a place in it, or a set that was found good gives no machine.
+/// Where a file is neither accepted nor refused with a place in it, or where an accepted set gives no machine.
 pub fn parameters(data: &[u8]) {
     let Some((choice, text)) = data.split_first() else {
         return;
@@ -29,7 +29,7 @@ pub fn parameters(data: &[u8]) {
     if !loaded.is_good() {
         return;
     }
-    // What is good is good for a board; a plant has bounds of its own, and says so.
+    // An accepted set is good for a board. A plant has bounds of its own and reports them.
     match Sim::new(&loaded.params, &PlantOptions::default()) {
         Ok(mut sim) => {
             for _ in 0..50 {

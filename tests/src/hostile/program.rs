@@ -8,16 +8,16 @@ use leadscrew_core::params::Params;
 use leadscrew_core::program::{Call, CallKind, Dialect, Event, Events, Options, Position, Reader};
 use leadscrew_core::signals::Signals;
 
-/// Moves of one program that are looked at; a few bytes can ask for millions.
+/// The most moves of one program that are checked; a few bytes can ask for millions.
 const MOVES: usize = 5000;
 
-/// A position is within ±2⁴² nm at the input and what a cycle adds stays near it.
+/// A position is within ±2⁴² nm at the input, and what a cycle adds stays near it.
 const FAR: i64 = 1 << 44;
 
-/// The first byte chooses the dialect, the skip of blocks and how the text is cut into pieces; the rest is text.
+/// The first byte chooses the dialect, the block skip and the pieces of the text. The rest is text.
 ///
 /// # Panics
-/// Where the pieces make a difference, an alarm stands outside the text, or a move leaves the range of positions.
+/// Where the pieces change the result, an alarm stands outside of the text, or a move leaves the range of positions.
 pub fn program(data: &[u8]) {
     let Some((choice, text)) = data.split_first() else {
         return;
@@ -52,7 +52,7 @@ pub fn program(data: &[u8]) {
     look_at(calls, text, &params, options.position);
 }
 
-/// Line ends of any kind become line feeds, the same in pieces, and nothing else changes its place.
+/// Line ends of any kind become line feeds, also in pieces, and all other bytes keep their places.
 fn line_ends(text: &[u8], size: usize) {
     let (mut ends, mut whole) = (LineEnds::default(), text.to_vec());
     assert_eq!(ends.translate(&mut whole, true), text.len());
@@ -103,7 +103,7 @@ fn in_pieces(
     (events, end)
 }
 
-/// An alarm names a line that is there and columns that are in order.
+/// An alarm must name an existing line and columns in order.
 fn lies_within(alarm: &Alarm, text: &[u8]) {
     let lines = text.iter().filter(|byte| **byte == b'\n').count() + 1;
     let span = alarm.span;
@@ -112,7 +112,7 @@ fn lies_within(alarm: &Alarm, text: &[u8]) {
     assert!(alarm.number() != 0, "{alarm:?}");
 }
 
-/// Expands every call as the board would, each from where the one before ended.
+/// Expands every call as the board would, each from the end of the call before.
 fn look_at(calls: impl Iterator<Item = Call>, text: &[u8], params: &Params, from: Position) {
     let mut at = from;
     let mut left = MOVES;
