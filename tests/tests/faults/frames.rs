@@ -1,4 +1,4 @@
-//! Frames that are lost, come twice, or come behind the next one, in both directions.
+//! Frames that are lost, arrive twice, or arrive after the next frame, in both directions.
 
 use leadscrew_board_sim::line::{Faults, Noise, Way};
 use leadscrew_core::alarm::Code;
