@@ -1,5 +1,5 @@
-//! The two halves of a board in contexts of their own, as in firmware: the background comes late, hears of a stop later
-//! still, and is in the middle of planning meanwhile. Nothing that was planned before a stop may be carried out after it.
+//! The two halves of a board run in separate contexts, as in firmware: the background comes late, hears of a stop even
+//! later, and is in the middle of planning meanwhile. Nothing that was planned before a stop may be carried out after it.
 
 use std::collections::VecDeque;
 
@@ -79,7 +79,7 @@ impl Apart {
         }
     }
 
-    /// The background's turn: `pieces` of work, then it hears what the tick has said, then it takes calls in.
+    /// The background's turn: it does `pieces` of work, then hears what the tick has said, then takes calls in.
     fn turn(&mut self, pieces: i64, waiting: &mut VecDeque<Call>) {
         let settings = Settings {
             params: &self.params,

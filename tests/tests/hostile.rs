@@ -55,7 +55,7 @@ fn place(random: &mut Random, length: usize) -> usize {
     random.within(0, length as i64) as usize
 }
 
-/// One of them, changed in a few places.
+/// One of the inputs, changed in a few places.
 fn changed(random: &mut Random, inputs: &[Vec<u8>]) -> Vec<u8> {
     let one = |random: &mut Random| &inputs[place(random, inputs.len() - 1)];
     let mut input = one(random).clone();
@@ -71,7 +71,7 @@ fn changed(random: &mut Random, inputs: &[Vec<u8>]) -> Vec<u8> {
                 input.splice(at..at, again);
             }
             3 => {
-                // The rest of another one, or a piece of it.
+                // The rest of another input, or a piece of it.
                 let other = one(random);
                 let from = place(random, other.len());
                 let piece = &other[from..];

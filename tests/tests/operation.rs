@@ -112,7 +112,7 @@ fn feed_hold_with_immediate_retract_cuts_the_same_groove_again() {
     for row in strokes.iter().step_by(41) {
         let (ran, rest) = held(THREAD, &params, row.tick);
         assert_eq!(rest.doing, Doing::Hold, "hold at {}", row.tick);
-        // At the start of the cycle, or where the stroke was all but over: behind its X retract.
+        // At the start of the cycle, or where the stroke was all but over: after its X retract.
         let at = (rest.position.x.nm(), rest.position.z.nm());
         assert!(
             at == (40_000_000, 10_000_000) || at == (40_000_000, -30_000_000),
@@ -326,7 +326,7 @@ fn a_reset_during_a_stop_acts_when_the_machine_stands() {
     }
 }
 
-/// Of orders that contradict each other the last one counts: a stop makes a reset before it void, a hold behind a reset
+/// If orders contradict each other, the last order counts: a stop makes an earlier reset void, a hold after a reset
 /// stays.
 #[test]
 fn a_stop_behind_a_waiting_reset_keeps_the_alarm_and_a_hold_stays() {
@@ -368,7 +368,7 @@ fn single_block_stops_after_every_pass_of_a_thread() {
         }
     });
     ends_at(&ran, 50_000_000, 50_000_000);
-    // Behind the dwell, the rapid, the rough and the finishing pass, the rapid, M30.
+    // After the dwell, the rapid, the rough and the finishing pass, the rapid, M30.
     let stops = ran.events.iter().filter(|event| **event == Event::Held);
     assert_eq!(stops.count(), 6);
 }

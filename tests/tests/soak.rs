@@ -1,4 +1,4 @@
-//! Hours of work with everything that can go wrong in them; and nothing of a program is left in memory behind it.
+//! Hours of work with everything that can go wrong in them. After a program, nothing of it is left in memory.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

@@ -97,7 +97,7 @@ impl Bench {
     }
 }
 
-/// Ticks in which all drives come up, one behind the other.
+/// Ticks in which all drives come up, one after the other.
 const COMING_UP: u32 = 160;
 
 /// Keeps what each drive is told by a frame of its own; the other frames, but for modes and speeds of spindles.

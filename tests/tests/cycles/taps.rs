@@ -470,7 +470,8 @@ fn what_cannot_be_tapped() {
     }
 }
 
-/// Ordinary tapping makes the moves of rigid tapping, out at S; the spindle's own command comes before, and none after G80.
+/// Ordinary tapping makes the moves of rigid tapping, out at S; the spindle's own command comes before them, and none comes
+/// after G80.
 #[test]
 fn an_ordinary_tap_makes_the_same_moves() {
     let text = "G98 M4 S400\nG0 X50 Z5\nG84 Z-10 R-4 Q6 D1 P200 F500 M10\nG80\nM30";
@@ -504,7 +505,7 @@ fn an_ordinary_tap_makes_the_same_moves() {
             (8_800_000, 40_000, false, true),
         ]
     );
-    // Behind the hole: M30 alone.
+    // After the hole: M30 alone.
     assert!(matches!(
         list.last().map(|m| m.kind),
         Some(MoveKind::Aux(Aux::M(30)))

@@ -102,7 +102,7 @@ pub fn flash_with(sets: &[Params]) -> Flash {
     sim.flash().clone()
 }
 
-/// Puts bytes into a region by other ways than a board's.
+/// Puts bytes into a region without the board.
 fn put(flash: &mut Flash, region: Region, bytes: &[u8]) {
     let mut store = Store::new(flash).expect("a store");
     store.write(region, bytes).expect("written");
@@ -151,7 +151,7 @@ fn what_is_pushed_is_there_when_the_power_comes_back() {
     assert_eq!(identities(&mut gateway, &mut sim), [third, third, ids[1]]);
     let (mut sim, mut gateway, _) = power_up(sim.flash().clone());
     assert_eq!(identities(&mut gateway, &mut sim), [third, third, ids[1]]);
-    // What is there already is not written again.
+    // What the flash holds already is not written again.
     let written = sim.flash().written();
     gateway
         .write(&mut sim, IMAGE, &image(&set(14)), SdoProtocol::Block)
@@ -246,7 +246,7 @@ fn a_new_board_keeps_its_built_in_set_when_it_is_told_to() {
     assert_eq!(in_force(&mut gateway, &mut sim), built_in);
 }
 
-/// A board on an alarm that no reset takes away, and that takes no program.
+/// The board is on an alarm that no reset takes away, and takes no program.
 fn is_withheld(gateway: &mut Gateway, sim: &mut Sim, code: Code) {
     for _ in 0..2 {
         assert_eq!(gateway.status.state, BoardState::Alarm);
@@ -284,7 +284,7 @@ fn a_damaged_set_is_an_alarm_that_offers_the_one_before() {
         number(&mut gateway, &mut sim, 0x5010, 4),
         identity(&sets[0])
     );
-    // Switched off and on, nothing is better.
+    // Switching the board off and on does not help.
     let (mut sim, mut gateway, told) = power_up(sim.flash().clone());
     assert_eq!(alarms(&told), [Code::ParametersOlder]);
     assert_eq!(command(&mut gateway, &mut sim, 0x5010, 5, 1), Ok(()));
@@ -396,7 +396,7 @@ fn a_write_that_fails_leaves_the_old_set_in_force_and_stored() {
     push(&mut gateway, &mut sim, &set(12)).expect("taken");
 }
 
-/// What a board asks for, step by step, without a flash.
+/// The requests of a board without a flash, step by step.
 #[test]
 fn a_set_without_its_mark_is_stored_and_told() {
     let mut board = Board::new(&Params::slant_bed(), None, None).expect("a board");

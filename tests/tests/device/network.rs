@@ -64,7 +64,7 @@ fn a_board_says_that_it_is_there_and_lives() {
     let sent = |id| gateway.heard.iter().filter(|f| f.id().get() == id).count();
     assert_eq!([0x181, 0x281, 0x381].map(sent), [100, 100, 100]);
     assert_eq!(sent(0x701), 2);
-    // Slower, and one of them not at all.
+    // One is slower, and one is not sent at all.
     for (index, sub, value) in [(0x1800, 5, 100_u32), (0x1801, 1, 0xC000_0281)] {
         let bytes = value.to_le_bytes();
         let length = if sub == 5 { 2 } else { 4 };
@@ -96,7 +96,7 @@ fn a_stopped_node_stops_the_machine_and_answers_nothing() {
     gateway.heard.clear();
     steps(&mut sim, &mut gateway, 500);
     assert_eq!(gateway.heard.len(), 1, "the heartbeat: {:?}", gateway.heard);
-    // The emergency is told as soon as it may be.
+    // The board sends the emergency as soon as it may.
     sim.receive(&NmtCommand::Start.frame(Some(NODE)));
     steps(&mut sim, &mut gateway, 10);
     let [low, high] = Code::NetworkStop.number().to_le_bytes();
@@ -125,13 +125,13 @@ fn a_node_that_is_reset_stops_first_and_begins_anew() {
     steps(&mut sim, &mut gateway, 20);
     assert_eq!(gateway.status.state, BoardState::Idle);
     assert_eq!(gateway.number(&mut sim, 0x5001, 4), Ok(0));
-    // The communication alone does not touch the machine.
+    // A reset of the communication alone does not touch the machine.
     sim.receive(&NmtCommand::ResetCommunication.frame(Some(NODE)));
     assert_eq!(steps(&mut sim, &mut gateway, 100), []);
     assert_eq!(gateway.heartbeats.last(), Some(&NmtState::BootUp));
 }
 
-/// A frame that was long on its way is the order that it was, and no new one.
+/// A frame that was delayed for long is still the same order, and no new one.
 #[test]
 fn the_count_of_the_last_order_outlives_the_communication() {
     let (mut sim, mut gateway) = running(&Params::slant_bed());

@@ -1,4 +1,4 @@
-//! Where the machine stands is known over every restart of the application.
+//! The board knows where the machine stands after every restart of the application.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_core::bus::{Object, Order, SdoProtocol};
@@ -6,13 +6,14 @@ use leadscrew_core::params::Params;
 use leadscrew_tests::gateway::{Gateway, Upload};
 use leadscrew_tests::machine::{calls, machine};
 
-/// Two parameters written one behind the other: the second restart comes while the drives of the first are still coming up.
+/// Two parameters are written one after the other: the second restart comes while the drives of the first are still coming
+/// up.
 #[test]
 fn a_restart_during_a_restart_keeps_the_position_to_the_nanometre() {
     let params = Params::slant_bed();
     let mut sim = machine(&params, &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
-    // Half an increment of the drive beside one of its positions.
+    // Half an increment of the drive away from one of its positions.
     let program = calls("G0 X20.0001 Z-3\nM30\n", &params);
     Upload::new(1, &program).feed(&mut gateway, &mut sim);
     gateway.order(&mut sim, Order::Run);
@@ -28,7 +29,7 @@ fn a_restart_during_a_restart_keeps_the_position_to_the_nanometre() {
             .expect("written");
         for _ in 0..between {
             sim.step();
-            // Nor does it say anything else meanwhile.
+            // Nor does the board report another position meanwhile.
             assert_eq!(sim.board().ticker().executor().position(), stood);
         }
     }

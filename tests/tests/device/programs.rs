@@ -1,4 +1,4 @@
-//! Programs over the wire: the same setpoints as without it, whatever their size and whatever goes wrong on the way.
+//! Programs over the wire give the same setpoints as without it, whatever their size and whatever goes wrong on the way.
 
 use leadscrew_board_sim::plant::PlantOptions;
 use leadscrew_board_sim::{Doing, Row, Sim};
@@ -17,7 +17,7 @@ use leadscrew_core::program::{self, Call, CallKind, Options, TapSpindle};
 use leadscrew_tests::gateway::{BATCH, Gateway, NODE, Upload};
 use leadscrew_tests::machine::{Ran, STANDING_TICKS, calls, machine, run_calls};
 
-/// Fed, started and carried out in lock-step: a tick waits for what the gateway still has to send.
+/// Feeds, starts and carries out the program in lock-step: a tick waits for what the gateway still has to send.
 fn run_fed(calls: &[Call], protocol: SdoProtocol, most: u32) -> (Ran, Gateway, Certificate) {
     let mut sim = machine(&Params::slant_bed(), &PlantOptions::default());
     let mut gateway = Gateway::connect(&mut sim);
@@ -276,7 +276,7 @@ fn a_transfer_that_is_broken_off_leaves_the_program_as_it_was() {
                 transfer.receive(&frame, now);
             }
         }
-        // Another transfer begins; the one before is lost.
+        // Another transfer begins; the previous one is lost.
         assert_eq!(gateway.number(&mut sim, 0x5020, 4), Ok(0));
         assert_eq!(
             gateway.number(&mut sim, 0x5020, 5),
@@ -382,7 +382,7 @@ fn a_reset_forgets_the_program_and_the_rest_of_it_is_refused() {
         gateway.number(&mut sim, 0x5020, 5),
         Ok(PROGRAM_BYTES as u64)
     );
-    // Another program runs as if nothing had been.
+    // Another program runs as if nothing had happened.
     let other = calls_of("G98 F1000\nG01 X10\nM30\n");
     let mut upload = Upload::new(2, &other);
     upload.feed(&mut gateway, &mut sim);

@@ -39,7 +39,7 @@ fn locked(value: i64) -> Params {
     with(&[("9007", 10), ("9028", value)])
 }
 
-/// Every way to another set.
+/// Tries every way to change the set.
 fn every_way(gateway: &mut Gateway, sim: &mut Sim) -> [Result<(), SdoError>; 4] {
     [
         tolerance(gateway, sim, 11),
@@ -65,7 +65,7 @@ fn a_machine_at_work_keeps_its_parameters() {
         Some(Code::ParametersAtWork)
     );
     assert_eq!(state(&mut gateway, &mut sim), CommitState::Refused as u8);
-    // What is stored already is no change.
+    // A set that is stored already is no change.
     assert_eq!(command(&mut gateway, &mut sim, 0x1010, 1, SAVE), Ok(()));
     assert_eq!(sim.flash().written(), before);
     assert_eq!(in_force(&mut gateway, &mut sim), identity(&set(12)));
@@ -95,7 +95,7 @@ fn a_protected_board_can_take_what_it_has_loaded() {
     use leadscrew_store::Store;
     let protected = with(&[("9007", 12), ("9026.0", 0)]);
     let mut flash = flash_with(std::slice::from_ref(&protected));
-    // Another one, which is damaged.
+    // Another set, which is damaged.
     let mut bytes = [0; Region::LONGEST];
     KeptSet {
         number: 2,
@@ -118,7 +118,7 @@ fn a_password_is_asked_for_and_never_told() {
     let (mut sim, mut gateway, _) = power_up(Flash::erased());
     push(&mut gateway, &mut sim, &locked(1234)).expect("it has none yet");
     let (mut sim, mut gateway, _) = power_up(sim.flash().clone());
-    // Of all that can be read only that there is one.
+    // A reader learns only that there is a password.
     let object = 0x2000 + PASSWORD;
     assert_eq!(gateway.number(&mut sim, object, 0), Ok(1));
     assert_eq!(
@@ -169,8 +169,8 @@ fn a_password_is_asked_for_and_never_told() {
     );
 }
 
-/// Where the answer was lost the write comes again, and a wire may double a frame: it is one write, also where the value is
-/// what shuts the board.
+/// If the answer was lost, the write is sent again, and a wire may double a frame. Both count as one write, even if the
+/// value is what shuts the board.
 #[test]
 fn a_password_that_is_set_twice_is_set_once() {
     let (mut sim, mut gateway, _) = power_up(Flash::erased());
@@ -205,7 +205,7 @@ fn a_password_that_is_set_twice_is_set_once() {
             refused(Abort::LocalControl)
         );
     }
-    // One frame that comes twice at once, while the set is being stored.
+    // One frame that arrives twice at once, while the set is being stored.
     let (mut sim, mut gateway, _) = power_up(Flash::erased());
     let [low, high] = object.index.to_le_bytes();
     let request = [0x23, low, high, object.sub, 0xD2, 0x04, 0, 0];
@@ -243,7 +243,7 @@ fn a_pushed_set_keeps_changes_or_ends_the_password() {
     );
     wait(&mut gateway, &mut sim, 1000);
     assert_eq!(password(&mut gateway, &mut sim, 99), Ok(()));
-    // The built-in set has none, and does not take one away.
+    // The built-in set has no password, and does not take one away.
     assert_eq!(command(&mut gateway, &mut sim, 0x1011, 1, LOAD), Ok(()));
     rest(&mut gateway, &mut sim);
     let object = parameter(PASSWORD, 0);
@@ -252,7 +252,7 @@ fn a_pushed_set_keeps_changes_or_ends_the_password() {
     let (mut sim, mut gateway, _) = power_up(sim.flash().clone());
     assert_eq!(tolerance(&mut gateway, &mut sim, 13), Ok(()));
     assert_eq!(password(&mut gateway, &mut sim, 5), Ok(()), "none is set");
-    // 1 keeps what there is, and there is none.
+    // 1 keeps the existing password, and there is none.
     assert_eq!(
         write(&mut gateway, &mut sim, object, 1, 4),
         refused(Abort::Value)
@@ -276,7 +276,7 @@ fn wrong_passwords_are_counted_and_make_the_board_deaf() {
         (8, 60),
     ] {
         for _ in 0..2 {
-            // The second of them is not even heard.
+            // The board does not even hear the second of them.
             assert_eq!(
                 password(&mut gateway, &mut sim, 1235),
                 refused(Abort::LocalControl)
@@ -356,7 +356,7 @@ fn an_image_that_is_not_taken_has_its_reason() {
         assert_eq!(state(&mut gateway, &mut sim), CommitState::Refused as u8);
         assert_eq!(in_force(&mut gateway, &mut sim), identity(&set(10)));
     }
-    // A transfer that is broken off is no change at all.
+    // A transfer that is broken off changes nothing.
     let none = Object::new(0x5010, 2);
     assert!(
         gateway

@@ -29,10 +29,10 @@ fn with(number: &str, value: i64) -> Params {
     params
 }
 
-/// What running a program gave.
+/// The result of running a program.
 #[derive(Default)]
 struct Cut {
-    /// Every thread there was, by number.
+    /// Every thread that was reported, by number.
     threads: BTreeMap<u32, ThreadRecord>,
     /// Locked ticks, by line.
     locked: BTreeMap<u32, u64>,
@@ -50,7 +50,7 @@ impl Cut {
             .collect()
     }
 
-    /// All of them together are the run.
+    /// All threads together must give the sums of the run.
     fn sums_agree(&self) {
         let run = self.run.expect("the certificate of the run");
         let tallies = || self.threads.values().map(|record| record.tally);
@@ -70,7 +70,7 @@ fn look(sim: &Sim, cut: &mut Cut) {
     }
 }
 
-/// Cuts it on a board on the bus, and reads at its end what the board tells.
+/// Cuts the program on a board on the bus, and reads what the board reports at its end.
 fn cut_calls(
     calls: Vec<Call>,
     params: &Params,
@@ -206,7 +206,7 @@ fn each_hole_is_one_however_it_is_pecked() {
         );
         assert_eq!(cut.told(), [(4, RigidTap, Finished, 1)], "{deep}");
     }
-    // K makes several of one block.
+    // K makes several holes from one block.
     let holes = cut("G98\nG0 X0 Z5\nM29 S600\nG84 Z-12 R-3 F600 K3\nG80\nM30\n");
     assert_eq!(holes.told(), [(4, RigidTap, Finished, 1); 3]);
 }
@@ -263,7 +263,7 @@ impl Stroke {
 fn a_stroke_that_is_left_by_a_hold_is_done_again_and_counts_again() {
     for (retracts, passes) in [(0, 3), (1, 4)] {
         let params = with("9008.0", retracts);
-        // In the last pass: all of it has been begun, and not all is cut.
+        // In the last pass: all passes have begun, and not all are cut.
         let mut stroke = Stroke::of(3);
         let mut held = 0;
         let cut = cut_calls(
@@ -312,7 +312,7 @@ fn a_thread_is_cut_short_by_a_reset_and_by_an_alarm() {
             "{command:?} in pass {pass}"
         );
     }
-    // Held in the last pass by a retract, and then given up.
+    // A hold in the last pass retracts the tool, and then the program is given up.
     let params = with("9008.0", 1);
     let (mut stroke, mut held) = (Stroke::of(3), 0);
     let cut = cut_calls(
@@ -332,7 +332,8 @@ fn a_thread_is_cut_short_by_a_reset_and_by_an_alarm() {
     assert_eq!(cut.told(), [(5, Thread, CutShort, 3)]);
 }
 
-/// Behind the last pass nothing is missing, whatever becomes of the program; what is cut behind a reset is another thread.
+/// After the last pass the thread is complete, whatever becomes of the program; what is cut after a reset is another
+/// thread.
 #[test]
 fn a_thread_that_is_done_stays_done() {
     let params = Params::slant_bed();
@@ -359,7 +360,7 @@ fn a_thread_that_is_done_stays_done() {
             }
         }
     };
-    // In the rapid behind it.
+    // In the rapid after the thread.
     feed(&mut sim, Some(6));
     feed(&mut sim, None);
     let told: Vec<_> = sim
@@ -406,7 +407,7 @@ fn an_error_shows_in_the_thread_in_which_it_was() {
     assert!((300..1000).contains(&second), "{second}");
 }
 
-/// Threads and holes in any order: each its own, together the run.
+/// Threads and holes in any order: each has its own record, and together they give the run.
 #[test]
 fn random_programs_add_up() {
     leadscrew_seed::volume(0x5041, |seed| {
@@ -509,7 +510,7 @@ fn a_way_out_belongs_to_its_hole_and_is_one_of_its_own_behind_a_reset() {
     assert_eq!(told, [(1, 4, CutShort), (2, 1, Finished)]);
 }
 
-/// What comes behind a push, planned anew, is another thread.
+/// What is planned anew after a push is another thread.
 #[test]
 fn a_push_between_makes_no_one_thread_of_two() {
     let params = Params::slant_bed();
@@ -534,7 +535,7 @@ fn a_push_between_makes_no_one_thread_of_two() {
     assert_eq!(kept(&sim), [(5, Thread, Finished, 3); 2]);
 }
 
-/// Line, kind, state and passes of those that the board keeps, the first one first.
+/// Line, kind, state and passes of the threads that the board keeps, the first thread first.
 fn kept(sim: &Sim) -> Vec<(u32, ThreadKind, ThreadState, u16)> {
     let mut kept: Vec<_> = sim
         .board()
@@ -548,7 +549,7 @@ fn kept(sim: &Sim) -> Vec<(u32, ThreadKind, ThreadState, u16)> {
     kept
 }
 
-/// Runs it to its end, or until it is stopped; `note` is told every event.
+/// Runs the program until it ends or is stopped; `note` is told every event.
 fn feed_to(
     sim: &mut Sim,
     text: &str,
@@ -587,7 +588,7 @@ fn a_hole_that_is_left_is_whole_whatever_comes() {
     ];
     for (begin, feed, kind) in cases {
         let hole = format!("G98\nG0 X50 Z0\n{begin}\nG84 Z-20 P30 {feed}\n");
-        // The machine stops behind the hole, and the program is given up there.
+        // The machine stops after the hole, and the program is given up there.
         let mut sim = machine(&params, &PlantOptions::default());
         let mut held = 0;
         let text = format!("{hole}G80\nG0 X60\nM30\n");
@@ -626,7 +627,7 @@ fn a_hole_that_is_left_is_whole_whatever_comes() {
     }
 }
 
-/// What is refused behind a hole or a thread may be of its own line: a subprogram called again, another file.
+/// A block that is refused after a hole or a thread may have the same line number: a subprogram called again, another file.
 #[test]
 fn what_is_refused_on_the_same_line_cuts_nothing_short() {
     let params = Params::slant_bed();
@@ -666,7 +667,7 @@ fn what_is_refused_on_the_same_line_cuts_nothing_short() {
     }
 }
 
-/// An alarm in the very tick behind the last of a hole, and in the one before: its own end counts.
+/// An alarm in the very tick after the last tick of a hole, and in the tick before: the hole's own end counts.
 #[test]
 fn a_hole_is_whole_from_its_last_tick_on() {
     let params = Params::slant_bed();
@@ -775,7 +776,7 @@ fn a_board_waits_for_whoever_takes_the_certificates_of_this_program() {
     }
 }
 
-/// Whoever took them and is not there any more is waited for as long as he is not missed, and no longer.
+/// The board waits for a reader that is gone until it counts as missing, and no longer.
 #[test]
 fn nobody_is_waited_for_who_is_gone() {
     let params = with("9025", 2);

@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 
 use crate::kernel::Interface;
 
-/// Says where the image is.
+/// The environment variable that says where the image is.
 pub const IMAGE: &str = "LEADSCREW_IMAGE";
 
-/// How long anything is waited for before it counts as lost.
+/// How long a test waits for anything before it counts as lost.
 pub const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Seconds that a command may take; what hangs is ended, and shows in its exit code 124.
+/// Seconds that a command may take; a command that hangs is ended, which its exit code 124 shows.
 const LIMIT: &str = "600";
 
 /// What carries the board's frames.
@@ -29,12 +29,12 @@ enum Wire {
 /// A board that runs until it is dropped.
 pub struct Board {
     wire: Wire,
-    /// The emulator, and where it says what it prints; `None` where the board was there before this test.
+    /// The emulator, and the file with what it prints; `None` if the board was there before this test.
     emulator: Option<(Running, PathBuf)>,
 }
 
 impl Board {
-    /// Switches one on; its memory is empty.
+    /// Switches a board on; its memory is empty.
     pub fn start() -> Self {
         Self::start_with(&[])
     }
@@ -65,7 +65,7 @@ impl Board {
         board
     }
 
-    /// What `--bus` is for it.
+    /// The value of `--bus` for this board.
     fn bus(&self) -> String {
         match &self.wire {
             Wire::Line(path) => format!("slcan:unix:{}", path.display()),
@@ -73,7 +73,7 @@ impl Board {
         }
     }
 
-    /// `leadscrew` on its line, to its end.
+    /// Runs `leadscrew` on the board's line, to its end.
     pub fn leadscrew(&self, args: &[&str]) -> Output {
         let output = Command::new("timeout")
             .arg(LIMIT)
@@ -86,7 +86,7 @@ impl Board {
         output.expect("`timeout` of coreutils")
     }
 
-    /// `leadscrew` on its line, beside this test.
+    /// Starts `leadscrew` on the board's line, in parallel to this test.
     pub fn start_leadscrew(&self, args: &[&str]) -> Running {
         let child = Command::new(ours())
             .args(args)
@@ -107,7 +107,7 @@ impl Board {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// Gives an order. Where the host is so slow that it is not confirmed in time, again.
+    /// Gives an order. If the host is so slow that the order is not confirmed in time, gives it again.
     #[track_caller]
     pub fn order(&self, name: &str) {
         self.order_with(&[name]);
@@ -145,7 +145,7 @@ impl Board {
     pub fn wait_for(&self, what: &str, wanted: impl Fn(&str) -> bool) -> String {
         let started = Instant::now();
         loop {
-            // One that starts anew at this moment does not answer.
+            // A board that is just starting anew does not answer.
             let output = self.leadscrew(&["status", "--json"]);
             let status = String::from_utf8_lossy(&output.stdout).into_owned();
             if output.status.success() && wanted(&status) {
@@ -157,7 +157,7 @@ impl Board {
                 both(&output),
                 String::from_utf8_lossy(&self.said())
             );
-            // Whoever asks without a pause leaves no room for a program.
+            // Asking without a pause would leave no room for a program.
             std::thread::sleep(Duration::from_millis(200));
         }
     }
@@ -208,7 +208,7 @@ fn emulate(image: &str, line: &Path, words: &[&str]) -> (Running, PathBuf) {
     (Running(Some(emulator)), said)
 }
 
-/// A process that is ended with whoever holds this.
+/// A process that ends when its holder is dropped.
 pub struct Running(Option<Child>);
 
 impl Running {
@@ -228,7 +228,7 @@ impl Running {
     /// Ends it at once.
     pub fn end(&mut self) {
         if let Some(mut child) = self.0.take() {
-            // One that has ended by itself is gone already.
+            // A process that has ended by itself is gone already.
             let _ = child.kill();
             let _ = child.wait();
         }

@@ -12,15 +12,15 @@ use crate::run::same_as_simulated;
 
 /// A CAN interface behind a serial line.
 pub struct Interface {
-    /// Who makes it, as long as this is held.
+    /// The process that makes the interface, as long as this is held.
     _slcand: Running,
 }
 
 impl Interface {
-    /// No other is called like that.
+    /// No other interface has this name.
     const NAME: &str = "emulated0";
 
-    /// Makes it of the serial line, at 1 Mbit/s, and switches it on.
+    /// Makes the interface from the serial line, at 1 Mbit/s, and switches it on.
     pub fn attach() -> Self {
         let terminal = std::env::var("LEADSCREW_TERMINAL")
             .expect("`cargo xtask emulated` says on which serial line the board is");
@@ -37,7 +37,7 @@ impl Interface {
         Self { _slcand: slcand }
     }
 
-    /// What `--bus` is for it.
+    /// The value of `--bus` for this interface.
     pub fn bus(&self) -> String {
         format!("socketcan:{}", Self::NAME)
     }

@@ -17,7 +17,7 @@ fn what_happens_is_told() {
     board.wait_for("it stands", |status| field(status, "state") == "alarm");
     let told = || -> Vec<String> {
         let said = board.said();
-        // Behind the last end there may be half a frame.
+        // After the last end there may be half a frame.
         let end = said.iter().rposition(|byte| *byte == 0).unwrap_or(0);
         let frames = said[..end].split(|byte| *byte == 0);
         let frames = frames.filter(|frame| !frame.is_empty());

@@ -1,4 +1,4 @@
-//! A machine on a network, what is still to be handed over, and what it has done.
+//! A machine on a network, the frames that are still to be handed over, and what the machine has done.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::OnceLock;
@@ -86,7 +86,7 @@ impl AnyBench for Bench {
 }
 
 impl Bench {
-    /// Switched on, and on a network that has started it.
+    /// A lathe that is switched on, on a network that has started it.
     pub fn new(params: &Params) -> Self {
         let mut lathe = Lathe::new(params);
         let gateway = Gateway::connect(&mut lathe.sim);
@@ -104,7 +104,7 @@ impl Bench {
         }
     }
 
-    /// The same at work on a program whose wire has these faults.
+    /// The same lathe at work on a program, on a wire with these faults.
     pub fn at_work(params: &Params, text: &str, faults: Faults) -> Self {
         let mut bench = Self::new(params);
         bench.sim.spoil(faults);
@@ -129,7 +129,7 @@ impl Bench {
         self.sim.plant().drive(axis).power()
     }
 
-    /// What has been done before is not looked at again.
+    /// Earlier rows are not judged again.
     pub fn judge_from_here(&mut self) {
         self.judged = self.rows.len();
         self.stood.clear();
@@ -140,7 +140,7 @@ impl Bench {
         self.events.contains(&Event::Finished)
     }
 
-    /// Lines that have been begun, in order.
+    /// Lines that have begun, in order.
     pub fn started(&self) -> Vec<u32> {
         let lines = self.events.iter().filter_map(|event| match event {
             Event::Started { line, .. } => Some(*line),
@@ -198,7 +198,7 @@ impl Bench {
         }
     }
 
-    /// A reset is no use: the same alarm comes again, and nothing moves.
+    /// A reset does not help: the same alarm comes again, and nothing moves.
     pub fn reset_is_in_vain(&mut self, what: &str) {
         let number = self.alarm.map(|alarm| alarm.number());
         self.alarm = None;
@@ -272,7 +272,7 @@ fn phase(row: &Row) -> Option<i64> {
     Some(row.position.z.nm() + (turned >> 32) as i64)
 }
 
-/// The rows of a program where nothing goes wrong.
+/// The rows of a program in which nothing goes wrong.
 pub fn calm(params: &Params, text: &str) -> Vec<Row> {
     let mut bench = Bench::new(params);
     bench.load(text);

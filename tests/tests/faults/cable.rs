@@ -44,7 +44,7 @@ fn a_cable_out_anywhere_is_a_drive_that_is_silent_and_no_jump_when_it_is_back() 
     }
 }
 
-/// Out for less than that: positions are absolute, and nothing is lost but time.
+/// The cable is out for less time than that: positions are absolute, and nothing is lost but time.
 #[test]
 fn a_loose_contact_that_nobody_notices_loses_nothing() {
     let params = Params::slant_bed();

@@ -1,4 +1,4 @@
-//! Flash that cannot be written any more: from a write on, or because its pages are worn.
+//! Flash that can no longer be written: from a certain write on, or because its pages are worn.
 
 use leadscrew_board_sim::line::Faults;
 use leadscrew_core::board::State;
@@ -27,7 +27,7 @@ fn a_hole_is_not_begun_where_its_entry_cannot_be_written() {
         bench.load(TAP);
         bench.stops_with(&what, 4311, 5_000);
         assert!(deepest(&bench, from) >= 0, "{what}: in the hole");
-        // What needs no entry goes on as ever.
+        // Work that needs no entry goes on as before.
         bench.reset(&what);
         bench.next(&what);
     }

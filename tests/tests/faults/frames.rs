@@ -1,4 +1,4 @@
-//! Frames that are lost, come twice, or come behind the next one, in both directions.
+//! Frames that are lost, arrive twice, or arrive after the next frame, in both directions.
 
 use leadscrew_board_sim::line::{Faults, Noise, Way};
 use leadscrew_core::alarm::Code;
@@ -47,7 +47,7 @@ fn gateway(seed: u64, noise: Noise) -> Faults {
     faults
 }
 
-/// Positions are absolute: what a drive misses is made up for with the next frame, and where the work ends is exact.
+/// Positions are absolute: the next frame makes up for what a drive misses, and the end of the work is exact.
 #[test]
 fn between_board_and_drives_they_cost_a_step_and_never_a_position() {
     leadscrew_seed::volume(1, |first| {
@@ -83,7 +83,7 @@ fn between_board_and_drives_they_cost_a_step_and_never_a_position() {
     });
 }
 
-/// Mode and speed of a spindle go out on change: where that frame is lost the next repetition makes up for it.
+/// Mode and speed of a spindle go out on change: if that frame is lost, the next repetition makes up for it.
 #[test]
 fn a_spindle_is_told_again_what_it_did_not_hear() {
     let params = Params::slant_bed();
@@ -129,7 +129,7 @@ fn a_wire_that_loses_every_frame_of_a_drive_is_silence() {
     bench.stops_with("silence", 4360, 20);
 }
 
-/// Sends all of a program; a transfer that fails is begun again.
+/// Sends a whole program; a transfer that fails is begun again.
 fn upload(bench: &mut Bench, upload: &mut Upload) -> usize {
     let mut failed = 0;
     while !upload.is_done() {
@@ -236,7 +236,7 @@ fn orders_act_once_each() {
     });
 }
 
-/// A parameter set comes into force whole, or the one before stays.
+/// A parameter set comes into force as a whole, or the earlier set stays.
 #[test]
 fn a_parameter_set_arrives_whole_or_not_at_all() {
     leadscrew_seed::volume(1, |first| {

@@ -16,7 +16,7 @@ fn heartbeat() -> Frame {
     NmtState::Operational.frame(NodeId::GATEWAY)
 }
 
-/// Lives up to this tick of the program, then not any more.
+/// The gateway lives up to this tick of the program, and not any longer.
 fn killed(params: &Params, text: &str, tick: u64) -> Bench {
     let mut bench = Bench::new(params);
     Upload::new(1, &calls(text, params)).feed(&mut bench.gateway, &mut bench.lathe.sim);
@@ -58,7 +58,7 @@ fn killed_in_a_thread_the_machine_holds_behind_the_stroke_stops_in_it_or_carries
                     assert!(bench.at().x.nm() >= 30_800_000, "{what}: {:?}", bench.at());
                     assert_eq!(bench.alarm, None, "{what}");
                     assert_eq!(bench.gateway.status.state, BoardState::Hold, "{what}");
-                    // Another one comes and goes on.
+                    // Another gateway comes and goes on.
                     bench.sim.receive(&heartbeat());
                     bench.gateway.order(&mut bench.lathe.sim, Order::Resume);
                     bench.ticks(100);
@@ -156,7 +156,7 @@ fn killed_in_a_transfer_nothing_of_it_counts_and_the_next_gateway_can_work() {
             let program = bench.gateway.number(&mut bench.lathe.sim, 0x5020, 4);
             let taken = transfer.outcome() == Some(Ok(())) || program != Ok(0);
             if !taken {
-                // It has given the client up and said so: SDO time-out.
+                // The board has given the client up and said so: SDO time-out.
                 let abort = [0x80, 0x20, 0x50, 0x01, 0x00, 0x00, 0x04, 0x05];
                 let heard = bench.gateway.heard.iter();
                 let aborts = heard.filter(|frame| frame.payload() == abort).count();

@@ -93,8 +93,8 @@ fn a_rippling_spindle_is_no_alarm() {
     });
 }
 
-/// The machine and the program of a soak whose tap stopped three hundredths of a millimetre before its bottom: the spindle
-/// comes down from 1492 rpm to 994, from which it can just be stopped in the hole, and ripples at the wrong moment.
+/// The machine and the program of a soak in which the tap stopped 0.03 mm before its bottom: the spindle comes down from
+/// 1492 rpm to 994 rpm, from which it can just be stopped in the hole, and ripples at the wrong moment.
 #[test]
 fn a_tap_waits_until_the_spindle_has_come_down() {
     let params = with(&[

@@ -47,7 +47,7 @@ fn read(flash: &mut Flash) -> Result<Option<TapRecord>, StoreError> {
     Ok(bytes.and_then(|bytes| TapRecord::decode(bytes).expect("a whole entry")))
 }
 
-/// What is stored after the power has come back, `new` having been on its way.
+/// The entry that is stored after the power has come back, if the power went while `new` was being written.
 fn after_power_up(flash: &mut Flash, new: u32) -> Option<u32> {
     flash.power(true);
     recover(flash).expect("recovered");
@@ -103,7 +103,7 @@ fn a_cut_at_every_byte_leaves_the_old_entry_or_the_new_one() {
     assert!(cuts >= 75_000 / stride as u32, "{cuts}");
 }
 
-/// Power that goes again and again, while the damage of the last time is being repaired too.
+/// Power that goes again and again, also during the repair of the last damage.
 #[test]
 fn cuts_upon_cuts_lose_nothing() {
     leadscrew_seed::volume(7, |seed| {

@@ -41,7 +41,7 @@ fn refused(sim: &mut Sim, text: &str, params: &Params) -> Code {
         .code
 }
 
-/// No reader lets these pass behind K198. A board need not have been fed by one.
+/// No reader lets these pass after K198. A board need not have been fed by one.
 #[test]
 fn behind_k198_a_board_itself_refuses_what_takes_the_tap_out_of_phase() {
     const LOCKED: &str = "G98 G0 X50 Z5\nM29 S1000\nG84 Z-4 R-5 F2000 K198\nG4 P500\nG30 P99\n";
@@ -65,7 +65,7 @@ fn behind_k198_a_board_itself_refuses_what_takes_the_tap_out_of_phase() {
         let alarm = told.alarm().unwrap_or_else(|| panic!("no alarm: {text}"));
         assert_eq!(alarm.code, Code::TapInHole, "{text}");
         assert_eq!(position(&sim).z, Length::from_nm(-4_000_000), "{text}");
-        // The way out is free behind a reset.
+        // The way out is free after a reset.
         sim.command(Command::Reset);
         let mut told = Told::default();
         go(
@@ -161,7 +161,7 @@ fn nothing_to_return_from() {
         refused(&mut sim, "G30 P99 S500\nM30\n", &params),
         Code::TapReturnNothing
     );
-    // Nor behind a hole that was finished.
+    // Nor after a hole that was finished.
     let mut sim = machine(&params, &PlantOptions::default());
     let mut told = Told::default();
     go(&mut sim, &calls(HIGH_SPEED, &params), &mut told, |_, _| {});

@@ -54,8 +54,8 @@ impl Bench {
         assert_eq!(transfer.outcome(), Some(Ok(())));
     }
 
-    /// Carries out what it asks for, with an entry of the journal behind each write; true where all of it is stored. The
-    /// number of the newest entry that may be there comes back too.
+    /// Carries out what the board asks to store, with an entry of the journal after each write. Returns true if everything
+    /// is stored, and the number of the newest entry that may be there.
     fn store(&mut self, flash: &mut Flash, mut sequence: u32) -> (bool, u32) {
         let mut whole = true;
         while let Some(request) = self.board.store() {

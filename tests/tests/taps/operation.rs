@@ -169,7 +169,7 @@ fn single_block_stops_after_the_last_hole_or_after_each() {
         x: nm(n * 5_000_000),
         ..hole().hole
     };
-    // Behind M30 too, as behind every block with a function.
+    // After M30 too, as after every block with a function.
     assert_eq!(single_block(&with(&[])), [at(3), at(3)]);
     assert_eq!(
         single_block(&with(&[("5200.6", 1)])),
@@ -179,7 +179,7 @@ fn single_block_stops_after_the_last_hole_or_after_each() {
 
 #[test]
 fn single_block_stops_behind_a_hole_that_ends_at_r() {
-    // R at the initial level: there is no move behind the extraction.
+    // R at the initial level: there is no move after the extraction.
     let hole = TapCall {
         repeat: TapRepeat::Holes(2.try_into().expect("two")),
         ..bottom(sheet(), -5_000)

@@ -5,7 +5,7 @@ use leadscrew_core::board::{Command, State};
 use leadscrew_core::params::Params;
 use leadscrew_tests::bench::{Bench, Lathe, NEXT, WORK};
 
-/// What a machine on a bench of its own does behind trouble.
+/// How a machine on a bench of its own recovers after trouble.
 pub trait Recovers {
     /// Clears an alarm and comes up again.
     fn reset(&mut self, what: &str);

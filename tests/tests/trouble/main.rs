@@ -1,5 +1,5 @@
 //! What goes wrong while a machine works, at every place of a program, and the program after it: the alarm comes in
-//! time, everything comes to rest, and behind a reset nothing is left of what was.
+//! time, everything comes to rest, and after a reset nothing is left of the trouble.
 
 mod bench;
 mod calls;

@@ -206,7 +206,7 @@ fn a_program_that_stalls_is_waited_for_outside_the_thread_and_goes_on() {
         let (code, said) = alone(&text, &["--stall", &stall]);
         assert_eq!(code, Some(0), "{stall}: {said}");
         assert!(!said.contains("alarm"), "{stall}: {said}");
-        // What was left to do when the stall began is done behind it, but for what waited in the machine already.
+        // The work that was left when the stall began is done after it, except what waited in the machine already.
         let left = ticks(&calm) - from;
         let behind = ticks(&said) - to;
         assert!(

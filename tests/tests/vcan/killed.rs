@@ -22,8 +22,8 @@ fn kill(mut process: Child) {
     process.wait().unwrap();
 }
 
-/// Kills it once a frame like this is on the bus; so many of them go by before. What was heard with the last one behind it
-/// is returned.
+/// Kills the process once a frame like this is on the bus, after `skip` earlier ones have gone by. Returns the frames that
+/// were received together with that frame, after it.
 fn kill_at(
     can: &mut SocketCan,
     process: Child,
