@@ -1,0 +1,20 @@
+//! The shop's language: what a published program says, resolved where its text is.
+//!
+//! The core reads plain blocks and makes calls of them, in the memory of one line. Part of the language needs more memory
+//! than a line: a program that jumps, a contour that a cycle reads before it cuts, a radius that looks at the next corner.
+//! That part is here, in bounded memory that does not grow with the text.
+//!
+//! ```text
+//! text ─► statements ─► plain blocks ─► calls ─► calls of the contour cycles ─► calls with the nose compensated
+//!          macros, flow   core::program            contour                        nose
+//! ```
+//!
+//! - [`plane`] has the words for paths in the plane of the tool: points and elements (lines and arcs).
+//!
+//! This crate has floating point: a macro calculates in it, and so does geometry between exact ends. Each function comes
+//! from one portable library, so the result has the same bits on every machine.
+//!
+//! It must not know sockets, files, boards or commands. Its input are bytes that can be read again from a place, its
+//! output are the calls of the core, with alarms that name line, column, cause and remedy.
+
+pub mod plane;
